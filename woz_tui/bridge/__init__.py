@@ -1,0 +1,1 @@
+"""Other programs and devices that play the robot: MIDI panels, BML realizers."""

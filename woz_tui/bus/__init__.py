@@ -1,0 +1,1 @@
+"""Commands to drivers: queues, workers, deadlines, and the stop that none of them can delay."""

@@ -1,0 +1,1 @@
+"""The wizard's screen and keyboard."""

@@ -1,0 +1,220 @@
+"""The contract between the bus and whatever moves, speaks or senses.
+
+A driver is a class with three class attributes (`Settings`, `verbs`, `summary`) and a few
+coroutines. It is made once a session, opened, asked to perform, and closed; everything it finds
+out goes through its `Outlet`. `drivers/README.md` builds one step by step.
+"""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, ClassVar, Protocol
+
+from woz_tui.core.clock import Clock
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+#: An argument's type on the wire: text, number, whole, flag, choice, file, seconds, joints
+#: (a mapping joint name -> degrees) or poses (a list of such mappings with `seconds`).
+KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints", "poses")
+
+
+class DriverError(Exception):
+    """Something the wizard must know: what is wrong, and what to do about it."""
+
+    def __init__(self, what: str, remedy: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.remedy = remedy
+
+
+class Lost(DriverError):
+    """The hardware is not there (any more); the driver keeps looking for it by itself."""
+
+
+class Rejected(DriverError):
+    """The command makes no sense to this driver: refused, nothing was sent."""
+
+
+class Scope(enum.Enum):
+    """What a stop reaches."""
+
+    ALL = "all"
+    DRIVE = "drive"
+
+
+@dataclass(frozen=True, slots=True)
+class Argument:
+    """One argument of a verb."""
+
+    name: str
+    kind: str
+    summary: str = ""
+    required: bool = False
+    default: Json = None
+    range: Range | None = None
+    choices: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Verb:
+    """Something a driver can do.
+
+    `arguments[0]` is the main one: `say: "Hello"` gives it directly. Commands in one `lane` run
+    one after the other, those in different lanes together. `stream`: only the latest setpoint
+    counts, so it goes into a slot and not into the queue. `drives`: it moves the robot through
+    the room and must end when nobody watches. `limit_s`: how long it may take at most.
+    """
+
+    name: str
+    summary: str
+    arguments: tuple[Argument, ...] = ()
+    lane: str = "main"
+    stream: bool = False
+    drives: bool = False
+    limit_s: float = 30.0
+
+
+class Job(Protocol):
+    """What a driver is given to perform: one command, and a way to report on it."""
+
+    @property
+    def command(self) -> str:
+        """The command's id."""
+        ...
+
+    @property
+    def verb(self) -> str:
+        """Which verb."""
+        ...
+
+    @property
+    def args(self) -> Mapping[str, Json]:
+        """Checked arguments, defaults filled in."""
+        ...
+
+    def expects(self, seconds: float) -> None:
+        """Say that it will take `seconds` more from now; the console counts down."""
+        ...
+
+
+class Health(enum.Enum):
+    """How a driver is."""
+
+    CONNECTING = "connecting"
+    CONNECTED = "connected"
+    LOST = "lost"
+    FAULTED = "faulted"
+
+
+class Outlet(Protocol):
+    """Everything a driver may tell. Safe to call from any thread."""
+
+    @property
+    def clock(self) -> Clock:
+        """The session's clock."""
+        ...
+
+    @property
+    def folder(self) -> Path:
+        """The experiment file's folder: relative paths start there."""
+        ...
+
+    def reading(
+        self,
+        sensor: str,
+        value: float | None,
+        *,
+        text: str = "",
+        unit: str = "",
+        raw: float | None = None,
+    ) -> None:
+        """A sensor's value; non-finite numbers become null and are marked."""
+        ...
+
+    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+        """A sensor's state moved (ok, stale, silent, speaking, quiet ...)."""
+        ...
+
+    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
+        """The driver's own state moved; saying the same again is free."""
+        ...
+
+    def notice(self, level: str, text: str, remedy: str = "") -> None:
+        """A sentence for the wizard; `level` is info, warning or error."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Finding:
+    """One line of a preflight or of `woz doctor`; `level`: ok, info, warning or error."""
+
+    level: str
+    subject: str
+    text: str
+    remedy: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Probe:
+    """What `woz doctor` hands to a driver class: settings, and where relative paths start."""
+
+    name: str
+    settings: Any
+    folder: Path = field(default_factory=Path)
+
+
+class Driver(Protocol):
+    """One piece of hardware, or several behind one wire."""
+
+    #: A frozen dataclass; its annotations (`core.fields`) are decoded from the robot file.
+    Settings: ClassVar[type]
+    #: What it is, in one line.
+    summary: ClassVar[str]
+
+    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None: ...
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """What it offers with these settings (a head of three joints offers three)."""
+        ...
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """Names of the readings it will publish."""
+        ...
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """`woz doctor`: look at the hardware without moving it. Never raises."""
+        ...
+
+    async def open(self) -> None:
+        """Begin to look for the hardware; return at once. Missing hardware is no error here: say
+        so through `outlet.health` and keep looking.
+        """
+        ...
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out one command; returns what was really sent. Raises `DriverError`.
+
+        Cancelled by the stop and by the time limit: then end quickly and re-raise.
+        """
+        ...
+
+    async def stop(self, scope: Scope) -> None:
+        """Stand still / fall silent now; return when it has really happened. Jobs are being
+        cancelled at the same time. With `Scope.DRIVE` only what moves through the room ends.
+        """
+        ...
+
+    async def rest(self) -> None:
+        """Take the safe pose in which the robot may be left alone."""
+        ...
+
+    async def close(self) -> None:
+        """Let go of the hardware: torque off, ports closed, children gone. Never raises."""
+        ...

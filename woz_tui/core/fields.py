@@ -1,0 +1,73 @@
+"""Annotations that say what a setting or an argument may be.
+
+They stand in the types (`Annotated[float, Range(0, 5, "m")]`), where one decoder checks them, one
+schema generator publishes them and one reader finds them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Range:
+    """A number from `low` to `high`, both included, in `unit`; None means unbounded."""
+
+    low: float | None = None
+    high: float | None = None
+    unit: str = ""
+
+    def contains(self, value: float) -> bool:
+        """Whether `value` lies inside; NaN never does."""
+        return (
+            (self.low is None or value >= self.low)
+            and (self.high is None or value <= self.high)
+            and value == value
+        )
+
+    def __str__(self) -> str:
+        unit = f" {self.unit}" if self.unit else ""
+        if self.low is not None and self.high is not None:
+            return f"{self.low:g} to {self.high:g}{unit}"
+        if self.low is not None:
+            return f"{self.low:g}{unit} or more"
+        if self.high is not None:
+            return f"{self.high:g}{unit} or less"
+        return f"any number{unit}"
+
+
+@dataclass(frozen=True, slots=True)
+class OneOf:
+    """A word out of a list."""
+
+    choices: tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Pattern:
+    """A text that matches `regex` as a whole; `meaning` says so in words."""
+
+    regex: str
+    meaning: str
+
+
+@dataclass(frozen=True, slots=True)
+class Doc:
+    """What a setting is for: one sentence for tables and editors."""
+
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class Path:
+    """A path, relative to the file it stands in. `must_exist` is checked by `woz check`."""
+
+    must_exist: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Seconds:
+    """A duration: a number of seconds, or text such as `250 ms`, `2 s`, `10 min`."""
+
+    low: float = 0.0
+    high: float = 86_400.0

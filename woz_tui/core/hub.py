@@ -1,0 +1,116 @@
+"""Where every message passes once: stamped, recorded first, then handed to whoever listens."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import TypeVar
+
+import msgspec
+
+from woz_tui.core import wire
+from woz_tui.core.clock import Clock, timestamp
+from woz_tui.core.messages import AnyMessage, Message
+
+#: Called with the stamped message and its line before anybody else; must not raise, must not wait.
+Record = Callable[[AnyMessage, bytes], None]
+
+M = TypeVar("M", bound=Message)
+
+
+class Subscription:
+    """A bounded buffer of lines for one listener. The oldest samples go first, acks never.
+
+    A listener that falls so far behind that even without samples `capacity` lines are waiting is
+    marked `overrun`; its owner closes it, and it may come back for the full picture.
+    """
+
+    def __init__(self, capacity: int, samples: bool, wake: Callable[[], None]) -> None:
+        self._capacity = capacity
+        self._samples = samples
+        self._wake = wake
+        self._lines: deque[tuple[bool, bytes]] = deque()
+        self.dropped = 0
+        self.overrun = False
+
+    def offer(self, sample: bool, line: bytes) -> None:
+        """Take a line in, making room by dropping the oldest sample if there is none."""
+        if sample and not self._samples:
+            return
+        if len(self._lines) >= self._capacity and not self._make_room(sample):
+            return
+        self._lines.append((sample, line))
+        if len(self._lines) == 1:
+            self._wake()
+
+    def _make_room(self, sample: bool) -> bool:
+        for index, (is_sample, _) in enumerate(self._lines):
+            if is_sample:
+                del self._lines[index]
+                self.dropped += 1
+                return True
+        if sample:
+            self.dropped += 1
+            return False
+        self.overrun = True
+        return True
+
+    def take(self) -> list[bytes]:
+        """All waiting lines, oldest first."""
+        lines = [line for _, line in self._lines]
+        self._lines.clear()
+        return lines
+
+
+class Hub:
+    """Stamps, records and distributes. Used from one thread, the robot process's event loop."""
+
+    def __init__(self, clock: Clock, record: Record) -> None:
+        self._clock = clock
+        self._record = record
+        self._zero_us = clock.now_us()
+        self._seq = 0
+        self._listeners: list[Callable[[AnyMessage], None]] = []
+        self._subscriptions: list[Subscription] = []
+
+    @property
+    def seq(self) -> int:
+        """Number of the last message."""
+        return self._seq - 1
+
+    def now(self) -> int:
+        """Microseconds since the session began: the `t` axis."""
+        return self._clock.now_us() - self._zero_us
+
+    def publish(self, message: M) -> M:
+        """Stamp `message`, have it recorded, hand it round; returns it as stamped."""
+        sample = wire.is_sample(message)
+        stamped = msgspec.structs.replace(
+            message,
+            seq=self._seq,
+            t=self.now(),
+            ts="" if sample else timestamp(self._clock.wall()),
+        )
+        self._seq += 1
+        line = wire.encode(stamped)
+        self._record(stamped, line)  # type: ignore[arg-type]
+        for listener in self._listeners:
+            listener(stamped)  # type: ignore[arg-type]
+        for subscription in self._subscriptions:
+            subscription.offer(sample, line)
+        return stamped
+
+    def listen(self, listener: Callable[[AnyMessage], None]) -> None:
+        """Call `listener` with every message, in the loop; it must be quick and must not raise."""
+        self._listeners.append(listener)
+
+    def subscribe(self, capacity: int, samples: bool, wake: Callable[[], None]) -> Subscription:
+        """A buffer of coming lines; `wake` is called when it stops being empty."""
+        subscription = Subscription(capacity, samples, wake)
+        self._subscriptions.append(subscription)
+        return subscription
+
+    def unsubscribe(self, subscription: Subscription) -> None:
+        """No more lines for it."""
+        if subscription in self._subscriptions:
+            self._subscriptions.remove(subscription)

@@ -1,0 +1,451 @@
+"""Everything that is ever said in a session: to the log, over the socket, in a replay.
+
+A message is one JSON object on one line. Its `kind` names the class, `seq` its place in the
+session, `t` whole microseconds since the session began (monotonic clock), `ts` the wall clock.
+The hub fills these three in; whoever makes a message leaves them alone. Fields that hold their
+default are left out of the line, so a field has one JSON type wherever it appears.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import msgspec
+
+#: What an argument or a sensor value may be.
+Json = None | bool | int | float | str | list[Any] | dict[str, Any]
+
+FORMAT = "woz-session"
+SCHEMA = 1
+
+
+class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind"):
+    """What all messages carry; see the module's text."""
+
+    seq: int = -1
+    t: int = -1
+    ts: str = ""
+
+
+# -- the session ----------------------------------------------------------------------------
+
+
+class SessionStart(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.start"):
+    """First line of a log: who, what, with which software, and how clock and calendar meet."""
+
+    format: str = msgspec.field(default_factory=lambda: FORMAT)
+    schema: int = msgspec.field(default_factory=lambda: SCHEMA)
+    session: str
+    participant: str
+    condition: str
+    wizard: str
+    software: dict[str, str]
+    experiment: str
+    experiment_sha256: str
+    seed: int
+    clock: dict[str, str]
+
+
+class SessionChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.changed"):
+    """Participant, condition or trial was set during the session; only what changed is there."""
+
+    participant: str | None = None
+    condition: str | None = None
+    trial: int | None = None
+
+
+class SessionEnd(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.end"):
+    """Last line of a log. `sha256` covers every byte of the file before this line."""
+
+    reason: str
+    sha256: str = ""
+
+
+class ClockTie(Message, frozen=True, kw_only=True, omit_defaults=True, tag="clock"):
+    """Ties `t` to the wall clock; one every 30 s, so a step of the wall clock can be seen."""
+
+    wall: str
+
+
+class Checkpoint(Message, frozen=True, kw_only=True, omit_defaults=True, tag="checkpoint"):
+    """Running SHA-256 of the file up to this line, every 10 s while there is something new."""
+
+    sha256: str
+    lines: int
+
+
+class RecorderState(Message, frozen=True, kw_only=True, omit_defaults=True, tag="recorder.state"):
+    """How well the log keeps up. `level` is ok, warn (lag >= 250 ms), alarm (>= 1 s) or failed."""
+
+    level: str
+    lag_us: int
+    path: str
+    detail: str = ""
+    remedy: str = ""
+
+
+class Notice(Message, frozen=True, kw_only=True, omit_defaults=True, tag="notice"):
+    """A sentence for the wizard. `level`: info, warning or error."""
+
+    level: str
+    text: str
+    remedy: str = ""
+
+
+# -- actions and commands ---------------------------------------------------------------------
+
+
+class ActionRequested(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="action.requested"
+):
+    """Somebody asked for an action by name: one press, from which one or more commands follow.
+
+    `source` is key, script, palette, program, engagement or replay; `console` names the
+    connection it came over. `run` ties the action's commands and its end together.
+    """
+
+    run: str
+    action: str
+    panel: str = ""
+    source: str
+    key: str = ""
+    console: str = ""
+
+
+class ActionEnd(Message, frozen=True, kw_only=True, omit_defaults=True):
+    """How the run of an action ended; each `action.requested` has exactly one such line."""
+
+    run: str
+    action: str
+    reason: str = ""
+
+
+class ActionDone(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.done"):
+    """Every command of the action was done."""
+
+
+class ActionFailed(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.failed"):
+    """A command failed, timed out or was refused; `reason` says which."""
+
+
+class ActionStopped(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.stopped"):
+    """The stop, or a replacing press, cut the action short."""
+
+
+class ActionRefused(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.refused"):
+    """Nothing of the action was tried: unknown, locked, stale, stopped, or a value missing."""
+
+
+class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"):
+    """One verb with its arguments, for one driver, on its way to the bus.
+
+    `deadline_us`, on the session's `t` axis, is the moment after which it may no longer begin
+    (0: none). `limit_s` bounds how long it may run once begun. `when_busy`: queue, replace or
+    refuse, if its lane is occupied.
+    """
+
+    command: str
+    run: str = ""
+    action: str = ""
+    panel: str = ""
+    verb: str
+    args: dict[str, Json]
+    driver: str = ""
+    source: str
+    key: str = ""
+    deadline_us: int = 0
+    limit_s: float = 30.0
+    when_busy: str = "queue"
+
+
+class Ack(Message, frozen=True, kw_only=True, omit_defaults=True):
+    """What became of a command. Only the subclasses are sent."""
+
+    command: str
+    driver: str = ""
+
+
+class Dispatched(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.dispatched"):
+    """The driver's `perform` was called. `latency_us` counts from the request."""
+
+    latency_us: int
+
+
+class Progress(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.progress"):
+    """The driver now knows how long it will take: `expected_us` more from this line's `t`."""
+
+    expected_us: int
+
+
+class End(Ack, frozen=True, kw_only=True, omit_defaults=True):
+    """How a command ended; each `command.requested` has exactly one such line."""
+
+    reason: str = ""
+    remedy: str = ""
+
+
+class Done(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.done"):
+    """It was carried out. `sent` is what really went to the hardware, after clamping."""
+
+    sent: dict[str, Json]
+    latency_us: int
+    duration_us: int
+
+
+class Failed(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.failed"):
+    """The driver raised; `reason` says what, `remedy` what to do."""
+
+
+class TimedOut(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.timed_out"):
+    """It ran longer than `limit_s`; its lane is faulted until the job really ends."""
+
+
+class Refused(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.refused"):
+    """It never began: `code` is stopped, late, stale, full, busy, faulted, lost, unknown, locked,
+    args or missing.
+    """
+
+    code: str
+
+
+class Stopped(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.stopped"):
+    """The stop, or the loss of the wizard while driving, ended it."""
+
+
+class Superseded(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.superseded"):
+    """A newer setpoint or a replacing command took its place; `by` names it."""
+
+    by: str
+
+
+class StopPressed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.pressed"):
+    """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive."""
+
+    source: str
+    scope: str = msgspec.field(default_factory=lambda: "all")
+
+
+class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.confirmed"):
+    """Which drivers confirmed within 0.5 s and which did not, by name."""
+
+    confirmed: list[str]
+    missing: list[str]
+    elapsed_us: int
+
+
+class StopReleased(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.released"):
+    """A wizard released the stop on purpose."""
+
+    source: str
+
+
+# -- drivers and sensors ----------------------------------------------------------------------
+
+
+class DriverHealth(Message, frozen=True, kw_only=True, omit_defaults=True):
+    """How a driver is. Only the subclasses are sent."""
+
+    driver: str
+    detail: str = ""
+    remedy: str = ""
+
+
+class DriverConnecting(
+    DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.connecting"
+):
+    """It is looking for its hardware."""
+
+
+class DriverConnected(
+    DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.connected"
+):
+    """It is ready; `detail` says with what (port, models found)."""
+
+
+class DriverLost(DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.lost"):
+    """Its hardware went away; it looks for it by itself."""
+
+
+class DriverFaulted(
+    DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.faulted"
+):
+    """A part of it does not answer or reports an alarm; `detail` names the part."""
+
+
+class Reading(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sample"):
+    """One value of one sensor.
+
+    `sensor` names the quantity: distance (m), loudness (RMS, 0..1 of full scale), presence (0/1),
+    gaze (0/1), identity (in `text`), direction (degrees), `joint.<name>` and `setpoint.<name>`
+    (degrees). A missing or non-finite value is null, and `bad` names the field. `raw` is what the
+    device said, in its own unit. `text` holds what is not a number (an identity).
+    """
+
+    sensor: str
+    value: float | None
+    text: str = ""
+    driver: str = ""
+    unit: str = ""
+    raw: float | None = None
+    bad: list[str] = []
+
+
+class SensorChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sensor.changed"):
+    """A sensor's state, not its value, moved: ok, stale, silent, speaking, quiet ..."""
+
+    sensor: str
+    state: str
+    was: str = ""
+    why: str = ""
+
+
+class EngagementChanged(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="engagement.changed"
+):
+    """The engagement machine moved; `why` gives the reason in words."""
+
+    was: str
+    now: str
+    outcome: str
+    why: str
+    verdicts: dict[str, Json]
+
+
+class ModeChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="mode.changed"):
+    """The robot's mode (normal, demo ...) changed."""
+
+    driver: str
+    was: str
+    now: str
+    why: str = ""
+
+
+# -- the wizard's own marks ---------------------------------------------------------------------
+
+
+class Marker(Message, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
+    """A moment worth finding again."""
+
+    text: str = ""
+    source: str = msgspec.field(default_factory=lambda: "key")
+
+
+class Note(Message, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
+    """A sentence the wizard typed."""
+
+    text: str
+
+
+class Mistake(Message, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
+    """The wizard says that the run `run` of `action` was a mistake."""
+
+    run: str
+    action: str = ""
+    text: str = ""
+
+
+class ScriptMoved(Message, frozen=True, kw_only=True, omit_defaults=True, tag="script.moved"):
+    """The script's next line: `position` counts from 0; equal to the length at the end."""
+
+    position: int
+
+
+class PanelLocked(Message, frozen=True, kw_only=True, omit_defaults=True, tag="panel.locked"):
+    """A panel was locked or unlocked while running."""
+
+    panel: str
+    locked: bool
+
+
+class ExperimentReloaded(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="experiment.reloaded"
+):
+    """The experiment file was read again; `changes` lists the differences in words."""
+
+    experiment_sha256: str
+    changes: list[str]
+
+
+class ConsoleAttached(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.attached"
+):
+    """A console or program connected. `role`: wizard, watcher or program."""
+
+    console: str
+    role: str
+
+
+class ConsoleLost(Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.lost"):
+    """It left (`why`: left) or died (closed, silent)."""
+
+    console: str
+    role: str
+    why: str
+
+
+#: Every message that may stand in a log or on the stream.
+AnyMessage = (
+    SessionStart
+    | SessionChanged
+    | SessionEnd
+    | ClockTie
+    | Checkpoint
+    | RecorderState
+    | Notice
+    | ActionRequested
+    | ActionDone
+    | ActionFailed
+    | ActionStopped
+    | ActionRefused
+    | Command
+    | Dispatched
+    | Progress
+    | Done
+    | Failed
+    | TimedOut
+    | Refused
+    | Stopped
+    | Superseded
+    | StopPressed
+    | StopConfirmed
+    | StopReleased
+    | DriverConnecting
+    | DriverConnected
+    | DriverLost
+    | DriverFaulted
+    | Reading
+    | SensorChanged
+    | EngagementChanged
+    | ModeChanged
+    | Marker
+    | Note
+    | Mistake
+    | ScriptMoved
+    | PanelLocked
+    | ExperimentReloaded
+    | ConsoleAttached
+    | ConsoleLost
+)
+
+
+def reading(
+    sensor: str,
+    value: float | None,
+    *,
+    text: str = "",
+    driver: str = "",
+    unit: str = "",
+    raw: float | None = None,
+) -> Reading:
+    """A `Reading` whose non-finite numbers have become null and are named in `bad`."""
+    bad = []
+    if value is not None and not math.isfinite(value):
+        value = None
+        bad.append("value")
+    if raw is not None and not math.isfinite(raw):
+        raw = None
+        bad.append("raw")
+    return Reading(
+        sensor=sensor, value=value, text=text, driver=driver, unit=unit, raw=raw, bad=bad
+    )

@@ -1,0 +1,70 @@
+"""Message <-> JSON line; the only codec in the project."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from woz_tui.core.messages import AnyMessage, Message
+from woz_tui.core.requests import AnyAnswer, AnyRequest
+
+#: A longer line is refused; a client cannot make the host hoard memory.
+MAX_LINE = 1 << 20
+
+_encoder = msgspec.json.Encoder()
+_message: msgspec.json.Decoder[AnyMessage] = msgspec.json.Decoder(AnyMessage)
+_request: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
+_incoming: msgspec.json.Decoder[AnyMessage | AnyAnswer] = msgspec.json.Decoder(
+    AnyMessage | AnyAnswer
+)
+_anything: msgspec.json.Decoder[Any] = msgspec.json.Decoder()
+
+
+class WireError(ValueError):
+    """A line that is no message; the text says what is wrong with it."""
+
+
+def encode(message: msgspec.Struct) -> bytes:
+    """One JSON object and a newline, UTF-8. Non-finite numbers become null."""
+    return _encoder.encode(message) + b"\n"
+
+
+def decode_message(line: bytes) -> AnyMessage:
+    """A message of the session; `WireError` if the line is none or of an unknown kind."""
+    try:
+        return _message.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+
+
+def decode_request(line: bytes) -> AnyRequest:
+    """A client's request; `WireError` says which field is wrong."""
+    try:
+        return _request.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+
+
+def decode_incoming(line: bytes) -> AnyMessage | AnyAnswer | dict[str, Any]:
+    """A line from the host; a kind that this version does not know comes as a plain dict."""
+    try:
+        return _incoming.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError):
+        return decode_unknown(line)
+
+
+def decode_unknown(line: bytes) -> dict[str, Any]:
+    """Any JSON object, with all its fields; `WireError` if it is none."""
+    try:
+        value = _anything.decode(line)
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+    if not isinstance(value, dict):
+        raise WireError(f"expected a JSON object, got {type(value).__name__}")
+    return value
+
+
+def is_sample(message: Message) -> bool:
+    """Whether it is a raw sample: these may be dropped under pressure, nothing else may."""
+    return message.__struct_config__.tag == "sample"

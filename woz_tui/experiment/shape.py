@@ -1,0 +1,170 @@
+"""What an experiment is, once its file has been read and found right.
+
+Everything here is frozen and complete: names are resolved, defaults filled in, paths absolute,
+keys in their normal form (see `keys.py`).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from woz_tui.core.driver import Verb
+from woz_tui.core.messages import Json
+
+
+@dataclass(frozen=True, slots=True)
+class Place:
+    """Where something stands: file, line and column, both counted from 1."""
+
+    file: str
+    line: int
+    column: int
+
+    def __str__(self) -> str:
+        return f"{self.file}:{self.line}:{self.column}"
+
+
+@dataclass(frozen=True, slots=True)
+class Problem:
+    """One error or warning in a file."""
+
+    place: Place
+    path: str
+    message: str
+    warning: bool = False
+
+    def __str__(self) -> str:
+        warning = "warning: " if self.warning else ""
+        return f"{self.place}: {warning}{self.path}: {self.message}"
+
+
+class ExperimentError(Exception):
+    """The file cannot be used; `problems` holds every reason, sorted by place."""
+
+    def __init__(self, problems: list[Problem]) -> None:
+        super().__init__("\n".join(map(str, problems)))
+        self.problems = problems
+
+
+@dataclass(frozen=True, slots=True)
+class DriverSpec:
+    """One driver of a robot: its name (`head`, or `left.head` with several robots), the entry
+    point it comes from, its decoded settings, what it offers with them.
+    """
+
+    name: str
+    type: str
+    settings: Any
+    verbs: tuple[Verb, ...]
+    sensors: tuple[str, ...]
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Call:
+    """One verb, its checked arguments (variables still in place), the driver it goes to."""
+
+    verb: str
+    args: Mapping[str, Json]
+    driver: str
+    place: Place
+
+
+@dataclass(frozen=True, slots=True)
+class Wait:
+    """A pause between steps, in seconds."""
+
+    seconds: float
+
+
+@dataclass(frozen=True, slots=True)
+class Together:
+    """Calls that begin at the same moment; the step ends when the last one has ended."""
+
+    calls: tuple[Call, ...]
+
+
+Step = Together | Wait
+
+
+@dataclass(frozen=True, slots=True)
+class Action:
+    """What one key does: steps, one after the other.
+
+    `name` is unique in the experiment and is what scripts and programs call it by.
+    `when_busy`: queue, replace or refuse. `locked`: shown but never played.
+    """
+
+    name: str
+    label: str
+    key: str
+    panel: str
+    steps: tuple[Step, ...]
+    place: Place
+    when_busy: str = "queue"
+    help: str = ""
+    locked: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Panel:
+    """A titled group of actions; `locked` panels take no input at all until unlocked."""
+
+    title: str
+    actions: tuple[Action, ...]
+    place: Place
+    locked: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class SessionSettings:
+    """How a session is run."""
+
+    #: Seconds without any console before the robot rests and the session ends.
+    abandon_after: float = 600.0
+    #: Seconds a key press may wait in a queue before it is refused as late.
+    deadline: float = 10.0
+    #: Seconds a press may take from the terminal to the robot before it counts as stale.
+    stale_after: float = 1.5
+    #: Seconds without a beat of the wizard's console before driving stops.
+    dead_man: float = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class Experiment:
+    """A whole experiment, ready to run."""
+
+    title: str
+    path: Path
+    sha256: str
+    drivers: tuple[DriverSpec, ...]
+    panels: tuple[Panel, ...]
+    script: tuple[str, ...] = ()
+    #: Regular expression that participant codes match as a whole.
+    participant_pattern: str = "[A-Za-z0-9]{1,16}"
+    conditions: tuple[str, ...] = ()
+    #: Values for `{name}` in utterances, beside the built-in participant, condition and session.
+    variables: Mapping[str, str] = field(default_factory=dict)
+    #: Keyboard layout: us, gb, de, es, fr ...
+    keyboard: str = "us"
+    session: SessionSettings = field(default_factory=SessionSettings)
+    #: Further sections, kept as read for the rooms that will use them (engagement ...).
+    sections: Mapping[str, Any] = field(default_factory=dict)
+    #: Every file that was read, for the hash and for watching.
+    files: tuple[Path, ...] = ()
+    warnings: tuple[Problem, ...] = ()
+
+    def action(self, name: str) -> Action | None:
+        """The action called `name`, or None."""
+        for panel in self.panels:
+            for action in panel.actions:
+                if action.name == name:
+                    return action
+        return None
+
+    def driver(self, name: str) -> DriverSpec | None:
+        """The driver called `name`, or None."""
+        return next((spec for spec in self.drivers if spec.name == name), None)

@@ -1,0 +1,1 @@
+"""The body's behaviour: limits, kinematics, layers, moves, face, modes."""

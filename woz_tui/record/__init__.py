@@ -1,0 +1,1 @@
+"""The log of a session: written so that nothing acknowledged is lost, read back whole."""

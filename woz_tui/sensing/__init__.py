@@ -1,0 +1,1 @@
+"""From raw samples to what the wizard needs to know: filters, sound, distance, engagement."""

@@ -1,0 +1,1 @@
+"""One session: experiment, drivers, bus, hub and recorder put together."""

@@ -30,13 +30,15 @@ class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello")
     """First line of a client. `role`: wizard (one at a time), watcher or program.
 
     A wizard must send a `beat` at least every second; when three seconds pass without one, driving
-    stops. `stream`: everything, actions (no samples) or nothing.
+    stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
+    second one becomes a watcher, unless it says `take_over`: then the first one does.
     """
 
     role: str
     name: str = ""
     protocol: int = PROTOCOL
     stream: str = "everything"
+    take_over: bool = False
 
 
 class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="action"):
@@ -209,7 +211,7 @@ class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 class Welcome(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="welcome"
 ):
-    """First line to a client that said hello: the whole picture, so that any console can begin here.
+    """First line to a client that said hello: the whole picture, so any console can begin here.
 
     `state` are messages of the stream that still hold (session start and changes, health of each
     driver, stop if pressed, commands and actions not yet ended, last reading of each sensor,

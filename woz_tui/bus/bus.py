@@ -1,0 +1,206 @@
+"""The bus: from a command to the driver that carries it out, and the stop that overtakes all.
+
+Each driver has its lanes (`lane.py`); a slow or dead driver delays only them. The bus promises:
+every command submitted is recorded first and ends exactly once; after a stop nothing reaches a
+driver until the stop is released.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Callable, Mapping
+
+from woz_tui.bus.arguments import ArgumentError, checked
+from woz_tui.bus.lane import Lane, Ticket
+from woz_tui.core.driver import Driver, Scope, Verb
+from woz_tui.core.hub import Hub
+from woz_tui.core.messages import Command, End, StopConfirmed, StopPressed, StopReleased
+
+#: Commands that may wait in one lane.
+CAPACITY = 16
+#: How long drivers have to confirm a stop, in seconds.
+STOP_WAIT_S = 0.5
+
+log = logging.getLogger(__name__)
+
+
+class Bus:
+    """Queues, deadlines and the stop for all drivers of a session.
+
+    Args:
+        hub: Everything that happens is published here.
+        drivers: By name.
+        verbs: What each driver offers, by the driver's name.
+        capacity: Commands that may wait in one lane.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        drivers: Mapping[str, Driver],
+        verbs: Mapping[str, tuple[Verb, ...]],
+        capacity: int = CAPACITY,
+    ) -> None:
+        self._hub = hub
+        self._drivers = dict(drivers)
+        self._verbs = {
+            name: {verb.name: verb for verb in offered} for name, offered in verbs.items()
+        }
+        self._capacity = capacity
+        self._lanes: dict[tuple[str, str], Lane] = {}
+        self._stopping: asyncio.Task[None] | None = None
+        self._asides: set[asyncio.Task[None]] = set()
+        self.latched = False
+        #: Why the robot may not drive at this moment; empty while a wizard watches.
+        self.unwatched = ""
+
+    # -- commands ----------------------------------------------------------------------------
+
+    def submit(self, command: Command, on_end: Callable[[End], None] | None = None) -> Command:
+        """Record `command`, then queue or refuse it; returns it as recorded.
+
+        `on_end` is called once, in the loop, with how it ended; possibly before this returns.
+        """
+        verb = self._verbs.get(command.driver, {}).get(command.verb)
+        recorded = self._hub.publish(command)
+        ticket = Ticket(
+            recorded,
+            verb or Verb(command.verb, ""),
+            self._hub,
+            on_end,
+            requested_us=recorded.t,
+        )
+        if self.latched:
+            ticket.refuse("stopped", "the stop is pressed", "release it first")
+        elif verb is None:
+            ticket.refuse("unknown", self._unknown(command))
+        elif verb.drives and self.unwatched:
+            ticket.refuse("unwatched", self.unwatched, "attach a wizard's console")
+        else:
+            try:
+                args = checked(verb, command.args)
+            except ArgumentError as error:
+                ticket.refuse("args", str(error))
+            else:
+                self._lane(command.driver, verb).take(ticket, args, command.when_busy)
+        return recorded
+
+    def _unknown(self, command: Command) -> str:
+        if command.driver not in self._drivers:
+            return f"there is no driver {command.driver!r}"
+        return f"{command.driver} does not offer {command.verb!r}"
+
+    def _lane(self, driver: str, verb: Verb) -> Lane:
+        name = f"{verb.lane}~{verb.name}" if verb.stream else verb.lane
+        lane = self._lanes.get((driver, name))
+        if lane is None:
+            lane = Lane(name, driver, self._drivers[driver], self._hub, self._capacity)
+            self._lanes[driver, name] = lane
+        return lane
+
+    def cancel(self, run: str, reason: str) -> None:
+        """End every command of the run `run`."""
+        for lane in self._lanes.values():
+            lane.cancel(run, reason)
+
+    # -- the stop ----------------------------------------------------------------------------
+
+    def stop(self, source: str) -> asyncio.Task[None]:
+        """Latch, end everything, call every driver's `stop` at once.
+
+        Returns the task that ends when all have confirmed or `STOP_WAIT_S` has passed. A press
+        while one is under way joins it: drivers are not called twice for a held-down key.
+        """
+        self.latched = True
+        if self._stopping is not None and not self._stopping.done():
+            return self._stopping
+        began_us = self._hub.now()
+        stops = self._call_stops(Scope.ALL, list(self._drivers))
+        self._hub.publish(StopPressed(source=source))
+        for lane in list(self._lanes.values()):
+            lane.stop("stop pressed")
+        self._stopping = asyncio.get_running_loop().create_task(self._confirm(stops, began_us))
+        return self._stopping
+
+    def release(self, source: str) -> bool:
+        """Take commands again; says whether the stop was pressed at all."""
+        if not self.latched:
+            return False
+        self.latched = False
+        self._hub.publish(StopReleased(source=source))
+        return True
+
+    def halt_driving(self, source: str) -> None:
+        """End only what moves the robot through the room; nothing latches."""
+        driving = [
+            name
+            for name in self._drivers
+            if any(verb.drives for verb in self._verbs.get(name, {}).values())
+        ]
+        if not driving:
+            return
+        began_us = self._hub.now()
+        stops = self._call_stops(Scope.DRIVE, driving)
+        self._hub.publish(StopPressed(source=source, scope=Scope.DRIVE.value))
+        for lane in list(self._lanes.values()):
+            lane.stop(source, only_driving=True)
+        task = asyncio.get_running_loop().create_task(self._confirm(stops, began_us, jobs=False))
+        self._asides.add(task)
+        task.add_done_callback(self._asides.discard)
+
+    def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, asyncio.Task[None]]:
+        loop = asyncio.get_running_loop()
+        return {
+            name: loop.create_task(self._drivers[name].stop(scope), name=f"stop {name}")
+            for name in names
+        }
+
+    async def _confirm(
+        self, stops: Mapping[str, asyncio.Task[None]], began_us: int, jobs: bool = True
+    ) -> None:
+        """Wait until each driver's `stop` has returned and its jobs have ended, then report."""
+        loop = asyncio.get_running_loop()
+        waits = {
+            name: loop.create_task(self._still(name, stop, jobs)) for name, stop in stops.items()
+        }
+        if waits:
+            await asyncio.wait(waits.values(), timeout=STOP_WAIT_S)
+        confirmed, missing = [], []
+        for name, wait in waits.items():
+            if wait.done() and wait.result():
+                confirmed.append(name)
+            else:
+                missing.append(name)
+                wait.cancel()
+        self._hub.publish(
+            StopConfirmed(
+                confirmed=confirmed, missing=missing, elapsed_us=self._hub.now() - began_us
+            )
+        )
+
+    async def _still(self, name: str, stop: asyncio.Task[None], jobs: bool) -> bool:
+        await asyncio.wait([stop])
+        if stop.cancelled():
+            return False
+        error = stop.exception()
+        if error is not None:
+            log.error("stop of %s failed", name, exc_info=error)
+            return False
+        if jobs:
+            for (driver, _), lane in list(self._lanes.items()):
+                if driver == name:
+                    await lane.ended()
+        return True
+
+    # -- ending ------------------------------------------------------------------------------
+
+    async def drain(self, seconds: float) -> None:
+        """End every command and wait up to `seconds` for the jobs to be gone."""
+        for lane in list(self._lanes.values()):
+            lane.stop("the session ends")
+        waits = [asyncio.ensure_future(lane.ended()) for lane in self._lanes.values()]
+        if waits:
+            _, pending = await asyncio.wait(waits, timeout=seconds)
+            for wait in pending:
+                wait.cancel()

@@ -1,0 +1,377 @@
+"""One lane of one driver: commands in it run one after the other.
+
+A lane is driven by callbacks, not by a worker coroutine of its own, so that a command for an idle
+lane reaches the driver on the next turn of the loop, and so that every change of state happens in
+one place at one time.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+import math
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+import msgspec
+
+from woz_tui.core.driver import Driver, DriverError, Rejected, Verb
+from woz_tui.core.hub import Hub
+from woz_tui.core.messages import (
+    Command,
+    Dispatched,
+    Done,
+    End,
+    Failed,
+    Json,
+    LaneFaulted,
+    LaneRecovered,
+    Progress,
+    Refused,
+    Stopped,
+    Superseded,
+    TimedOut,
+)
+
+#: How long a cancelled job may take to end before its lane counts as faulted, in seconds.
+GRACE_S = 0.25
+#: A job that announced its duration may take this much longer than announced.
+EXPECTED_FACTOR = 1.5
+EXPECTED_MARGIN_S = 2.0
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(eq=False)
+class Ticket:
+    """A command on its way through the bus; `end` is set once, by whoever is first."""
+
+    command: Command
+    verb: Verb
+    hub: Hub
+    on_end: Callable[[End], None] | None = None
+    end: End | None = None
+    requested_us: int = 0
+    timers: list[asyncio.TimerHandle] = field(default_factory=list)
+
+    def finish(self, end: End) -> bool:
+        """Publish `end` unless the command has ended already; says whether it was first."""
+        if self.end is not None:
+            return False
+        for timer in self.timers:
+            timer.cancel()
+        self.timers.clear()
+        self.end = end
+        self.end = self.hub.publish(end)
+        if self.on_end is not None:
+            self.on_end(self.end)
+        return True
+
+    def refuse(self, code: str, reason: str, remedy: str = "") -> None:
+        """End it as refused: it never began."""
+        self.finish(
+            Refused(
+                command=self.command.command,
+                driver=self.command.driver,
+                code=code,
+                reason=reason,
+                remedy=remedy,
+            )
+        )
+
+    def stop(self, reason: str) -> None:
+        """End it as stopped."""
+        self.finish(
+            Stopped(command=self.command.command, driver=self.command.driver, reason=reason)
+        )
+
+    def supersede(self, by: str) -> None:
+        """End it because command `by` takes its place."""
+        self.finish(Superseded(command=self.command.command, driver=self.command.driver, by=by))
+
+
+class LaneJob:
+    """What the driver sees of a command (`core.driver.Job`)."""
+
+    def __init__(
+        self, ticket: Ticket, args: Mapping[str, Json], extend: Callable[[float], None]
+    ) -> None:
+        self._ticket = ticket
+        self._args = args
+        self._extend = extend
+        self._loop = asyncio.get_running_loop()
+
+    @property
+    def command(self) -> str:
+        """The command's id."""
+        return self._ticket.command.command
+
+    @property
+    def verb(self) -> str:
+        """The verb's name."""
+        return self._ticket.verb.name
+
+    @property
+    def args(self) -> Mapping[str, Json]:
+        """Checked arguments."""
+        return self._args
+
+    def expects(self, seconds: float) -> None:
+        """Publish how long it will take; may be called from any thread."""
+        if not math.isfinite(seconds):
+            return
+        with contextlib.suppress(RuntimeError):  # the loop has closed: nobody counts any more
+            self._loop.call_soon_threadsafe(self._publish, min(max(seconds, 0.0), 86_400.0))
+
+    def _publish(self, seconds: float) -> None:
+        if self._ticket.end is not None:
+            return
+        self._ticket.hub.publish(
+            Progress(
+                command=self.command,
+                driver=self._ticket.command.driver,
+                expected_us=round(seconds * 1_000_000),
+            )
+        )
+        self._extend(seconds)
+
+
+class Lane:
+    """Queue and running job of one lane; see the module's text."""
+
+    def __init__(self, name: str, driver_name: str, driver: Driver, hub: Hub, capacity: int):
+        self.name = name
+        self.driver_name = driver_name
+        self._driver = driver
+        self._hub = hub
+        self._capacity = capacity
+        self._waiting: deque[tuple[Ticket, Mapping[str, Json]]] = deque()
+        self._current: Ticket | None = None
+        self._task: asyncio.Task[Mapping[str, Json]] | None = None
+        self.faulted = False
+
+    @property
+    def busy(self) -> bool:
+        """Whether a job is running, or has been cancelled and has not ended yet."""
+        return self._task is not None
+
+    # -- coming in ---------------------------------------------------------------------------
+
+    def take(self, ticket: Ticket, args: Mapping[str, Json], when_busy: str) -> None:
+        """Accept, queue or refuse a command."""
+        if self.faulted:
+            ticket.refuse(
+                "faulted",
+                f"{self.driver_name} still hangs in its last job",
+                "wait until it recovers, or end the session and check the device",
+            )
+            return
+        if ticket.verb.stream or when_busy == "replace":
+            self._make_way(ticket)
+        elif when_busy == "refuse" and (self.busy or self._waiting):
+            ticket.refuse("busy", f"{self.driver_name} is busy")
+            return
+        elif len(self._waiting) >= self._capacity:
+            ticket.refuse("full", f"{len(self._waiting)} commands are waiting already")
+            return
+        self._waiting.append((ticket, args))
+        self._watch_deadline(ticket)
+        self._pump()
+
+    def _make_way(self, ticket: Ticket) -> None:
+        for waiting, _ in self._waiting:
+            waiting.supersede(ticket.command.command)
+        self._waiting.clear()
+        if not ticket.verb.stream and self._current is not None:
+            self._current.supersede(ticket.command.command)
+            self._cancel()
+
+    def _watch_deadline(self, ticket: Ticket) -> None:
+        if not ticket.command.deadline_us or not self.busy:
+            return
+        remaining = (ticket.command.deadline_us - self._hub.now()) / 1_000_000
+        ticket.timers.append(
+            asyncio.get_running_loop().call_later(max(0.0, remaining), self._expire, ticket)
+        )
+
+    def _expire(self, ticket: Ticket) -> None:
+        for entry in self._waiting:
+            if entry[0] is ticket:
+                self._waiting.remove(entry)
+                ticket.refuse("late", f"{self.driver_name} was busy past its deadline")
+                return
+
+    # -- running -----------------------------------------------------------------------------
+
+    def _pump(self) -> None:
+        while self._task is None and self._waiting:
+            ticket, args = self._waiting.popleft()
+            deadline = ticket.command.deadline_us
+            if deadline and self._hub.now() > deadline:
+                ticket.refuse("late", "its deadline had passed before it could begin")
+                continue
+            self._start(ticket, args)
+
+    def _start(self, ticket: Ticket, args: Mapping[str, Json]) -> None:
+        loop = asyncio.get_running_loop()
+        for timer in ticket.timers:
+            timer.cancel()
+        ticket.timers.clear()
+        self._current = ticket
+        self._hub.publish(
+            Dispatched(
+                command=ticket.command.command,
+                driver=self.driver_name,
+                latency_us=self._hub.now() - ticket.requested_us,
+            )
+        )
+        started_us = self._hub.now()
+        job = LaneJob(ticket, args, lambda seconds: self._extend(ticket, seconds))
+        task = loop.create_task(_guarded(self._driver, job))
+        self._task = task
+        self._bound(ticket, ticket.command.limit_s)
+        task.add_done_callback(lambda done: self._ended(ticket, done, started_us))
+
+    def _bound(self, ticket: Ticket, limit_s: float) -> None:
+        for timer in ticket.timers:
+            timer.cancel()
+        timer = asyncio.get_running_loop().call_later(limit_s, self._overrun, ticket, limit_s)
+        ticket.timers[:] = [timer]
+
+    def _extend(self, ticket: Ticket, seconds: float) -> None:
+        """A job that says how long it takes is not cut off before that, with a margin."""
+        needed = seconds * EXPECTED_FACTOR + EXPECTED_MARGIN_S
+        if ticket.end is None and needed > ticket.command.limit_s:
+            self._bound(ticket, needed)
+
+    def _overrun(self, ticket: Ticket, limit_s: float) -> None:
+        ticket.finish(
+            TimedOut(
+                command=ticket.command.command,
+                driver=self.driver_name,
+                reason=f"it took longer than {limit_s:g} s",
+                remedy="check the device, or raise the limit if this is its normal duration",
+            )
+        )
+        self._cancel()
+
+    def _cancel(self) -> None:
+        task = self._task
+        if task is None:
+            return
+        task.cancel()
+        asyncio.get_running_loop().call_later(GRACE_S, self._check_ended, task)
+
+    def _check_ended(self, task: asyncio.Task[Mapping[str, Json]]) -> None:
+        if self._task is not task or self.faulted or self._current is None:
+            return
+        self.faulted = True
+        self._hub.publish(
+            LaneFaulted(
+                driver=self.driver_name, lane=self.name, command=self._current.command.command
+            )
+        )
+        waiting = list(self._waiting)
+        self._waiting.clear()
+        for ticket, _ in waiting:
+            ticket.refuse("faulted", f"{self.driver_name} hangs in the job before it")
+
+    def _ended(
+        self, ticket: Ticket, task: asyncio.Task[Mapping[str, Json]], started_us: int
+    ) -> None:
+        self._task = None
+        self._current = None
+        ticket.finish(_outcome(ticket, task, self.driver_name, started_us, self._hub.now()))
+        if self.faulted:
+            self.faulted = False
+            self._hub.publish(LaneRecovered(driver=self.driver_name, lane=self.name))
+        self._pump()
+
+    # -- stopping ----------------------------------------------------------------------------
+
+    def stop(self, reason: str, only_driving: bool = False) -> None:
+        """End everything waiting and running, or only what drives; the job is cancelled."""
+        kept = deque(entry for entry in self._waiting if only_driving and not entry[0].verb.drives)
+        ended = [ticket for ticket, _ in self._waiting if all(ticket is not k[0] for k in kept)]
+        self._waiting = kept
+        current = self._current
+        if current is not None and (current.verb.drives or not only_driving):
+            current.stop(reason)
+            self._cancel()
+        for ticket in ended:
+            ticket.stop(reason)
+
+    def cancel(self, run: str, reason: str) -> None:
+        """End what belongs to the run `run`."""
+        mine = [entry for entry in self._waiting if entry[0].command.run == run]
+        for entry in mine:
+            self._waiting.remove(entry)
+        current = self._current
+        if current is not None and current.command.run == run:
+            current.stop(reason)
+            self._cancel()
+        for ticket, _ in mine:
+            ticket.stop(reason)
+
+    async def ended(self) -> None:
+        """Return when no job is running."""
+        while self._task is not None:
+            await asyncio.wait([self._task])
+            await asyncio.sleep(0)
+
+
+async def _guarded(driver: Driver, job: LaneJob) -> Mapping[str, Json]:
+    """Perform; whatever a driver raises stays inside its task.
+
+    `SystemExit` and `KeyboardInterrupt` would end the robot process from inside a task, so they
+    become ordinary failures too.
+    """
+    try:
+        return await driver.perform(job)
+    except (SystemExit, KeyboardInterrupt) as error:
+        raise DriverError(f"the driver raised {type(error).__name__}") from error
+
+
+def _outcome(
+    ticket: Ticket,
+    task: asyncio.Task[Mapping[str, Json]],
+    driver: str,
+    started_us: int,
+    now_us: int,
+) -> End:
+    command = ticket.command.command
+    if task.cancelled():
+        return Failed(command=command, driver=driver, reason="the driver gave the job up")
+    error = task.exception()
+    if error is None:
+        return Done(
+            command=command,
+            driver=driver,
+            sent=_plain(task.result()),
+            latency_us=started_us - ticket.requested_us,
+            duration_us=now_us - started_us,
+        )
+    if isinstance(error, Rejected):
+        return Refused(
+            command=command, driver=driver, code="args", reason=error.what, remedy=error.remedy
+        )
+    if isinstance(error, DriverError):
+        return Failed(command=command, driver=driver, reason=error.what, remedy=error.remedy)
+    log.error("%s failed in %s", driver, ticket.verb.name, exc_info=error)
+    return Failed(
+        command=command,
+        driver=driver,
+        reason=f"{type(error).__name__}: {error}",
+        remedy="this is a bug of the driver; the robot process's own log has its traceback",
+    )
+
+
+def _plain(sent: object) -> dict[str, Json]:
+    """What a driver returned as plain JSON; what cannot be said in JSON becomes text."""
+    try:
+        value = msgspec.json.decode(msgspec.json.encode(sent, enc_hook=str))
+    except (TypeError, ValueError, RecursionError):
+        value = {"returned": repr(sent)[:1000]}
+    return value if isinstance(value, dict) else {} if value is None else {"returned": value}

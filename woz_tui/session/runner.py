@@ -1,0 +1,238 @@
+"""From the name of an action to commands on the bus, step after step."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+
+from woz_tui.bus.bus import Bus
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Verb
+from woz_tui.core.hub import Hub
+from woz_tui.experiment.shape import Action, Call, Together, Wait
+from woz_tui.session.variables import MissingError, filled
+
+
+@dataclass(frozen=True, slots=True)
+class Origin:
+    """Where a press came from."""
+
+    source: str
+    key: str = ""
+    console: str = ""
+
+
+@dataclass
+class Run:
+    """One action being played; `pending` are the commands of the present step."""
+
+    id: str
+    action: Action
+    origin: Origin
+    steps: list[tuple[Call, ...] | float]
+    when_busy: str
+    at: int = -1
+    pending: set[str] = field(default_factory=set)
+    timer: asyncio.TimerHandle | None = None
+    problem: m.ActionEnd | None = None
+
+
+class Runner:
+    """Plays actions. Every `action.requested` it publishes gets exactly one end.
+
+    Args:
+        hub: Where everything is published.
+        bus: Takes the commands.
+        verbs: Each driver's verbs by name, for the time limits.
+        values: Gives the variables' present values.
+        deadline: Seconds a command may wait before it must have begun; 0 means for ever.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        bus: Bus,
+        verbs: Mapping[str, Mapping[str, Verb]],
+        values: Callable[[], Mapping[str, str]],
+        deadline: float,
+    ) -> None:
+        self._hub = hub
+        self._bus = bus
+        self._verbs = verbs
+        self._values = values
+        self.deadline = deadline
+        self._runs: dict[str, Run] = {}
+        self._actions = 0
+        self._commands = 0
+        self.last: m.ActionRequested | None = None
+
+    # -- asked for ---------------------------------------------------------------------------
+
+    def refuse(self, name: str, panel: str, origin: Origin, reason: str) -> str:
+        """Log a press that is not played; returns its run id."""
+        run = self._request(name, panel, origin)
+        self._hub.publish(m.ActionRefused(run=run, action=name, reason=reason))
+        return run
+
+    def play(self, action: Action, origin: Origin, when_busy: str = "") -> tuple[str, str]:
+        """Begin an action: run id, and why it was refused (empty: it was not)."""
+        run_id = self._request(action.name, action.panel, origin)
+        try:
+            steps = self._filled(action)
+        except MissingError as error:
+            self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
+            return run_id, str(error)
+        run = Run(run_id, action, origin, steps, when_busy or action.when_busy)
+        self._runs[run_id] = run
+        self._advance(run)
+        return run_id, ""
+
+    def verb(
+        self, driver: str, verb: str, args: Mapping[str, m.Json], origin: Origin, when_busy: str
+    ) -> m.Command:
+        """Send one command that belongs to no action."""
+        return self._bus.submit(
+            self._command(driver, verb, dict(args), origin, when_busy=when_busy or "queue")
+        )
+
+    def _request(self, name: str, panel: str, origin: Origin) -> str:
+        self._actions += 1
+        run = f"a{self._actions:05d}"
+        self.last = self._hub.publish(
+            m.ActionRequested(
+                run=run,
+                action=name,
+                panel=panel,
+                source=origin.source,
+                key=origin.key,
+                console=origin.console,
+            )
+        )
+        return run
+
+    def _filled(self, action: Action) -> list[tuple[Call, ...] | float]:
+        """All variables are looked up before the first step: an action never ends half-way
+        because a value is missing."""
+        values = self._values()
+        steps: list[tuple[Call, ...] | float] = []
+        for step in action.steps:
+            match step:
+                case Wait(seconds=seconds):
+                    steps.append(seconds)
+                case Together(calls=calls):
+                    steps.append(tuple(_call(call, values) for call in calls))
+        return steps
+
+    # -- step after step ---------------------------------------------------------------------
+
+    def _advance(self, run: Run) -> None:
+        run.at += 1
+        if run.at >= len(run.steps):
+            self._finish(run, m.ActionDone(run=run.id, action=run.action.name))
+            return
+        step = run.steps[run.at]
+        if isinstance(step, float | int):
+            run.timer = asyncio.get_running_loop().call_later(step, self._advance, run)
+            return
+        commands = [
+            self._command(
+                call.driver,
+                call.verb,
+                dict(call.args),
+                run.origin,
+                run.action,
+                run.id,
+                run.when_busy,
+            )
+            for call in step
+        ]
+        # All are pending before the first is submitted: a refusal ends within `submit`.
+        run.pending = {command.command for command in commands}
+        for command in commands:
+            self._bus.submit(command, lambda end, run=run: self._ended(run, end))  # type: ignore[misc]
+
+    def _command(
+        self,
+        driver: str,
+        verb: str,
+        args: dict[str, m.Json],
+        origin: Origin,
+        action: Action | None = None,
+        run: str = "",
+        when_busy: str = "queue",
+    ) -> m.Command:
+        self._commands += 1
+        known = self._verbs.get(driver, {}).get(verb)
+        return m.Command(
+            command=f"c{self._commands:05d}",
+            run=run,
+            action=action.name if action else "",
+            panel=action.panel if action else "",
+            verb=verb,
+            args=args,
+            driver=driver,
+            source=origin.source,
+            key=origin.key,
+            deadline_us=self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0,
+            limit_s=known.limit_s if known else 30.0,
+            when_busy=when_busy,
+        )
+
+    def _ended(self, run: Run, end: m.End) -> None:
+        run.pending.discard(end.command)
+        if run.problem is None:
+            run.problem = _problem(run, end)
+        if run.pending or run.id not in self._runs:
+            return
+        if run.problem is not None:
+            self._finish(run, run.problem)
+        else:
+            self._advance(run)
+
+    def _finish(self, run: Run, end: m.ActionEnd) -> None:
+        if self._runs.pop(run.id, None) is None:
+            return
+        if run.timer is not None:
+            run.timer.cancel()
+        self._hub.publish(end)
+
+    # -- cut short ---------------------------------------------------------------------------
+
+    def cancel(self, run_id: str, reason: str) -> bool:
+        """End one run; says whether it was running."""
+        run = self._runs.get(run_id)
+        if run is None:
+            return False
+        self._bus.cancel(run_id, reason)
+        self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+        return True
+
+    def stop_waiting(self, reason: str) -> None:
+        """End the runs that are in a pause; those with commands on the bus end through them."""
+        for run in list(self._runs.values()):
+            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+
+
+def _call(call: Call, values: Mapping[str, str]) -> Call:
+    args = filled(dict(call.args), values)
+    if not isinstance(args, dict):
+        raise TypeError("arguments are a mapping")
+    return Call(call.verb, args, call.driver, call.place)
+
+
+def _problem(run: Run, end: m.End) -> m.ActionEnd | None:
+    reason = f"{end.driver}: {end.reason}" if end.reason else end.driver
+    match end:
+        case m.Done():
+            return None
+        case m.Stopped():
+            return m.ActionStopped(run=run.id, action=run.action.name, reason=end.reason)
+        case m.Superseded():
+            return m.ActionStopped(
+                run=run.id, action=run.action.name, reason=f"{end.by} took its place"
+            )
+        case m.Refused() if run.at == 0:
+            return m.ActionRefused(run=run.id, action=run.action.name, reason=reason)
+        case _:
+            return m.ActionFailed(run=run.id, action=run.action.name, reason=reason)

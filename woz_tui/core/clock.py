@@ -54,7 +54,7 @@ class ManualClock:
         self._elapsed_us += round(seconds * 1_000_000)
 
     def shift_wall(self, seconds: float) -> None:
-        """Set the wall clock forward or back, as a time server does; monotonic time is untouched."""
+        """Set the wall clock forward or back, as a time server does; `now_us` does not move."""
         self._wall_shift += timedelta(seconds=seconds)
 
 

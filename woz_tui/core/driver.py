@@ -31,11 +31,11 @@ class DriverError(Exception):
         self.remedy = remedy
 
 
-class Lost(DriverError):
+class Lost(DriverError):  # noqa: N818 - drivers read `raise Lost("head")`
     """The hardware is not there (any more); the driver keeps looking for it by itself."""
 
 
-class Rejected(DriverError):
+class Rejected(DriverError):  # noqa: N818 - as above
     """The command makes no sense to this driver: refused, nothing was sent."""
 
 
@@ -167,7 +167,26 @@ class Probe:
     folder: Path = field(default_factory=Path)
 
 
-class Driver(Protocol):
+class Performer(Protocol):
+    """The part of a driver that the bus knows."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out one command; returns what was really sent. Raises `DriverError`.
+
+        Cancelled by the stop and by the time limit: then end quickly and re-raise.
+        """
+        ...
+
+    async def stop(self, scope: Scope) -> None:
+        """Stand still, fall silent; return when it has really happened.
+
+        Jobs are being cancelled at the same time. With `Scope.DRIVE` only what moves through the
+        room ends.
+        """
+        ...
+
+
+class Driver(Performer, Protocol):
     """One piece of hardware, or several behind one wire."""
 
     #: A frozen dataclass; its annotations (`core.fields`) are decoded from the robot file.
@@ -195,19 +214,6 @@ class Driver(Protocol):
     async def open(self) -> None:
         """Begin to look for the hardware; return at once. Missing hardware is no error here: say
         so through `outlet.health` and keep looking.
-        """
-        ...
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Carry out one command; returns what was really sent. Raises `DriverError`.
-
-        Cancelled by the stop and by the time limit: then end quickly and re-raise.
-        """
-        ...
-
-    async def stop(self, scope: Scope) -> None:
-        """Stand still / fall silent now; return when it has really happened. Jobs are being
-        cancelled at the same time. With `Scope.DRIVE` only what moves through the room ends.
         """
         ...
 

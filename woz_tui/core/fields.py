@@ -6,6 +6,7 @@ schema generator publishes them and one reader finds them.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 
@@ -20,9 +21,9 @@ class Range:
     def contains(self, value: float) -> bool:
         """Whether `value` lies inside; NaN never does."""
         return (
-            (self.low is None or value >= self.low)
+            not math.isnan(value)
+            and (self.low is None or value >= self.low)
             and (self.high is None or value <= self.high)
-            and value == value
         )
 
     def __str__(self) -> str:

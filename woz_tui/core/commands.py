@@ -1,0 +1,154 @@
+"""The part of the messages that makes the robot act: actions, commands, acknowledgements, the stop.
+
+Everybody imports these from `woz_tui.core.messages`, where all messages are together.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from woz_tui.core.envelope import Json, Message
+
+
+class ActionRequested(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="action.requested"
+):
+    """Somebody asked for an action by name: one press, from which one or more commands follow.
+
+    `source` is key, script, palette, program, engagement or replay; `console` names the
+    connection it came over. `run` ties the action's commands and its end together.
+    """
+
+    run: str
+    action: str
+    panel: str = ""
+    source: str
+    key: str = ""
+    console: str = ""
+
+
+class ActionEnd(Message, frozen=True, kw_only=True, omit_defaults=True):
+    """How the run of an action ended; each `action.requested` has exactly one such line."""
+
+    run: str
+    action: str
+    reason: str = ""
+
+
+class ActionDone(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.done"):
+    """Every command of the action was done."""
+
+
+class ActionFailed(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.failed"):
+    """A command failed, timed out or was refused; `reason` says which."""
+
+
+class ActionStopped(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.stopped"):
+    """The stop, or a replacing press, cut the action short."""
+
+
+class ActionRefused(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.refused"):
+    """Nothing of the action was tried: unknown, locked, stale, stopped, or a value missing."""
+
+
+class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"):
+    """One verb with its arguments, for one driver, on its way to the bus.
+
+    `deadline_us`, on the session's `t` axis, is the moment after which it may no longer begin
+    (0: none). `limit_s` bounds how long it may run once begun. `when_busy`: queue, replace or
+    refuse, if its lane is occupied.
+    """
+
+    command: str
+    run: str = ""
+    action: str = ""
+    panel: str = ""
+    verb: str
+    args: dict[str, Json]
+    driver: str = ""
+    source: str
+    key: str = ""
+    deadline_us: int = 0
+    limit_s: float = 30.0
+    when_busy: str = "queue"
+
+
+class Ack(Message, frozen=True, kw_only=True, omit_defaults=True):
+    """What became of a command. Only the subclasses are sent."""
+
+    command: str
+    driver: str = ""
+
+
+class Dispatched(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.dispatched"):
+    """The driver's `perform` was called. `latency_us` counts from the request."""
+
+    latency_us: int
+
+
+class Progress(Ack, frozen=True, kw_only=True, omit_defaults=True, tag="command.progress"):
+    """The driver now knows how long it will take: `expected_us` more from this line's `t`."""
+
+    expected_us: int
+
+
+class End(Ack, frozen=True, kw_only=True, omit_defaults=True):
+    """How a command ended; each `command.requested` has exactly one such line."""
+
+    reason: str = ""
+    remedy: str = ""
+
+
+class Done(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.done"):
+    """It was carried out. `sent` is what really went to the hardware, after clamping."""
+
+    sent: dict[str, Json]
+    latency_us: int
+    duration_us: int
+
+
+class Failed(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.failed"):
+    """The driver raised; `reason` says what, `remedy` what to do."""
+
+
+class TimedOut(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.timed_out"):
+    """It ran longer than `limit_s`; its lane is faulted until the job really ends."""
+
+
+class Refused(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.refused"):
+    """It never began: `code` is stopped, late, stale, full, busy, faulted, lost, unknown, locked,
+    args or missing.
+    """
+
+    code: str
+
+
+class Stopped(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.stopped"):
+    """The stop, or the loss of the wizard while driving, ended it."""
+
+
+class Superseded(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.superseded"):
+    """A newer setpoint or a replacing command took its place; `by` names it."""
+
+    by: str
+
+
+class StopPressed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.pressed"):
+    """The stop latched. `source` is key, program, console-lost ...; `scope` all or drive."""
+
+    source: str
+    scope: str = msgspec.field(default_factory=lambda: "all")
+
+
+class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.confirmed"):
+    """Which drivers confirmed within 0.5 s and which did not, by name."""
+
+    confirmed: list[str]
+    missing: list[str]
+    elapsed_us: int
+
+
+class StopReleased(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.released"):
+    """A wizard released the stop on purpose."""
+
+    source: str

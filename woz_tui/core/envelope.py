@@ -1,0 +1,18 @@
+"""What every line of a session carries, whatever it says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+#: What an argument or a sensor value may be.
+Json = None | bool | int | float | str | list[Any] | dict[str, Any]
+
+
+class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind"):
+    """Number `seq`, time `t` and `ts`: the hub fills them in, whoever makes a message does not."""
+
+    seq: int = -1
+    t: int = -1
+    ts: str = ""

@@ -113,6 +113,24 @@ class Checkpoint(Message, frozen=True, kw_only=True, omit_defaults=True, tag="ch
     lines: int
 
 
+class Segment(Message, frozen=True, kw_only=True, omit_defaults=True, tag="segment"):
+    """First line of a file in which the log goes on, written by the recorder itself: it has no
+    `seq`, because it belongs to the file and not to the session's course.
+
+    `log` is the name all files of the session share, `number` counts its segments from 1,
+    `previous` is the file before (relative to this one) and `reason` why it was left. `dropped`
+    and `dropped_samples` count the lines that no file holds.
+    """
+
+    log: str
+    session: str
+    number: int
+    previous: str = ""
+    reason: str = ""
+    dropped: int = 0
+    dropped_samples: int = 0
+
+
 class RecorderState(Message, frozen=True, kw_only=True, omit_defaults=True, tag="recorder.state"):
     """How well the log keeps up. `level` is ok, warn (lag >= 250 ms), alarm (>= 1 s) or failed."""
 
@@ -297,6 +315,7 @@ AnyMessage = (
     | SessionEnd
     | ClockTie
     | Checkpoint
+    | Segment
     | RecorderState
     | Notice
     | ActionRequested

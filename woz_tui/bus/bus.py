@@ -13,7 +13,7 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.bus.arguments import ArgumentError, checked
 from woz_tui.bus.lane import Lane, Ticket
-from woz_tui.core.driver import Driver, Scope, Verb
+from woz_tui.core.driver import Performer, Scope, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import Command, End, StopConfirmed, StopPressed, StopReleased
 
@@ -38,7 +38,7 @@ class Bus:
     def __init__(
         self,
         hub: Hub,
-        drivers: Mapping[str, Driver],
+        drivers: Mapping[str, Performer],
         verbs: Mapping[str, tuple[Verb, ...]],
         capacity: int = CAPACITY,
     ) -> None:

@@ -17,7 +17,7 @@ from dataclasses import dataclass, field
 
 import msgspec
 
-from woz_tui.core.driver import Driver, DriverError, Rejected, Verb
+from woz_tui.core.driver import DriverError, Performer, Rejected, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
     Command,
@@ -141,7 +141,7 @@ class LaneJob:
 class Lane:
     """Queue and running job of one lane; see the module's text."""
 
-    def __init__(self, name: str, driver_name: str, driver: Driver, hub: Hub, capacity: int):
+    def __init__(self, name: str, driver_name: str, driver: Performer, hub: Hub, capacity: int):
         self.name = name
         self.driver_name = driver_name
         self._driver = driver
@@ -322,7 +322,7 @@ class Lane:
             await asyncio.sleep(0)
 
 
-async def _guarded(driver: Driver, job: LaneJob) -> Mapping[str, Json]:
+async def _guarded(driver: Performer, job: LaneJob) -> Mapping[str, Json]:
     """Perform; whatever a driver raises stays inside its task.
 
     `SystemExit` and `KeyboardInterrupt` would end the robot process from inside a task, so they

@@ -65,6 +65,15 @@ def decode_unknown(line: bytes) -> dict[str, Any]:
     return value
 
 
+def ref_of(line: bytes) -> int:
+    """The `ref` of a request that may otherwise be nonsense, so that its refusal finds it; or 0."""
+    try:
+        ref = decode_unknown(line).get("ref", 0)
+    except WireError:
+        return 0
+    return ref if isinstance(ref, int) else 0
+
+
 def is_sample(message: Message) -> bool:
     """Whether it is a raw sample: these may be dropped under pressure, nothing else may."""
     return message.__struct_config__.tag == "sample"

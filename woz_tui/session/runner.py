@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
@@ -88,13 +89,9 @@ class Runner:
         self._advance(run)
         return run_id, ""
 
-    def verb(
-        self, driver: str, verb: str, args: Mapping[str, m.Json], origin: Origin, when_busy: str
-    ) -> m.Command:
+    def send(self, call: Call, origin: Origin, when_busy: str = "queue") -> m.Command:
         """Send one command that belongs to no action."""
-        return self._bus.submit(
-            self._command(driver, verb, dict(args), origin, when_busy=when_busy or "queue")
-        )
+        return self._bus.submit(self._command(call, origin, when_busy=when_busy))
 
     def _request(self, name: str, panel: str, origin: Origin) -> str:
         self._actions += 1
@@ -112,8 +109,11 @@ class Runner:
         return run
 
     def _filled(self, action: Action) -> list[tuple[Call, ...] | float]:
-        """All variables are looked up before the first step: an action never ends half-way
-        because a value is missing."""
+        """The steps with all variables filled in.
+
+        All are looked up before the first step, so that an action never ends half-way because a
+        value is missing.
+        """
         values = self._values()
         steps: list[tuple[Call, ...] | float] = []
         for step in action.steps:
@@ -136,42 +136,33 @@ class Runner:
             run.timer = asyncio.get_running_loop().call_later(step, self._advance, run)
             return
         commands = [
-            self._command(
-                call.driver,
-                call.verb,
-                dict(call.args),
-                run.origin,
-                run.action,
-                run.id,
-                run.when_busy,
-            )
+            self._command(call, run.origin, action=run.action, run=run.id, when_busy=run.when_busy)
             for call in step
         ]
         # All are pending before the first is submitted: a refusal ends within `submit`.
         run.pending = {command.command for command in commands}
         for command in commands:
-            self._bus.submit(command, lambda end, run=run: self._ended(run, end))  # type: ignore[misc]
+            self._bus.submit(command, functools.partial(self._ended, run))
 
     def _command(
         self,
-        driver: str,
-        verb: str,
-        args: dict[str, m.Json],
+        call: Call,
         origin: Origin,
+        *,
         action: Action | None = None,
         run: str = "",
         when_busy: str = "queue",
     ) -> m.Command:
         self._commands += 1
-        known = self._verbs.get(driver, {}).get(verb)
+        known = self._verbs.get(call.driver, {}).get(call.verb)
         return m.Command(
             command=f"c{self._commands:05d}",
             run=run,
             action=action.name if action else "",
             panel=action.panel if action else "",
-            verb=verb,
-            args=args,
-            driver=driver,
+            verb=call.verb,
+            args=dict(call.args),
+            driver=call.driver,
             source=origin.source,
             key=origin.key,
             deadline_us=self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0,

@@ -36,9 +36,9 @@ class Standing:
                 self._runs.pop(key, None)
             case m.StopReleased():
                 self._single.pop("stop", None)
-                self._single.pop("stop confirmed", None)
+                self._single.pop("StopConfirmed", None)
             case m.LaneRecovered(driver=driver, lane=lane):
-                self._single.pop(f"lane {driver} {lane}", None)
+                self._single.pop(f"LaneFaulted {driver} {lane}", None)
             case _:
                 slot = _slot(message)
                 if slot:
@@ -73,34 +73,29 @@ def _newer(new: str | None, old: str | None) -> str | None:
     return old if new is None else new
 
 
-def _slot(message: m.AnyMessage) -> str:  # noqa: PLR0911 - one line for each kind
-    """Messages of one slot replace each other; the empty slot is not kept."""
-    match message:
-        case m.SessionStart():
-            return "start"
-        case m.SessionEnd():
-            return "end"
-        case m.RecorderState():
-            return "recorder"
-        case m.StopPressed(scope="all"):
-            return "stop"
-        case m.StopConfirmed():
-            return "stop confirmed"
-        case m.DriverHealth(driver=driver):
-            return f"driver {driver}"
-        case m.LaneFaulted(driver=driver, lane=lane):
-            return f"lane {driver} {lane}"
-        case m.Reading(sensor=sensor):
-            return f"reading {sensor}"
-        case m.SensorChanged(sensor=sensor):
-            return f"sensor {sensor}"
-        case m.EngagementChanged():
-            return "engagement"
-        case m.ModeChanged(driver=driver):
-            return f"mode {driver}"
-        case m.ScriptMoved():
-            return "script"
-        case m.PanelLocked(panel=panel):
-            return f"panel {panel}"
-        case _:
-            return ""
+#: Messages of one slot replace each other: the slot is the kind and these fields.
+_SLOTS: dict[type, tuple[str, ...]] = {
+    m.SessionStart: (),
+    m.SessionEnd: (),
+    m.RecorderState: (),
+    m.StopConfirmed: (),
+    m.LaneFaulted: ("driver", "lane"),
+    m.Reading: ("sensor",),
+    m.SensorChanged: ("sensor",),
+    m.EngagementChanged: (),
+    m.ModeChanged: ("driver",),
+    m.ScriptMoved: (),
+    m.PanelLocked: ("panel",),
+}
+
+
+def _slot(message: m.AnyMessage) -> str:
+    """Where a message is kept; the empty slot is not."""
+    if isinstance(message, m.DriverHealth):
+        return f"driver {message.driver}"
+    if isinstance(message, m.StopPressed):
+        return "stop" if message.scope == "all" else ""
+    fields = _SLOTS.get(type(message))
+    if fields is None:
+        return ""
+    return " ".join([type(message).__name__, *(getattr(message, name) for name in fields)])

@@ -1,0 +1,182 @@
+"""What may be asked of a session, and the answers: one function for each kind of request."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+import msgspec
+
+from woz_tui.core.driver import Finding
+from woz_tui.core.messages import Json
+from woz_tui.core.requests import (
+    AnyRequest,
+    AskAction,
+    AskCancel,
+    AskEnd,
+    AskLock,
+    AskMarker,
+    AskMistake,
+    AskNote,
+    AskPreflight,
+    AskRelease,
+    AskReload,
+    AskScript,
+    AskSet,
+    AskVerb,
+    Reply,
+)
+from woz_tui.experiment.reload import compare
+from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.host.client import Client
+from woz_tui.session.identity import AskError
+from woz_tui.session.preflight import preflight
+from woz_tui.session.runner import Origin
+from woz_tui.session.session import Session
+
+#: What somebody who only watches may ask for (the stop is open to all, see `server`).
+WATCHER_MAY = (AskPreflight, AskMarker, AskNote)
+
+
+class Desk:
+    """Answers requests for one session.
+
+    Args:
+        session: What is asked of.
+        load: Reads the experiment file again; raises `ExperimentError`.
+    """
+
+    def __init__(self, session: Session, load: Callable[[], Experiment]) -> None:
+        self._session = session
+        self._load = load
+        self._tasks: set[asyncio.Task[None]] = set()
+        self.on_end: Callable[[str], None] = lambda reason: None
+        self.on_panels: Callable[[], None] = lambda: None
+
+    def answer(self, client: Client, request: AnyRequest) -> None:
+        """Carry `request` out and reply; every request gets exactly one reply."""
+        if client.role == "watcher" and not isinstance(request, WATCHER_MAY):
+            client.send(
+                Reply(
+                    ref=request.ref,
+                    ok=False,
+                    reason="you are watching; another console plays the robot",
+                    hint="`woz attach --take-over` to play it yourself",
+                )
+            )
+        elif isinstance(request, AskReload | AskPreflight):
+            task = asyncio.get_running_loop().create_task(self._later(client, request))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+        else:
+            client.send(self._now(client, request))
+
+    def _now(self, client: Client, request: AnyRequest) -> Reply:
+        try:
+            run = self._carry(client, request)
+        except AskError as error:
+            return Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint)
+        return Reply(ref=request.ref, ok=True, run=run)
+
+    def _carry(self, client: Client, request: AnyRequest) -> str:  # noqa: PLR0912 - the table
+        session = self._session
+        run = ""
+        match request:
+            case AskAction():
+                run = self._action(client, request)
+            case AskVerb():
+                run = self._verb(client, request)
+            case AskScript(to=None, play=True):
+                run = session.script_next(Origin("script", "", client.name))
+            case AskScript(to=to, play=play):
+                session.script_to(to if to is not None else session.script_at)
+                if play:
+                    run = session.script_next(Origin("script", "", client.name))
+            case AskRelease(source=source):
+                session.release(source)
+            case AskCancel(run=wanted):
+                session.cancel(wanted)
+            case AskSet(participant=participant, condition=condition, trial=trial):
+                session.set(participant, condition, trial)
+            case AskMarker(text=text):
+                session.mark(text, client.role)
+            case AskNote(text=text):
+                session.note(text)
+            case AskMistake(run=wrong, text=text):
+                session.mistake(wrong, text)
+            case AskLock(panel=panel, locked=locked):
+                session.lock(panel, locked)
+            case AskEnd(reason=reason):
+                self.on_end(reason)
+            case _:
+                raise AskError(f"{type(request).__name__} cannot be asked here")
+        return run
+
+    def _action(self, client: Client, request: AskAction) -> str:
+        return self._session.play(
+            request.action,
+            Origin(request.source, request.key, client.name),
+            request.when_busy,
+            self._stale(request.age_us, request.stale),
+        )
+
+    def _verb(self, client: Client, request: AskVerb) -> str:
+        stale = self._stale(request.age_us)
+        if stale:
+            raise AskError(stale)
+        return self._session.send(
+            request.verb,
+            request.args,
+            request.on,
+            Origin(request.source, request.key, client.name),
+            request.when_busy,
+        )
+
+    def _stale(self, age_us: int, stale: bool = False) -> str:
+        if stale:
+            return "stale: it came in a burst after the line had stalled"
+        if age_us > self._session.experiment.session.stale_after * 1_000_000:
+            return f"stale: the press was {age_us / 1_000_000:.1f} s old"
+        return ""
+
+    # -- what takes its time -----------------------------------------------------------------
+
+    async def _later(self, client: Client, request: AskReload | AskPreflight) -> None:
+        try:
+            if isinstance(request, AskReload):
+                data = await self._reload(request.dry_run)
+            else:
+                data = _plain(await preflight(self._session))
+        except AskError as error:
+            client.send(Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint))
+        except ExperimentError as error:
+            client.send(
+                Reply(
+                    ref=request.ref,
+                    ok=False,
+                    reason=f"the file has {len(error.problems)} error(s); nothing was changed",
+                    data=[str(problem) for problem in error.problems],
+                )
+            )
+        else:
+            client.send(Reply(ref=request.ref, ok=True, data=data))
+
+    async def _reload(self, dry_run: bool) -> Json:
+        """Read in a thread: a network folder must not hold up the robot."""
+        experiment = await asyncio.to_thread(self._load)
+        difference = compare(self._session.experiment, experiment)
+        if difference.drivers:
+            raise AskError(
+                "the drivers changed: " + "; ".join(difference.drivers),
+                "end the session and start it again to use other drivers",
+            )
+        changes: list[Json] = list(difference.changes)
+        if not dry_run:
+            self._session.adopt(experiment, list(difference.changes))
+            self.on_panels()
+        return changes
+
+
+def _plain(findings: list[Finding]) -> Json:
+    plain: Json = msgspec.to_builtins(findings)
+    return plain

@@ -1,0 +1,263 @@
+"""The robot process's socket: who is attached, who plays, and what happens when they vanish."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import socket
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.core.requests import (
+    PROTOCOL,
+    AnyRequest,
+    AskStop,
+    Beat,
+    Hello,
+    PanelsChanged,
+    Pulse,
+    Reply,
+    Welcome,
+)
+from woz_tui.host.client import Client
+from woz_tui.host.desk import Desk
+from woz_tui.host.place import bind, peer_uid
+from woz_tui.host.views import panel_views, variable_names, verb_names
+from woz_tui.session.session import Session
+
+PULSE_S = 1.0
+#: Dead-man periods of silence after which a wizard's connection is given up altogether.
+SILENT_PERIODS = 5
+ROLES = ("wizard", "watcher", "program")
+
+log = logging.getLogger(__name__)
+
+
+class Host:
+    """Serves one session over one socket until it ends.
+
+    Args:
+        session: What is served.
+        path: Of the socket.
+        reload: Reads the experiment file again; raises `ExperimentError`.
+    """
+
+    def __init__(self, session: Session, path: Path, desk: Desk) -> None:
+        self.session = session
+        self.path = path
+        self.desk = desk
+        self._clients: list[Client] = []
+        self._count = 0
+        self._listener: socket.socket | None = None
+        self._server: asyncio.Task[None] | None = None
+        self._timers: list[asyncio.TimerHandle] = []
+        self._alone_us = 0
+        self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+        desk.on_end = self.end
+        desk.on_panels = self._panels_changed
+        session.bus.unwatched = "no wizard's console is attached"
+
+    # -- running -----------------------------------------------------------------------------
+
+    def listen(self) -> None:
+        """Open the socket. Raises `PlaceError`."""
+        self._listener = bind(self.path)
+        self._alone_us = self.session.hub.now()
+        self._server = asyncio.get_running_loop().create_task(self._accept(self._listener))
+        self._pulse()
+
+    async def serve(self) -> str:
+        """Until the session is to end; returns why."""
+        return await self._over
+
+    def end(self, reason: str) -> None:
+        """Let `serve` return."""
+        if not self._over.done():
+            self._over.set_result(reason)
+
+    async def close(self) -> None:
+        """Close every connection and the socket; the log's last lines have been sent before."""
+        for timer in self._timers:
+            timer.cancel()
+        if self._server is not None:
+            self._server.cancel()
+        if self._listener is not None:
+            self._listener.close()
+        self.path.unlink(missing_ok=True)
+        for client in list(self._clients):
+            client.close("session ended")
+        await asyncio.sleep(0)
+
+    async def _accept(self, listener: socket.socket) -> None:
+        loop = asyncio.get_running_loop()
+        while True:
+            try:
+                connection, _ = await loop.sock_accept(listener)
+            except OSError:
+                # Out of file descriptors, most likely: the session goes on, a newcomer waits.
+                log.exception("a connection could not be accepted")
+                await asyncio.sleep(1.0)
+                continue
+            if peer_uid(connection) not in {self._my_uid(), 0}:
+                connection.close()
+                continue
+            self._count += 1
+            name = f"con{self._count}"
+            await loop.connect_accepted_socket(
+                lambda name=name: Client(name, self.session.hub, self._request, self._gone),  # type: ignore[misc]
+                connection,
+            )
+
+    @staticmethod
+    def _my_uid() -> int:
+        return Path("/proc/self").stat().st_uid
+
+    # -- clients -----------------------------------------------------------------------------
+
+    @property
+    def wizard(self) -> Client | None:
+        """The console that plays the robot, if one is attached."""
+        return next((client for client in self._clients if client.role == "wizard"), None)
+
+    def _request(self, client: Client, request: AnyRequest) -> None:
+        if isinstance(request, AskStop):  # before everything: it needs no hello and no role
+            self.session.stop(request.source)
+            client.send(Reply(ref=request.ref, ok=True))
+        elif isinstance(request, Hello):
+            self._hello(client, request)
+        elif client.hello is None:
+            client.send(Reply(ref=request.ref, ok=False, reason="say hello first"))
+        elif isinstance(request, Beat):
+            self._beat(client, request.line_ok)
+        else:
+            self.desk.answer(client, request)
+
+    def _hello(self, client: Client, hello: Hello) -> None:
+        if hello.protocol != PROTOCOL:
+            client.send(
+                Reply(
+                    ref=hello.ref,
+                    ok=False,
+                    reason=f"this robot process speaks protocol {PROTOCOL}, not {hello.protocol}",
+                    hint="use console and robot process of the same version",
+                )
+            )
+            client.close("protocol")
+            return
+        if hello.role not in ROLES or client.hello is not None:
+            reason = "you said hello already" if client.hello else f"no role {hello.role!r}"
+            client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(ROLES)))
+            return
+        client.hello = hello
+        client.role = self._role(client, hello)
+        client.beat_us = self.session.hub.now()
+        self._clients.append(client)
+        self.session.hub.publish(m.ConsoleAttached(console=client.name, role=client.role))
+        client.send(self._welcome(client))
+        if hello.stream != "nothing":
+            client.follow(samples=hello.stream == "everything")
+        self._update_watch()
+
+    def _role(self, client: Client, hello: Hello) -> str:
+        present = self.wizard
+        if hello.role != "wizard" or present is None:
+            return hello.role
+        if not hello.take_over and not present.silent:
+            return "watcher"
+        present.role = "watcher"
+        present.send(Reply(ref=0, ok=False, reason=f"{client.name} has taken over; you watch now"))
+        self.session.hub.publish(
+            m.ConsoleLost(console=present.name, role="wizard", why="taken over")
+        )
+        return "wizard"
+
+    def _welcome(self, client: Client) -> Welcome:
+        session, experiment = self.session, self.session.experiment
+        return Welcome(
+            protocol=PROTOCOL,
+            console=client.name,
+            role=client.role,
+            seq=session.hub.seq,
+            t=session.hub.now(),
+            title=experiment.title,
+            log=str(session.recorder.path),
+            panels=panel_views(experiment, session.locked),
+            script=list(experiment.script),
+            verbs=verb_names(experiment),
+            variables=variable_names(session),
+            conditions=list(experiment.conditions),
+            keyboard=experiment.keyboard,
+            drivers=[spec.name for spec in experiment.drivers],
+            state=[msgspec.Raw(wire.encode(line)) for line in session.standing.state()],
+            recent=[msgspec.Raw(wire.encode(line)) for line in session.standing.recent()],
+            settings={
+                "stale_after": experiment.session.stale_after,
+                "dead_man": experiment.session.dead_man,
+                "participant_pattern": experiment.participant_pattern,
+            },
+        )
+
+    def _panels_changed(self) -> None:
+        experiment = self.session.experiment
+        news = PanelsChanged(
+            title=experiment.title,
+            panels=panel_views(experiment, self.session.locked),
+            script=list(experiment.script),
+            verbs=verb_names(experiment),
+            conditions=list(experiment.conditions),
+            keyboard=experiment.keyboard,
+        )
+        for client in self._clients:
+            client.send(news)
+
+    def _gone(self, client: Client, why: str) -> None:
+        if client not in self._clients:
+            return
+        self._clients.remove(client)
+        if not self.session.ended:
+            self.session.hub.publish(m.ConsoleLost(console=client.name, role=client.role, why=why))
+            self._update_watch()
+        if not self._clients:
+            self._alone_us = self.session.hub.now()
+
+    # -- the dead man's switch ---------------------------------------------------------------
+
+    def _beat(self, client: Client, line_ok: bool) -> None:
+        client.beat_us = self.session.hub.now()
+        if client.silent == line_ok:
+            client.silent = not line_ok
+            self._update_watch("the line to the wizard's terminal is dead")
+
+    def _update_watch(self, why: str = "no wizard's console is attached") -> None:
+        """Driving is allowed while a wizard watches, and ends the moment nobody does."""
+        wizard = self.wizard
+        reason = "" if wizard is not None and not wizard.silent else why
+        if reason and not self.session.bus.unwatched:
+            self.session.bus.unwatched = reason
+            self.session.bus.halt_driving(reason)
+        self.session.bus.unwatched = reason
+
+    def _pulse(self) -> None:
+        now = self.session.hub.now()
+        settings = self.session.experiment.session
+        wizard = self.wizard
+        if wizard is not None:
+            silence = (now - wizard.beat_us) / 1_000_000
+            if silence > settings.dead_man * SILENT_PERIODS:
+                wizard.close("silent")
+            elif silence > settings.dead_man and not wizard.silent:
+                wizard.silent = True
+                self._update_watch("the wizard's console is silent")
+        for client in self._clients:
+            client.send(Pulse(t=now, dropped=client.dropped))
+        if not self._clients and now - self._alone_us > settings.abandon_after * 1_000_000:
+            self.end("abandoned")
+        self._timers = [asyncio.get_running_loop().call_later(PULSE_S, self._pulse)]
+
+
+#: Reads the experiment file again.
+Reload = Callable[[], object]

@@ -1,0 +1,50 @@
+"""The experiment as a console sees it."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.core.requests import ActionView, PanelView
+from woz_tui.experiment.shape import Action, Call, Experiment, Together
+from woz_tui.session.session import Session
+
+
+def panel_views(experiment: Experiment, locked: Mapping[str, bool]) -> list[PanelView]:
+    """All panels with their actions, in the file's order."""
+    return [
+        PanelView(
+            title=panel.title,
+            actions=[_action_view(action) for action in panel.actions],
+            locked=locked.get(panel.title, panel.locked),
+        )
+        for panel in experiment.panels
+    ]
+
+
+def _action_view(action: Action) -> ActionView:
+    calls = _calls(action)
+    return ActionView(
+        name=action.name,
+        label=action.label,
+        key=action.key,
+        help=action.help,
+        verbs=list(dict.fromkeys(call.verb for call in calls)),
+        utterances=[
+            text for call in calls if isinstance(text := call.args.get("text"), str) and text
+        ],
+        locked=action.locked,
+    )
+
+
+def _calls(action: Action) -> list[Call]:
+    return [call for step in action.steps if isinstance(step, Together) for call in step.calls]
+
+
+def verb_names(experiment: Experiment) -> dict[str, list[str]]:
+    """Names of the verbs that each driver offers."""
+    return {spec.name: [verb.name for verb in spec.verbs] for spec in experiment.drivers}
+
+
+def variable_names(session: Session) -> list[str]:
+    """What may stand in braces in an utterance."""
+    return sorted(session.values())

@@ -1,0 +1,80 @@
+"""Who takes part: codes, never names; and the error for what cannot be done."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass, replace
+
+from woz_tui.experiment.shape import Experiment
+
+CODE = re.compile(r"[A-Za-z0-9]{1,16}")
+
+
+class AskError(ValueError):
+    """What was asked for cannot be done; `hint` says what would help."""
+
+    def __init__(self, reason: str, hint: str = "") -> None:
+        super().__init__(reason)
+        self.reason = reason
+        self.hint = hint
+
+
+@dataclass(frozen=True, slots=True)
+class Identity:
+    """Codes of session, participant, condition and wizard; the trial's number."""
+
+    session: str = "S01"
+    participant: str = ""
+    condition: str = ""
+    wizard: str = ""
+    trial: int = 1
+    seed: int = 0
+
+    def values(self) -> dict[str, str]:
+        """As variables of utterances."""
+        return {
+            "participant": self.participant,
+            "condition": self.condition,
+            "session": self.session,
+            "wizard": self.wizard,
+            "trial": str(self.trial),
+        }
+
+    def changed(
+        self,
+        experiment: Experiment,
+        participant: str | None,
+        condition: str | None,
+        trial: int | None,
+    ) -> Identity:
+        """With what is not None replaced; raises `AskError` if the experiment does not allow it."""
+        if participant is not None:
+            check_participant(participant, experiment.participant_pattern)
+        if condition is not None:
+            _check_condition(condition, experiment.conditions)
+        if trial is not None and trial < 0:
+            raise AskError("the trial is a number from 0 up")
+        return replace(
+            self,
+            participant=self.participant if participant is None else participant,
+            condition=self.condition if condition is None else condition,
+            trial=self.trial if trial is None else trial,
+        )
+
+
+def check_code(code: str, what: str) -> None:
+    """Raises `AskError` unless `code` may stand in a log and a file name."""
+    if not CODE.fullmatch(code):
+        raise AskError(f"{code!r} is no {what} code", "1 to 16 letters and digits, never a name")
+
+
+def check_participant(code: str, pattern: str) -> None:
+    """Raises `AskError` unless `code` is a code and matches the experiment's `pattern`."""
+    check_code(code, "participant")
+    if not re.fullmatch(pattern, code):
+        raise AskError(f"{code!r} does not match the experiment's pattern {pattern}")
+
+
+def _check_condition(condition: str, known: tuple[str, ...]) -> None:
+    if known and condition not in known:
+        raise AskError(f"there is no condition {condition!r}", f"there are {', '.join(known)}")

@@ -1,0 +1,129 @@
+"""What should be green before the first participant comes in, as far as the robot side knows it."""
+
+from __future__ import annotations
+
+import shutil
+from datetime import UTC, datetime
+
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Finding
+from woz_tui.session.session import Session
+
+#: Less than this on the recordings' disk is an error, less than ten times a warning (bytes).
+LEAST_FREE = 50_000_000
+#: A sensor that has said nothing for longer than this is silent (microseconds).
+FRESH_US = 3_000_000
+#: Clocks of machines without a battery begin in 1970 or at the image's date.
+FIRST_YEAR = 2025
+
+
+async def preflight(session: Session) -> list[Finding]:
+    """Findings of drivers, sensors, log, disk, clock and identity; logged as one marker."""
+    findings = [
+        *_drivers(session),
+        *_sensors(session),
+        _recorder(session),
+        _disk(session),
+        _calendar(session),
+        _identity(session),
+        _stop(session),
+    ]
+    worst = sum(finding.level == "error" for finding in findings)
+    session.hub.publish(
+        m.Marker(text=f"preflight: {len(findings)} checks, {worst} failed", source="preflight")
+    )
+    return findings
+
+
+def _drivers(session: Session) -> list[Finding]:
+    health = {
+        message.driver: message
+        for message in session.standing.state()
+        if isinstance(message, m.DriverHealth)
+    }
+    findings = []
+    for name in session.drivers:
+        message = health.get(name)
+        if isinstance(message, m.DriverConnected):
+            findings.append(Finding("ok", name, message.detail or "ready"))
+        elif message is None or isinstance(message, m.DriverConnecting):
+            findings.append(Finding("warning", name, "still looking for its hardware"))
+        else:
+            findings.append(
+                Finding("error", name, message.detail or "not available", message.remedy)
+            )
+    return findings
+
+
+def _sensors(session: Session) -> list[Finding]:
+    last = {
+        message.sensor: message
+        for message in session.standing.state()
+        if isinstance(message, m.Reading)
+    }
+    expected = [sensor for spec in session.experiment.drivers for sensor in spec.sensors]
+    findings = []
+    for sensor in dict.fromkeys(expected):
+        if "." in sensor:  # joints and their like have their driver's own line
+            continue
+        message = last.get(sensor)
+        if message is None:
+            findings.append(Finding("warning", sensor, "no value yet"))
+        elif session.hub.now() - message.t > FRESH_US:
+            findings.append(Finding("warning", sensor, "its last value is old", "check the device"))
+        else:
+            value = message.text or ("none" if message.value is None else f"{message.value:.3g}")
+            findings.append(Finding("ok", sensor, f"{value} {message.unit}".strip()))
+    return findings
+
+
+def _recorder(session: Session) -> Finding:
+    state = session.recorder.state()
+    if state.level == "ok":
+        return Finding("ok", "log", f"on disk within {state.lag_us / 1000:.0f} ms")
+    level = "error" if state.level == "failed" else "warning"
+    return Finding(
+        level, "log", state.detail or f"{state.lag_us / 1000:.0f} ms behind", state.remedy
+    )
+
+
+def _disk(session: Session) -> Finding:
+    try:
+        free = shutil.disk_usage(session.recorder.path.parent).free
+    except OSError as error:
+        return Finding("error", "disk", f"cannot be asked: {error.strerror}")
+    text = f"{free / 1e9:.1f} GB free"
+    if free < LEAST_FREE:
+        return Finding("error", "disk", text, "make room before the session")
+    if free < 10 * LEAST_FREE:
+        return Finding("warning", "disk", text, "make room soon")
+    return Finding("ok", "disk", text)
+
+
+def _calendar(session: Session) -> Finding:
+    now: datetime = session.clock.wall().astimezone(UTC)
+    text = f"{now:%Y-%m-%d %H:%M} UTC"
+    if now.year < FIRST_YEAR:
+        return Finding("error", "clock", text, "set the clock: sudo timedatectl set-ntp true")
+    return Finding("ok", "clock", text)
+
+
+def _identity(session: Session) -> Finding:
+    identity = session.identity
+    missing = [
+        name
+        for name, value, wanted in (
+            ("participant", identity.participant, True),
+            ("condition", identity.condition, bool(session.experiment.conditions)),
+        )
+        if wanted and not value
+    ]
+    if missing:
+        return Finding("warning", "session", f"no {' and no '.join(missing)} set", "choose it")
+    return Finding("ok", "session", f"{identity.participant} {identity.condition}".strip())
+
+
+def _stop(session: Session) -> Finding:
+    if session.bus.latched:
+        return Finding("error", "stop", "the stop is pressed", "release it")
+    return Finding("ok", "stop", "released")

@@ -1,0 +1,358 @@
+"""A session put together: experiment, drivers, bus, hub, recorder; and all that may be asked of it.
+
+Used from one thread, the robot process's event loop. Nothing here waits for hardware or disk.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui import __version__
+from woz_tui.bus.bus import Bus
+from woz_tui.core import messages as m
+from woz_tui.core.clock import Clock, timestamp
+from woz_tui.core.driver import Driver, Performer
+from woz_tui.core.hub import Hub
+from woz_tui.experiment.shape import Call, Experiment, Place
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.outlet import DriverOutlet
+from woz_tui.session.runner import Origin, Runner
+from woz_tui.session.standing import Standing
+from woz_tui.session.verbs import SESSION, VERBS, SessionVerbs
+
+#: Seconds between two lines that tie the session's clock to the calendar.
+CLOCK_TIE_S = 30.0
+#: Seconds between two checkpoints of the log.
+CHECKPOINT_S = 10.0
+#: Seconds a driver may take to rest and to close when the session ends.
+REST_WAIT_S = 10.0
+CLOSE_WAIT_S = 3.0
+
+log = logging.getLogger(__name__)
+
+
+@dataclass
+class Session:
+    """One session; see the module's text.
+
+    Args:
+        experiment: What the file says.
+        catalogue: Driver classes by type.
+        identity: Codes of session, participant, condition and wizard.
+        recorder: Takes every line first.
+        clock: Time.
+    """
+
+    experiment: Experiment
+    catalogue: Mapping[str, type[Driver]]
+    identity: Identity
+    recorder: Recorder
+    clock: Clock
+    drivers: dict[str, Driver] = field(init=False, default_factory=dict)
+    locked: dict[str, bool] = field(init=False, default_factory=dict)
+    script_at: int = field(init=False, default=0)
+    ended: bool = field(init=False, default=False)
+
+    def __post_init__(self) -> None:
+        self._loop = asyncio.get_running_loop()
+        self.hub = Hub(self.clock, self.recorder.record)
+        self.standing = Standing()
+        self.hub.listen(self.standing.see)
+        self._publish_start()
+        self._make_drivers()
+        self.verbs = {spec.name: spec.verbs for spec in self.experiment.drivers}
+        by_name = {
+            name: {verb.name: verb for verb in offered}
+            for name, offered in {**self.verbs, SESSION: VERBS}.items()
+        }
+        performers: dict[str, Performer] = {
+            **self.drivers,
+            SESSION: SessionVerbs(
+                {
+                    "mark": lambda args: self.mark(str(args.get("text", "")), "action"),
+                    "note": lambda args: self.note(str(args["text"])),
+                    "set": self._set_verb,
+                    "lock": lambda args: self.lock(str(args["panel"]), True),
+                    "unlock": lambda args: self.lock(str(args["panel"]), False),
+                }
+            ),
+        }
+        self.bus = Bus(self.hub, performers, {**self.verbs, SESSION: VERBS})
+        self.runner = Runner(
+            self.hub, self.bus, by_name, self.values, self.experiment.session.deadline
+        )
+        self._by_name = by_name
+        self._timers: dict[str, asyncio.TimerHandle] = {}
+        self._checkpointed = 0
+
+    def _publish_start(self) -> None:
+        wall = timestamp(self.clock.wall())
+        self.hub.publish(
+            m.SessionStart(
+                session=self.identity.session,
+                participant=self.identity.participant,
+                condition=self.identity.condition,
+                wizard=self.identity.wizard,
+                software={"name": "woz-tui", "version": __version__},
+                experiment=self.experiment.path.name,
+                experiment_sha256=self.experiment.sha256,
+                seed=self.identity.seed,
+                clock={
+                    "source": "monotonic",
+                    "unit": "us",
+                    "wall_at_t0": wall,
+                    "boot_id": _boot_id(),
+                },
+            )
+        )
+
+    def _make_drivers(self) -> None:
+        folder = self.experiment.path.parent
+        for spec in self.experiment.drivers:
+            outlet = DriverOutlet(spec.name, self.hub, self.clock, folder)
+            self.drivers[spec.name] = self.catalogue[spec.type](spec.name, spec.settings, outlet)
+        for panel in self.experiment.panels:
+            if panel.locked:
+                self.locked[panel.title] = True
+
+    # -- beginning and ending ----------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Let every driver look for its hardware; none of them can fail the session."""
+        for name, driver in self.drivers.items():
+            try:
+                await asyncio.wait_for(driver.open(), CLOSE_WAIT_S)
+            except Exception as error:
+                log.exception("driver %s did not open", name)
+                self.hub.publish(
+                    m.DriverFaulted(
+                        driver=name,
+                        detail=f"it did not open: {error or type(error).__name__}",
+                        remedy="the robot process's own log has the traceback",
+                    )
+                )
+        self._tie_clock()
+        self._checkpoint()
+
+    async def close(self, reason: str, rest: bool = True) -> None:
+        """Rest, close the drivers, finish the log. Bounded in time; never raises."""
+        if self.ended:
+            return
+        self.ended = True
+        for timer in self._timers.values():
+            timer.cancel()
+        self.runner.stop_waiting("the session ends")
+        await self.bus.drain(1.0)
+        if rest and not self.bus.latched:
+            await self._everyone("rest", REST_WAIT_S)
+        await self._everyone("close", CLOSE_WAIT_S)
+        digest, _ = self.recorder.digest()
+        self.hub.publish(m.SessionEnd(reason=reason, sha256=digest))
+        self.recorder.close()
+
+    async def _everyone(self, what: str, seconds: float) -> None:
+        tasks = {
+            name: asyncio.ensure_future(getattr(driver, what)())
+            for name, driver in self.drivers.items()
+        }
+        if not tasks:
+            return
+        await asyncio.wait(tasks.values(), timeout=seconds)
+        for name, task in tasks.items():
+            if not task.done():
+                task.cancel()
+                self.hub.publish(
+                    m.Notice(level="error", text=f"{name}: {what} took longer than {seconds:g} s")
+                )
+            elif not task.cancelled() and task.exception() is not None:
+                log.error("%s of %s failed", what, name, exc_info=task.exception())
+                self.hub.publish(
+                    m.Notice(level="error", text=f"{name}: {what} failed: {task.exception()}")
+                )
+
+    def recorder_moved(self, state: m.RecorderState) -> None:
+        """The recorder's state changed; may be called from its thread."""
+        with contextlib.suppress(RuntimeError):  # the loop has closed: the session is over
+            self._loop.call_soon_threadsafe(self._publish_recorder, state)
+
+    def _publish_recorder(self, state: m.RecorderState) -> None:
+        if not self.ended:
+            self.hub.publish(state)
+
+    def _tie_clock(self) -> None:
+        self.hub.publish(m.ClockTie(wall=timestamp(self.clock.wall())))
+        self._timers["clock"] = self._loop.call_later(CLOCK_TIE_S, self._tie_clock)
+
+    def _checkpoint(self) -> None:
+        digest, lines = self.recorder.digest()
+        if lines > self._checkpointed:
+            self.hub.publish(m.Checkpoint(sha256=digest, lines=lines))
+            self._checkpointed = lines + 1
+        self._timers["checkpoint"] = self._loop.call_later(CHECKPOINT_S, self._checkpoint)
+
+    # -- actions -----------------------------------------------------------------------------
+
+    def values(self) -> dict[str, str]:
+        """The variables' present values."""
+        return {**self.experiment.variables, **self.identity.values()}
+
+    def play(self, name: str, origin: Origin, when_busy: str = "", stale: str = "") -> str:
+        """Play the action `name`; its run id. Raises `AskError`; the refusal is in the log too.
+
+        `stale`: why the press is too old to be played (empty: it is not).
+        """
+        action = self.experiment.action(name)
+        panel = action.panel if action else ""
+        reason = stale or self._why_not(name)
+        if reason or action is None:
+            self.runner.refuse(name, panel, origin, reason)
+            raise AskError(reason)
+        run, refused = self.runner.play(action, origin, when_busy)
+        if refused:
+            raise AskError(refused, "set it with the start dialog")
+        return run
+
+    def _why_not(self, name: str) -> str:
+        action = self.experiment.action(name)
+        if action is None:
+            return f"there is no action {name!r}"
+        if action.locked:
+            return f"{name!r} is locked"
+        if self.locked.get(action.panel, False):
+            return f"the panel {action.panel!r} is locked"
+        if self.bus.latched:
+            return "the stop is pressed"
+        return ""
+
+    def send(
+        self, verb: str, args: Mapping[str, m.Json], on: str, origin: Origin, when_busy: str = ""
+    ) -> str:
+        """Send one verb; the command's id. Raises `AskError` if no driver can be named."""
+        call = Call(verb, dict(args), self._driver_for(verb, on), Place("", 0, 0))
+        return self.runner.send(call, origin, when_busy or "queue").command
+
+    def _driver_for(self, verb: str, on: str) -> str:
+        offering = [name for name, verbs in self._by_name.items() if verb in verbs]
+        if on:
+            offering = [name for name in offering if name == on or name.startswith(f"{on}.")]
+        if len(offering) == 1:
+            return offering[0]
+        if offering:
+            raise AskError(
+                f"{verb!r} is offered by {' and '.join(offering)}", "name one of them with `on`"
+            )
+        verbs = sorted({known for offered in self._by_name.values() for known in offered})
+        raise AskError(
+            f"no driver{f' {on!r}' if on else ''} offers {verb!r}",
+            f"there are {', '.join(verbs)}",
+        )
+
+    def script_next(self, origin: Origin) -> str:
+        """Play the script's next line and move on; its run id."""
+        if self.script_at >= len(self.experiment.script):
+            raise AskError(
+                "the script is at its end" if self.experiment.script else "there is no script"
+            )
+        run = self.play(self.experiment.script[self.script_at], origin)
+        self.script_to(self.script_at + 1)
+        return run
+
+    def script_to(self, position: int) -> None:
+        """Move the script's position; 0 is its first line."""
+        if not 0 <= position <= len(self.experiment.script):
+            raise AskError(f"the script has {len(self.experiment.script)} lines")
+        self.script_at = position
+        self.hub.publish(m.ScriptMoved(position=position))
+
+    def cancel(self, run: str) -> None:
+        """Cut one run short."""
+        if not self.runner.cancel(run, "cancelled by the wizard"):
+            raise AskError(f"{run} is not running")
+
+    # -- the stop ----------------------------------------------------------------------------
+
+    def stop(self, source: str) -> None:
+        """Stop everything, now."""
+        self.bus.stop(source)
+        self.runner.stop_waiting("stop pressed")
+
+    def release(self, source: str) -> None:
+        """Take actions again."""
+        if not self.bus.release(source):
+            raise AskError("the stop is not pressed")
+
+    # -- marks and settings ------------------------------------------------------------------
+
+    def mark(self, text: str, source: str) -> None:
+        """A marker in the log."""
+        self.hub.publish(m.Marker(text=text, source=source))
+
+    def note(self, text: str) -> None:
+        """A note in the log."""
+        if not text.strip():
+            raise AskError("the note is empty")
+        self.hub.publish(m.Note(text=text))
+
+    def mistake(self, run: str, text: str) -> None:
+        """Label a run, or with an empty `run` the last one, as a mistake."""
+        last = self.runner.last
+        if not run and last is None:
+            raise AskError("nothing has been played yet")
+        if last is not None and (not run or run == last.run):
+            self.hub.publish(m.Mistake(run=last.run, action=last.action, text=text))
+        else:
+            self.hub.publish(m.Mistake(run=run, text=text))
+
+    def set(
+        self,
+        participant: str | None = None,
+        condition: str | None = None,
+        trial: int | None = None,
+    ) -> None:
+        """Set participant, condition or trial; each is checked first, then all are set."""
+        self.identity = self.identity.changed(self.experiment, participant, condition, trial)
+        self.hub.publish(
+            m.SessionChanged(participant=participant, condition=condition, trial=trial)
+        )
+
+    def _set_verb(self, args: Mapping[str, m.Json]) -> None:
+        participant, condition, trial = (
+            args.get(name) for name in ("participant", "condition", "trial")
+        )
+        self.set(
+            participant if isinstance(participant, str) else None,
+            condition if isinstance(condition, str) else None,
+            trial if isinstance(trial, int) else None,
+        )
+
+    def lock(self, panel: str, locked: bool) -> None:
+        """Lock or unlock a panel."""
+        if panel not in {known.title for known in self.experiment.panels}:
+            raise AskError(f"there is no panel {panel!r}")
+        self.locked[panel] = locked
+        self.hub.publish(m.PanelLocked(panel=panel, locked=locked))
+
+    # -- the file ----------------------------------------------------------------------------
+
+    def adopt(self, experiment: Experiment, changes: list[str]) -> None:
+        """Go on with a changed file whose drivers are the same."""
+        self.experiment = experiment
+        self.runner.deadline = experiment.session.deadline
+        self.script_at = min(self.script_at, len(experiment.script))
+        for panel in experiment.panels:
+            self.locked.setdefault(panel.title, panel.locked)
+        self.hub.publish(m.ExperimentReloaded(experiment_sha256=experiment.sha256, changes=changes))
+
+
+def _boot_id() -> str:
+    """Identifies this boot of the machine (it is random, so it tells nothing about it)."""
+    try:
+        return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
+    except OSError:
+        return ""

@@ -1,0 +1,52 @@
+"""Verbs of the session itself, offered to the bus as a driver called `session`.
+
+So a marker or a change of condition inside an action is a command like any other: recorded,
+ordered with the rest, refused while the stop is pressed.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from woz_tui.core.driver import Argument, Job, Rejected, Scope, Verb
+from woz_tui.core.messages import Json
+
+#: The name under which the bus knows the session.
+SESSION = "session"
+
+VERBS: tuple[Verb, ...] = (
+    Verb("mark", "put a marker into the log", (Argument("text", "text", "what it marks"),)),
+    Verb("note", "put a note into the log", (Argument("text", "text", required=True),)),
+    Verb(
+        "set",
+        "set participant, condition or trial",
+        (
+            Argument("condition", "text", "one of the experiment's conditions"),
+            Argument("participant", "text", "a participant code"),
+            Argument("trial", "whole", "number of the trial"),
+        ),
+    ),
+    Verb("lock", "lock a panel", (Argument("panel", "text", "its title", required=True),)),
+    Verb("unlock", "unlock a panel", (Argument("panel", "text", "its title", required=True),)),
+)
+
+#: Carries one verb out; raises `ValueError` with a sentence if it makes no sense.
+Carry = Callable[[Mapping[str, Json]], None]
+
+
+class SessionVerbs:
+    """The session as a driver; `carry` maps each verb's name to what does it."""
+
+    def __init__(self, carry: Mapping[str, Carry]) -> None:
+        self._carry = carry
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Do it at once."""
+        try:
+            self._carry[job.verb](job.args)
+        except ValueError as error:
+            raise Rejected(str(error)) from error
+        return dict(job.args)
+
+    async def stop(self, scope: Scope) -> None:
+        """Nothing of the session moves."""

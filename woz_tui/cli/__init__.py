@@ -1,1 +1,46 @@
-"""The command `woz`."""
+"""The command `woz`; each of its commands is a module that is imported only when it is used."""
+
+from __future__ import annotations
+
+import argparse
+import importlib
+import sys
+from collections.abc import Sequence
+
+from woz_tui import __version__
+
+#: Command -> its module's one-line summary. A module has `add(parser)`, which declares its options
+#: and sets `run`, a function from the parsed arguments to the exit code.
+COMMANDS = {
+    "run": "start the robot process and the console: a session",
+    "demo": "a session with a simulated robot and a simulated visitor",
+    "host": "start the robot process alone",
+    "attach": "join a running session",
+    "check": "check an experiment file and show its keys",
+    "doctor": "check this machine, its devices and this terminal for an experiment",
+    "schema": "print the JSON Schema of experiment files, for editors",
+}
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run one command; returns the exit code."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    parser = argparse.ArgumentParser(
+        prog="woz", description="A wizard plays a social robot from a terminal."
+    )
+    parser.add_argument("--version", action="version", version=f"woz-tui {__version__}")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    chosen = next((word for word in given if not word.startswith("-")), "")
+    for name, summary in COMMANDS.items():
+        command = commands.add_parser(name, help=summary, description=f"woz {name}: {summary}")
+        if name == chosen:
+            importlib.import_module(f"woz_tui.cli.{name}").add(command)
+    parsed = parser.parse_args(given)
+    try:
+        code: int = parsed.run(parsed)
+    except KeyboardInterrupt:
+        return 130
+    except BrokenPipeError:
+        sys.stderr.close()
+        return 141
+    return code

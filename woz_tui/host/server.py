@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import asyncio
 import logging
+import os
 import socket
-from collections.abc import Callable
 from pathlib import Path
 
 import msgspec
@@ -25,7 +25,7 @@ from woz_tui.core.requests import (
 )
 from woz_tui.host.client import Client
 from woz_tui.host.desk import Desk
-from woz_tui.host.place import bind, peer_uid
+from woz_tui.host.place import peer_uid
 from woz_tui.host.views import panel_views, variable_names, verb_names
 from woz_tui.session.session import Session
 
@@ -42,8 +42,8 @@ class Host:
 
     Args:
         session: What is served.
-        path: Of the socket.
-        reload: Reads the experiment file again; raises `ExperimentError`.
+        path: Of the socket, which is removed at the end.
+        desk: Answers what is asked of the session.
     """
 
     def __init__(self, session: Session, path: Path, desk: Desk) -> None:
@@ -63,11 +63,11 @@ class Host:
 
     # -- running -----------------------------------------------------------------------------
 
-    def listen(self) -> None:
-        """Open the socket. Raises `PlaceError`."""
-        self._listener = bind(self.path)
+    def listen(self, listener: socket.socket) -> None:
+        """Serve whoever connects to `listener`, a non-blocking Unix socket."""
+        self._listener = listener
         self._alone_us = self.session.hub.now()
-        self._server = asyncio.get_running_loop().create_task(self._accept(self._listener))
+        self._server = asyncio.get_running_loop().create_task(self._accept(listener))
         self._pulse()
 
     async def serve(self) -> str:
@@ -102,7 +102,7 @@ class Host:
                 log.exception("a connection could not be accepted")
                 await asyncio.sleep(1.0)
                 continue
-            if peer_uid(connection) not in {self._my_uid(), 0}:
+            if peer_uid(connection) not in {os.getuid(), 0}:
                 connection.close()
                 continue
             self._count += 1
@@ -111,10 +111,6 @@ class Host:
                 lambda name=name: Client(name, self.session.hub, self._request, self._gone),  # type: ignore[misc]
                 connection,
             )
-
-    @staticmethod
-    def _my_uid() -> int:
-        return Path("/proc/self").stat().st_uid
 
     # -- clients -----------------------------------------------------------------------------
 
@@ -257,7 +253,3 @@ class Host:
         if not self._clients and now - self._alone_us > settings.abandon_after * 1_000_000:
             self.end("abandoned")
         self._timers = [asyncio.get_running_loop().call_later(PULSE_S, self._pulse)]
-
-
-#: Reads the experiment file again.
-Reload = Callable[[], object]

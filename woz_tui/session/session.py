@@ -133,7 +133,7 @@ class Session:
                 self.hub.publish(
                     m.DriverFaulted(
                         driver=name,
-                        detail=f"it did not open: {error or type(error).__name__}",
+                        detail=f"it did not open: {type(error).__name__}: {error}",
                         remedy="the robot process's own log has the traceback",
                     )
                 )
@@ -219,6 +219,8 @@ class Session:
         return run
 
     def _why_not(self, name: str) -> str:
+        if self.ended:
+            return "the session is ending"
         action = self.experiment.action(name)
         if action is None:
             return f"there is no action {name!r}"
@@ -234,6 +236,8 @@ class Session:
         self, verb: str, args: Mapping[str, m.Json], on: str, origin: Origin, when_busy: str = ""
     ) -> str:
         """Send one verb; the command's id. Raises `AskError` if no driver can be named."""
+        if self.ended:
+            raise AskError("the session is ending")
         call = Call(verb, dict(args), self._driver_for(verb, on), Place("", 0, 0))
         return self.runner.send(call, origin, when_busy or "queue").command
 

@@ -1,0 +1,40 @@
+"""`woz host FILE`: the robot process alone; consoles attach to it."""
+
+from __future__ import annotations
+
+import argparse
+import logging
+import sys
+from pathlib import Path
+
+from woz_tui.cli.failure import explained
+from woz_tui.cli.options import add_session, identity
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("experiment", type=Path, help="experiment file")
+    add_session(parser)
+    parser.add_argument("--announce", action="store_true", help=argparse.SUPPRESS)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Serve until the session ends."""
+    from woz_tui.host import process  # noqa: PLC0415 - only this command needs it
+
+    logging.basicConfig(
+        stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(name)s %(message)s"
+    )
+    who = identity(arguments)
+    options = process.HostOptions(
+        experiment=arguments.experiment,
+        identity=who,
+        name=arguments.name or who.session,
+        recordings=arguments.recordings,
+        spill=arguments.spill,
+        announce=arguments.announce,
+    )
+    with explained() as failure:
+        return process.run(options)
+    return failure.code

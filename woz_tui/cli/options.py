@@ -1,0 +1,48 @@
+"""Options that `run`, `demo` and `host` share."""
+
+from __future__ import annotations
+
+import argparse
+import re
+from pathlib import Path
+
+from woz_tui.session.identity import Identity
+
+_SESSION = re.compile(r"_S(\d{1,6})(?:\.|$)")
+
+
+def add_session(parser: argparse.ArgumentParser) -> None:
+    """Declare the options that say who takes part and where the log goes."""
+    parser.add_argument("--session", default="", help="session code (default: the next free one)")
+    parser.add_argument("--participant", default="", help="participant code, never a name")
+    parser.add_argument("--condition", default="", help="one of the experiment's conditions")
+    parser.add_argument("--wizard", default="", help="the wizard's code")
+    parser.add_argument("--seed", type=int, default=0, help="seed of everything random")
+    parser.add_argument(
+        "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
+    )
+    parser.add_argument(
+        "--spill", type=Path, default=None, help="second folder, for when the first one fails"
+    )
+    parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
+
+
+def identity(arguments: argparse.Namespace) -> Identity:
+    """The codes, with the next free session code where none was given."""
+    return Identity(
+        session=arguments.session or next_session(arguments.recordings),
+        participant=arguments.participant,
+        condition=arguments.condition,
+        wizard=arguments.wizard,
+        seed=arguments.seed,
+    )
+
+
+def next_session(recordings: Path) -> str:
+    """`S` and one more than the highest number among the logs in `recordings`."""
+    numbers = [
+        int(match.group(1))
+        for path in (recordings.glob("*.jsonl") if recordings.is_dir() else ())
+        if (match := _SESSION.search(path.name.removesuffix(".jsonl")))
+    ]
+    return f"S{max(numbers, default=0) + 1:02d}"

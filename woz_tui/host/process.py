@@ -1,0 +1,121 @@
+"""`woz host`: the robot process from start to end."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import gc
+import json
+import logging
+import os
+import signal
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Experiment
+from woz_tui.host.desk import Desk
+from woz_tui.host.place import bind, socket_path
+from woz_tui.host.server import Host
+from woz_tui.plugins import Catalogue, installed
+from woz_tui.record.recorder import Recorder, stem
+from woz_tui.session.identity import Identity, check_code, check_participant
+from woz_tui.session.session import Session
+
+#: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
+GC_THRESHOLDS = (50_000, 20, 100)
+
+log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, slots=True)
+class HostOptions:
+    """What `woz host` was told.
+
+    `name` is the socket's; `recordings` the folder of logs; `spill` a second folder for when the
+    first one fails. `announce` writes one JSON line with socket and log to standard output.
+    """
+
+    experiment: Path
+    identity: Identity
+    name: str
+    recordings: Path
+    spill: Path | None = None
+    announce: bool = False
+
+
+def run(options: HostOptions) -> int:
+    """Serve one session until it ends; the exit code.
+
+    Raises `ExperimentError`, `PlaceError`, `PluginError`, `AskError` or `OSError` before anything
+    has begun; afterwards everything is handled here.
+    """
+    catalogue = installed()
+    experiment = load(options.experiment, catalogue)
+    _check_identity(options.identity, experiment)
+    return asyncio.run(_serve(options, catalogue, experiment))
+
+
+def _check_identity(identity: Identity, experiment: Experiment) -> None:
+    check_code(identity.session, "session")
+    if identity.wizard:
+        check_code(identity.wizard, "wizard")
+    if identity.participant:
+        check_participant(identity.participant, experiment.participant_pattern)
+    identity.changed(experiment, None, identity.condition or None, None)
+
+
+async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experiment) -> int:
+    clock = RealClock()
+    path = socket_path(options.name)
+    listener = bind(path)
+    states: list[Callable[[m.RecorderState], None]] = []
+    name = stem(clock.wall(), options.identity.participant, options.identity.session)
+    recorder = Recorder(
+        options.recordings,
+        name,
+        clock,
+        spill=options.spill,
+        on_state=lambda state: [take(state) for take in states] and None,
+    )
+    session = Session(experiment, catalogue, options.identity, recorder, clock)
+    states.append(session.recorder_moved)
+    desk = Desk(session, lambda: load(options.experiment, catalogue))
+    host = Host(session, path, desk)
+    for number in (signal.SIGTERM, signal.SIGINT):
+        asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
+    await session.open()
+    host.listen(listener)
+    if options.announce:
+        _announce(path, recorder)
+    gc.collect()
+    gc.freeze()
+    gc.set_threshold(*GC_THRESHOLDS)
+    reason = await host.serve()
+    await session.close(reason)
+    await host.close()
+    return 0
+
+
+def _announce(path: Path, recorder: Recorder) -> None:
+    """Tell the parent, then let go of its pipes: the robot process outlives the terminal.
+
+    From here on standard error goes to a file beside the log.
+    """
+    own_log = recorder.path.with_suffix(".host.log")
+    print(  # noqa: T201 - the one line of this protocol
+        json.dumps({"socket": str(path), "log": str(recorder.path), "host_log": str(own_log)}),
+        flush=True,
+    )
+    with contextlib.suppress(OSError):
+        file = os.open(own_log, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
+        null = os.open(os.devnull, os.O_RDWR)
+        os.dup2(null, sys.stdin.fileno())
+        os.dup2(file, sys.stdout.fileno())
+        os.dup2(file, sys.stderr.fileno())
+        os.close(null)
+        os.close(file)

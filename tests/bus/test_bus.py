@@ -1,0 +1,259 @@
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any
+
+import pytest
+
+from tests.bus.rig import Rig
+from tests.fakes.virtual_time import run_virtual
+from woz_tui.core import messages as m
+from woz_tui.core.messages import Command
+
+
+def in_rig(scenario: Callable[[Rig], Awaitable[None]], capacity: int = 16) -> Rig:
+    async def go() -> Rig:
+        rig = Rig(capacity)
+        await scenario(rig)
+        await asyncio.sleep(100)
+        return rig
+
+    return run_virtual(go())
+
+
+def test_a_command_is_recorded_then_dispatched_then_done() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", seconds=1.5)
+        assert rig.head.calls == []  # recorded before the driver is called
+
+    rig = in_rig(scenario)
+    kinds = [type(line).__name__ for line in rig.lines]
+    assert kinds == ["Command", "Dispatched", "Done"]
+    done = rig.end("c1")
+    assert isinstance(done, m.Done)
+    assert done.sent == {"seconds": 1.5}
+    assert done.duration_us == pytest.approx(1_500_000, abs=10)
+
+
+def test_one_lane_is_in_order_and_lanes_do_not_wait_for_each_other() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", seconds=2)
+        rig.send("say", seconds=1)
+        rig.send("play", seconds=1)
+
+    rig = in_rig(scenario)
+    done = [line.command for line in rig.lines if isinstance(line, m.Done)]
+    assert done == ["c3", "c1", "c2"]
+
+
+@pytest.mark.parametrize(
+    ("does", "kind", "reason"),
+    [
+        ("fail", m.Failed, "no"),
+        ("crash", m.Failed, "ZeroDivisionError: oops"),
+        ("exit", m.Failed, "the driver raised SystemExit"),
+        ("cancel", m.Failed, "the driver gave the job up"),
+        ("reject", m.Refused, "nonsense"),
+    ],
+)
+def test_whatever_a_driver_raises_is_the_command_s_end_and_the_lane_goes_on(
+    does: str, kind: type[m.End], reason: str
+) -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", does)
+        rig.send("say")
+
+    rig = in_rig(scenario)
+    assert isinstance(rig.end("c1"), kind)
+    assert rig.end("c1").reason == reason
+    assert isinstance(rig.end("c2"), m.Done)
+
+
+def test_time_out_then_the_lane_goes_on_when_the_job_obeys() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", seconds=60)
+        rig.send("say")
+
+    rig = in_rig(scenario)
+    assert isinstance(rig.end("c1"), m.TimedOut)
+    assert isinstance(rig.end("c2"), m.Done)
+    assert not rig.of(m.LaneFaulted)
+
+
+def test_a_job_that_ignores_its_end_faults_its_lane_and_only_that_until_it_is_gone() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", "deaf", 20)
+        rig.send("say")
+        await asyncio.sleep(10)
+        rig.send("say")
+        rig.send("play")
+        await asyncio.sleep(20)
+        rig.send("say")
+
+    rig = in_rig(scenario)
+    assert isinstance(rig.end("c1"), m.TimedOut)
+    for command in ("c2", "c3"):
+        end = rig.end(command)
+        assert isinstance(end, m.Refused)
+        assert end.code == "faulted"
+    assert isinstance(rig.end("c4"), m.Done)
+    assert isinstance(rig.end("c5"), m.Done)
+    assert len(rig.of(m.LaneFaulted)) == len(rig.of(m.LaneRecovered)) == 1
+
+
+def test_announced_durations_extend_the_limit() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", "expects", 30)
+
+    rig = in_rig(scenario)
+    assert isinstance(rig.end("c1"), m.Done)
+    (progress,) = rig.of(m.Progress)
+    assert isinstance(progress, m.Progress)
+    assert progress.expected_us == 30_000_000
+
+
+def test_full_queue_busy_replace_and_deadline() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", seconds=4)  # c1
+        rig.send("say", deadline=1)  # c2: late
+        rig.send("say")  # c3
+        rig.send("say")  # c4: full
+        rig.send("say", when_busy="refuse")  # c5: busy
+        rig.send("play", seconds=4)  # c6: replaced
+        rig.send("play", when_busy="replace")  # c7
+
+    rig = in_rig(scenario, capacity=2)
+    codes = {
+        command: end.code
+        for command in ("c2", "c4", "c5")
+        if isinstance(end := rig.end(command), m.Refused)
+    }
+    assert codes == {"c2": "late", "c4": "full", "c5": "busy"}
+    assert isinstance(rig.end("c3"), m.Done)
+    replaced = rig.end("c6")
+    assert isinstance(replaced, m.Superseded)
+    assert replaced.by == "c7"
+    assert isinstance(rig.end("c7"), m.Done)
+
+
+def test_a_stream_keeps_only_the_latest_setpoint_and_does_not_wait_for_the_queue() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("play", seconds=4)
+        for _ in range(5):
+            rig.send("gaze", seconds=1)
+
+    rig = in_rig(scenario)
+    outcomes = [type(rig.end(f"c{number}")).__name__ for number in range(2, 7)]
+    assert outcomes == ["Done", "Superseded", "Superseded", "Superseded", "Done"]
+    done = [line.command for line in rig.lines if isinstance(line, m.Done)]
+    assert done == ["c2", "c6", "c1"]
+
+
+def test_refusals_name_what_is_wrong() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", driver="arm")
+        rig.send("sing")
+        rig.bus.submit(
+            Command(command="c9", verb="say", args={"sekonds": 1}, driver="head", source="program")
+        )
+
+    rig = in_rig(scenario)
+    assert rig.end("c1").reason == "there is no driver 'arm'"
+    assert rig.end("c2").reason == "head does not offer 'sing'"
+    assert rig.end("c9").reason == "say has no argument 'sekonds'; it takes does, seconds"
+    assert rig.head.calls == []
+
+
+def test_stop_ends_all_at_once_latches_and_names_who_confirmed() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.base.stop_takes = 2.0
+        rig.send("say", seconds=4)
+        rig.send("say")
+        rig.send("play", seconds=4)
+        await asyncio.sleep(0.1)
+        rig.bus.stop("key")
+        rig.send("say")
+        await asyncio.sleep(3)
+        assert rig.bus.release("key")
+        rig.send("say")
+
+    rig = in_rig(scenario)
+    assert [type(rig.end(c)).__name__ for c in ("c1", "c2", "c3")] == ["Stopped"] * 3
+    refused = rig.end("c4")
+    assert isinstance(refused, m.Refused)
+    assert refused.code == "stopped"
+    (confirmed,) = rig.of(m.StopConfirmed)
+    assert isinstance(confirmed, m.StopConfirmed)
+    assert (confirmed.confirmed, confirmed.missing) == (["head"], ["base"])
+    assert confirmed.elapsed_us == pytest.approx(500_000, abs=1000)
+    assert isinstance(rig.end("c5"), m.Done)
+    assert [call for call in rig.head.calls if call[0] == "stop"] == [("stop", "all")]
+
+
+def test_a_driver_whose_stop_raises_or_whose_job_goes_on_has_not_confirmed() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.base.stop_raises = True
+        rig.send("say", "deaf", 3)
+        await asyncio.sleep(0.1)
+        rig.bus.stop("key")
+
+    rig = in_rig(scenario)
+    (confirmed,) = rig.of(m.StopConfirmed)
+    assert isinstance(confirmed, m.StopConfirmed)
+    assert confirmed.missing == ["head", "base"]
+
+
+def test_a_second_press_after_the_first_round_calls_the_drivers_again() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.bus.stop("key")
+        rig.bus.stop("key")
+        await asyncio.sleep(1)
+        rig.bus.stop("program")
+
+    rig = in_rig(scenario)
+    assert len([call for call in rig.head.calls if call[0] == "stop"]) == 2
+
+
+def test_driving_ends_when_nobody_watches_and_the_rest_goes_on() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("drive", seconds=3)
+        rig.send("drive")
+        rig.send("say", seconds=3)
+        await asyncio.sleep(0.1)
+        rig.bus.unwatched = "nobody"
+        rig.bus.halt_driving("console lost")
+        rig.send("drive")
+
+    rig = in_rig(scenario)
+    assert [type(rig.end(c)).__name__ for c in ("c1", "c2", "c3")] == ["Stopped", "Stopped", "Done"]
+    end = rig.end("c4")
+    assert isinstance(end, m.Refused)
+    assert end.code == "unwatched"
+    assert ("stop", "drive") in rig.head.calls
+
+
+def test_what_a_driver_returns_never_breaks_the_log() -> None:
+    async def scenario(rig: Rig) -> None:
+        async def perform(job: Any) -> Any:
+            return {"angle": float("nan"), "set": {1}, "self": object}
+
+        rig.head.perform = perform  # type: ignore[method-assign]
+        rig.send("say")
+
+    rig = in_rig(scenario)
+    end = rig.end("c1")
+    assert isinstance(end, m.Done)
+    assert end.sent["angle"] is None
+
+
+def test_cancel_ends_one_run_alone() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("say", seconds=3, run="a1")
+        rig.send("say", run="a2")
+        rig.send("say", run="a1")
+        await asyncio.sleep(0.1)
+        rig.bus.cancel("a1", "cancelled")
+
+    rig = in_rig(scenario)
+    assert [type(rig.end(c)).__name__ for c in ("c1", "c2", "c3")] == ["Stopped", "Done", "Stopped"]

@@ -1,0 +1,56 @@
+# Everything a developer types. `make` alone lists the targets.
+
+.DEFAULT_GOAL := help
+SHELL := /bin/bash
+VENV := .venv
+BIN := $(VENV)/bin
+# Stamps: pip runs again only when what is to be installed has changed.
+RUN := $(VENV)/.installed-run
+DEV := $(VENV)/.installed-dev
+PIP := $(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt
+
+.PHONY: help demo test check screenshots bench constraints clean
+
+help:  ## list the targets
+	@grep -hE '^[a-z]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
+
+demo: $(RUN)  ## play the simulated robot
+	@$(BIN)/woz demo
+
+test: $(DEV)  ## run the tests; ARGS="-k stop" passes options on
+	@.ci/test $(ARGS)
+
+check: $(DEV)  ## lint, format, types, import rules
+	@$(BIN)/ruff check .
+	@$(BIN)/ruff format --check .
+	@$(BIN)/mypy
+	@$(BIN)/lint-imports
+
+screenshots: $(DEV)  ## draw the pictures of the documentation again
+	@$(BIN)/python docs/screenshots.py
+
+bench: $(DEV)  ## measure what benchmarks/ measures
+	@for file in benchmarks/[a-z]*.py; do \
+	  echo "== $$file"; $(BIN)/python "$$file" || exit 1; \
+	done
+
+constraints: $(DEV)  ## look up the newest versions of all dependencies and pin them
+	@$(BIN)/python .ci/pin.py
+
+clean:  ## remove everything that make can make again
+	@rm -rf $(VENV) build dist .mypy_cache .ruff_cache .pytest_cache .hypothesis \
+	  .import_linter_cache .benchmarks
+	@find . -name __pycache__ -type d -prune -exec rm -rf {} +
+
+$(BIN)/python:
+	@PYTHON="$(PYTHON)" .ci/venv $(VENV)
+
+$(RUN): pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing woz-tui into $(VENV) ..."
+	@$(PIP) -e .
+	@touch $@
+
+$(DEV): pyproject.toml constraints.txt | $(BIN)/python
+	@echo "Installing woz-tui and its development tools into $(VENV) ..."
+	@$(PIP) -e '.[dev]'
+	@touch $@ $(RUN)

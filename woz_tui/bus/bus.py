@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 
 from woz_tui.bus.arguments import ArgumentError, checked
 from woz_tui.bus.lane import Lane, Ticket
@@ -110,17 +110,19 @@ class Bus:
         """Latch, end everything, call every driver's `stop` at once.
 
         Returns the task that ends when all have confirmed or `STOP_WAIT_S` has passed. A press
-        while one is under way joins it: drivers are not called twice for a held-down key.
+        while one is under way joins it: drivers are not called twice for a held-down key. Unless
+        it was released in the meantime: then commands may have begun, and it is a new stop.
         """
+        joins = self.latched and self._stopping is not None and not self._stopping.done()
         self.latched = True
-        if self._stopping is not None and not self._stopping.done():
+        if joins and self._stopping is not None:
             return self._stopping
         began_us = self._hub.now()
         stops = self._call_stops(Scope.ALL, list(self._drivers))
         self._hub.publish(StopPressed(source=source))
         for lane in list(self._lanes.values()):
             lane.stop("stop pressed")
-        self._stopping = asyncio.get_running_loop().create_task(self._confirm(stops, began_us))
+        self._stopping = self._spawn(self._confirm(stops, began_us))
         return self._stopping
 
     def release(self, source: str) -> bool:
@@ -145,9 +147,13 @@ class Bus:
         self._hub.publish(StopPressed(source=source, scope=Scope.DRIVE.value))
         for lane in list(self._lanes.values()):
             lane.stop(source, only_driving=True)
-        task = asyncio.get_running_loop().create_task(self._confirm(stops, began_us, jobs=False))
+        self._spawn(self._confirm(stops, began_us, jobs=False))
+
+    def _spawn(self, coroutine: Coroutine[None, None, None]) -> asyncio.Task[None]:
+        task = asyncio.get_running_loop().create_task(coroutine)
         self._asides.add(task)
         task.add_done_callback(self._asides.discard)
+        return task
 
     def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, asyncio.Task[None]]:
         loop = asyncio.get_running_loop()

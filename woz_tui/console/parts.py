@@ -1,0 +1,97 @@
+"""The pieces a picture is made of; times are microseconds on the session's `t` axis."""
+
+from __future__ import annotations
+
+import enum
+from dataclasses import dataclass
+
+#: Readings older than this look stale even if nobody said so.
+STALE_US = 2_000_000
+
+
+class State(enum.Enum):
+    """How an action stands, as its button shows it."""
+
+    READY = "ready"
+    QUEUED = "queued"
+    RUNNING = "running"
+    DONE = "done"
+    FAILED = "failed"
+    REFUSED = "refused"
+    STOPPED = "stopped"
+    LOCKED = "locked"
+    UNREACHABLE = "unreachable"
+
+
+@dataclass(frozen=True, slots=True)
+class Standing:
+    """An action's state at one moment.
+
+    `left_us` is the time still to go, `share` (0..1) how much of the expected time has passed;
+    both None while the driver has not said how long it takes. `note` is a word to go with the
+    state: what is missing, why it was refused.
+    """
+
+    state: State
+    left_us: int | None = None
+    share: float | None = None
+    note: str = ""
+
+
+@dataclass(slots=True)
+class DriverPicture:
+    """A driver's health: unknown, connecting, connected, lost or faulted."""
+
+    name: str
+    health: str = "unknown"
+    detail: str = ""
+    remedy: str = ""
+
+
+@dataclass(slots=True)
+class SensorPicture:
+    """The last reading of one sensor and the last word about its state."""
+
+    name: str
+    t: int
+    value: float | None = None
+    text: str = ""
+    unit: str = ""
+    driver: str = ""
+    state: str = ""
+    why: str = ""
+
+    def is_stale(self, now: int, health: str) -> bool:
+        """Whether the value should not be trusted any more."""
+        return self.state == "stale" or health == "lost" or now - self.t > STALE_US
+
+
+@dataclass(slots=True)
+class StopPicture:
+    """A latched stop: since when, by whom, and who confirmed. `settled`: the host has decided."""
+
+    t: int
+    source: str
+    scope: str = "all"
+    confirmed: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+    settled: bool = False
+
+
+@dataclass(slots=True)
+class RecorderPicture:
+    """The log's health; `level` is ok, warn, alarm, failed or unknown."""
+
+    level: str = "unknown"
+    lag_us: int = 0
+    path: str = ""
+    detail: str = ""
+    remedy: str = ""
+
+
+@dataclass(slots=True)
+class LastRun:
+    """The run that backspace calls a mistake."""
+
+    run: str
+    action: str

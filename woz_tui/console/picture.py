@@ -1,0 +1,239 @@
+"""What the screen shows, as plain data: a `Welcome` and the messages after it, reduced.
+
+Nothing here draws, waits or looks at a clock. All times are microseconds on the session's `t`
+axis; `Picture.now` turns a local clock into that axis, so that things can age between messages.
+Messages may come in any order, twice or not at all: the picture takes what it can from each and
+never raises.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Iterable
+from dataclasses import dataclass, field
+
+import msgspec
+
+from woz_tui.console.feed import Incoming
+from woz_tui.console.parts import (
+    STALE_US,
+    DriverPicture,
+    LastRun,
+    RecorderPicture,
+    SensorPicture,
+    Standing,
+    State,
+    StopPicture,
+)
+from woz_tui.console.reducers import reduce
+from woz_tui.console.runs import Failure, Runs, outcome_of
+from woz_tui.console.sentences import Event, event_of
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.wire import WireError, decode_message
+
+#: How long an action that is over still shows how it ended.
+DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
+#: Events kept for the list; the log on disk has them all.
+EVENTS = 400
+_LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US}
+
+
+@dataclass(slots=True)
+class Picture:
+    """Everything the console knows. Fields are for reading; `take` changes them."""
+
+    title: str = ""
+    role: str = ""
+    log: str = ""
+    welcomed: bool = False
+    session: str = ""
+    participant: str = ""
+    condition: str = ""
+    trial: int | None = None
+    ended: str = ""
+    panels: tuple[r.PanelView, ...] = ()
+    script: tuple[str, ...] = ()
+    position: int = 0
+    #: Driver -> the verbs it offers.
+    verbs: dict[str, list[str]] = field(default_factory=dict)
+    variables: tuple[str, ...] = ()
+    conditions: tuple[str, ...] = ()
+    keyboard: str = "us"
+    settings: dict[str, m.Json] = field(default_factory=dict)
+    locks: dict[str, bool] = field(default_factory=dict)
+    drivers: dict[str, DriverPicture] = field(default_factory=dict)
+    sensors: dict[str, SensorPicture] = field(default_factory=dict)
+    recorder: RecorderPicture = field(default_factory=RecorderPicture)
+    stop: StopPicture | None = None
+    engagement: m.EngagementChanged | None = None
+    modes: dict[str, str] = field(default_factory=dict)
+    runs: Runs = field(default_factory=Runs)
+    last_run: LastRun | None = None
+    mistakes: set[str] = field(default_factory=set)
+    events: deque[Event] = field(default_factory=lambda: deque(maxlen=EVENTS))
+    notice: m.Notice | None = None
+    dropped: int = 0
+    lost: str = ""
+    #: Raised whenever panels or script are new, so that keys and layout follow.
+    edition: int = 0
+    _t: int = 0
+    _local: int = 0
+
+    # -- time -------------------------------------------------------------------------------
+
+    def now(self, local_us: int) -> int:
+        """The session's `t` at the local clock's `local_us`."""
+        return self._t + max(0, local_us - self._local)
+
+    def _heard(self, t: int, local_us: int) -> None:
+        """Tie the clocks: forward at once, back only if they are far apart (a paused feed)."""
+        behind = self.now(local_us) - t
+        if behind < 0 or behind > STALE_US:
+            self._t, self._local = t, local_us
+
+    # -- reducing ---------------------------------------------------------------------------
+
+    def take(self, batch: Iterable[Incoming], local_us: int) -> None:
+        """Work a batch in, oldest first; `local_us` is the local clock's time of arrival."""
+        for message in batch:
+            if isinstance(message, r.Welcome):
+                self._welcome(message, local_us)
+            elif isinstance(message, r.PanelsChanged):
+                self._panels(message)
+            elif isinstance(message, r.Pulse):
+                self._heard(message.t, local_us)
+                self.dropped = message.dropped
+            elif isinstance(message, m.Message):
+                if message.t >= 0 and not isinstance(message, m.Reading):
+                    self._heard(message.t, local_us)
+                self._message(message, tell=True)
+
+    def lose(self, why: str) -> None:
+        """The connection to the robot process is gone."""
+        self.lost = why or "the connection closed"
+
+    def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
+        """Begin anew; what the wizard has seen stays seen."""
+        fresh = Picture(edition=self.edition, runs=Runs(seen=self.runs.seen))
+        for name in self.__slots__:
+            setattr(self, name, getattr(fresh, name))
+        self._t, self._local = welcome.t, local_us
+        self.welcomed = True
+        self.role, self.log = welcome.role, welcome.log
+        self.variables = tuple(welcome.variables)
+        self.settings = dict(welcome.settings)
+        self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
+        self._plan(welcome)
+        for raw in welcome.recent:
+            self._raw(raw, tell=True)
+        for raw in welcome.state:
+            self._raw(raw, tell=False)
+
+    def _raw(self, raw: msgspec.Raw, tell: bool) -> None:
+        try:
+            message = decode_message(bytes(raw))
+        except WireError:
+            return  # a newer host's message: not for this version
+        self._message(message, tell)
+
+    def _panels(self, changed: r.PanelsChanged) -> None:
+        self.locks = {}
+        self._plan(changed)
+
+    def _plan(self, plan: r.Welcome | r.PanelsChanged) -> None:
+        self.title = plan.title
+        self.panels, self.script = tuple(plan.panels), tuple(plan.script)
+        self.verbs = dict(plan.verbs)
+        self.conditions = tuple(plan.conditions)
+        self.keyboard = plan.keyboard
+        self.position = min(self.position, len(self.script))
+        self.edition += 1
+
+    def _message(self, message: m.Message, tell: bool) -> None:
+        reduce(self, message)
+        failure = self.runs.take(message)
+        if tell:
+            if failure is not None:
+                self.runs.failures.append(failure)
+            self._tell(message)
+
+    def _tell(self, message: m.Message) -> None:
+        """Put it on the list of events, or its outcome behind the event that began it."""
+        outcome = outcome_of(message)
+        if outcome is not None:
+            for event in reversed(self.events):
+                if event.run == outcome.run:
+                    event.end(outcome)
+                    return
+        told = event_of(message, self)
+        if told is not None:
+            self.events.append(told)
+
+    # -- reading ----------------------------------------------------------------------------
+
+    def label(self, name: str) -> str:
+        """The label of the action called `name`, or the name itself."""
+        action = self.action(name)
+        return action.label if action is not None else name
+
+    def action(self, name: str) -> r.ActionView | None:
+        """The action called `name`, or None."""
+        for panel in self.panels:
+            for action in panel.actions:
+                if action.name == name:
+                    return action
+        return None
+
+    def is_locked(self, panel: r.PanelView) -> bool:
+        """Whether the panel takes no input at the moment."""
+        return self.locks.get(panel.title, panel.locked)
+
+    def standing(self, panel: r.PanelView, action: r.ActionView, now: int) -> Standing:
+        """How an action stands at `now`."""
+        current = self.runs.of(action.name)
+        if current is not None:
+            left_us, share = current.timing(now)
+            state = State.RUNNING if current.running else State.QUEUED
+            return Standing(state, left_us, share)
+        outcome = self.runs.outcomes.get(action.name)
+        if outcome is not None and now - outcome.t <= _LINGER.get(outcome.how, 0):
+            return Standing(State(outcome.how), note=outcome.reason)
+        failure = self.runs.failure_of(action.name)
+        if failure is not None:
+            return Standing(State.FAILED, note=failure.reason)
+        if action.locked or self.is_locked(panel):
+            return Standing(State.LOCKED)
+        missing = self.missing_driver(action)
+        if missing:
+            return Standing(State.UNREACHABLE, note=missing)
+        return Standing(State.READY)
+
+    def missing_driver(self, action: r.ActionView) -> str:
+        """A driver this action needs and that is lost, or an empty string.
+
+        A verb that several drivers offer counts as missing only if all of them are lost.
+        """
+        for verb in action.verbs:
+            drivers = [name for name, verbs in self.verbs.items() if verb in verbs]
+            lost = [name for name in drivers if self.health(name) == "lost"]
+            if lost and len(lost) == len(drivers):
+                return lost[0]
+        return ""
+
+    def health(self, driver: str) -> str:
+        """A driver's health, `unknown` if it was never heard of."""
+        known = self.drivers.get(driver)
+        return known.health if known is not None else "unknown"
+
+    def is_stale(self, sensor: SensorPicture, now: int) -> bool:
+        """Whether a sensor's value should look old."""
+        return bool(self.lost) or sensor.is_stale(now, self.health(sensor.driver))
+
+    def unseen(self) -> list[Failure]:
+        """Failures the wizard has not acknowledged, oldest first."""
+        return self.runs.unseen()
+
+    def see_failures(self) -> None:
+        """The wizard has seen all failures there are."""
+        self.runs.see_all()

@@ -1,0 +1,144 @@
+"""What each kind of message does to the picture, beside its line in the list of events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Any
+
+from woz_tui.console.parts import (
+    DriverPicture,
+    LastRun,
+    RecorderPicture,
+    SensorPicture,
+    StopPicture,
+)
+from woz_tui.core import messages as m
+
+if TYPE_CHECKING:
+    from woz_tui.console.picture import Picture
+
+
+def reduce(picture: Picture, message: m.Message) -> None:
+    """Change `picture` by one message; kinds that change nothing are passed over."""
+    reducer = _REDUCERS.get(type(message))
+    if reducer is not None:
+        reducer(picture, message)
+
+
+def _start(picture: Picture, message: m.SessionStart) -> None:
+    picture.session = message.session
+    picture.participant, picture.condition = message.participant, message.condition
+
+
+def _session(picture: Picture, message: m.SessionChanged) -> None:
+    if message.participant is not None:
+        picture.participant = message.participant
+    if message.condition is not None:
+        picture.condition = message.condition
+    if message.trial is not None:
+        picture.trial = message.trial
+
+
+def _end(picture: Picture, message: m.SessionEnd) -> None:
+    picture.ended = message.reason or "ended"
+
+
+def _recorder(picture: Picture, message: m.RecorderState) -> None:
+    picture.recorder = RecorderPicture(
+        message.level, message.lag_us, message.path, message.detail, message.remedy
+    )
+
+
+def _notice(picture: Picture, message: m.Notice) -> None:
+    picture.notice = message
+
+
+def _requested(picture: Picture, message: m.ActionRequested) -> None:
+    picture.last_run = LastRun(message.run, message.action)
+
+
+def _stop(picture: Picture, message: m.StopPressed) -> None:
+    if picture.stop is None or picture.stop.scope != "all" or message.scope == "all":
+        picture.stop = StopPicture(message.t, message.source, message.scope)
+
+
+def _confirmed(picture: Picture, message: m.StopConfirmed) -> None:
+    if picture.stop is not None:
+        picture.stop.confirmed = tuple(message.confirmed)
+        picture.stop.missing = tuple(message.missing)
+        picture.stop.settled = True
+
+
+def _released(picture: Picture, message: m.StopReleased) -> None:
+    picture.stop = None
+
+
+def _driver(picture: Picture, message: m.DriverHealth) -> None:
+    health = str(message.__struct_config__.tag).removeprefix("driver.")
+    picture.drivers[message.driver] = DriverPicture(
+        message.driver, health, message.detail, message.remedy
+    )
+
+
+def _reading(picture: Picture, message: m.Reading) -> None:
+    sensor = picture.sensors.get(message.sensor)
+    if sensor is None:
+        sensor = picture.sensors[message.sensor] = SensorPicture(message.sensor, message.t)
+    sensor.t, sensor.value, sensor.text = message.t, message.value, message.text
+    sensor.unit, sensor.driver = message.unit or sensor.unit, message.driver or sensor.driver
+    if sensor.state == "stale":
+        sensor.state = ""
+
+
+def _sensor(picture: Picture, message: m.SensorChanged) -> None:
+    sensor = picture.sensors.get(message.sensor)
+    if sensor is None:
+        sensor = picture.sensors[message.sensor] = SensorPicture(message.sensor, message.t)
+    sensor.state, sensor.why = message.state, message.why
+
+
+def _engagement(picture: Picture, message: m.EngagementChanged) -> None:
+    picture.engagement = message
+
+
+def _mode(picture: Picture, message: m.ModeChanged) -> None:
+    picture.modes[message.driver] = message.now
+
+
+def _mistake(picture: Picture, message: m.Mistake) -> None:
+    picture.mistakes.add(message.run)
+    for event in picture.events:
+        if event.run and event.run == message.run:
+            event.mistake = True
+
+
+def _script(picture: Picture, message: m.ScriptMoved) -> None:
+    picture.position = max(0, min(message.position, len(picture.script)))
+
+
+def _lock(picture: Picture, message: m.PanelLocked) -> None:
+    picture.locks[message.panel] = message.locked
+
+
+_REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
+    m.SessionStart: _start,
+    m.SessionChanged: _session,
+    m.SessionEnd: _end,
+    m.RecorderState: _recorder,
+    m.Notice: _notice,
+    m.ActionRequested: _requested,
+    m.StopPressed: _stop,
+    m.StopConfirmed: _confirmed,
+    m.StopReleased: _released,
+    m.DriverConnecting: _driver,
+    m.DriverConnected: _driver,
+    m.DriverLost: _driver,
+    m.DriverFaulted: _driver,
+    m.Reading: _reading,
+    m.SensorChanged: _sensor,
+    m.EngagementChanged: _engagement,
+    m.ModeChanged: _mode,
+    m.Mistake: _mistake,
+    m.ScriptMoved: _script,
+    m.PanelLocked: _lock,
+}

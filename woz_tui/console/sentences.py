@@ -1,0 +1,216 @@
+"""Messages as short lines for the wizard's list of events."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from woz_tui.console.runs import Outcome, words
+from woz_tui.core import messages as m
+
+if TYPE_CHECKING:
+    from woz_tui.console.picture import Picture
+
+#: Who or what pressed, where it was not a key.
+_SOURCES = {
+    "script": "script",
+    "palette": "found",
+    "program": "program",
+    "engagement": "robot",
+    "replay": "replay",
+}
+
+
+@dataclass(slots=True)
+class Event:
+    """One line of the list.
+
+    `mark` names its glyph and colour (running, done, failed, refused, stopped, info, warning,
+    error, note, marker, driver, stop). A run's line gets its outcome when it ends.
+    """
+
+    t: int
+    mark: str
+    text: str
+    detail: str = ""
+    run: str = ""
+    action: str = ""
+    took_us: int | None = None
+    mistake: bool = False
+
+    def end(self, outcome: Outcome) -> None:
+        """Put the outcome behind what was begun."""
+        self.mark = outcome.how
+        self.took_us = max(0, outcome.t - self.t)
+        if outcome.reason:
+            self.detail = outcome.reason
+
+
+def event_of(message: m.Message, picture: Picture) -> Event | None:
+    """The line for `message`, or None if it is not worth one."""
+    tell = _TELLERS.get(type(message))
+    return tell(message, picture) if tell is not None else None
+
+
+def _requested(message: m.ActionRequested, picture: Picture) -> Event:
+    source = _SOURCES.get(message.source, "")
+    return Event(
+        message.t,
+        "running",
+        picture.label(message.action),
+        source,
+        run=message.run,
+        action=message.action,
+    )
+
+
+def _command(message: m.Command, picture: Picture) -> Event | None:
+    if message.run:
+        return None  # its action has a line
+    return Event(message.t, "running", words(message), run=message.command)
+
+
+def _action_end(message: m.ActionEnd, picture: Picture) -> Event | None:
+    """Only reached if the beginning is not on the list any more."""
+    if isinstance(message, m.ActionDone):
+        return None
+    how = str(message.__struct_config__.tag).removeprefix("action.")
+    return Event(message.t, how, picture.label(message.action), message.reason, run=message.run)
+
+
+def _session(message: m.SessionChanged, picture: Picture) -> Event | None:
+    parts = [
+        f"{name} {value}"
+        for name, value in (
+            ("participant", message.participant),
+            ("condition", message.condition),
+            ("trial", message.trial),
+        )
+        if value is not None
+    ]
+    return Event(message.t, "info", ", ".join(parts)) if parts else None
+
+
+def _session_end(message: m.SessionEnd, picture: Picture) -> Event:
+    return Event(message.t, "info", "Session ended", message.reason)
+
+
+def _recorder(message: m.RecorderState, picture: Picture) -> Event | None:
+    if message.level == "ok":
+        return None
+    mark = "warning" if message.level == "warn" else "error"
+    what = "Log is not written" if message.level == "failed" else "Log falls behind"
+    detail = message.detail or f"{message.lag_us / 1000:.0f} ms"
+    return Event(message.t, mark, what, detail)
+
+
+def _notice(message: m.Notice, picture: Picture) -> Event:
+    mark = message.level if message.level in ("info", "warning", "error") else "info"
+    return Event(message.t, mark, message.text, message.remedy)
+
+
+def _stop(message: m.StopPressed, picture: Picture) -> Event:
+    what = "STOP" if message.scope == "all" else "Driving stopped"
+    return Event(message.t, "stop", what, f"by {message.source}")
+
+
+def _confirmed(message: m.StopConfirmed, picture: Picture) -> Event:
+    if message.missing:
+        return Event(message.t, "error", "Not confirmed", ", ".join(message.missing))
+    return Event(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
+
+
+def _released(message: m.StopReleased, picture: Picture) -> Event:
+    return Event(message.t, "info", "Stop released", f"by {message.source}")
+
+
+def _driver(message: m.DriverHealth, picture: Picture) -> Event:
+    health = str(message.__struct_config__.tag).removeprefix("driver.")
+    mark = {"lost": "error", "faulted": "error", "connected": "done"}.get(health, "driver")
+    return Event(message.t, mark, f"{message.driver} {health}", message.detail)
+
+
+def _lane_faulted(message: m.LaneFaulted, picture: Picture) -> Event:
+    return Event(message.t, "error", f"{message.driver} {message.lane} hangs", "waits for its end")
+
+
+def _lane_recovered(message: m.LaneRecovered, picture: Picture) -> Event:
+    return Event(message.t, "done", f"{message.driver} {message.lane} is back")
+
+
+def _sensor(message: m.SensorChanged, picture: Picture) -> Event | None:
+    if message.state != "stale" and message.was != "stale":
+        return None  # speaking and quiet are on the meter
+    mark = "warning" if message.state == "stale" else "done"
+    return Event(message.t, mark, f"{message.sensor} {message.state}", message.why)
+
+
+def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:
+    return Event(message.t, "info", message.now, message.why)
+
+
+def _mode(message: m.ModeChanged, picture: Picture) -> Event:
+    return Event(message.t, "info", f"{message.driver} mode {message.now}", message.why)
+
+
+def _marker(message: m.Marker, picture: Picture) -> Event:
+    return Event(message.t, "marker", "Marker", message.text)
+
+
+def _note(message: m.Note, picture: Picture) -> Event:
+    return Event(message.t, "note", message.text)
+
+
+def _mistake(message: m.Mistake, picture: Picture) -> Event:
+    what = picture.label(message.action) if message.action else message.run
+    return Event(message.t, "note", f"Mistake: {what}", message.text)
+
+
+def _lock(message: m.PanelLocked, picture: Picture) -> Event:
+    return Event(message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
+
+
+def _reloaded(message: m.ExperimentReloaded, picture: Picture) -> Event:
+    return Event(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
+
+
+def _attached(message: m.ConsoleAttached, picture: Picture) -> Event:
+    return Event(message.t, "info", f"{message.role} attached", message.console)
+
+
+def _console_lost(message: m.ConsoleLost, picture: Picture) -> Event:
+    return Event(message.t, "warning", f"{message.role} gone", message.why)
+
+
+_TELLERS: dict[type[m.Message], Callable[[Any, Picture], Event | None]] = {
+    m.ActionRequested: _requested,
+    m.Command: _command,
+    m.ActionDone: _action_end,
+    m.ActionFailed: _action_end,
+    m.ActionStopped: _action_end,
+    m.ActionRefused: _action_end,
+    m.SessionChanged: _session,
+    m.SessionEnd: _session_end,
+    m.RecorderState: _recorder,
+    m.Notice: _notice,
+    m.StopPressed: _stop,
+    m.StopConfirmed: _confirmed,
+    m.StopReleased: _released,
+    m.DriverConnecting: _driver,
+    m.DriverConnected: _driver,
+    m.DriverLost: _driver,
+    m.DriverFaulted: _driver,
+    m.LaneFaulted: _lane_faulted,
+    m.LaneRecovered: _lane_recovered,
+    m.SensorChanged: _sensor,
+    m.EngagementChanged: _engagement,
+    m.ModeChanged: _mode,
+    m.Marker: _marker,
+    m.Note: _note,
+    m.Mistake: _mistake,
+    m.PanelLocked: _lock,
+    m.ExperimentReloaded: _reloaded,
+    m.ConsoleAttached: _attached,
+    m.ConsoleLost: _console_lost,
+}

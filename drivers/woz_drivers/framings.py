@@ -1,0 +1,226 @@
+"""How rangefinders say a distance on the wire: incremental decoders, free of any input or output.
+
+A decoder takes bytes in pieces of any size and gives the measurements they complete. It never
+raises, and finds its way back after any noise; what it has to throw away it counts in `bad`.
+
+Sources: MaxBotix data sheets (LV-, XL- and HRXL-MaxSonar, "RS232 serial output"), Benewake
+SJ-PM-TFmini-T-01 and TF-Luna A05, DFRobot SEN0313 (A02YYUW), JSN-SR04T-2.0 mode 2.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+#: Metres in one unit.
+METRES: Mapping[str, float] = {"mm": 0.001, "cm": 0.01, "in": 0.0254, "m": 1.0}
+UNITS = tuple(METRES)
+
+#: A line longer than this, in bytes, is noise.
+MAX_LINE = 64
+
+
+@dataclass(frozen=True, slots=True)
+class Measurement:
+    """One well-formed frame.
+
+    `raw` is the device's number in its own unit, `metres` the same in metres, or None if the
+    frame itself says that nothing was measured; then `why` says so in words.
+    """
+
+    raw: float
+    metres: float | None
+    why: str = ""
+
+
+class Decoder(Protocol):
+    """Bytes in, measurements out; `bad` counts the frames or lines thrown away so far."""
+
+    bad: int
+
+    def feed(self, data: bytes) -> list[Measurement]:
+        """The measurements that `data` completes, in order."""
+        ...
+
+
+class LineDecoder:
+    """Text that ends with CR, LF or both.
+
+    `pattern` must match a whole line; its group `number` holds the value, an optional group
+    `unit` overrides `unit`. `first_line`: whether the line under way at the moment of connecting
+    can be trusted; a tail such as `23` of `123` cannot be told from a reading.
+    """
+
+    def __init__(self, pattern: re.Pattern[bytes], unit: str, first_line: bool) -> None:
+        self.bad = 0
+        self._pattern = pattern
+        self._unit = unit
+        self._line = bytearray()
+        self._skipping = not first_line
+
+    def feed(self, data: bytes) -> list[Measurement]:
+        """The measurements that `data` completes, in order."""
+        found = []
+        for byte in data:
+            if byte in b"\r\n":
+                measurement = self._end_of_line()
+                if measurement is not None:
+                    found.append(measurement)
+            elif not self._skipping:
+                self._line.append(byte)
+                if len(self._line) > MAX_LINE:
+                    self.bad += 1
+                    self._line.clear()
+                    self._skipping = True
+        return found
+
+    def _end_of_line(self) -> Measurement | None:
+        line = bytes(self._line).strip()
+        self._line.clear()
+        if self._skipping:
+            self._skipping = False
+            return None
+        if not line:
+            return None
+        match = self._pattern.fullmatch(line)
+        if match is None:
+            self.bad += 1
+            return None
+        groups = match.groupdict()
+        raw = float(groups["number"].replace(b",", b"."))
+        unit = _unit_named(groups.get("unit")) or self._unit
+        return Measurement(raw, raw * METRES[unit])
+
+
+class FrameDecoder:
+    """Binary frames of one length that begin with `header` and hold a checksum.
+
+    `read(frame)` turns a frame whose checksum is right into a measurement. After a wrong one the
+    search goes on one byte later, so a true frame behind noise is never lost.
+    """
+
+    def __init__(
+        self,
+        header: bytes,
+        length: int,
+        read: Callable[[bytes], Measurement],
+    ) -> None:
+        self.bad = 0
+        self._header = header
+        self._length = length
+        self._read = read
+        self._buffer = bytearray()
+
+    def feed(self, data: bytes) -> list[Measurement]:
+        """The measurements that `data` completes, in order."""
+        self._buffer += data
+        found = []
+        while self._find_header() and len(self._buffer) >= self._length:
+            frame = bytes(self._buffer[: self._length])
+            if sum(frame[:-1]) & 0xFF == frame[-1]:
+                found.append(self._read(frame))
+                del self._buffer[: self._length]
+            else:
+                self.bad += 1
+                del self._buffer[:1]
+        return found
+
+    def _find_header(self) -> bool:
+        """Drop what cannot begin a frame; whether a whole header stands in front."""
+        start = self._buffer.find(self._header)
+        if start < 0:
+            start = len(self._buffer) - self._unfinished_header()
+        del self._buffer[:start]
+        return len(self._buffer) >= len(self._header)
+
+    def _unfinished_header(self) -> int:
+        """How many bytes at the end may be the beginning of a header."""
+        for length in range(len(self._header) - 1, 0, -1):
+            if self._buffer.endswith(self._header[:length]):
+                return length
+        return 0
+
+
+@dataclass(frozen=True, slots=True)
+class Framing:
+    """One way of talking: what it is, its usual rate and unit, and how to decode it.
+
+    `decoder(unit, min_strength)` makes a fresh decoder for one connection.
+    """
+
+    summary: str
+    baud: int
+    unit: str
+    decoder: Callable[[str, int], Decoder]
+
+
+# MaxBotix: "R", three digits (LV in inches, XL in cm) or four (HR in mm), on some models followed
+# by the proximity flag " P0" or " P1", then a carriage return.
+_MAXBOTIX = re.compile(rb"R(?P<number>\d{3,4})(?: P[01])?")
+
+# What people print from an Arduino: 123 | 123.4 cm | distance: 1.23 m
+_PLAIN = re.compile(
+    rb"(?:[A-Za-z][A-Za-z _]{0,20}[:=]\s*)?(?P<number>[+-]?\d{1,7}(?:[.,]\d{1,6})?)"
+    rb"\s*(?P<unit>mm|cm|m|in|inch|inches|\")?",
+    re.IGNORECASE,
+)
+
+#: Strengths that mean "saturated" in the TFmini family.
+_SATURATED = 0xFFFF
+#: From here on, the TFmini family's distances are error codes (-1 weak, -2 saturated, -4 sun).
+_LIDAR_ERRORS = 0xFFFC
+
+
+def _unit_named(word: bytes | None) -> str:
+    if word is None:
+        return ""
+    name = word.decode("ascii").lower()
+    return "in" if name in ("inch", "inches", '"') else name
+
+
+def _maxbotix(unit: str, _min_strength: int) -> Decoder:
+    return LineDecoder(_MAXBOTIX, unit, first_line=True)
+
+
+def _plain(unit: str, _min_strength: int) -> Decoder:
+    return LineDecoder(_PLAIN, unit, first_line=False)
+
+
+def _tfmini(unit: str, min_strength: int) -> Decoder:
+    scale = METRES[unit]
+
+    def read(frame: bytes) -> Measurement:
+        raw = int.from_bytes(frame[2:4], "little")
+        strength = int.from_bytes(frame[4:6], "little")
+        if strength == _SATURATED or raw >= _LIDAR_ERRORS:
+            return Measurement(raw, None, "saturated or error code")
+        if strength < min_strength:
+            return Measurement(raw, None, f"weak echo (strength {strength})")
+        if raw == 0:
+            return Measurement(raw, None, "no echo")
+        return Measurement(raw, raw * scale)
+
+    return FrameDecoder(b"\x59\x59", 9, read)
+
+
+def _a02(unit: str, _min_strength: int) -> Decoder:
+    scale = METRES[unit]
+
+    def read(frame: bytes) -> Measurement:
+        raw = int.from_bytes(frame[1:3], "big")
+        if raw == 0:
+            return Measurement(raw, None, "no echo")
+        return Measurement(raw, raw * scale)
+
+    return FrameDecoder(b"\xff", 4, read)
+
+
+#: Every framing by the name it has in a robot file.
+FRAMINGS: Mapping[str, Framing] = {
+    "maxbotix": Framing("MaxBotix ultrasonic sensors, text Rddd or Rdddd", 9600, "cm", _maxbotix),
+    "lines": Framing("one number a line, as an Arduino prints it", 9600, "cm", _plain),
+    "tfmini": Framing("Benewake TFmini and TF-Luna lidars, binary", 115200, "cm", _tfmini),
+    "a02": Framing("A02YYUW and JSN-SR04T ultrasonic sensors, binary", 9600, "mm", _a02),
+}

@@ -1,0 +1,158 @@
+"""Decoders of rangefinder framings against the data sheets, noise and any way of splitting."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.framings import FRAMINGS, MAX_LINE, Decoder, Measurement
+
+from tests.fakes.rangefinder import a02, maxbotix, tfmini
+
+ANY_BYTES = st.binary(max_size=200)
+NAMES = st.sampled_from(sorted(FRAMINGS))
+#: Frames of each framing, built by the fake sensor, as one stream.
+STREAMS = st.one_of(
+    st.tuples(
+        st.just("maxbotix"),
+        st.lists(st.integers(0, 999).map(maxbotix), min_size=1, max_size=8).map(b"".join),
+    ),
+    st.tuples(
+        st.just("lines"),
+        st.lists(st.integers(0, 99999).map(lambda n: b"%d mm\r\n" % n), min_size=1).map(b"".join),
+    ),
+    st.tuples(
+        st.just("tfmini"),
+        st.lists(st.builds(tfmini, st.integers(0, 0xFFFF), st.integers(0, 0xFFFF)), min_size=1).map(
+            b"".join
+        ),
+    ),
+    st.tuples(st.just("a02"), st.lists(st.integers(0, 0xFFFF).map(a02), min_size=1).map(b"".join)),
+)
+
+
+def decoder(name: str, unit: str = "", min_strength: int = 100) -> Decoder:
+    framing = FRAMINGS[name]
+    return framing.decoder(unit or framing.unit, min_strength)
+
+
+def metres(measurements: list[Measurement]) -> list[float | None]:
+    return [None if m.metres is None else round(m.metres, 6) for m in measurements]
+
+
+@pytest.mark.parametrize(
+    ("name", "unit", "data", "expected"),
+    [
+        ("maxbotix", "in", b"R012\rR254\r", [0.3048, 6.4516]),
+        ("maxbotix", "cm", b"R107\r", [1.07]),
+        ("maxbotix", "mm", b"R0300\rR5000\r", [0.3, 5.0]),
+        ("maxbotix", "in", b"R040 P1\r", [1.016]),
+        ("maxbotix", "cm", b"HRXL-MaxSonar\rR12\rR12345\rr100\rR100\r", [1.0]),
+        ("lines", "cm", b"1\n123\n124.5\r\n", [1.23, 1.245]),
+        ("lines", "cm", b"\n1230 mm\n123.4 cm\n1,5 m\n10\"\n", [1.23, 1.234, 1.5, 0.254]),
+        ("lines", "mm", b"\nDistance: 812\ndist=81 cm\n10 in\n", [0.812, 0.81, 0.254]),
+        ("lines", "cm", b"\nno echo\n-1\nnan\n1e3\n12.\n", [-0.01]),
+        ("tfmini", "cm", tfmini(213), [2.13]),
+        ("tfmini", "mm", tfmini(213), [0.213]),
+        ("tfmini", "cm", bytes.fromhex("5959 2c01 e803 c409 97"), [3.0]),
+        ("tfmini", "cm", bytes.fromhex("5959 2c01 e803 c409 98"), []),
+        ("a02", "mm", bytes.fromhex("ff 07 a1 a7"), [1.953]),
+        ("a02", "mm", b"\x00\xff" + a02(300) + a02(0xFFFF), [0.3, 65.535]),
+    ],
+)  # fmt: skip
+def test_data_sheet_examples(
+    name: str, unit: str, data: bytes, expected: list[float | None]
+) -> None:
+    assert metres(decoder(name, unit).feed(data)) == expected
+
+
+@pytest.mark.parametrize(
+    ("frame", "why"),
+    [
+        (tfmini(300, strength=99), "weak echo (strength 99)"),
+        (tfmini(300, strength=0xFFFF), "saturated or error code"),
+        (tfmini(0xFFFE, strength=500), "saturated or error code"),
+        (tfmini(0, strength=500), "no echo"),
+    ],
+)
+def test_a_lidar_that_doubts_itself_measures_nothing(frame: bytes, why: str) -> None:
+    (measurement,) = decoder("tfmini").feed(frame)
+    assert measurement.metres is None
+    assert measurement.why == why
+
+
+def test_a_tail_of_a_line_is_no_reading() -> None:
+    assert decoder("lines").feed(b"23\n") == []
+
+
+def test_bad_frames_are_counted() -> None:
+    lines = decoder("maxbotix")
+    lines.feed(b"R1\r\r\nxx\r" + b"R" * (MAX_LINE * 3) + b"\rR100\r")
+    assert lines.bad == 3
+    binary = decoder("a02")
+    binary.feed(a02(500)[:-1] + b"\x00" + a02(500))
+    assert binary.bad == 1
+
+
+@given(NAMES, st.lists(ANY_BYTES, max_size=10))
+def test_no_bytes_raise(name: str, pieces: list[bytes]) -> None:
+    one = decoder(name)
+    for piece in pieces:
+        for measurement in one.feed(piece):
+            assert measurement.metres is None or abs(measurement.metres) < 1e7
+            assert abs(measurement.raw) < 1e8
+    assert one.bad <= sum(map(len, pieces))
+
+
+@given(STREAMS, ANY_BYTES, st.lists(st.integers(0, 400), max_size=12))
+def test_pieces_give_the_same_as_the_whole(
+    stream: tuple[str, bytes], noise: bytes, cuts: list[int]
+) -> None:
+    name, frames = stream
+    data = noise + frames
+    whole, split = decoder(name), decoder(name)
+    edges = [0, *sorted(min(cut, len(data)) for cut in cuts), len(data)]
+    pieces = [data[a:b] for a, b in itertools.pairwise(edges)]
+    assert [m for piece in pieces for m in split.feed(piece)] == whole.feed(data)
+    assert split.bad == whole.bad
+
+
+@given(ANY_BYTES, st.integers(0, 999))
+def test_text_finds_its_way_back_after_noise(noise: bytes, number: int) -> None:
+    for name in ("maxbotix", "lines"):
+        frame = maxbotix(number) if name == "maxbotix" else b"%d\n" % number
+        found = decoder(name).feed(noise + b"\r" + frame)
+        assert found
+        assert found[-1].raw == number
+
+
+@given(ANY_BYTES, st.integers(1, 1200), st.integers(100, 0xFFF0))
+def test_binary_framings_find_their_way_back_after_noise(
+    noise: bytes, number: int, strength: int
+) -> None:
+    for name, header, frame in (
+        ("tfmini", b"\x59\x59", tfmini(number, strength)),
+        ("a02", b"\xff", a02(number)),
+    ):
+        if (frame + frame[:-1]).count(header) == 2:  # else the noise may hide inside the frames
+            found = decoder(name).feed(noise + frame * 3)
+            assert found[-1].raw == number
+
+
+def test_a_repeated_frame_that_holds_its_own_header_is_left_as_soon_as_the_distance_moves() -> None:
+    one = decoder("a02")  # 511 mm is FF 01 FF FF: one byte off, it is well-formed as well
+    assert [m.raw for m in one.feed(b"\xff" + a02(511) * 3)] == [0xFF01] * 3
+    assert [m.raw for m in one.feed(a02(520) * 3)][-1] == 520
+
+
+@given(st.integers(0, 0xFFFF), st.integers(0, 0xFFFF), st.integers(0, 0xFFFF), st.data())
+def test_no_frame_with_one_wrong_bit_is_taken(
+    number: int, strength: int, temperature: int, data: st.DataObject
+) -> None:
+    for name, frame in (("tfmini", tfmini(number, strength, temperature)), ("a02", a02(number))):
+        bit = data.draw(st.integers(0, len(frame) * 8 - 1))
+        wrong = bytearray(frame)
+        wrong[bit // 8] ^= 1 << (bit % 8)
+        assert decoder(name).feed(bytes(wrong)) == []

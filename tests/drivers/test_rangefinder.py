@@ -1,0 +1,240 @@
+"""The rangefinder driver over a pseudo-terminal, and its filter by itself."""
+
+from __future__ import annotations
+
+import asyncio
+import fcntl
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.distance_filter import DistanceFilter, Gates
+from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
+
+from tests.drivers.heard import Heard, Ordered, until
+from tests.fakes.rangefinder import PluggedSensor, a02, maxbotix, tfmini
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.driver import Driver, Probe, Rejected, Scope
+from woz_tui.core.messages import DriverConnected, DriverLost, Reading
+
+GATES = Gates(nearest=0.02, farthest=10.0, floor=None, ceiling=None, jump=0.5, confirm=3, median=3)
+
+
+@pytest.fixture
+def sensor(tmp_path: Path) -> PluggedSensor:
+    return PluggedSensor(tmp_path / "port")
+
+
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock()
+
+
+Begin = Callable[..., Any]
+
+
+@pytest.fixture
+async def begin(tmp_path: Path, clock: ManualClock, sensor: PluggedSensor) -> AsyncIterator[Begin]:
+    drivers: list[Driver] = []
+
+    async def started(**settings: Any) -> Heard:
+        heard = Heard(tmp_path, clock)
+        made = RangefinderSettings(port=str(sensor.port), **{"framing": "tfmini", **settings})
+        driver: Driver = Rangefinder("it", made, heard.outlet)
+        drivers.append(driver)
+        await driver.open()
+        return heard
+
+    yield started
+    for driver in drivers:
+        await driver.close()
+    sensor.unplug()
+
+
+async def test_publishes_metres_and_what_the_device_said(
+    begin: Begin, sensor: PluggedSensor
+) -> None:
+    heard = await begin()
+    connected = await heard.first(DriverConnected)
+    assert connected.detail == f"{sensor.port}, tfmini, 115200 baud"
+    sensor.send(tfmini(213))
+    reading = await heard.first(Reading)
+    assert (reading.sensor, reading.value, reading.unit, reading.raw) == (
+        "distance",
+        pytest.approx(2.13),
+        "m",
+        213,
+    )
+    assert heard.states("distance") == ["ok"]
+
+
+async def test_unplugged_and_put_back(begin: Begin, sensor: PluggedSensor) -> None:
+    heard = await begin()
+    await heard.first(DriverConnected)
+    sensor.send(tfmini(100))
+    await heard.state("distance", "ok")
+    sensor.unplug()
+    lost = await heard.first(DriverLost)
+    assert "was lost" in lost.detail
+    assert lost.remedy
+    stale = await heard.state("distance", "stale")
+    assert "was lost" in stale.why
+    sensor.plug()
+    await heard.first(DriverConnected, after=1)
+    sensor.send(tfmini(300))  # a new connection: no jump to confirm
+    await heard.state("distance", "ok")
+    assert heard.values("distance")[-1] == pytest.approx(3.0)
+
+
+@pytest.mark.parametrize(
+    ("sent", "why"),
+    [
+        (b"", "sends nothing"),
+        (b"hello world, no frames here\r\n" + b"\x59\x59" + bytes(20), "what comes is not tfmini"),
+        (tfmini(100, strength=3), "weak echo (strength 3)"),
+        (tfmini(1), "0.01 m is out of range"),
+    ],
+)
+async def test_staleness_says_why(
+    begin: Begin, sensor: PluggedSensor, clock: ManualClock, sent: bytes, why: str
+) -> None:
+    heard = await begin()
+    await heard.first(DriverConnected)
+    sensor.send(tfmini(150))
+    await heard.state("distance", "ok")
+    sensor.send(sent)
+    await until(lambda: sensor.unread() == 0)
+    clock.advance(1.0)
+    assert why in (await heard.state("distance", "stale")).why
+
+
+async def test_counts_rate_and_bad_frames(
+    begin: Begin, sensor: PluggedSensor, clock: ManualClock
+) -> None:
+    heard = await begin(framing="maxbotix", unit="cm", farthest=5.0)
+    await heard.first(DriverConnected)
+    sensor.send(b"noise\rR1\r" + maxbotix(100) + maxbotix(999) + maxbotix(101) * 4)
+    await heard.until(lambda: len(heard.values("distance")) == 5)
+    clock.advance(1.0)
+    await heard.until(lambda: bool(heard.values("distance.bad")))
+    assert heard.values("distance.rate")[0] == pytest.approx(5.0)
+    assert heard.values("distance.bad")[0] == 3
+    assert heard.values("distance")[-1] == pytest.approx(1.01)
+
+
+async def test_the_floor_is_published_as_itself(begin: Begin, sensor: PluggedSensor) -> None:
+    heard = await begin(framing="a02", floor=0.3)
+    await heard.first(DriverConnected)
+    sensor.send(a02(120))
+    reading = await heard.first(Reading)
+    assert (reading.value, reading.raw) == (0.3, 120)
+
+
+async def test_it_has_no_verbs(tmp_path: Path, sensor: PluggedSensor) -> None:
+    heard = Heard(tmp_path)
+    driver = Rangefinder("it", RangefinderSettings(port=str(sensor.port)), heard.outlet)
+    assert Rangefinder.verbs(None) == ()
+    with pytest.raises(Rejected):
+        await driver.perform(Ordered("say"))
+    await driver.stop(Scope.ALL)
+    await driver.rest()
+    await driver.close()
+    sensor.unplug()
+
+
+# -- preflight ---------------------------------------------------------------------------------
+
+
+async def test_examine_says_what_it_hears(sensor: PluggedSensor) -> None:
+    settings = RangefinderSettings(port=str(sensor.port), framing="tfmini")
+    (silent,) = await Rangefinder.examine(Probe("front", settings))
+    assert (silent.level, silent.subject) == ("error", "front")
+    assert "no data" in silent.text
+    examined = asyncio.ensure_future(Rangefinder.examine(Probe("front", settings)))
+    await until(lambda: _is_locked(sensor.port))
+    sensor.send(tfmini(150) * 15)
+    (hears,) = await examined
+    assert (hears.level, hears.remedy) == ("ok", "")
+    assert "1.50 m at 10 Hz, 0 bad frames" in hears.text
+    sensor.unplug()
+    (missing,) = await Rangefinder.examine(Probe("front", settings))
+    assert (missing.level, missing.text) == ("error", f"{sensor.port} is not there")
+
+
+def _is_locked(port: Path) -> bool:
+    """Whether some program has the port for itself."""
+    with port.open("rb", buffering=0) as file:
+        try:
+            fcntl.flock(file, fcntl.LOCK_EX | fcntl.LOCK_NB)
+        except BlockingIOError:
+            return True
+        return False
+
+
+# -- settings ----------------------------------------------------------------------------------
+
+
+def test_maxbotix_needs_its_unit() -> None:
+    with pytest.raises(ValueError, match="unit"):
+        RangefinderSettings(port="x", framing="maxbotix")
+    assert RangefinderSettings(port="x", framing="maxbotix", unit="in").real_unit == "in"
+
+
+@pytest.mark.parametrize(
+    "wrong", [{"nearest": 5.0, "farthest": 2.0}, {"floor": 0.01}, {"floor": 3.0, "ceiling": 2.0}]
+)
+def test_limits_in_the_wrong_order(wrong: dict[str, float]) -> None:
+    with pytest.raises(ValueError, match="in this order"):
+        RangefinderSettings(port="x", **wrong)  # type: ignore[arg-type]
+
+
+# -- the filter --------------------------------------------------------------------------------
+
+
+def taken(gates: Gates, values: list[float]) -> list[float | None]:
+    one = DistanceFilter(gates)
+    return [one.take(value).metres for value in values]
+
+
+def test_a_single_stray_echo_changes_nothing() -> None:
+    assert taken(GATES, [2.0, 2.0, 9.0, 2.1, 0.5, 2.1]) == [2.0, 2.0, None, 2.0, None, 2.1]
+
+
+def test_somebody_who_steps_in_is_believed_at_the_third_value() -> None:
+    assert taken(GATES, [3.0, 3.0, 1.0, 1.1, 1.05, 1.0]) == [3.0, 3.0, None, None, 1.05, 1.05]
+
+
+def test_without_a_jump_limit_only_the_median_stands() -> None:
+    gates = Gates(0.02, 10.0, None, None, 0.0, 3, 3)
+    assert taken(gates, [3.0, 1.0, 3.0]) == [3.0, 1.0, 3.0]
+
+
+def test_floor_and_ceiling() -> None:
+    gates = Gates(0.02, 10.0, 0.3, 5.0, 0.0, 1, 1)
+    assert taken(gates, [0.1, 0.3, 4.0, 5.0, 9.0, 10.1]) == [0.3, 0.3, 4.0, 5.0, 5.0, None]
+
+
+@given(
+    st.lists(st.floats(), max_size=60),
+    st.floats(0, 2),
+    st.integers(1, 5),
+    st.integers(1, 7),
+)
+def test_whatever_comes_only_plausible_distances_leave(
+    values: list[float], jump: float, confirm: int, median: int
+) -> None:
+    gates = Gates(0.1, 8.0, 0.3, 6.0, jump, confirm, median)
+    plausible = {min(max(value, 0.3), 6.0) for value in values if 0.1 <= value <= 8.0}
+    for distance in taken(gates, values):
+        assert distance is None or distance in plausible
+
+
+@given(st.floats(0.1, 5), st.floats(0.1, 5), st.integers(1, 5), st.integers(1, 7))
+def test_a_lasting_change_always_comes_through(
+    before: float, after: float, confirm: int, median: int
+) -> None:
+    gates = Gates(0.02, 10.0, None, None, 0.5, confirm, median)
+    assert taken(gates, [before] * 9 + [after] * (confirm + median))[-1] == after

@@ -1,0 +1,173 @@
+"""A serial port that comes, goes and comes back, on real pseudo-terminals."""
+
+from __future__ import annotations
+
+import asyncio
+import errno
+import fcntl
+import os
+import termios
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import serial
+from woz_drivers.serial_line import SerialLine, Trouble, explain, present_ports, reason_of
+
+from tests.drivers.heard import PATIENCE_S, until
+from tests.fakes.rangefinder import PluggedSensor
+from woz_tui.core.driver import Lost
+
+
+class Watched:
+    """A line and what it told, as a list of words, bytes and troubles."""
+
+    def __init__(self, port: Path) -> None:
+        self.told: asyncio.Queue[str | bytes | Trouble] = asyncio.Queue()
+        self.line = SerialLine(
+            str(port),
+            115200,
+            on_open=lambda: self.told.put_nowait("open"),
+            on_bytes=self.told.put_nowait,
+            on_trouble=self.told.put_nowait,
+            poll_s=0.01,
+        )
+
+    async def next(self) -> str | bytes | Trouble:
+        return await asyncio.wait_for(self.told.get(), PATIENCE_S)
+
+    async def trouble(self) -> Trouble:
+        told = await self.next()
+        assert isinstance(told, Trouble)
+        return told
+
+
+@pytest.fixture
+async def watched(tmp_path: Path) -> AsyncIterator[Watched]:
+    one = Watched(tmp_path / "port")
+    yield one
+    await one.line.close()
+
+
+async def test_waits_for_a_missing_port_and_reads_it(watched: Watched, tmp_path: Path) -> None:
+    watched.line.start()
+    assert (await watched.trouble()).what == f"{tmp_path}/port is not there"
+    sensor = PluggedSensor(tmp_path / "port")
+    assert await watched.next() == "open"
+    assert watched.line.connected
+    sensor.send(b"R100\r")
+    assert await watched.next() == b"R100\r"
+    sensor.unplug()
+
+
+async def test_a_pulled_cable_is_told_once_and_the_port_opened_again(
+    watched: Watched, tmp_path: Path
+) -> None:
+    sensor = PluggedSensor(tmp_path / "port")
+    watched.line.start()
+    for _ in range(3):
+        assert await watched.next() == "open"
+        sensor.unplug()
+        lost = await watched.trouble()
+        assert lost.what.startswith(f"{tmp_path}/port was lost")
+        assert not watched.line.connected
+        assert (await watched.trouble()).what.endswith("is not there")
+        sensor.plug()
+    assert await watched.next() == "open"
+    sensor.send(b"again")
+    assert await watched.next() == b"again"
+    sensor.unplug()
+
+
+async def test_an_occupied_port_is_named_and_taken_when_it_is_free(
+    watched: Watched, tmp_path: Path
+) -> None:
+    sensor = PluggedSensor(tmp_path / "port")
+    other = os.open(tmp_path / "port", os.O_RDWR | os.O_NOCTTY)
+    fcntl.flock(other, fcntl.LOCK_EX)
+    watched.line.start()
+    busy = await watched.trouble()
+    assert busy.what == f"{tmp_path}/port is in use by another program"
+    assert "fuser" in busy.remedy
+    os.close(other)
+    assert await watched.next() == "open"
+    with pytest.raises(serial.SerialException):
+        serial.Serial(str(tmp_path / "port"), exclusive=True)
+    sensor.unplug()
+
+
+async def test_a_file_is_no_port(watched: Watched, tmp_path: Path) -> None:
+    (tmp_path / "port").write_text("")
+    watched.line.start()
+    assert (await watched.trouble()).what == f"{tmp_path}/port is not a serial port"
+
+
+async def test_writing_arrives_whole_even_when_the_device_reads_slowly(
+    watched: Watched, tmp_path: Path
+) -> None:
+    sensor = PluggedSensor(tmp_path / "port")
+    watched.line.start()
+    assert await watched.next() == "open"
+    data = bytes(range(256)) * 200
+    watched.line.write(data)
+    received = bytearray()
+
+    def arrived() -> bool:
+        received.extend(sensor.received())
+        return len(received) >= len(data)
+
+    await until(arrived)
+    assert bytes(received) == data
+    sensor.unplug()
+
+
+async def test_a_device_that_never_reads_is_an_error_and_not_a_heap_of_memory(
+    watched: Watched, tmp_path: Path
+) -> None:
+    sensor = PluggedSensor(tmp_path / "port")
+    watched.line.start()
+    assert await watched.next() == "open"
+    with pytest.raises(Lost, match="takes no more data"):
+        for _ in range(1000):
+            watched.line.write(bytes(1000))
+    sensor.unplug()
+
+
+async def test_writing_to_a_missing_port_is_lost_with_the_remedy(watched: Watched) -> None:
+    with pytest.raises(Lost, match="not open yet"):
+        watched.line.write(b"x")
+    watched.line.start()
+    await watched.trouble()
+    with pytest.raises(Lost, match="is not there") as raised:
+        watched.line.write(b"x")
+    assert raised.value.remedy
+
+
+async def test_closing_lets_go_of_the_port(watched: Watched, tmp_path: Path) -> None:
+    sensor = PluggedSensor(tmp_path / "port")
+    watched.line.start()
+    assert await watched.next() == "open"
+    await watched.line.close()
+    assert not watched.line.connected
+    serial.Serial(str(tmp_path / "port"), exclusive=True).close()
+    sensor.unplug()
+
+
+def test_no_permission_names_the_group() -> None:
+    trouble = explain("/dev/ttyUSB9", 9600, PermissionError(errno.EACCES, "Permission denied"))
+    assert trouble.what == "no permission to open /dev/ttyUSB9"
+    assert trouble.remedy.startswith("sudo usermod -aG dialout $USER")
+
+
+def test_a_missing_port_lists_what_is_there(tmp_path: Path) -> None:
+    missing = FileNotFoundError(errno.ENOENT, "No such file or directory")
+    assert "no serial device is plugged in" in explain("/dev/x", 9600, missing, tmp_path).remedy
+    (tmp_path / "usb-Arduino-if00").touch()
+    assert str(tmp_path / "usb-Arduino-if00") in explain("/dev/x", 9600, missing, tmp_path).remedy
+    assert present_ports(tmp_path / "nowhere") == []
+
+
+def test_other_errors_keep_their_own_words() -> None:
+    assert "300 baud" in explain("/dev/x", 300, ValueError("Invalid baud rate")).what
+    assert "boom" in explain("/dev/null", 300, serial.SerialException("boom")).what
+    assert reason_of(termios.error(5, "Input/output error")) == "Input/output error"

@@ -1,0 +1,241 @@
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Stage
+from woz_tui.core import messages as m
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.preflight import preflight
+from woz_tui.session.runner import Origin
+
+KEY = Origin("key", "h", "con1")
+
+
+def on_stage(
+    tmp_path: Path,
+    scenario: Callable[[Stage], Awaitable[None]],
+    drivers: tuple[str, ...] = ("robot",),
+    identity: Identity | None = None,
+) -> Stage:
+    async def go() -> Stage:
+        stage = Stage(tmp_path, drivers, identity)
+        await stage.session.open()
+        await scenario(stage)
+        await asyncio.sleep(5)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def test_a_press_becomes_commands_with_variables_filled_in(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assert stage.session.play("Hello", KEY) == "a00001"
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.puppet().calls[0] == ("say", {"text": "Hello P07"})
+    (command,) = [line for line in stage.lines if isinstance(line, m.Command)]
+    assert (command.run, command.action, command.key) == ("a00001", "Hello", "h")
+    assert stage.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionDone"]
+
+
+def test_together_and_steps_in_order_with_a_pause(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Welcome", KEY)
+        await asyncio.sleep(3)
+        stage.session.play("Map", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    times = [line.t for line in stage.lines if isinstance(line, m.Dispatched)]
+    assert times[0] == times[1]
+    map_said, pointed, marked = times[2:]
+    assert pointed - map_said == pytest.approx(1_500_000, abs=100)
+    assert pointed == marked
+    assert [line.text for line in stage.lines if isinstance(line, m.Marker)] == ["map"]
+
+
+def test_a_failed_step_ends_the_action_and_names_the_reason(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Fall", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    (end,) = [line for line in stage.lines if isinstance(line, m.ActionEnd)]
+    assert isinstance(end, m.ActionFailed)
+    assert end.reason == "robot: it fell over"
+    assert ("say", {"text": "Ouch"}) not in stage.puppet().calls
+
+
+@pytest.mark.parametrize(
+    ("name", "reason"),
+    [
+        ("Nope", "there is no action 'Nope'"),
+        ("Never", "'Never' is locked"),
+        ("Go", "the panel 'Base' is locked"),
+        ("Hello", "{participant} has no value yet"),
+    ],
+)
+def test_refusals_are_said_and_logged(tmp_path: Path, name: str, reason: str) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.lock("Base", True)
+        with pytest.raises(AskError) as caught:
+            stage.session.play(name, KEY)
+        assert caught.value.reason == reason
+
+    stage = on_stage(tmp_path, scenario, identity=Identity())
+    assert stage.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionRefused"]
+    assert not [call for call in stage.puppet().calls if call[0] == "say"]
+
+
+def test_the_stop_ends_runs_in_a_command_and_runs_in_a_pause(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Map", KEY)
+        await asyncio.sleep(1.2)  # in its pause
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(0.1)
+        stage.session.stop("key")
+        with pytest.raises(AskError):
+            stage.session.play("Hello", KEY)
+        await asyncio.sleep(3)
+        stage.session.release("key")
+        stage.session.play("Welcome", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    ends = [
+        (line.run, type(line).__name__) for line in stage.lines if isinstance(line, m.ActionEnd)
+    ]
+    assert sorted(ends) == [
+        ("a00001", "ActionStopped"),
+        ("a00002", "ActionStopped"),
+        ("a00003", "ActionRefused"),
+        ("a00004", "ActionDone"),
+    ]
+    assert ("play", {"move": "point"}) not in stage.puppet().calls
+
+
+def test_script_moves_on_and_ends(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.script_next(KEY)
+        stage.session.script_next(KEY)
+        with pytest.raises(AskError, match="at its end"):
+            stage.session.script_next(KEY)
+        stage.session.script_to(0)
+        with pytest.raises(AskError, match="2 lines"):
+            stage.session.script_to(3)
+
+    stage = on_stage(tmp_path, scenario)
+    assert [line.position for line in stage.lines if isinstance(line, m.ScriptMoved)] == [1, 2, 0]
+
+
+def test_a_refused_script_line_is_not_skipped(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.stop("key")
+        with pytest.raises(AskError):
+            stage.session.script_next(KEY)
+        assert stage.session.script_at == 0
+
+    on_stage(tmp_path, scenario)
+
+
+def test_set_checks_everything_before_it_sets_anything(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        for participant, condition in (
+            ("Anna", None),
+            ("P1", None),
+            ("P08", "hot"),
+            ("../x", None),
+        ):
+            with pytest.raises(AskError):
+                stage.session.set(participant, condition)
+        assert stage.session.identity.participant == "P07"
+        stage.session.set("P08", "cold", 2)
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.session.values()["participant"] == "P08"
+    assert stage.kinds(m.SessionChanged) == ["SessionChanged"]
+
+
+def test_verbs_of_the_session_are_commands_like_others(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Cold", KEY)
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert stage.session.identity.condition == "cold"
+        stage.session.play("Hot", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    refused = [line for line in stage.lines if isinstance(line, m.ActionRefused)]
+    assert refused[0].reason == "session: there is no condition 'hot'"
+
+
+def test_a_verb_needs_a_driver_that_offers_it(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError, match=r"offered by left\.robot and right\.robot"):
+            stage.session.send("say", {"text": "x"}, "", KEY)
+        with pytest.raises(AskError, match="no driver offers 'sing'"):
+            stage.session.send("sing", {}, "", KEY)
+        stage.session.send("say", {"text": "hi"}, "left", KEY)
+
+    stage = on_stage(tmp_path, scenario, drivers=("left.robot", "right.robot"))
+    assert stage.puppet("left.robot").calls[0] == ("say", {"text": "hi"})
+
+
+def test_a_driver_that_cannot_open_fails_alone(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Cold", KEY)
+        findings = {finding.subject: finding for finding in await preflight(stage.session)}
+        assert findings["broken"].level == "error"
+        assert "no such device" in findings["broken"].text
+        assert findings["robot"].level == "ok"
+
+    on_stage(tmp_path, scenario, drivers=("robot", "broken"))
+
+
+def test_the_end_rests_closes_and_signs_the_log(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Map", KEY)
+        await asyncio.sleep(0.1)
+
+    stage = on_stage(tmp_path, scenario)
+    assert [verb for verb, _ in stage.puppet().calls][-2:] == ["rest", "close"]
+    lines = [json.loads(line) for line in stage.recorder.path.read_text().splitlines()]
+    assert lines[0]["kind"] == "session.start"
+    assert lines[-1]["kind"] == "session.end"
+    assert len(lines[-1]["sha256"]) == 64
+    with pytest.raises(AskError, match="ending"):
+        stage.session.play("Hello", KEY)
+
+
+def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.play("Hello", KEY)
+        await asyncio.sleep(2)
+        session.play("Map", KEY)
+        session.set("P08")
+        session.set(condition="cold")
+        session.stop("key")
+        session.release("key")
+        session.play("Map", KEY)
+        await asyncio.sleep(0)
+        kinds = [type(line).__name__ for line in session.standing.state()]
+        assert kinds.count("SessionStart") == 1
+        assert kinds.count("DriverConnected") == 1
+        assert "StopPressed" not in kinds
+        held = [line for line in session.standing.state() if isinstance(line, m.SessionChanged)]
+        assert [(line.participant, line.condition) for line in held] == [("P08", "cold")]
+        runs = [
+            line.run for line in session.standing.state() if isinstance(line, m.ActionRequested)
+        ]
+        assert runs == ["a00003"]
+        commands = [
+            line.command for line in session.standing.state() if isinstance(line, m.Command)
+        ]
+        assert len(commands) == 1
+
+    on_stage(tmp_path, scenario)

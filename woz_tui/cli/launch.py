@@ -1,0 +1,101 @@
+"""Starting the robot process so that it outlives the terminal it was started from."""
+
+from __future__ import annotations
+
+import json
+import os
+import select
+import subprocess
+import sys
+import tempfile
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+#: How long the robot process may take until it says where it listens, in seconds.
+START_WAIT_S = 30.0
+
+
+class LaunchError(RuntimeError):
+    """The robot process did not start; the text is what it said."""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotProcess:
+    """A running robot process: where it listens, where its log and its own error log are."""
+
+    socket: Path
+    log: Path
+    host_log: Path
+    pid: int
+
+
+class Launch:
+    """A robot process on its way up; `wait` returns when it listens.
+
+    Split in two so that the console can load its own modules in the meantime.
+
+    Args:
+        arguments: Everything behind `woz host`.
+    """
+
+    def __init__(self, arguments: list[str]) -> None:
+        # A file and not a pipe: a thousand errors in an experiment must not block its process.
+        self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as this object
+        self._process = subprocess.Popen(
+            [sys.executable, "-m", "woz_tui", "host", *arguments, "--announce"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=self._errors,
+            # A session of its own: a closing terminal's hang-up does not reach it, nor ctrl+c.
+            start_new_session=True,
+        )
+
+    def wait(self, seconds: float = START_WAIT_S) -> RobotProcess:
+        """The process once it listens. Raises `LaunchError` with its own words if it does not."""
+        line = self._first_line(seconds)
+        try:
+            said = json.loads(line)
+        except ValueError:
+            self._process.kill()
+            self._process.wait()
+            self._errors.seek(0)
+            raise LaunchError(
+                self._errors.read().decode("utf-8", "replace").strip()
+                or f"the robot process ended with code {self._process.returncode} before it said"
+                " where it listens"
+            ) from None
+        return RobotProcess(
+            Path(said["socket"]), Path(said["log"]), Path(said["host_log"]), self._process.pid
+        )
+
+    def _first_line(self, seconds: float) -> bytes:
+        """What it announces; empty if it ends or stays silent."""
+        out = self._process.stdout
+        assert out is not None
+        until = time.monotonic() + seconds
+        line = b""
+        while b"\n" not in line:
+            ready, _, _ = select.select([out], [], [], max(0.0, until - time.monotonic()))
+            if not ready:
+                return b""
+            chunk = os.read(out.fileno(), 4096)
+            if not chunk:
+                return b""
+            line += chunk
+        return line
+
+
+def host_arguments(
+    experiment: Path, *, recordings: Path, spill: Path | None, name: str, codes: dict[str, str]
+) -> list[str]:
+    """The command line of `woz host` for one session; empty codes are left out."""
+    arguments = [str(experiment), "--recordings", str(recordings)]
+    if spill is not None:
+        arguments += ["--spill", str(spill)]
+    if name:
+        arguments += ["--name", name]
+    for option, value in codes.items():
+        if value:
+            arguments += [f"--{option}", value]
+    return arguments

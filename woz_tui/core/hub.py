@@ -72,6 +72,8 @@ class Hub:
         self._seq = 0
         self._listeners: list[Callable[[AnyMessage], None]] = []
         self._subscriptions: list[Subscription] = []
+        self._unheard: deque[AnyMessage] = deque()
+        self._telling = False
 
     @property
     def seq(self) -> int:
@@ -94,11 +96,24 @@ class Hub:
         self._seq += 1
         line = wire.encode(stamped)
         self._record(stamped, line)  # type: ignore[arg-type]
-        for listener in self._listeners:
-            listener(stamped)  # type: ignore[arg-type]
         for subscription in self._subscriptions:
             subscription.offer(sample, line)
+        self._unheard.append(stamped)  # type: ignore[arg-type]
+        self._tell()
         return stamped
+
+    def _tell(self) -> None:
+        # A listener may publish in its turn; everybody still hears everything in order of `seq`.
+        if self._telling:
+            return
+        self._telling = True
+        try:
+            while self._unheard:
+                message = self._unheard.popleft()
+                for listener in self._listeners:
+                    listener(message)
+        finally:
+            self._telling = False
 
     def listen(self, listener: Callable[[AnyMessage], None]) -> None:
         """Call `listener` with every message, in the loop; it must be quick and must not raise."""

@@ -10,7 +10,6 @@ import logging
 import os
 import signal
 import sys
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -73,17 +72,22 @@ async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experim
     clock = RealClock()
     path = socket_path(options.name)
     listener = bind(path)
-    states: list[Callable[[m.RecorderState], None]] = []
+    sessions: list[Session] = []
+
+    def recorder_moved(state: m.RecorderState) -> None:
+        for session in sessions:  # none yet while the recorder makes its files
+            session.recorder_moved(state)
+
     name = stem(clock.wall(), options.identity.participant, options.identity.session)
     recorder = Recorder(
         options.recordings,
         name,
         clock,
         spill=options.spill,
-        on_state=lambda state: [take(state) for take in states] and None,
+        on_state=recorder_moved,
     )
     session = Session(experiment, catalogue, options.identity, recorder, clock)
-    states.append(session.recorder_moved)
+    sessions.append(session)
     desk = Desk(session, lambda: load(options.experiment, catalogue))
     host = Host(session, path, desk)
     for number in (signal.SIGTERM, signal.SIGINT):

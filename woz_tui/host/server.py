@@ -44,10 +44,12 @@ class Host:
         session: What is served.
         path: Of the socket, which is removed at the end.
         desk: Answers what is asked of the session.
+        pulse_s: Seconds between two looks at beats and clients.
     """
 
-    def __init__(self, session: Session, path: Path, desk: Desk) -> None:
+    def __init__(self, session: Session, path: Path, desk: Desk, pulse_s: float = PULSE_S) -> None:
         self.session = session
+        self._pulse_s = pulse_s
         self.path = path
         self.desk = desk
         self._clients: list[Client] = []
@@ -188,8 +190,8 @@ class Host:
             conditions=list(experiment.conditions),
             keyboard=experiment.keyboard,
             drivers=[spec.name for spec in experiment.drivers],
-            state=[msgspec.Raw(wire.encode(line)) for line in session.standing.state()],
-            recent=[msgspec.Raw(wire.encode(line)) for line in session.standing.recent()],
+            state=_raw(session.standing.state()),
+            recent=_raw(session.standing.recent()),
             settings={
                 "stale_after": experiment.session.stale_after,
                 "dead_man": experiment.session.dead_man,
@@ -252,4 +254,8 @@ class Host:
             client.send(Pulse(t=now, dropped=client.dropped))
         if not self._clients and now - self._alone_us > settings.abandon_after * 1_000_000:
             self.end("abandoned")
-        self._timers = [asyncio.get_running_loop().call_later(PULSE_S, self._pulse)]
+        self._timers = [asyncio.get_running_loop().call_later(self._pulse_s, self._pulse)]
+
+
+def _raw(lines: list[m.AnyMessage]) -> list[msgspec.Raw]:
+    return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]

@@ -1,0 +1,134 @@
+"""A served session on a real Unix socket, and clients that speak lines to it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+from collections.abc import AsyncIterator, Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tests.session.rig import Puppet, experiment
+from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
+from woz_tui.experiment.shape import Experiment, SessionSettings
+from woz_tui.host.desk import Desk
+from woz_tui.host.place import bind
+from woz_tui.host.server import Host
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import Identity
+from woz_tui.session.session import Session
+
+WAIT_S = 20.0
+
+
+class Peer:
+    """A program at the other end of the socket."""
+
+    def __init__(self, reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        self.reader = reader
+        self.writer = writer
+        self.seen: list[dict[str, Any]] = []
+
+    async def say(self, **fields: Any) -> None:
+        self.writer.write(json.dumps(fields).encode() + b"\n")
+        await self.writer.drain()
+
+    async def until(self, wanted: Callable[[dict[str, Any]], bool]) -> dict[str, Any]:
+        """The first line that fits, among those not yet looked at."""
+
+        async def look() -> dict[str, Any]:
+            while True:
+                line = await self.reader.readline()
+                if not line:
+                    raise EOFError(f"the host closed; seen {self.seen[-3:]}")
+                message: dict[str, Any] = json.loads(line)
+                self.seen.append(message)
+                if wanted(message):
+                    return message
+
+        return await asyncio.wait_for(look(), WAIT_S)
+
+    async def kind(self, kind: str) -> dict[str, Any]:
+        return await self.until(lambda message: message["kind"] == kind)
+
+    async def ask(self, kind: str, **fields: Any) -> dict[str, Any]:
+        """Ask and return the reply."""
+        ref = len(self.seen) + 1000
+        await self.say(kind=kind, ref=ref, **fields)
+        return await self.until(
+            lambda message: message["kind"] == "reply" and message["ref"] == ref
+        )
+
+    async def hello(self, role: str = "program", **fields: Any) -> dict[str, Any]:
+        await self.say(kind="hello", role=role, **fields)
+        return await self.kind("welcome")
+
+    def leave(self) -> None:
+        self.writer.close()
+
+
+class Served:
+    """The host, its session and where to connect."""
+
+    def __init__(self, host: Host, path: Path, lines: list[m.AnyMessage]) -> None:
+        self.host = host
+        self.session = host.session
+        self.path = path
+        self.lines = lines
+        self._seen = asyncio.Event()
+        self.session.hub.listen(lambda message: self._seen.set())
+
+    async def connect(self) -> Peer:
+        return Peer(*await asyncio.open_unix_connection(str(self.path), limit=1 << 22))
+
+    async def published(self, wanted: Callable[[m.AnyMessage], bool]) -> m.AnyMessage:
+        """Wait until a message that fits has been published."""
+
+        async def look() -> m.AnyMessage:
+            while True:
+                for line in self.lines:
+                    if wanted(line):
+                        return line
+                self._seen.clear()
+                await self._seen.wait()
+
+        return await asyncio.wait_for(look(), WAIT_S)
+
+    def puppet(self) -> Puppet:
+        driver = self.session.drivers["robot"]
+        assert isinstance(driver, Puppet)
+        return driver
+
+
+@contextlib.asynccontextmanager
+async def served(
+    tmp_path: Path,
+    settings: SessionSettings | None = None,
+    load: Callable[[], Experiment] | None = None,
+) -> AsyncIterator[Served]:
+    """A host that serves until the block ends."""
+    clock = RealClock()
+    recorder = Recorder(tmp_path / "recordings", "made", clock)
+    made = experiment(tmp_path)
+    made = replace(made, session=settings) if settings else made
+    session = Session(
+        made,
+        {"puppet": Puppet},
+        Identity(participant="P07", condition="warm"),
+        recorder,
+        clock,
+    )
+    lines: list[m.AnyMessage] = []
+    session.hub.listen(lines.append)
+    path = tmp_path / "s"
+    host = Host(session, path, Desk(session, load or (lambda: made)), pulse_s=0.05)
+    await session.open()
+    host.listen(bind(path))
+    try:
+        yield Served(host, path, lines)
+    finally:
+        await session.close("test", rest=False)
+        await host.close()

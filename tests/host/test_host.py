@@ -1,0 +1,232 @@
+from __future__ import annotations
+
+import asyncio
+import stat
+from pathlib import Path
+
+import pytest
+
+from tests.host.rig import Peer, served
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import SessionSettings
+from woz_tui.host.place import PlaceError, bind
+
+
+async def test_hello_gives_the_whole_picture_and_then_the_stream(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        welcome = await peer.hello()
+        assert welcome["title"] == "Made by hand"
+        assert [panel["title"] for panel in welcome["panels"]] == ["Speech", "Base"]
+        assert welcome["script"] == ["Hello", "Welcome"]
+        assert {line["kind"] for line in welcome["state"]} >= {"session.start", "driver.connected"}
+        reply = await peer.ask("action", action="Hello")
+        assert reply == {"kind": "reply", "ref": reply["ref"], "ok": True, "run": "a00001"}
+        done = await peer.kind("action.done")
+        assert done["run"] == "a00001"
+        kinds = [line["kind"] for line in peer.seen if "seq" in line and line["kind"] != "welcome"]
+        assert kinds.index("action.requested") < kinds.index("command.requested")
+        numbers = [line["seq"] for line in peer.seen if "seq" in line]
+        assert numbers == sorted(numbers)
+
+
+async def test_what_was_acknowledged_is_in_the_file(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        reply = await peer.ask("action", action="Hello")
+        assert f'"run":"{reply["run"]}"' in host.session.recorder.path.read_text()
+
+
+@pytest.mark.parametrize(
+    ("line", "reason"),
+    [
+        (b"nonsense\n", "malformed"),
+        (b'{"kind":"dance","ref":7}\n', "Invalid value 'dance'"),
+        (b'{"kind":"action","actin":"x","ref":7}\n', "unknown field `actin`"),
+        (b"[1,2]\n", "Expected `object`"),
+        (b'{"kind":"action","action":"Hello"}\n', "say hello first"),
+        (b'{"kind":"hello","role":"king"}\n', "no role 'king'"),
+        (b'{"kind":"hello","role":"wizard","protocol":99}\n', "speaks protocol 1, not 99"),
+        (b"\xff\xfe\n", "malformed"),
+    ],
+)
+async def test_nonsense_is_answered_and_harms_nothing(
+    tmp_path: Path, line: bytes, reason: str
+) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        peer.writer.write(line)
+        reply = await peer.kind("reply")
+        assert not reply["ok"]
+        assert reason in reply["reason"]
+        other = await host.connect()
+        await other.hello()
+
+
+async def test_a_line_without_end_is_cut_off(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        peer.writer.write(b"x" * (1 << 21))
+        assert "a line may have" in (await peer.kind("reply"))["reason"]
+        with pytest.raises((EOFError, ConnectionError)):
+            await peer.kind("never")
+
+
+async def test_stop_needs_no_hello_and_is_confirmed_by_name(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        watcher = await host.connect()
+        await watcher.hello("watcher")
+        stranger = await host.connect()
+        await stranger.say(kind="stop", source="program")
+        assert (await stranger.kind("reply"))["ok"]
+        assert (await watcher.kind("stop.pressed"))["source"] == "program"
+        confirmed = await watcher.kind("stop.confirmed")
+        assert confirmed["confirmed"] == ["robot", "session"]
+        assert confirmed["missing"] == []
+
+
+async def test_a_second_wizard_watches_until_it_takes_over(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        first, second = await host.connect(), await host.connect()
+        assert (await first.hello("wizard"))["role"] == "wizard"
+        assert (await second.hello("wizard"))["role"] == "watcher"
+        refused = await second.ask("action", action="Hello")
+        assert "watching" in refused["reason"]
+        assert (await second.ask("stop"))["ok"]
+        third = await host.connect()
+        assert (await third.hello("wizard", take_over=True))["role"] == "wizard"
+        told = await first.until(lambda line: line["kind"] == "reply" and line["ref"] == 0)
+        assert "taken over" in told["reason"]
+        assert not (await first.ask("action", action="Hello"))["ok"]
+
+
+async def drive(peer: Peer) -> None:
+    await peer.say(kind="beat")
+    reply = await peer.ask("verb", verb="drive", args={"x": 1.0})
+    assert reply["ok"]
+    assert peer.seen[-2]["kind"] == "command.dispatched"
+    assert peer.seen[-2]["command"] == reply["run"]
+
+
+async def test_driving_ends_with_the_console_and_the_rest_goes_on(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        watcher, wizard = await host.connect(), await host.connect()
+        await watcher.hello("watcher")
+        await wizard.hello("wizard")
+        await drive(wizard)
+        await wizard.ask("verb", verb="say", args={"text": "long"})
+        wizard.leave()
+        stopped = await watcher.kind("command.stopped")
+        assert stopped["command"] == "c00001"
+        assert (await watcher.kind("command.done"))["command"] == "c00002"
+        assert ("stop", {"scope": "drive"}) in host.puppet().calls
+        assert ("stop", {"scope": "all"}) not in host.puppet().calls
+
+
+@pytest.mark.parametrize("way", ["silent", "line"])
+async def test_driving_ends_when_beats_stay_away_or_the_line_is_dead(
+    tmp_path: Path, way: str
+) -> None:
+    async with served(tmp_path, SessionSettings(dead_man=0.4)) as host:
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        await drive(wizard)
+        if way == "line":
+            await wizard.say(kind="beat", line_ok=False)
+        await host.published(lambda line: isinstance(line, m.StopPressed) and line.scope == "drive")
+        await host.published(lambda line: isinstance(line, m.Stopped))
+        if way == "line":
+            await wizard.say(kind="beat", line_ok=True)
+            await drive(wizard)
+
+
+async def test_nobody_drives_without_a_wizard(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        program = await host.connect()
+        await program.hello()
+        await program.ask("verb", verb="drive", args={"x": 1.0})
+        refused = await host.published(lambda line: isinstance(line, m.Refused))
+        assert isinstance(refused, m.Refused)
+        assert refused.code == "unwatched"
+
+
+async def test_a_silent_wizard_is_given_up_and_can_come_back(tmp_path: Path) -> None:
+    async with served(tmp_path, SessionSettings(dead_man=0.1)) as host:
+        wizard = await host.connect()
+        await wizard.hello("wizard")
+        lost = await host.published(lambda line: isinstance(line, m.ConsoleLost))
+        assert isinstance(lost, m.ConsoleLost)
+        assert lost.why == "silent"
+        again = await host.connect()
+        assert (await again.hello("wizard"))["role"] == "wizard"
+
+
+async def test_a_session_without_any_console_is_abandoned(tmp_path: Path) -> None:
+    async with served(tmp_path, SessionSettings(abandon_after=0.3)) as host:
+        peer = await host.connect()
+        await peer.hello()
+        peer.leave()
+        assert await asyncio.wait_for(host.host.serve(), 20) == "abandoned"
+
+
+async def test_a_client_that_never_reads_loses_samples_not_acks(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        slow = await host.connect()
+        await slow.hello()
+        slow.writer.transport.pause_reading()  # type: ignore[attr-defined]
+        for index in range(40_000):
+            host.session.hub.publish(m.reading("loudness", index / 1e5))
+            if index % 1000 == 0:
+                host.session.mark(f"m{index}", "program")
+                await asyncio.sleep(0)
+        slow.writer.transport.resume_reading()  # type: ignore[attr-defined]
+        marks = [await slow.kind("marker") for _ in range(40)]
+        assert [mark["text"] for mark in marks] == [f"m{1000 * n}" for n in range(40)]
+        pulse = await slow.until(lambda line: line["kind"] == "pulse" and "dropped" in line)
+        assert pulse["dropped"] > 0
+
+
+async def test_reload_and_preflight_answer_with_data(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello()
+        reply = await peer.ask("reload", dry_run=True)
+        assert reply["ok"]
+        assert reply.get("data", []) == []
+        preflight = await peer.ask("preflight")
+        subjects = {finding["subject"] for finding in preflight["data"]}
+        assert subjects >= {"robot", "distance", "log", "disk", "clock", "session", "stop"}
+
+
+async def test_the_rest_of_the_requests(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello()
+        assert (await peer.ask("mistake"))["reason"] == "nothing has been played yet"
+        run = (await peer.ask("script"))["run"]
+        assert (await peer.ask("cancel", run=run))["ok"]
+        assert (await peer.ask("mistake", text="wrong key"))["ok"]
+        assert (await peer.ask("marker", text="here"))["ok"]
+        assert (await peer.ask("note", text="he laughed"))["ok"]
+        assert not (await peer.ask("note", text=" "))["ok"]
+        assert (await peer.ask("lock", panel="Speech", locked=True))["ok"]
+        assert "locked" in (await peer.ask("action", action="Hello"))["reason"]
+        assert (await peer.ask("set", participant="P09"))["ok"]
+        assert not (await peer.ask("set", condition="hot"))["ok"]
+        assert not (await peer.ask("release"))["ok"]
+        assert "stale" in (await peer.ask("action", action="Hello", stale=True))["reason"]
+        assert "old" in (await peer.ask("action", action="Hello", age_us=9_000_000))["reason"]
+        assert (await peer.ask("end"))["ok"]
+        assert await asyncio.wait_for(host.host.serve(), 5) == "wizard"
+
+
+def test_the_socket_is_private_and_a_dead_one_is_replaced(tmp_path: Path) -> None:
+    path = tmp_path / "s"
+    bind(path).close()
+    assert path.exists()
+    with bind(path) as listener:
+        assert stat.S_IMODE(path.stat().st_mode) == 0o600
+        with pytest.raises(PlaceError, match="already listens"):
+            bind(path)
+        assert listener.fileno() >= 0

@@ -1,0 +1,106 @@
+"""How well the log keeps up, as the wizard is told: worse at once, better calmly."""
+
+from __future__ import annotations
+
+WARN_US = 250_000
+ALARM_US = 1_000_000
+#: A level falls only after it has not been needed for this long.
+CALM_US = 1_000_000
+#: Reports without a change: this often while something is wrong, and while all is well.
+REPEAT_US = 1_000_000
+REPEAT_OK_US = 10_000_000
+
+LEVELS = ("ok", "warn", "alarm", "failed")
+
+
+def level_of(lag_us: int) -> str:
+    """The level that a lag alone deserves."""
+    if lag_us >= ALARM_US:
+        return "alarm"
+    return "warn" if lag_us >= WARN_US else "ok"
+
+
+def worse(one: str, other: str) -> str:
+    """The worse of two levels."""
+    return max(one, other, key=LEVELS.index)
+
+
+class Gauge:
+    """Turns measured lags into a level, and says when it is time to report.
+
+    `peak_us` is the worst lag since the last report.
+    """
+
+    def __init__(self) -> None:
+        self.level = "ok"
+        self.peak_us = 0
+        self._needed_us = 0
+        self._reported_us: int | None = None
+        self._moved = True
+
+    def measure(self, now_us: int, lag_us: int, floor: str) -> None:
+        """Take in the worst lag since the last call; `floor` is the level demanded at least."""
+        self.peak_us = max(self.peak_us, lag_us)
+        wanted = worse(floor, level_of(lag_us))
+        if worse(wanted, self.level) == wanted:
+            self._needed_us = now_us
+        elif now_us - self._needed_us < CALM_US:
+            return
+        self._moved = self._moved or wanted != self.level
+        self.level = wanted
+
+    def due(self, now_us: int, news: bool) -> bool:
+        """Whether to report now; `news`: lines came in since the last report."""
+        if self._moved or self._reported_us is None:
+            return True
+        since = now_us - self._reported_us
+        return since >= REPEAT_US if self.level != "ok" else news and since >= REPEAT_OK_US
+
+    def reported(self, now_us: int) -> None:
+        """A report went out."""
+        self._reported_us = now_us
+        self._moved = False
+        self.peak_us = 0
+
+
+def in_sentences(
+    *,
+    level: str,
+    path: str,
+    failed: str,
+    left: str,
+    samples: bool,
+    uncopied: str,
+    lost: tuple[int, int],
+) -> tuple[str, str]:
+    """What is wrong with the log and what to do about it; both empty if nothing is.
+
+    Args:
+        level: The gauge's level.
+        path: Where the log goes now.
+        failed: Why no folder takes it; empty while one does.
+        left: Why an earlier file was left; empty if none was.
+        samples: Whether there is a file for samples.
+        uncopied: Which deleted file could not be copied.
+        lost: Lines and samples that no file holds.
+    """
+    parts, remedy = [], ""
+    if failed:
+        parts.append(f"no folder takes the log ({failed}); it is held in memory")
+        remedy = "make room or give the disk back; it is written as soon as a folder takes it"
+    elif left:
+        parts.append(f"{left}; the log goes on in {path}")
+        remedy = "after the session, put all files of this log into one folder"
+    elif level != "ok":
+        parts.append("the disk is slow")
+        remedy = "stop other programs that write to this disk"
+    if not samples and not failed:
+        parts.append("there is no room for samples")
+        remedy = remedy or "make room; samples are tried again every few seconds"
+    if uncopied:
+        parts.append(uncopied)
+    parts.extend(f"{count} {what} lost" for count, what in zip(lost, _WHAT, strict=True) if count)
+    return "; ".join(parts), remedy
+
+
+_WHAT = ("lines are", "samples are")

@@ -1,0 +1,99 @@
+"""How the files of a session are called, and where they are looked for."""
+
+from __future__ import annotations
+
+import os
+import re
+from collections.abc import Iterable
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+_CODE = re.compile(r"[A-Za-z0-9]{1,16}", re.ASCII)
+_STEM = re.compile(
+    r"\d{4}-\d\d-\d\dT\d\d-\d\d-\d\d(?:_(?P<participant>[A-Za-z0-9]{1,16}))?"
+    r"_(?P<session>[A-Za-z0-9]{1,16})(?:-\d+)?",
+    re.ASCII,
+)
+_NAME = re.compile(r"(?P<stem>.+?)(?:\.(?P<number>[1-9]\d{0,5}))?(?P<samples>\.samples)?\.jsonl")
+
+
+def check_code(what: str, code: str) -> str:
+    """`code` itself if it is 1 to 16 ASCII letters and digits; `ValueError` otherwise.
+
+    People stand in a log under codes only, so a name, a blank or a path never gets into it.
+    `what` says what the code is for: participant, session, wizard.
+    """
+    if not _CODE.fullmatch(code):
+        raise ValueError(
+            f"{what} {code!r} is no code: use 1 to 16 letters and digits without blanks, like P07"
+        )
+    return code
+
+
+def stem(wall: datetime, participant: str, session: str) -> str:
+    """What all files of one session begin with: `2026-03-01T10-00-00_P07_S01` (time in UTC).
+
+    `wall` must know its time zone. An empty `participant` is left out: nobody is there yet.
+    `ValueError` for codes that are none, see `check_code`.
+    """
+    if wall.tzinfo is None:
+        raise ValueError("the session's start needs a time zone")
+    who = f"_{check_code('participant', participant)}" if participant else ""
+    check_code("session", session)
+    return f"{wall.astimezone(UTC):%Y-%m-%dT%H-%M-%S}{who}_{session}"
+
+
+def session_code(name: str) -> str:
+    """The session's code out of a stem; empty if the stem was not made by `stem`."""
+    found = _STEM.fullmatch(name)
+    return found["session"] if found else ""
+
+
+@dataclass(frozen=True, slots=True)
+class FileName:
+    """The parts of a log file's name. `number` counts segments from 1."""
+
+    stem: str
+    number: int = 1
+    samples: bool = False
+
+    def __str__(self) -> str:
+        number = f".{self.number}" if self.number > 1 else ""
+        return f"{self.stem}{number}{'.samples' if self.samples else ''}.jsonl"
+
+    @classmethod
+    def parse(cls, name: str) -> FileName | None:
+        """The parts of `name`; None if it is not called like a log."""
+        found = _NAME.fullmatch(name)
+        if not found:
+            return None
+        return cls(found["stem"], int(found["number"] or 1), bool(found["samples"]))
+
+
+def second_places() -> list[Path]:
+    """Where a log goes on when its own folder fails and no other was given, best first."""
+    state = os.environ.get("XDG_STATE_HOME", "")
+    base = Path(state) if Path(state).is_absolute() else Path("~/.local/state").expanduser()
+    return [base / "woz", Path(os.environ.get("TMPDIR") or "/tmp") / f"woz-{os.getuid()}"]
+
+
+def without_home(path: Path) -> str:
+    """`path` with the home folder as `~`, so that no user name gets into a log."""
+    try:
+        return str(Path("~") / path.relative_to(Path.home()))
+    except (ValueError, RuntimeError):
+        return str(path)
+
+
+def from_folder(path: Path, folder: Path) -> str:
+    """`path` as seen from `folder`, so that a log can be moved as a whole; never a user name."""
+    shown = without_home(path)
+    if shown.startswith("~") and without_home(folder) == str(folder):
+        return shown
+    return os.path.relpath(path, folder)
+
+
+def unique(paths: Iterable[Path]) -> list[Path]:
+    """Absolute paths in the given order, each once."""
+    return list(dict.fromkeys(path.absolute() for path in paths))

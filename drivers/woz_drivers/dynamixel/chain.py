@@ -1,0 +1,340 @@
+"""What the loop's thread does with the servos: read, move, bound, write, look after them.
+
+Everything here runs in that one thread and may raise `Lost`.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from concurrent.futures import Future
+from dataclasses import dataclass, field
+
+from woz_drivers.dynamixel import servo as servos
+from woz_drivers.dynamixel.motion import ARRIVED, Follow, Keyframe, Plan, guard, plan
+from woz_drivers.dynamixel.servo import MISSES, Servo, SilentError, Standing, UnfitError
+from woz_drivers.dynamixel.settings import Settings
+from woz_drivers.dynamixel.upkeep import Upkeep
+from woz_drivers.dynamixel.wire import Wire
+from woz_drivers.tables import Register
+from woz_tui.core.driver import DriverError, Lost, Outlet, Rejected
+
+#: A setpoint that did not change is written again so often, in seconds: one may have been lost.
+REFRESH_S = 0.5
+#: A late tick may make up for at most so many periods at full speed.
+CATCH_UP = 2.0
+#: SilentError servos are asked again one by one, one every so many seconds.
+PROBE_S = 1.0
+TORQUE_REMEDY = "switch the torque on (`torque: on`) when nobody is in reach"
+
+
+@dataclass(eq=False, slots=True)
+class Move:
+    """A planned movement under way; `done` is set when it has ended.
+
+    `left_out` names joints that could not take part, and why; `taken` those that another command
+    has taken over since.
+    """
+
+    done: Future[None] = field(default_factory=Future)
+    plan: Plan | None = None
+    joints: set[str] = field(default_factory=set)
+    left_out: dict[str, str] = field(default_factory=dict)
+    taken: list[str] = field(default_factory=list)
+
+
+class Chain:
+    """The servos of one port, for as long as one opening of the port lasts."""
+
+    def __init__(self, wire: Wire, settings: Settings, outlet: Outlet) -> None:
+        self.wire = wire
+        self.settings = settings
+        self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
+        self._outlet = outlet
+        self._moves: list[Move] = []
+        self._upkeep = Upkeep(wire, settings, outlet, self.servos, self.let_go)
+        self._probes: deque[Servo] = deque()
+        self._last_tick: float | None = None
+        self._next_refresh = 0.0
+        self._next_probe = 0.0
+
+    # -- coming up ---------------------------------------------------------------------------
+
+    def connect(self) -> None:
+        """Check every servo. `Lost` if none answers at all."""
+        for servo in self.servos.values():
+            self._check(servo, fresh=True)
+        if all(servo.standing is Standing.SILENT for servo in self.servos.values()):
+            raise self._nobody()
+
+    def _check(self, servo: Servo, *, fresh: bool) -> bool:
+        try:
+            servos.check(self.wire, servo, self.settings, fresh=fresh)
+        except SilentError as silent:
+            servo.lose(silent.what, silent.remedy)
+        except UnfitError as unfit:
+            servo.lose(unfit.what, unfit.remedy, Standing.UNFIT)
+        return servo.standing is not Standing.SILENT
+
+    def _nobody(self) -> Lost:
+        found = self.wire.scan(servo.joint.id for servo in self.servos.values())
+        where = f"{self.settings.port} at {self.settings.baud} baud"
+        if found:
+            ids = ", ".join(map(str, sorted(found)))
+            return Lost(
+                f"none of the configured servos answers on {where}; ids that do: {ids}",
+                "correct the ids in the robot file",
+            )
+        return Lost(
+            f"no servo answers on {where}",
+            "check their power and `baud`; `woz doctor` tries the other speeds",
+        )
+
+    # -- what the asyncio side asks for --------------------------------------------------------
+
+    def begin(self, move: Move, frames: Sequence[Keyframe], now: float) -> Plan:
+        """Plan `frames` from the setpoints held now and begin. `Rejected` if nothing can move."""
+        wanted = {name for frame in frames for name in frame.joints}
+        move.left_out = {
+            name: self._why_not(self.servos[name])
+            for name in sorted(wanted)
+            if not self.servos[name].moves
+        }
+        able = sorted(wanted - set(move.left_out))
+        if not able:
+            raise self._unable(move.left_out)
+        start = {name: self.servos[name].setpoint for name in able}
+        limits = {name: self.servos[name].limits for name in able}
+        planned = plan(start, frames, limits, self.settings.profile)
+        for name, track in planned.tracks.items():
+            self._take_over(name)
+            servo = self.servos[name]
+            servo.track, servo.track_began = track, now
+        move.plan, move.joints = planned, set(planned.tracks)
+        self._moves.append(move)
+        return planned
+
+    def follow(self, targets: Mapping[str, float], *, relative: bool) -> dict[str, float]:
+        """Let joints follow targets in degrees, or step by them; returns the targets as bounded."""
+        left_out = {
+            name: self._why_not(self.servos[name])
+            for name in targets
+            if not self.servos[name].moves
+        }
+        if len(left_out) == len(targets):
+            raise self._unable(left_out)
+        accepted = {}
+        for name, value in targets.items():
+            servo = self.servos[name]
+            if not servo.moves:
+                continue
+            if servo.follow is None:
+                self._take_over(name)
+                servo.follow = Follow(servo.limits, servo.setpoint)
+            base = servo.follow.target if relative else 0.0
+            servo.follow.target = accepted[name] = servo.limits.clamp(base + value)
+        return accepted
+
+    def drop(self, move: Move) -> None:
+        """End a movement where it is: its setpoints stay."""
+        for name in move.joints:
+            self.servos[name].hold()
+        self._finish(move)
+
+    def freeze(self) -> None:
+        """Every joint stays where it is at this moment: what the stop asks for."""
+        self._read()
+        for servo in self.servos.values():
+            servo.settle()
+        for move in list(self._moves):
+            self._finish(move)
+        self._write(everything=True)
+
+    def set_torque(self, names: Iterable[str], on: bool) -> dict[str, str]:
+        """Switch joints; returns what went wrong, by joint."""
+        failed = {}
+        for name in names:
+            servo = self.servos[name]
+            if servo.standing is not Standing.READY:
+                failed[name] = servo.trouble
+                continue
+            self._take_over(name, "" if on else "had its torque switched off")
+            try:
+                if on:
+                    servos.torque_on(self.wire, servo, self.settings)
+                else:
+                    servos.torque_off(self.wire, servo)
+            except (SilentError, UnfitError) as error:
+                failed[name] = error.what
+        return failed
+
+    def reboot(self, names: Iterable[str]) -> list[str]:
+        """Restart servos; they are silent for a moment, and limp afterwards."""
+        sent = []
+        for name in names:
+            servo = self.servos[name]
+            self._take_over(name, "restarts")
+            if self.wire.reboot(servo.joint.id):
+                sent.append(name)
+            servo.torque = False
+            servo.lose("restarts", "")
+            self._probes.appendleft(servo)
+        return sent
+
+    # -- fifty times a second ------------------------------------------------------------------
+
+    def tick(self, now: float) -> None:
+        """Read positions, move setpoints on, write them, and do one chore."""
+        self._read()
+        elapsed = 0.0 if self._last_tick is None else now - self._last_tick
+        self._last_tick = now
+        self._advance(now, min(elapsed, CATCH_UP / self.settings.rate))
+        refresh = now >= self._next_refresh
+        if refresh:
+            self._next_refresh = now + REFRESH_S
+        self._write(everything=refresh)
+        self._probe(now)
+        self._upkeep.one_chore(now)
+
+    def _read(self) -> None:
+        for register, group in self._groups(lambda servo: servo.standing is Standing.READY).items():
+            found = self.wire.read_group((servo.joint.id for servo in group), register)
+            for servo in group:
+                raw = found.get(servo.joint.id)
+                if raw is None:
+                    self._missed(servo)
+                    continue
+                servo.misses = 0
+                assert servo.calibration is not None
+                servo.present = servo.calibration.degrees(raw)
+                if not servo.torque:
+                    servo.settle()  # a limp joint's setpoint follows the hand that moves it
+
+    def _missed(self, servo: Servo) -> None:
+        servo.misses += 1
+        if servo.misses >= MISSES:
+            self._take_over(servo.name, "no longer answers")
+            servo.lose("no longer answers", "check its cable and its power")
+            self._outlet.notice("error", f"{servo.label} no longer answers", servo.remedy)
+
+    def _advance(self, now: float, elapsed: float) -> None:
+        for servo in self.servos.values():
+            if not servo.moves:
+                continue
+            wanted = servo.setpoint
+            if servo.track is not None:
+                wanted = servo.track.at(now - servo.track_began)
+            elif servo.follow is not None:
+                wanted = servo.follow.step(servo.setpoint, elapsed)
+                if servo.follow.arrived(wanted):
+                    servo.follow = None
+            servo.setpoint = guard(servo.limits, servo.setpoint, wanted, elapsed)
+        for move in list(self._moves):
+            if self._over(move, now):
+                for name in move.joints:
+                    self.servos[name].hold()
+                self._finish(move)
+
+    def _over(self, move: Move, now: float) -> bool:
+        assert move.plan is not None
+        for name in move.joints:
+            servo = self.servos[name]
+            goal = move.plan.tracks[name].goal
+            if now - servo.track_began < move.plan.duration or (
+                servo.moves and abs(servo.setpoint - goal) > ARRIVED and _reachable(servo, goal)
+            ):
+                return False
+        return True
+
+    def _write(self, *, everything: bool) -> None:
+        for register, group in self._groups(lambda servo: servo.moves, goal=True).items():
+            values = {}
+            for servo in group:
+                assert servo.calibration is not None
+                raw = servo.calibration.raw(servo.setpoint)
+                if everything or raw != servo.written:
+                    values[servo.joint.id] = servo.written = raw
+            self.wire.write_group(register, values)
+
+    def _groups(
+        self, chosen: Callable[[Servo], bool], *, goal: bool = False
+    ) -> dict[Register, list[Servo]]:
+        groups: dict[Register, list[Servo]] = {}
+        for servo in self.servos.values():
+            if servo.calibration is not None and chosen(servo):
+                table = servo.calibration.model.table
+                groups.setdefault(table.goal if goal else table.present, []).append(servo)
+        return groups
+
+    def _probe(self, now: float) -> None:
+        """Ask one silent servo whether it is back; never more than one a second."""
+        if now < self._next_probe:
+            return
+        self._next_probe = now + PROBE_S
+        silent = [s for s in self.servos.values() if s.standing is Standing.SILENT]
+        for servo in silent:
+            if servo not in self._probes:
+                self._probes.append(servo)
+        while self._probes:
+            servo = self._probes.popleft()
+            if servo.standing is Standing.SILENT:
+                if self._check(servo, fresh=False):
+                    self._back(servo)
+                return
+
+    def _back(self, servo: Servo) -> None:
+        if servo.standing is Standing.READY:
+            held = "and still holds" if servo.torque else "and is limp"
+            self._outlet.notice("info", f"{servo.label} answers again {held}")
+
+    # -- bookkeeping of movements ----------------------------------------------------------------
+
+    def let_go(self, servo: Servo, why: str) -> None:
+        """A joint cannot take part any more: it lost its torque or stopped by itself."""
+        self._take_over(servo.name, why)
+        servo.settle()
+
+    def fail_all(self, error: DriverError) -> None:
+        """Every movement under way ends with `error`."""
+        for move in self._moves:
+            if not move.done.done():
+                move.done.set_exception(error)
+        self._moves.clear()
+
+    def _take_over(self, name: str, why: str = "") -> None:
+        self.servos[name].hold()
+        for move in list(self._moves):
+            if name in move.joints:
+                move.joints.discard(name)
+                if why:
+                    move.left_out[name] = why
+                else:
+                    move.taken.append(name)
+                if not move.joints:
+                    self._finish(move)
+
+    def _finish(self, move: Move) -> None:
+        if move in self._moves:
+            self._moves.remove(move)
+        if move.done.done():
+            return
+        if move.plan is not None and move.left_out and not move.joints and not move.taken:
+            move.done.set_exception(self._unable(move.left_out))
+        else:
+            move.done.set_result(None)
+
+    def _why_not(self, servo: Servo) -> str:
+        return servo.trouble if servo.standing is not Standing.READY else "torque is off"
+
+    def _unable(self, left_out: Mapping[str, str]) -> DriverError:
+        reasons = sorted(set(left_out.values()))
+        names = ", ".join(sorted(left_out))
+        if reasons == ["torque is off"]:
+            return Rejected(f"the torque of {names} is off", TORQUE_REMEDY)
+        detail = "; ".join(f"{name} {why}" for name, why in sorted(left_out.items()))
+        remedies = [self.servos[name].remedy for name in sorted(left_out)]
+        return DriverError(detail, next((text for text in remedies if text), ""))
+
+
+def _reachable(servo: Servo, goal: float) -> bool:
+    return servo.limits.low <= goal <= servo.limits.high

@@ -1,0 +1,180 @@
+"""`woz doctor` for servos: port, adapter, ids, models, alarms, voltage; nothing moves."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from woz_drivers import tables
+from woz_drivers.dynamixel.port import ServoPort, latency_timer
+from woz_drivers.dynamixel.settings import Joint, Settings
+from woz_drivers.dynamixel.wire import Wire
+from woz_tui.core.driver import Finding, Lost
+
+#: Bauds that servos are usually left at, tried where the configured one finds nobody.
+USUAL_BAUDS = (57_600, 1_000_000, 115_200, 2_000_000, 3_000_000, 4_000_000)
+#: An FTDI adapter passes bytes on after this time unless told otherwise, in milliseconds.
+SLOW_LATENCY_MS = 2.0
+
+
+def examine(settings: Settings) -> list[Finding]:
+    """Everything there is to know from outside; blocks for some seconds, never raises."""
+    findings = [
+        Finding("error", path, text, "correct the robot file") for path, text in settings.problems()
+    ]
+    if findings:
+        return findings
+    port = ServoPort(settings.port, settings.baud, settings.reply_timeout)
+    try:
+        port.open()
+    except Lost as lost:
+        return [Finding("error", settings.port, lost.what, lost.remedy)]
+    wire = Wire(port, settings.protocol)
+    try:
+        findings.append(Finding("ok", settings.port, f"open at {settings.baud} baud"))
+        findings.append(_latency(settings, port))
+        findings.append(_watchdog(settings))
+        findings.extend(_servos(wire, settings))
+    except Lost as lost:
+        findings.append(Finding("error", settings.port, lost.what, lost.remedy))
+    finally:
+        wire.close()
+    return findings
+
+
+def _latency(settings: Settings, port: ServoPort) -> Finding:
+    timer = latency_timer(settings.port)
+    if timer is None:
+        return Finding("info", settings.port, "no latency timer: not an FTDI adapter")
+    allowed = 1000.0 / timer
+    text = f"latency timer {timer:g} ms: at most {allowed:.0f} rounds a second"
+    if timer <= SLOW_LATENCY_MS or allowed > 2 * settings.rate:
+        return Finding("ok", settings.port, text)
+    return Finding(
+        "warning",
+        settings.port,
+        f"{text}, and the loop wants {settings.rate:g}",
+        f"echo 1 | sudo tee /sys/bus/usb-serial/devices/{_device(settings)}/latency_timer,"
+        " or a udev rule that does it",
+    )
+
+
+def _device(settings: Settings) -> str:
+    return settings.port.rsplit("/", 1)[-1] if "/by-id/" not in settings.port else "ttyUSB0"
+
+
+def _watchdog(settings: Settings) -> Finding:
+    if settings.protocol == 1:
+        return Finding(
+            "info",
+            "bus watchdog",
+            "protocol 1 servos have none: they hold their last goal if the program dies",
+            "keep the power switch at hand",
+        )
+    if settings.watchdog == 0:
+        return Finding(
+            "warning",
+            "bus watchdog",
+            "is off: servos hold their last goal if the program dies",
+            "set `watchdog: 500`",
+        )
+    return Finding(
+        "ok", "bus watchdog", f"servos stop after {settings.watchdog} ms without a command"
+    )
+
+
+def _servos(wire: Wire, settings: Settings) -> Iterator[Finding]:
+    ids = [joint.id for joint in settings.joints.values()]
+    found = wire.scan(ids)
+    # The broadcast can lose answers on a noisy line: ask the configured ones by name.
+    for servo in ids:
+        if servo not in found and (number := wire.ping(servo)) is not None:
+            found[servo] = number
+    for name, joint in settings.joints.items():
+        yield from _joint(wire, settings, name, joint, found.get(joint.id))
+    for servo in sorted(set(found) - set(ids)):
+        yield Finding(
+            "warning",
+            f"id {servo}",
+            f"{_called(settings.protocol, found[servo])} answers, but no joint has this id",
+            "give it to a joint, or take it off the wire",
+        )
+    if len(found) < len(ids):
+        yield from _elsewhere(settings, wire)
+
+
+def _joint(
+    wire: Wire, settings: Settings, name: str, joint: Joint, number: int | None
+) -> Iterator[Finding]:
+    subject = f"{name} (id {joint.id})"
+    if number is None:
+        yield Finding(
+            "error", subject, "does not answer", "check its cable, its power, its id and its baud"
+        )
+        return
+    model = tables.by_number(settings.protocol, number)
+    if model is None:
+        yield Finding("error", subject, f"has model number {number}, which is in no table")
+        return
+    wanted = tables.by_name(joint.model) if joint.model else None
+    if wanted is not None and wanted is not model:
+        yield Finding(
+            "error",
+            subject,
+            f"is a {model.name}, but the settings say {wanted.name}",
+            "correct `model`, or put the right servo on this id",
+        )
+    else:
+        yield Finding("ok", subject, f"is a {model.name}")
+    yield from _condition(wire, subject, joint, model)
+
+
+def _condition(wire: Wire, subject: str, joint: Joint, model: tables.Model) -> Iterator[Finding]:
+    table = model.table
+    voltage = wire.read(joint.id, table.voltage)
+    if voltage is None:
+        yield Finding("error", subject, "stopped answering", "check its cable")
+        return
+    volts = table.voltage.decode(voltage.data) * tables.VOLT
+    yield Finding("info", subject, f"{volts:.1f} V")
+    bits = voltage.error if table.alarm is None else wire.number(joint.id, table.alarm) or 0
+    for alarm in tables.alarms(table, bits):
+        yield Finding("error", subject, f"alarm: {alarm}", "let it cool, then restart it")
+    delay = wire.number(joint.id, table.return_delay)
+    if delay:
+        yield Finding(
+            "info",
+            subject,
+            f"waits {delay * 2} us before it answers",
+            "set `return_delay: 0` to have it answer at once",
+        )
+
+
+def _elsewhere(settings: Settings, wire: Wire) -> Iterator[Finding]:
+    """Missing servos may have been left at another speed: ask for the configured ids there."""
+    wire.close()
+    for baud in USUAL_BAUDS:
+        if baud == settings.baud:
+            continue
+        port = ServoPort(settings.port, baud, settings.reply_timeout)
+        other = Wire(port, settings.protocol)
+        try:
+            port.open()
+            there = [
+                joint.id for joint in settings.joints.values() if other.ping(joint.id) is not None
+            ]
+        except Lost:
+            continue  # the adapter cannot do this speed
+        finally:
+            other.close()
+        if there:
+            yield Finding(
+                "warning",
+                settings.port,
+                f"at {baud} baud these ids answer: {', '.join(map(str, there))}",
+                "set `baud` to that, or change the servos' speed with the maker's tool",
+            )
+
+
+def _called(protocol: int, number: int) -> str:
+    model = tables.by_number(protocol, number)
+    return f"a {model.name}" if model is not None else f"model number {number}"

@@ -1,0 +1,264 @@
+"""The driver: verbs in, setpoints out, by way of the loop's thread."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Mapping
+from typing import Any, ClassVar, TypeVar
+
+from woz_drivers.dynamixel import verbs
+from woz_drivers.dynamixel.chain import Chain, Move
+from woz_drivers.dynamixel.doctor import examine
+from woz_drivers.dynamixel.loop import Action, ServoLoop
+from woz_drivers.dynamixel.motion import Keyframe, Plan
+from woz_drivers.dynamixel.servo import Standing
+from woz_drivers.dynamixel.settings import Settings as ServoSettings
+from woz_tui.core.driver import (
+    DriverError,
+    Finding,
+    Job,
+    Lost,
+    Outlet,
+    Probe,
+    Rejected,
+    Scope,
+    Verb,
+)
+from woz_tui.core.messages import Json
+
+#: A restarted servo answers again within about a second; after this it is reported missing.
+REBOOT_S = 5.0
+REBOOT_LOOK_S = 0.1
+#: The thread is given so long to end; one tick is enough unless the port hangs.
+JOIN_S = 2.0
+SENSORS = ("joint", "setpoint", "temperature", "voltage", "load")
+
+log = logging.getLogger(__name__)
+
+T = TypeVar("T")
+
+
+class DynamixelServos:
+    """Dynamixel servos of one port as joints with names, degrees and limits."""
+
+    Settings: ClassVar[type] = ServoSettings
+    summary: ClassVar[str] = "Dynamixel servos on a serial port (X series; MX, RX, AX)"
+
+    def __init__(self, name: str, settings: ServoSettings, outlet: Outlet) -> None:
+        self._settings = settings
+        self._outlet = outlet
+        self._loop = ServoLoop(name, settings, outlet)
+        self._started = False
+        self._stopped = False
+
+    @classmethod
+    def verbs(cls, settings: ServoSettings) -> tuple[Verb, ...]:
+        """pose, poses, home, torque; play, gaze, nudge and reboot where the settings allow them."""
+        return verbs.offered(settings)
+
+    @classmethod
+    def sensors(cls, settings: ServoSettings) -> tuple[str, ...]:
+        """Five readings a joint: position and setpoint in degrees (10 Hz), temperature in C,
+        voltage in V, load in % of the maximum (1 Hz).
+        """
+        return tuple(f"{kind}.{name}" for kind in SENSORS for name in settings.joints)
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Look at port, adapter and servos without moving anything."""
+        return await asyncio.to_thread(examine, probe.settings)
+
+    async def open(self) -> None:
+        """Start the thread that looks for the port."""
+        self._started = True
+        self._loop.start()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out a verb; returns the setpoints really taken, and what was changed in them."""
+        self._stopped = False
+        if job.verb in ("pose", "poses", "home", "play"):
+            return await self._move(job, verbs.keyframes(self._settings, job.verb, job.args))
+        if job.verb in ("gaze", "nudge"):
+            return await self._follow(job)
+        if job.verb == "torque":
+            return await self._torque(job)
+        if job.verb == "reboot":
+            return await self._reboot(job)
+        raise Rejected(f"servos cannot {job.verb!r}")
+
+    async def stop(self, scope: Scope) -> None:
+        """Hold every joint where it is now. `Lost` if the servos cannot be reached."""
+        if scope is Scope.DRIVE:
+            return
+        self._stopped = True
+        if self._started:
+            await self._ask(lambda chain, _now: chain.freeze())
+
+    async def rest(self) -> None:
+        """Move slowly to the rest angles, if there are any, then switch the torque off."""
+        try:
+            await self._take_rest_pose()
+        finally:
+            await self._all_limp()
+
+    async def close(self) -> None:
+        """Rest pose (unless the robot was stopped), torque off, port closed."""
+        if not self._started:
+            return
+        try:
+            if self._settings.rest_on_close and not self._stopped:
+                await self.rest()
+            else:
+                await self._all_limp()
+        except DriverError as error:
+            log.info("closed without torque off: %s", error.what)
+        finally:
+            self._started = False
+            if not await asyncio.to_thread(self._loop.close, JOIN_S):
+                log.error("the servo thread hangs in %s", self._settings.port)
+
+    # -- verbs -----------------------------------------------------------------------------------
+
+    async def _move(self, job: Job | None, frames: list[Keyframe]) -> dict[str, Json]:
+        move = Move()
+        try:
+            plan = await self._ask(lambda chain, now: chain.begin(move, frames, now))
+            if job is not None:
+                job.expects(plan.duration)
+            await asyncio.wrap_future(move.done)
+        except asyncio.CancelledError:
+            self._loop.ask(lambda chain, _now: chain.drop(move))
+            raise
+        return _sent(plan, move)
+
+    async def _follow(self, job: Job) -> dict[str, Json]:
+        targets = verbs.turn(self._settings, job.args)
+        relative = job.verb == "nudge"
+        accepted = await self._ask(lambda chain, _now: chain.follow(targets, relative=relative))
+        sent: dict[str, Json] = {"joints": {k: round(v, 3) for k, v in accepted.items()}}
+        if not relative:
+            clamped = {k: targets[k] for k, v in accepted.items() if v != targets[k]}
+            if clamped:
+                sent["clamped"] = clamped
+        left_out = sorted(set(targets) - set(accepted))
+        if left_out:
+            sent["left_out"] = left_out
+        return sent
+
+    async def _torque(self, job: Job) -> dict[str, Json]:
+        on = job.args.get("on")
+        if not isinstance(on, bool):
+            raise Rejected(f"torque is switched on or off, not {on!r}")
+        names = self._named(job) or list(self._settings.joints)
+        failed = await self._ask(lambda chain, _now: chain.set_torque(names, on))
+        done: list[Json] = [name for name in names if name not in failed]
+        if not done:
+            raise DriverError("; ".join(f"{name} {why}" for name, why in failed.items()))
+        sent: dict[str, Json] = {"on": on, "joints": done}
+        if failed:
+            sent["left_out"] = dict(failed)
+        return sent
+
+    async def _reboot(self, job: Job) -> dict[str, Json]:
+        if self._settings.protocol == 1:
+            raise Rejected(
+                "protocol 1 servos cannot be restarted over the wire",
+                "switch their power off and on",
+            )
+        named = self._named(job)
+
+        def restart(chain: Chain, _now: float) -> list[str]:
+            alarmed = [servo.name for servo in chain.servos.values() if servo.alarms]
+            return chain.reboot(named or alarmed)
+
+        sent = await self._ask(restart)
+        if not sent:
+            raise Rejected(
+                "no servo reports an alarm", "name one with `joint` to restart it anyway"
+            )
+        job.expects(1.0)
+        missing = await self._wait_until_ready(sent)
+        if missing:
+            raise DriverError(
+                f"{', '.join(missing)} did not come back after the restart", "check its power"
+            )
+        return {"joints": list(sent)}
+
+    async def _wait_until_ready(self, names: list[str]) -> list[str]:
+        """Names of those that are still silent after `REBOOT_S`."""
+
+        def silent(chain: Chain, _now: float) -> list[str]:
+            return [n for n in names if chain.servos[n].standing is not Standing.READY]
+
+        missing = await self._ask(silent)
+        looks = round(REBOOT_S / REBOOT_LOOK_S)
+        while missing and looks > 0:
+            await asyncio.sleep(REBOOT_LOOK_S)
+            missing = await self._ask(silent)
+            looks -= 1
+        return missing
+
+    def _named(self, job: Job) -> list[str]:
+        name = job.args.get("joint")
+        if not name:
+            return []
+        if name not in self._settings.joints:
+            known = ", ".join(self._settings.joints)
+            raise Rejected(f"there is no joint {name!r}", f"the joints are {known}")
+        return [str(name)]
+
+    # -- rest ------------------------------------------------------------------------------------
+
+    async def _take_rest_pose(self) -> None:
+        rest = {
+            name: joint.rest
+            for name, joint in self._settings.joints.items()
+            if joint.rest is not None
+        }
+
+        def distance(chain: Chain, _now: float) -> dict[str, float]:
+            return {
+                name: abs(angle - chain.servos[name].setpoint)
+                for name, angle in rest.items()
+                if chain.servos[name].moves
+            }
+
+        ways = await self._ask(distance)
+        if ways:
+            seconds = max(ways.values()) / self._settings.rest_speed
+            await self._move(None, [Keyframe({name: rest[name] for name in ways}, seconds)])
+
+    async def _all_limp(self) -> None:
+        names = list(self._settings.joints)
+
+        def limp(chain: Chain, _now: float) -> None:
+            held = [name for name in names if chain.servos[name].torque]
+            failed = chain.set_torque(held, on=False)
+            if failed:
+                text = "; ".join(f"{name} {why}" for name, why in failed.items())
+                self._outlet.notice("error", f"torque is still on: {text}", "switch the power off")
+
+        await self._ask(limp)
+
+    async def _ask(self, action: Action[T]) -> T:
+        if not self._started:
+            raise Lost("the servo driver is not open")
+        return await asyncio.wrap_future(self._loop.ask(action))
+
+
+def _sent(plan: Plan, move: Move) -> dict[str, Any]:
+    """What really went out: goals in degrees, time, and everything that differs from the wish."""
+    sent: dict[str, Any] = {
+        "joints": {name: round(track.goal, 3) for name, track in plan.tracks.items()},
+        "seconds": round(plan.duration, 3),
+    }
+    if plan.clamped:
+        sent["clamped"] = dict(plan.clamped)
+    if plan.late > 0:
+        sent["late_s"] = round(plan.late, 3)
+    if move.left_out:
+        sent["left_out"] = dict(move.left_out)
+    if move.taken:
+        sent["taken_over"] = list(move.taken)
+    return sent

@@ -1,0 +1,209 @@
+"""The SDK's serial port, made safe for a 50 Hz loop and for cables that come out.
+
+The SDK's own port spins while it waits, counts its timeouts on the wall clock, lets two programs
+share a port, and reports a pulled cable in four different ways. This one sleeps in `poll` for at
+most 2 ms at a time, counts on the monotonic clock, locks the port, and raises `Lost`.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import os
+import select
+import termios
+import time
+from collections.abc import Callable
+from pathlib import Path
+from typing import TypeVar
+
+import serial
+from dynamixel_sdk import PortHandler
+
+from woz_tui.core.driver import Lost
+
+#: Longest sleep in one wait for bytes, in milliseconds.
+WAIT_MS = 2.0
+#: What an adapter takes to pass bytes on, in milliseconds, where the system does not say.
+LATENCY_MS = 2.0
+#: A line that never falls silent is given up so long after the deadline, in milliseconds.
+BABBLE_MS = 50.0
+#: Everything that a pulled cable or a dead adapter raises; a `termios.error` is no `OSError`.
+GONE = (OSError, serial.SerialException, termios.error)
+
+T = TypeVar("T")
+
+
+class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
+    """A port of one opening: after `Lost` it is closed, and a new one has to be made.
+
+    Attributes:
+        waits: How often it slept for bytes, for tests and figures.
+        latency_ms: The adapter's latency timer, 2 ms if unknown.
+    """
+
+    def __init__(self, path: str, baud: int, reply_timeout_ms: float | None = None) -> None:
+        super().__init__(path)
+        self.baudrate = baud
+        self.is_open = False
+        self.ser: serial.Serial | None = None
+        self.waits = 0
+        self.low_latency = False
+        self.latency_ms = LATENCY_MS
+        self._reply_timeout_ms = reply_timeout_ms
+        self._poll = select.poll()
+
+    def open(self) -> None:
+        """Open and lock the port; `Lost` says why not, and what to do."""
+        try:
+            self.setupPort(self.baudrate)
+        except GONE as error:
+            raise _refused(self.port_name, error) from error
+        except ValueError as error:
+            raise Lost(
+                f"{self.port_name} cannot do {self.baudrate} baud",
+                "set `baud` to what adapter and servos can do",
+            ) from error
+
+    def setupPort(self, cflag_baud: int) -> bool:  # noqa: N802 - the SDK calls it so
+        """Open the device; called by the SDK when the baud rate is set, too."""
+        if self.is_open:
+            self.closePort()
+        self.ser = serial.Serial(
+            self.port_name,
+            baudrate=cflag_baud,
+            timeout=0,
+            write_timeout=0.2,
+            exclusive=True,
+        )
+        try:
+            self.ser.set_low_latency_mode(True)
+            self.low_latency = True
+        except (ValueError, OSError, NotImplementedError):
+            self.low_latency = False  # pseudo-terminals and CDC adapters have no such switch
+        self.is_open = True
+        self.latency_ms = latency_timer(self.port_name) or LATENCY_MS
+        # A byte on the wire has ten bits: start, eight of data, stop.
+        self.tx_time_per_byte = 10_000.0 / self.baudrate
+        self._poll = select.poll()
+        self._poll.register(self.ser.fileno(), select.POLLIN)
+        return True
+
+    def closePort(self) -> None:  # noqa: N802
+        """Close it; never raises, whatever has become of the device."""
+        self.is_open = False
+        if self.ser is not None:
+            with contextlib.suppress(*GONE):  # gone already, which is what was wanted
+                self.ser.close()
+            self.ser = None
+
+    def clearPort(self) -> None:  # noqa: N802
+        """Throw away what has come in and was not asked for."""
+        self._or_lost(lambda: self._open().reset_input_buffer())
+
+    def writePort(self, packet: list[int]) -> int:  # noqa: N802
+        """Send a packet; returns the number of bytes sent."""
+        sent = self._or_lost(lambda: self._open().write(bytes(packet)))
+        return sent if sent is not None else 0
+
+    def readPort(self, length: int) -> bytes:  # noqa: N802
+        """At most `length` bytes; none if nothing came within 2 ms."""
+        if length <= 0:
+            return b""
+        elapsed = self.getTimeSinceStart()
+        if elapsed > self.packet_timeout + BABBLE_MS:
+            return b""
+        self.waits += 1
+        return self._or_lost(lambda: self._wait_and_read(length))
+
+    def _wait_and_read(self, length: int) -> bytes:
+        if not self._poll.poll(WAIT_MS):
+            return b""
+        data = os.read(self._open().fileno(), length)
+        if not data:
+            raise OSError(errno.EIO, "the device is ready to read, but has nothing to say")
+        return data
+
+    def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
+        """Begin to wait for a packet of `packet_length` bytes."""
+        patience = self._reply_timeout_ms
+        if patience is None:
+            patience = self.latency_ms * 2.0 + 2.0
+        self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + patience)
+
+    def getCurrentTime(self) -> float:  # noqa: N802
+        """Milliseconds of the monotonic clock."""
+        return time.monotonic_ns() / 1e6
+
+    def getTimeSinceStart(self) -> float:  # noqa: N802
+        """Milliseconds since the wait for a packet began."""
+        return self.getCurrentTime() - float(self.packet_start_time)
+
+    def _open(self) -> serial.Serial:
+        if self.ser is None:
+            raise OSError(errno.EBADF, os.strerror(errno.EBADF))
+        return self.ser
+
+    def _or_lost(self, action: Callable[[], T]) -> T:
+        try:
+            return action()
+        except GONE as error:
+            raise Lost(
+                f"the line to the servos broke ({self.port_name}: {_plain(error)})",
+                "check cable and adapter; it is looked for until it is back",
+            ) from error
+
+
+def latency_timer(path: str) -> float | None:
+    """The latency timer of an FTDI adapter in milliseconds; None for anything else."""
+    name = Path(path).resolve().name
+    try:
+        text = Path(f"/sys/bus/usb-serial/devices/{name}/latency_timer").read_text("ascii")
+        return float(text)
+    except (OSError, ValueError):
+        return None
+
+
+def holders(path: str) -> list[str]:
+    """Programs that hold the device open, as `name (pid)`; only those this user may look at."""
+    target = str(Path(path).resolve())
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if any(str(link.readlink()) == target for link in (process / "fd").iterdir()):
+                name = (process / "comm").read_text("utf-8", "replace").strip()
+                found.append(f"{name} ({process.name})")
+        except OSError:
+            continue
+    return found
+
+
+def present_ports() -> list[str]:
+    """Serial adapters that are plugged in, under their lasting names where there are any."""
+    lasting = sorted(map(str, Path("/dev/serial/by-id").glob("*")))
+    return lasting or sorted(
+        str(path) for kind in ("ttyUSB*", "ttyACM*") for path in Path("/dev").glob(kind)
+    )
+
+
+def _refused(path: str, error: Exception) -> Lost:
+    code = getattr(error, "errno", None)
+    if code == errno.ENOENT:
+        there = present_ports()
+        seen = f"plugged in are: {', '.join(there)}" if there else "no serial adapter is plugged in"
+        return Lost(f"there is no port {path}", f"plug the adapter in; {seen}")
+    if code in (errno.EACCES, errno.EPERM):
+        return Lost(
+            f"no permission to open {path}",
+            "sudo usermod -aG dialout $USER, then log in again",
+        )
+    if code in (errno.EBUSY, errno.EAGAIN):
+        others = holders(path)
+        by = f" by {', '.join(others)}" if others else " by another program"
+        return Lost(f"{path} is in use{by}", "end the other program")
+    return Lost(f"{path} cannot be opened: {_plain(error)}", "check the adapter")
+
+
+def _plain(error: Exception) -> str:
+    code = getattr(error, "errno", None)
+    return os.strerror(code) if isinstance(code, int) else str(error) or type(error).__name__

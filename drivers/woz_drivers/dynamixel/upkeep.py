@@ -1,0 +1,204 @@
+"""Looking after servos once a second, one question a tick: alarms, torque, heat, load, voltage."""
+
+from __future__ import annotations
+
+from collections import Counter, deque
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+
+from woz_drivers import tables
+from woz_drivers.dynamixel import servo as servos
+from woz_drivers.dynamixel.servo import Servo, SilentError, Standing, UnfitError
+from woz_drivers.dynamixel.settings import Settings
+from woz_drivers.dynamixel.wire import Wire
+from woz_tui.core.driver import Health, Outlet
+
+#: Every servo is looked after once in so many seconds.
+ROUND_S = 1.0
+#: A warning is repeated only after the value has fallen back by this share of its limit.
+EASING = 0.05
+
+X_REMEDY = "take the load off and let it cool, then `reboot` and `torque: on`"
+PROTOCOL_1_REMEDY = "take the load off and let it cool, then switch the servos' power off and on"
+
+
+@dataclass(frozen=True, slots=True)
+class Bound:
+    """A value worth a warning beyond `limit`; `above` says on which side."""
+
+    kind: str
+    limit: float | None
+    unit: str
+    above: bool
+
+    def crossed(self, value: float) -> bool:
+        """Beyond the limit."""
+        if self.limit is None:
+            return False
+        return value > self.limit if self.above else value < self.limit
+
+    def eased(self, value: float) -> bool:
+        """Back by a margin."""
+        if self.limit is None:
+            return True
+        margin = abs(self.limit) * EASING
+        return value < self.limit - margin if self.above else value > self.limit + margin
+
+
+class Upkeep:
+    """The chores of one chain; belongs to the loop's thread.
+
+    `let_go` is called with a servo that stopped by itself, and why.
+    """
+
+    def __init__(
+        self,
+        wire: Wire,
+        settings: Settings,
+        outlet: Outlet,
+        all_servos: Mapping[str, Servo],
+        let_go: Callable[[Servo, str], None],
+    ) -> None:
+        self._wire = wire
+        self._settings = settings
+        self._outlet = outlet
+        self._servos = all_servos
+        self._let_go = let_go
+        self._chores: deque[Callable[[], None]] = deque()
+        self._next_round = 0.0
+        self._warned: set[tuple[str, str]] = set()
+        self._bounds = {
+            "temperature": [Bound("temperature", settings.temperature_warning, "C", above=True)],
+            "load": [Bound("load", settings.load_warning, "%", above=True)],
+            "voltage": [
+                Bound("voltage", settings.voltage_low, "V", above=False),
+                Bound("voltage", settings.voltage_high, "V", above=True),
+            ],
+        }
+
+    def one_chore(self, now: float) -> None:
+        """Ask one servo one thing, if it is time; a round takes two ticks a servo."""
+        if not self._chores and now >= self._next_round:
+            self._next_round = now + ROUND_S
+            for servo in self._servos.values():
+                if servo.standing is Standing.READY:
+                    self._chores.append(lambda servo=servo: self._status(servo))  # type: ignore[misc]
+                    self._chores.append(lambda servo=servo: self._sensors(servo))  # type: ignore[misc]
+        if self._chores:
+            self._chores.popleft()()
+
+    # -- alarms, torque, watchdog --------------------------------------------------------------
+
+    def _status(self, servo: Servo) -> None:
+        if servo.standing is not Standing.READY or servo.model is None:
+            return
+        table = servo.model.table
+        block = table.status_block()
+        answer = self._wire.read(servo.joint.id, block)
+        if answer is None:
+            return
+        holds = _part(table.torque, block, answer.data) != 0
+        bits = answer.error if table.alarm is None else _part(table.alarm, block, answer.data)
+        self._alarms(servo, tuple(tables.alarms(table, bits)))
+        if servo.torque and not holds:
+            self._went_limp(servo)
+        if table.watchdog is not None:
+            self._watchdog(servo, _part(table.watchdog, block, answer.data))
+
+    def _alarms(self, servo: Servo, alarms: tuple[str, ...]) -> None:
+        if alarms == servo.alarms:
+            return
+        servo.alarms = alarms
+        if alarms:
+            self._outlet.notice("error", f"{servo.label}: {', '.join(alarms)}", _remedy(servo))
+        else:
+            self._outlet.notice("info", f"{servo.label}: the alarm is over")
+
+    def _went_limp(self, servo: Servo) -> None:
+        servo.torque = False
+        why = f"lost its torque ({', '.join(servo.alarms) or 'it may have restarted'})"
+        self._let_go(servo, why)
+        self._outlet.notice("error", f"{servo.label} {why}", _remedy(servo))
+
+    def _watchdog(self, servo: Servo, value: int) -> None:
+        if value != tables.WATCHDOG_BITTEN:
+            return
+        assert servo.model is not None
+        assert servo.calibration is not None
+        self._let_go(servo, "stopped by itself: its bus watchdog bit")
+        try:
+            servos.rearm(self._wire, servo.joint.id, servo.model.table, self._settings.watchdog)
+        except (SilentError, UnfitError):
+            return  # the next round finds it again
+        servo.written = None
+        self._outlet.notice(
+            "warning",
+            f"{servo.label} stopped by itself: it heard nothing for {self._settings.watchdog} ms",
+            "the computer was too busy; close other programs, or raise `watchdog`",
+        )
+
+    # -- heat, load, voltage -------------------------------------------------------------------
+
+    def _sensors(self, servo: Servo) -> None:
+        if servo.standing is not Standing.READY or servo.model is None:
+            return
+        table = servo.model.table
+        block = table.sensor_block()
+        answer = self._wire.read(servo.joint.id, block)
+        if answer is None:
+            return
+        heat = _part(table.temperature, block, answer.data)
+        volt = _part(table.voltage, block, answer.data)
+        load = signed_load(table, _part(table.load, block, answer.data))
+        self._publish(servo, "temperature", float(heat), "C", heat)
+        self._publish(servo, "voltage", volt * tables.VOLT, "V", volt)
+        self._publish(servo, "load", 100.0 * abs(load) / servo.model.full_load, "%", load)
+
+    def _publish(self, servo: Servo, kind: str, value: float, unit: str, raw: int) -> None:
+        self._outlet.reading(f"{kind}.{servo.name}", round(value, 2), unit=unit, raw=raw)
+        for bound in self._bounds[kind]:
+            key = (servo.name, f"{bound.kind} {'above' if bound.above else 'below'}")
+            if bound.crossed(value) and key not in self._warned:
+                self._warned.add(key)
+                side = "above" if bound.above else "below"
+                self._outlet.notice(
+                    "warning",
+                    f"{servo.label}: {kind} {value:.4g} {unit}, {side} {bound.limit:g} {unit}",
+                    "let it rest, or take some load off",
+                )
+            elif bound.eased(value):
+                self._warned.discard(key)
+
+
+def report(settings: Settings, servos_: Iterable[Servo]) -> tuple[Health, str, str]:
+    """How the chain is, for `Outlet.health`: a fault of any servo is one of the whole."""
+    known = list(servos_)
+    faults = [f"{servo.label} {servo.trouble}" for servo in known if servo.trouble]
+    remedies = [servo.remedy for servo in known if servo.trouble and servo.remedy]
+    for servo in known:
+        if servo.alarms and not servo.trouble:
+            faults.append(f"{servo.label}: {', '.join(servo.alarms)}")
+            remedies.append(_remedy(servo))
+    if faults:
+        return Health.FAULTED, "; ".join(faults), "; ".join(dict.fromkeys(remedies))
+    models = Counter(servo.model.name for servo in known if servo.model is not None)
+    found = ", ".join(f"{count} x {name}" for name, count in sorted(models.items()))
+    return Health.CONNECTED, f"{settings.port}: {found}", ""
+
+
+def signed_load(table: tables.Table, raw: int) -> int:
+    """The load register as a signed number."""
+    if table.load_sign_bit is None:
+        return raw
+    sign = 1 << table.load_sign_bit
+    return -(raw & (sign - 1)) if raw & sign else raw & (sign - 1)
+
+
+def _part(register: tables.Register, block: tables.Register, data: bytes) -> int:
+    first = register.address - block.address
+    return register.decode(data[first : first + register.size])
+
+
+def _remedy(servo: Servo) -> str:
+    old = servo.model is not None and servo.model.table.protocol == 1
+    return PROTOCOL_1_REMEDY if old else X_REMEDY

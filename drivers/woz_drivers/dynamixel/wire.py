@@ -1,0 +1,174 @@
+"""Registers of servos, read and written through the SDK with its traps closed.
+
+Every method may raise `Lost`; a servo that does not answer, or answers nonsense, is None.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+
+from dynamixel_sdk import GroupSyncRead, GroupSyncWrite, PacketHandler
+
+from woz_drivers.dynamixel.port import ServoPort
+from woz_drivers.tables import Register
+
+#: `dynamixel_sdk.robotis_def.COMM_SUCCESS`.
+SUCCESS = 0
+#: Bit of a protocol 2 error byte: look at Hardware Error Status.
+ALERT = 0x80
+#: What a protocol 2 servo says to a write it refuses.
+REFUSALS = {
+    1: "it failed",
+    2: "unknown instruction",
+    3: "garbled packet",
+    4: "value out of range",
+    5: "wrong length",
+    6: "value beyond its limit",
+    7: "not writable now",
+}
+#: Ids tried one by one where the protocol has no broadcast ping.
+USUAL_IDS = tuple(range(31))
+
+
+@dataclass(frozen=True, slots=True)
+class Answer:
+    """A servo's answer: the bytes asked for, and its error byte as it came."""
+
+    data: bytes
+    error: int = 0
+
+
+class Wire:
+    """One open port and its protocol. Belongs to one thread."""
+
+    def __init__(self, port: ServoPort, protocol: int) -> None:
+        self.port = port
+        self.protocol = protocol
+        self._packets = PacketHandler(float(protocol))
+        self._readers: dict[tuple[Register, tuple[int, ...]], GroupSyncRead] = {}
+
+    def close(self) -> None:
+        """Close the port; never raises."""
+        self.port.closePort()
+
+    def ping(self, servo: int) -> int | None:
+        """The model number of servo `servo`, or None."""
+        try:
+            number, result, _ = self._packets.ping(self.port, servo)
+        except IndexError:
+            self._abandon()
+            return None
+        return int(number) if result == SUCCESS else None
+
+    def scan(self, also: Iterable[int] = ()) -> dict[int, int]:
+        """Model numbers by id of everything that answers.
+
+        Protocol 2 asks all 253 ids at once (0.8 s). Protocol 1 can only ask one by one: ids 0 to
+        30 and those in `also`.
+        """
+        if self.protocol == 1:
+            wanted = sorted({*USUAL_IDS, *also})
+            answers = ((servo, self.ping(servo)) for servo in wanted)
+            return {servo: number for servo, number in answers if number is not None}
+        try:
+            found, _ = self._packets.broadcastPing(self.port)
+        except IndexError:
+            self._abandon()
+            return {}
+        return {int(servo): int(answer[0]) for servo, answer in found.items()}
+
+    def read(self, servo: int, register: Register) -> Answer | None:
+        """A register or a whole stretch of them."""
+        try:
+            data, result, error = self._packets.readTxRx(
+                self.port, servo, register.address, register.size
+            )
+        except IndexError:
+            self._abandon()
+            return None
+        if result != SUCCESS or len(data) != register.size:
+            return None
+        return Answer(bytes(data), int(error))
+
+    def number(self, servo: int, register: Register) -> int | None:
+        """A register as a number."""
+        answer = self.read(servo, register)
+        return register.decode(answer.data) if answer is not None else None
+
+    def read_group(self, servos: Iterable[int], register: Register) -> dict[int, int]:
+        """The same register of several servos; those that did not answer are missing.
+
+        One servo that stays silent spoils a whole sync read, so the others are then asked one by
+        one. Protocol 1 has no sync read and always asks one by one.
+        """
+        wanted = tuple(servos)
+        if not wanted:
+            return {}
+        found = self._sync_read(wanted, register) if self.protocol == 2 else {}
+        for servo in wanted:
+            if servo not in found:
+                value = self.number(servo, register)
+                if value is not None:
+                    found[servo] = value
+        return found
+
+    def _sync_read(self, servos: tuple[int, ...], register: Register) -> dict[int, int]:
+        reader = self._readers.get((register, servos))
+        if reader is None:
+            reader = GroupSyncRead(self.port, self._packets, register.address, register.size)
+            for servo in servos:
+                reader.addParam(servo)
+            self._readers[register, servos] = reader
+        try:
+            reader.txRxPacket()
+        except IndexError:
+            self._abandon()
+            return {}
+        found = {}
+        for servo in servos:
+            # Without this question the SDK answers 0 for everybody: a plausible position.
+            if reader.isAvailable(servo, register.address, register.size):
+                data = bytes(reader.data_dict[servo])
+                if len(data) == register.size:
+                    found[servo] = register.decode(data)
+        return found
+
+    def write(self, servo: int, register: Register, value: int) -> int | None:
+        """Write and wait for the answer: its error byte (0 is well), None without an answer."""
+        try:
+            result, error = self._packets.writeTxRx(
+                self.port, servo, register.address, register.size, list(register.encode(value))
+            )
+        except IndexError:
+            self._abandon()
+            return None
+        return int(error) if result == SUCCESS else None
+
+    def write_group(self, register: Register, values: Mapping[int, int]) -> None:
+        """Write one register of several servos in one packet, which nobody answers."""
+        if not values:
+            return
+        writer = GroupSyncWrite(self.port, self._packets, register.address, register.size)
+        for servo, value in values.items():
+            writer.addParam(servo, list(register.encode(value)))
+        writer.txPacket()
+
+    def reboot(self, servo: int) -> bool:
+        """Restart a servo (protocol 2 only); says whether it acknowledged."""
+        try:
+            result, _ = self._packets.reboot(self.port, servo)
+        except IndexError:
+            self._abandon()
+            return False
+        return bool(result == SUCCESS)
+
+    def _abandon(self) -> None:
+        """Free the port that the SDK still believes to be in use after an IndexError."""
+        self.port.is_using = False
+
+
+def refusal(error: int) -> str:
+    """A protocol 2 error byte in words; empty if nothing was refused."""
+    code = error & ~ALERT
+    return REFUSALS.get(code, f"error {code}") if code else ""

@@ -63,16 +63,24 @@ class RangefinderSettings:
         int, Range(0, 65535), Doc("tfmini: weaker echoes are no measurement")
     ] = 100
 
-    def __post_init__(self) -> None:
+    def problems(self) -> list[tuple[str, str]]:
+        """What is wrong between settings: pairs of a setting's name and a sentence."""
+        found = []
         if self.framing == "maxbotix" and self.unit == "auto":
-            raise ValueError(
-                "unit: MaxBotix sensors say inches (LV), cm (XL) or mm (HR) in the same form;"
-                " set in, cm or mm as its data sheet says"
+            found.append(
+                (
+                    "unit",
+                    "MaxBotix sensors say inches (LV), cm (XL) or mm (HR) in the same form;"
+                    " set in, cm or mm as its data sheet says",
+                )
             )
         marks = (self.nearest, self.floor, self.ceiling, self.farthest)
         present = [mark for mark in marks if mark is not None]
         if present != sorted(present) or self.nearest == self.farthest:
-            raise ValueError("nearest, floor, ceiling and farthest must grow in this order")
+            found.append(
+                ("farthest", "nearest, floor, ceiling and farthest must grow in this order")
+            )
+        return found
 
     @property
     def real_unit(self) -> str:

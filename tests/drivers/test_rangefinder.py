@@ -178,17 +178,18 @@ def _is_locked(port: Path) -> bool:
 
 
 def test_maxbotix_needs_its_unit() -> None:
-    with pytest.raises(ValueError, match="unit"):
-        RangefinderSettings(port="x", framing="maxbotix")
-    assert RangefinderSettings(port="x", framing="maxbotix", unit="in").real_unit == "in"
+    ((setting, _),) = RangefinderSettings(port="x", framing="maxbotix").problems()
+    assert setting == "unit"
+    right = RangefinderSettings(port="x", framing="maxbotix", unit="in")
+    assert (right.problems(), right.real_unit, right.real_baud) == ([], "in", 9600)
 
 
 @pytest.mark.parametrize(
     "wrong", [{"nearest": 5.0, "farthest": 2.0}, {"floor": 0.01}, {"floor": 3.0, "ceiling": 2.0}]
 )
 def test_limits_in_the_wrong_order(wrong: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match="in this order"):
-        RangefinderSettings(port="x", **wrong)  # type: ignore[arg-type]
+    ((setting, _),) = RangefinderSettings(port="x", **wrong).problems()  # type: ignore[arg-type]
+    assert setting == "farthest"
 
 
 # -- the filter --------------------------------------------------------------------------------

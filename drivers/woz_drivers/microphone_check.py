@@ -1,0 +1,113 @@
+"""What `woz doctor` finds out about a microphone: its program, its devices, a second of sound."""
+
+from __future__ import annotations
+
+import asyncio
+
+import numpy as np
+
+from woz_drivers import child, sound
+from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_tui.core.driver import DriverError, Finding, Probe
+
+#: How much is listened to, and how long that may take, in seconds.
+_LISTEN_S = 1.0
+_PATIENCE_S = 8.0
+#: Below this many dB of full scale, speech at one metre will hardly stand out.
+_VERY_QUIET_DB = -80.0
+
+
+async def examine(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
+    """The level of one second, or why there is none and which devices there are. Never raises."""
+    try:
+        words = settings.words
+        block = await _record(settings, words, probe)
+    except DriverError as error:
+        return [Finding("error", probe.name, error.what, error.remedy)]
+    return [_level(probe.name, settings, block)]
+
+
+async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: Probe) -> bytes:
+    wanted = round(_LISTEN_S * settings.rate) * settings.block_bytes // _frames(settings)
+    heard = bytearray()
+    enough = asyncio.Event()
+
+    def received(data: bytes) -> None:
+        if len(heard) < wanted:
+            heard.extend(data)
+        if len(heard) >= wanted:
+            enough.set()
+
+    running = await child.start(words, probe.folder, on_output=received)
+    ended = asyncio.ensure_future(running.wait())
+    full = asyncio.ensure_future(enough.wait())
+    try:
+        await asyncio.wait([ended, full], timeout=_PATIENCE_S, return_when=asyncio.FIRST_COMPLETED)
+        if ended.done() and not full.done():
+            reason = running.last_line or f"exit status {ended.result()}"
+            raise DriverError(f"{words[0]} ended: {reason}", await _devices(words[0], probe))
+    finally:
+        ended.cancel()
+        full.cancel()
+        await running.gone()
+    if not heard:
+        raise DriverError(
+            f"{words[0]} runs but delivered nothing within {_PATIENCE_S:g} s",
+            await _devices(words[0], probe),
+        )
+    return bytes(heard[:wanted])
+
+
+def _frames(settings: MicrophoneSettings) -> int:
+    """Frames in a block."""
+    return settings.block_bytes // (sound.FORMATS[settings.format].width * settings.channels)
+
+
+async def _devices(program: str, probe: Probe) -> str:
+    """What arecord can record from, as a remedy."""
+    if program != "arecord":
+        return "try the command in a terminal"
+    listed = bytearray()
+    try:
+        listing = await child.start(("arecord", "-l"), probe.folder, on_output=listed.extend)
+    except DriverError as error:
+        return error.remedy
+    try:
+        async with asyncio.timeout(_PATIENCE_S):
+            await listing.wait()
+    except TimeoutError:
+        return "arecord -l does not answer: check the sound driver"
+    finally:
+        await listing.gone()
+    cards = [
+        line for line in listed.decode("utf-8", "replace").splitlines() if line.startswith("card")
+    ]
+    if not cards:
+        return "this machine has no sound card that records; plug one in"
+    return "choose one by device: plughw:CARD,DEVICE; there is " + "; ".join(cards)
+
+
+def _level(subject: str, settings: MicrophoneSettings, data: bytes) -> Finding:
+    samples = settings.samples(data)
+    level = sound.rms(samples)
+    peak = float(np.abs(samples).max(initial=0.0))
+    text = (
+        f"{settings.words[0]}: RMS {level:.4f} ({sound.decibels(level):.0f} dB), peak {peak:.2f},"
+        f" threshold {settings.threshold:.4f}"
+    )
+    if peak == 0:
+        return Finding(
+            "error", subject, f"{text}: only zeros", "switch the microphone on, or choose another"
+        )
+    if peak >= sound.CLIPPED:
+        return Finding("warning", subject, f"{text}: clipping", "turn the gain down: alsamixer")
+    if sound.decibels(level) < _VERY_QUIET_DB:
+        return Finding("warning", subject, f"{text}: very quiet", "turn the gain up: alsamixer")
+    if level > settings.threshold:
+        return Finding(
+            "warning",
+            subject,
+            f"{text}: louder than the threshold",
+            "if nobody spoke, play listen_room or raise threshold",
+        )
+    return Finding("ok", subject, text)

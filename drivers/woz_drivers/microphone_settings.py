@@ -1,0 +1,75 @@
+"""What a robot file may say about a microphone."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from woz_drivers import programs, sound
+from woz_drivers.speaking import BLOCK_S, Ear
+from woz_tui.core.driver import DriverError
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds
+
+
+@dataclass(frozen=True, slots=True)
+class MicrophoneSettings:
+    """Where the sound comes from, its shape, and what counts as speech in it."""
+
+    command: Annotated[
+        str | tuple[str, ...],
+        Doc("program that writes raw sound to stdout; default: arecord with the settings below"),
+    ] = ""
+    device: Annotated[str, Doc("ALSA device for arecord, such as plughw:1,0")] = ""
+    rate: Annotated[int, Range(4_000, 192_000, "Hz"), Doc("frames a second")] = 16_000
+    format: Annotated[str, OneOf(tuple(sound.FORMATS)), Doc("sample format")] = "S16_LE"
+    channels: Annotated[int, Range(1, 32), Doc("channels the command writes")] = 1
+    channel: Annotated[int, Range(0, 32), Doc("which one counts, from 1; 0: their mean")] = 0
+    publish: Annotated[float, Range(0.5, 50, "Hz"), Doc("loudness values a second")] = 10.0
+    measure: Annotated[
+        str, OneOf(("max", "rms")), Doc("loudest 20 ms since the last value, or all of them")
+    ] = "max"
+    threshold: Annotated[float, Range(0, 1), Doc("louder than this RMS is speech")] = 0.02
+    onset: Annotated[float, Seconds(0, 2), Doc("so long it must be loud to be speech")] = 0.06
+    hang_over: Annotated[float, Seconds(0, 10), Doc("quiet for so long ends speech")] = 0.8
+    silent_after: Annotated[
+        float, Seconds(0.1, 600), Doc("nothing but zeros for so long: muted or unplugged")
+    ] = 3.0
+    sensitivity: Annotated[
+        float, Range(0.5, 20), Doc("listen_room: mean + this many standard deviations")
+    ] = 4.0
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What is wrong between settings: pairs of a setting's name and a sentence."""
+        found = []
+        if self.channel > self.channels:
+            found.append(("channel", f"the command writes {self.channels} channels only"))
+        if self.command and self.device:
+            found.append(("device", "it is for arecord; put the device into your command instead"))
+        try:
+            self.words  # noqa: B018 - asked only whether it is one
+        except DriverError as error:
+            found.append(("command", f"{error.what}; {error.remedy}"))
+        return found
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The command. Raises `DriverError` if it is none."""
+        if self.command:
+            return programs.split(self.command, "command")
+        device = ("-D", self.device) if self.device else ()
+        shape = ("-t", "raw", "-f", self.format, "-r", str(self.rate), "-c", str(self.channels))
+        return ("arecord", "-q", *device, *shape)
+
+    @property
+    def block_bytes(self) -> int:
+        """Bytes of a 20 ms block of all channels."""
+        return round(self.rate * BLOCK_S) * sound.FORMATS[self.format].width * self.channels
+
+    @property
+    def ear(self) -> Ear:
+        """The part that decides about speech."""
+        return Ear(self.threshold, self.onset, self.hang_over, self.silent_after)
+
+    def samples(self, block: bytes) -> sound.Samples:
+        """A block of bytes as the chosen channel's samples."""
+        return sound.one_channel(sound.decode(block, self.format, self.channels), self.channel)

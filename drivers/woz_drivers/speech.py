@@ -1,0 +1,283 @@
+"""Speech and sound files: espeak-ng and aplay, recordings, or any programs that do the same."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import tempfile
+from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any, ClassVar
+
+from woz_drivers import child, programs, speech_check
+from woz_drivers.child import Child
+from woz_drivers.speech_settings import SpeechSettings
+from woz_drivers.voice import Utterance, Voice, finish, read_wav, spoken
+from woz_drivers.wav import Wav
+from woz_tui.core.driver import (
+    Argument,
+    DriverError,
+    Finding,
+    Health,
+    Job,
+    Lost,
+    Outlet,
+    Probe,
+    Rejected,
+    Scope,
+    Verb,
+)
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+#: How often missing programs are looked for, in seconds.
+_LOOK_S = 2.0
+#: A program that speaks by itself may take this long for one utterance, in seconds.
+_LONGEST_SPEECH_S = 120.0
+
+_SAY = Verb(
+    "say",
+    "speak a text",
+    (Argument("text", "text", "what to say", required=True),),
+    lane="voice",
+    limit_s=_LONGEST_SPEECH_S + 5,
+)
+_SOUND = Verb(
+    "sound",
+    "play a WAV file",
+    (Argument("file", "file", "relative to the experiment's folder", required=True),),
+    lane="sound",
+)
+_VOLUME = Verb(
+    "volume",
+    "set how loud the next sounds are",
+    (Argument("level", "number", "0 to 1", required=True, range=Range(0, 1)),),
+    lane="volume",
+)
+
+
+class Speech:
+    """One loudspeaker. Utterances and sound files may play at the same time."""
+
+    Settings: ClassVar[type] = SpeechSettings
+    summary: ClassVar[str] = "speech and sound files through a loudspeaker"
+
+    def __init__(self, name: str, settings: SpeechSettings, outlet: Outlet) -> None:
+        self.name = name
+        self._settings = settings
+        self._outlet = outlet
+        self._volume = settings.volume
+        self._voice = Voice(settings, outlet.folder)
+        self._jobs: set[asyncio.Task[Any]] = set()
+        self._audible: set[Child] = set()
+        self._missing: DriverError | None = None
+        self._broken = False
+        self._task: asyncio.Task[None] | None = None
+        self._preparing: asyncio.Task[None] | None = None
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """Speech, sound files, volume; a program that speaks by itself plays no files."""
+        made: SpeechSettings = settings
+        return (_SAY, _VOLUME) if made.speak else (_SAY, _SOUND, _VOLUME)
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """It hears nothing."""
+        return ()
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Are the programs, the voice, the sound card and the recordings there?"""
+        settings: SpeechSettings = probe.settings
+        return await speech_check.examine(probe, settings)
+
+    async def open(self) -> None:
+        """Look for the programs, until they are there."""
+        self._outlet.health(Health.CONNECTING, "looking for the speech programs")
+        self._task = asyncio.create_task(self._look())
+
+    async def prepare(self, utterances: list[str]) -> None:
+        """Synthesise what will be said, so that it is heard at once later. Troubles become one
+        notice; what failed is tried again when it is said.
+        """
+        if self._settings.speak:
+            return
+        self._preparing = asyncio.create_task(self._prepare(utterances))
+        try:
+            await asyncio.wait([self._preparing])
+        finally:
+            self._preparing.cancel()
+
+    async def _prepare(self, utterances: list[str]) -> None:
+        try:
+            for text in utterances:
+                with contextlib.suppress(Rejected):
+                    await self._voice.utterance(spoken(text))
+        except DriverError as error:
+            self._outlet.notice("warning", f"speech not prepared: {error.what}", error.remedy)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Speak, play or set the volume; returns when the sound has ended."""
+        if job.verb == "volume":
+            return self._set_volume(job.args.get("level"))
+        if self._missing is not None:
+            raise Lost(self._missing.what, self._missing.remedy)
+        with self._counted():
+            match job.verb:
+                case "say" if self._settings.speak:
+                    return await self._speak(job, spoken(str(job.args["text"])))
+                case "say":
+                    return await self._say(job, spoken(str(job.args["text"])))
+                case "sound":
+                    return await self._play_file(job, str(job.args["file"]))
+        raise Rejected(f"{self.name} cannot {job.verb}")
+
+    async def stop(self, scope: Scope) -> None:
+        """Fall silent: every program that makes or plays sound for a job is killed."""
+        if scope is Scope.ALL:
+            await self._hush()
+
+    async def rest(self) -> None:
+        """Silence is no pose: what is being said is said to its end."""
+
+    async def close(self) -> None:
+        """End everything."""
+        tasks = [task for task in (self._task, self._preparing) if task is not None]
+        for task in tasks:
+            task.cancel()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        await self._hush()
+
+    async def _hush(self) -> None:
+        for running in list(self._audible):
+            running.kill()
+        jobs = set(self._jobs)
+        for job in jobs:
+            if not job.cancelling():  # the bus cancels as well; twice would disturb the clearing up
+                job.cancel()
+        if jobs:
+            await asyncio.wait(jobs)
+
+    @contextlib.contextmanager
+    def _counted(self) -> Iterator[None]:
+        """Let `_hush` find the running job."""
+        task = asyncio.current_task()
+        assert task is not None
+        self._jobs.add(task)
+        try:
+            yield
+        finally:
+            self._jobs.discard(task)
+
+    # -- programs ------------------------------------------------------------------------------
+
+    async def _look(self) -> None:
+        while not self._complete():
+            await asyncio.sleep(_LOOK_S)
+
+    def _complete(self) -> bool:
+        """Whether every program is there; says so as the driver's health. Without the synthesiser
+        recordings can still be played, without the player nothing can.
+        """
+        *makers, player = _programs(self._settings)
+        self._missing = None
+        try:
+            programs.find(player, self._outlet.folder)
+        except DriverError as error:
+            self._missing = error
+            self._outlet.health(Health.LOST, error.what, error.remedy)
+            return False
+        try:
+            for maker in makers:
+                programs.find(maker, self._outlet.folder)
+        except DriverError as error:
+            self._outlet.health(Health.FAULTED, error.what, error.remedy)
+            return False
+        self._outlet.health(Health.CONNECTED, ", ".join((*makers, player)))
+        return True
+
+    # -- sound ---------------------------------------------------------------------------------
+
+    async def _say(self, job: Job, text: str) -> Mapping[str, Json]:
+        utterance = await self._voice.utterance(text)
+        await self._play(job, utterance.path, utterance.sound)
+        return self._sent(utterance) | {"text": text}
+
+    async def _play_file(self, job: Job, file: str) -> Mapping[str, Json]:
+        path = self._outlet.folder / file
+        content = await asyncio.to_thread(read_wav, path)
+        await self._play(job, path, content)
+        return self._sent(Utterance(path, content, "file")) | {"file": str(path)}
+
+    def _sent(self, utterance: Utterance) -> dict[str, Json]:
+        return {
+            "seconds": round(utterance.sound.seconds, 3),
+            "source": utterance.source,
+            "cached": utterance.source == "cache",
+            "volume": self._volume,
+        }
+
+    async def _play(self, job: Job, path: Path, content: Wav) -> None:
+        words = self._settings.play_words()
+        values = self._settings.values(self._volume)
+        own_volume = any("{volume}" in word for word in words)
+        async with _at_volume(path, content, 1.0 if own_volume else self._volume) as played:
+            job.expects(content.seconds)
+            await self._run(
+                programs.fill(words, {**values, "wav": str(played)}),
+                content.seconds + self._settings.margin,
+            )
+
+    async def _speak(self, job: Job, text: str) -> Mapping[str, Json]:
+        words = self._settings.speak_words()
+        values = {**self._settings.values(self._volume), "text": text}
+        used = programs.placeholders(words, values, "speak")
+        estimate = max(1, len(text.split())) * 60 / self._settings.speed
+        job.expects(estimate)
+        await self._run(
+            programs.fill(words, values), _LONGEST_SPEECH_S, None if "text" in used else text + "\n"
+        )
+        return {"text": text, "source": words[0], "volume": self._volume}
+
+    async def _run(self, words: Sequence[str], seconds: float, text: str | None = None) -> None:
+        """Run a program that is heard; its failure is the driver's health until one succeeds."""
+        running = await child.start(words, self._outlet.folder, text=text)
+        self._audible.add(running)
+        try:
+            await finish(running, seconds)
+        except DriverError as error:
+            self._broken = True
+            self._outlet.health(Health.FAULTED, error.what, error.remedy)
+            raise
+        finally:
+            self._audible.discard(running)
+        if self._broken:
+            self._broken = False
+            self._complete()
+
+    def _set_volume(self, level: Json) -> Mapping[str, Json]:
+        if not isinstance(level, int | float):
+            raise Rejected("volume needs a level from 0 to 1")
+        self._volume = min(max(float(level), 0.0), 1.0)
+        return {"level": self._volume}
+
+
+def _programs(settings: SpeechSettings) -> tuple[str, ...]:
+    """The programs that are needed; the last one is heard."""
+    if settings.speak:
+        return (settings.speak_words()[0],)
+    return (settings.synthesise_words()[0], settings.play_words()[0])
+
+
+@contextlib.asynccontextmanager
+async def _at_volume(path: Path, content: Wav, volume: float) -> AsyncIterator[Path]:
+    """`path` itself at full volume, else a softer copy for as long as it is needed."""
+    if volume == 1.0:
+        yield path
+        return
+    with tempfile.NamedTemporaryFile(prefix="woz-speech-", suffix=".wav") as file:
+        softer = await asyncio.to_thread(lambda: content.at(volume).to_bytes())
+        file.write(softer)
+        file.flush()
+        yield Path(file.name)

@@ -1,0 +1,84 @@
+"""What `woz doctor` finds out about a voice: programs, a first word, recordings, sound cards."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from woz_drivers import child, programs
+from woz_drivers.speech_settings import SpeechSettings
+from woz_drivers.voice import Voice, read_wav
+from woz_tui.core.driver import DriverError, Finding, Probe
+
+_PATIENCE_S = 5.0
+_TRIAL = "Hello"
+
+
+async def examine(probe: Probe, settings: SpeechSettings) -> list[Finding]:
+    """One finding for each part that is needed; silent, and it never raises."""
+    try:
+        if settings.speak:
+            return [_found(probe, settings.speak_words()[0])]
+        return [
+            await _synthesiser(probe, settings),
+            await _player(probe, settings),
+            *_recordings(probe, settings),
+        ]
+    except DriverError as error:
+        return [Finding("error", probe.name, error.what, error.remedy)]
+
+
+def _found(probe: Probe, program: str) -> Finding:
+    try:
+        path = programs.find(program, probe.folder)
+    except DriverError as error:
+        return Finding("error", probe.name, error.what, error.remedy)
+    return Finding("ok", probe.name, path)
+
+
+async def _synthesiser(probe: Probe, settings: SpeechSettings) -> Finding:
+    try:
+        made = await Voice(settings, probe.folder).utterance(_TRIAL)
+        program = settings.synthesise_words()[0]
+    except DriverError as error:
+        return Finding("error", probe.name, error.what, error.remedy)
+    return Finding("ok", probe.name, f"{program}: {made.sound.seconds:.1f} s for {_TRIAL!r}")
+
+
+async def _player(probe: Probe, settings: SpeechSettings) -> Finding:
+    program = settings.play_words()[0]
+    found = _found(probe, program)
+    if found.level != "ok" or program != "aplay":
+        return found
+    listed = bytearray()
+    listing = await child.start(("aplay", "-l"), probe.folder, on_output=listed.extend)
+    try:
+        async with asyncio.timeout(_PATIENCE_S):
+            await listing.wait()
+    except TimeoutError:
+        return Finding("error", probe.name, "aplay -l does not answer", "check the sound driver")
+    finally:
+        await listing.gone()
+    cards = [
+        line for line in listed.decode("utf-8", "replace").splitlines() if line.startswith("card")
+    ]
+    if not cards:
+        return Finding(
+            "warning" if settings.device else "error",
+            probe.name,
+            "this machine has no sound card",
+            "plug a loudspeaker in, or set play: to a program that reaches one",
+        )
+    return Finding("ok", probe.name, "sound cards: " + "; ".join(cards))
+
+
+def _recordings(probe: Probe, settings: SpeechSettings) -> list[Finding]:
+    findings = []
+    for text, file in settings.recordings.items():
+        try:
+            read_wav(probe.folder / Path(file))
+        except DriverError as error:
+            findings.append(
+                Finding("error", probe.name, f"recording of {text!r}: {error.what}", error.remedy)
+            )
+    return findings

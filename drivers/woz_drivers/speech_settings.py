@@ -1,0 +1,103 @@
+"""What a robot file may say about a voice."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from woz_drivers import programs
+from woz_tui.core.driver import DriverError
+from woz_tui.core.fields import Doc, Path, Range, Seconds
+
+#: What the commands may hold in braces.
+SYNTHESISE_WORDS = ("text", "wav", "voice", "speed", "pitch")
+PLAY_WORDS = ("wav", "volume", "device")
+SPEAK_WORDS = ("text", "voice", "speed", "pitch", "volume", "device")
+
+Command = str | tuple[str, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class SpeechSettings:
+    """How text becomes sound, and how sound is played."""
+
+    voice: Annotated[str, Doc("espeak-ng voice; `espeak-ng --voices` lists them")] = "en"
+    speed: Annotated[int, Range(60, 450, "words/min"), Doc("how fast it speaks")] = 160
+    pitch: Annotated[int, Range(0, 99), Doc("how high it speaks")] = 50
+    volume: Annotated[float, Range(0, 1), Doc("1 is as loud as the sound card is set")] = 1.0
+    device: Annotated[str, Doc("ALSA device for aplay, such as plughw:1,0")] = ""
+    synthesise: Annotated[
+        Command,
+        Doc("program that turns {text} (or stdin) into a WAV file {wav} (or stdout);"
+            " default: espeak-ng"),
+    ] = ""  # fmt: skip
+    play: Annotated[Command, Doc("program that plays the file {wav}; default: aplay")] = ""
+    speak: Annotated[
+        Command,
+        Doc("program that speaks {text} (or stdin) by itself, instead of synthesise and play"),
+    ] = ""
+    recordings: Annotated[
+        Mapping[str, Annotated[str, Path(must_exist=True)]],
+        Doc("WAV files to be played instead of synthesising, by utterance"),
+    ] = field(default_factory=dict)
+    recordings_folder: Annotated[
+        str, Path(must_exist=True), Doc("WAV files named like the utterance: `Hello there.wav`")
+    ] = ""
+    cache: Annotated[str, Path(), Doc("folder for what was synthesised")] = ""
+    cache_megabytes: Annotated[int, Range(1, 100_000), Doc("largest size of that folder")] = 200
+    margin: Annotated[
+        float, Seconds(0.1, 2.0), Doc("a player may take this much longer than the sound")
+    ] = 1.5
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What is wrong between settings: pairs of a setting's name and a sentence."""
+        found = []
+        for setting, look in (
+            ("synthesise", self.synthesise_words),
+            ("play", self.play_words),
+            ("speak", self.speak_words),
+        ):
+            try:
+                look()
+            except DriverError as error:
+                found.append((setting, f"{error.what}; {error.remedy}"))
+        if self.speak and (self.synthesise or self.play):
+            found.append(("speak", "speak replaces synthesise and play: leave these out"))
+        return found
+
+    def synthesise_words(self) -> tuple[str, ...]:
+        """The command that makes a WAV file. Raises `DriverError` if it is none."""
+        if not self.synthesise:
+            voice = ("-v", "{voice}", "-s", "{speed}", "-p", "{pitch}")
+            return ("espeak-ng", *voice, "-b", "1", "--stdin", "-w", "{wav}")
+        return _checked(self.synthesise, SYNTHESISE_WORDS, "synthesise")
+
+    def play_words(self) -> tuple[str, ...]:
+        """The command that plays a WAV file. Raises `DriverError` if it is none."""
+        if not self.play:
+            return ("aplay", "-q", *(("-D", "{device}") if self.device else ()), "{wav}")
+        words = _checked(self.play, PLAY_WORDS, "play")
+        if not any("{wav}" in word for word in words):
+            raise DriverError("play never names {wav}", "put {wav} where the file belongs")
+        return words
+
+    def speak_words(self) -> tuple[str, ...]:
+        """The command that speaks by itself, or () if there is none. Raises `DriverError`."""
+        return _checked(self.speak, SPEAK_WORDS, "speak") if self.speak else ()
+
+    def values(self, volume: float) -> dict[str, str]:
+        """What stands for the placeholders, but for {text} and {wav}; {volume} in percent."""
+        return {
+            "voice": self.voice,
+            "speed": str(self.speed),
+            "pitch": str(self.pitch),
+            "device": self.device,
+            "volume": str(round(volume * 100)),
+        }
+
+
+def _checked(command: str | Sequence[str], known: tuple[str, ...], setting: str) -> tuple[str, ...]:
+    words = programs.split(command, setting)
+    programs.placeholders(words, known, setting)
+    return words

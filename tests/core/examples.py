@@ -1,0 +1,244 @@
+"""One instance of everything that goes over the wire, as it might stand in a real session.
+
+The golden files beside this are made from these: `python -m tests.core.examples` writes them. A
+golden file that changes means that logs and programs of yesterday are read differently today:
+think of them before you write the files anew.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+
+import msgspec
+
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core import wire
+from woz_tui.core.clock import timestamp
+
+GOLDEN = Path(__file__).parent / "golden"
+BEGIN = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
+SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+
+_MESSAGES: tuple[m.AnyMessage, ...] = (
+    m.SessionStart(
+        session="S01",
+        participant="P07",
+        condition="warm",
+        wizard="W2",
+        software={"name": "woz-tui", "version": "0.1.0"},
+        experiment="museum.yaml",
+        experiment_sha256=SHA,
+        seed=1207,
+        clock={
+            "source": "monotonic",
+            "unit": "us",
+            "wall_at_t0": timestamp(BEGIN),
+            "boot_id": "6ba7b810-9dad-11d1-80b4-00c04fd430c8",
+        },
+    ),
+    m.ClockTie(wall=timestamp(BEGIN)),
+    m.ConsoleAttached(console="con1", role="wizard"),
+    m.DriverConnecting(driver="head", detail="looking for /dev/serial/by-id/usb-U2D2"),
+    m.DriverConnected(driver="head", detail="4 servos at 1 Mbit/s"),
+    m.RecorderState(level="ok", lag_us=8200, path="2026-03-01T10-00-00_P07_S01.jsonl"),
+    m.Notice(level="warning", text="the disk is slow", remedy="close other programs"),
+    m.SessionChanged(condition="cold", trial=2),
+    m.ActionRequested(
+        run="r1", action="Hello", panel="Speech", source="key", key="h", console="con1"
+    ),
+    m.Command(
+        command="c1",
+        run="r1",
+        action="Hello",
+        panel="Speech",
+        verb="say",
+        args={"text": "Grüß Gott, P07!"},
+        driver="voice",
+        source="key",
+        key="h",
+        deadline_us=19_000_000,
+        limit_s=20.0,
+        when_busy="replace",
+    ),
+    m.Dispatched(command="c1", driver="voice", latency_us=1900),
+    m.Progress(command="c1", driver="voice", expected_us=1_450_000),
+    m.Done(
+        command="c1",
+        driver="voice",
+        sent={"text": "Grüß Gott, P07!", "seconds": 1.45},
+        latency_us=1900,
+        duration_us=1_462_000,
+    ),
+    m.ActionDone(run="r1", action="Hello"),
+    m.Superseded(command="c2", driver="head", by="c3", reason="a newer setpoint"),
+    m.TimedOut(command="c3", driver="head", reason="still running after 30 s"),
+    m.LaneFaulted(driver="head", lane="body", command="c3"),
+    m.LaneRecovered(driver="head", lane="body"),
+    m.Failed(command="c4", driver="head", reason="servo 3 overheated", remedy="let it cool down"),
+    m.ActionFailed(run="r3", action="Nod", reason="c4: servo 3 overheated"),
+    m.Refused(command="c5", driver="base", code="late", reason="it waited 10 s in the queue"),
+    m.ActionRefused(run="r4", action="Map", reason="the panel 'Places' is locked"),
+    m.DriverLost(driver="head", detail="the port vanished", remedy="plug the cable in"),
+    m.DriverFaulted(driver="head", detail="servo 3: overheated", remedy="let it cool down"),
+    m.Reading(sensor="distance", value=0.83, driver="range", unit="m", raw=831.0),
+    m.Reading(sensor="distance", value=None, driver="range", unit="m", bad=["value"]),
+    m.Reading(sensor="identity", value=None, text="visitor-3", driver="camera"),
+    m.SensorChanged(sensor="distance", state="stale", was="ok", why="no value for 3 s"),
+    m.EngagementChanged(
+        was="near",
+        now="attending",
+        outcome="facing",
+        why="looked at the robot",
+        verdicts={"gaze": True, "distance": 0.83},
+    ),
+    m.ModeChanged(driver="body", was="normal", now="demo", why="the wizard chose it"),
+    m.Marker(text="smile"),
+    m.Note(text="the visitor's phone rang"),
+    m.Mistake(run="r1", action="Hello", text="too early"),
+    m.ScriptMoved(position=3),
+    m.PanelLocked(panel="Drive", locked=True),
+    m.ExperimentReloaded(experiment_sha256=SHA, changes=["Speech: 'Bye' is new"]),
+    m.StopPressed(source="key"),
+    m.Stopped(command="c6", driver="voice", reason="stop pressed"),
+    m.ActionStopped(run="r5", action="Bye", reason="stop pressed"),
+    m.StopConfirmed(confirmed=["voice"], missing=["head"], elapsed_us=500_000),
+    m.StopReleased(source="key"),
+    m.ConsoleLost(console="con1", role="wizard", why="closed"),
+    m.Segment(
+        log="2026-03-01T10-00-00_P07_S01",
+        session="S01",
+        number=1,
+        previous="2026-03-01T10-00-00_P07_S01.jsonl",
+        reason="no space left on device",
+        dropped=2,
+        dropped_samples=40,
+    ),
+    m.Checkpoint(sha256=SHA, lines=42),
+    m.SessionEnd(reason="wizard", sha256=SHA),
+)
+
+_PANELS = [
+    r.PanelView(
+        title="Speech",
+        actions=[
+            r.ActionView(
+                name="Hello",
+                label="Hello",
+                key="h",
+                help="greet by code",
+                verbs=["say", "play"],
+                utterances=["Grüß Gott, {participant}!"],
+            ),
+            r.ActionView(name="Bye", label="Good bye", locked=True),
+        ],
+    ),
+    r.PanelView(title="Drive", actions=[], locked=True),
+]
+
+REQUESTS: tuple[r.AnyRequest, ...] = (
+    r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True),
+    r.Beat(ref=2),
+    r.Beat(ref=3, line_ok=False),
+    r.AskAction(ref=4, action="Hello", source="key", key="h", age_us=2300),
+    r.AskAction(ref=5, action="Map", source="key", key="m", age_us=4_000_000, stale=True),
+    r.AskVerb(
+        ref=6,
+        verb="gaze",
+        args={"yaw": 12.5, "pitch": -3},
+        on="head",
+        source="palette",
+        when_busy="replace",
+    ),
+    r.AskStop(ref=7, source="key"),
+    r.AskRelease(ref=8, source="key"),
+    r.AskScript(ref=9),
+    r.AskScript(ref=10, play=False, to=0),
+    r.AskCancel(ref=11, run="r1"),
+    r.AskSet(ref=12, participant="P08", condition="warm", trial=1),
+    r.AskMarker(ref=13, text="smile"),
+    r.AskNote(ref=14, text="the visitor's phone rang"),
+    r.AskMistake(ref=15, run="r1", text="too early"),
+    r.AskLock(ref=16, panel="Drive", locked=False),
+    r.AskReload(ref=17, dry_run=True),
+    r.AskPreflight(ref=18),
+    r.AskEnd(ref=19, reason="the visitor has left"),
+)
+
+
+def messages() -> list[m.AnyMessage]:
+    """The session's messages as the hub would have stamped them, 250 ms apart."""
+    return [_stamped(number, message) for number, message in enumerate(_MESSAGES)]
+
+
+def _stamped(number: int, message: m.AnyMessage) -> m.AnyMessage:
+    wall = timestamp(BEGIN + timedelta(milliseconds=250 * number))
+    if isinstance(message, m.Segment):
+        return msgspec.structs.replace(message, ts=wall)
+    return msgspec.structs.replace(
+        message, seq=number, t=250_000 * number, ts="" if wire.is_sample(message) else wall
+    )
+
+
+def answers() -> list[r.AnyAnswer]:
+    """What the host says beside the stream."""
+    stream = messages()
+    return [
+        r.Welcome(
+            protocol=r.PROTOCOL,
+            console="con1",
+            role="wizard",
+            seq=4,
+            t=1_100_000,
+            title="Museum guide",
+            log="recordings/2026-03-01T10-00-00_P07_S01.jsonl",
+            panels=_PANELS,
+            script=["Hello", "Map"],
+            verbs={"voice": ["say"], "head": ["gaze", "play"]},
+            variables=["condition", "participant"],
+            conditions=["warm", "cold"],
+            keyboard="us",
+            drivers=["voice", "head"],
+            state=[_raw(stream[0]), _raw(stream[4])],
+            recent=[_raw(stream[2])],
+            settings={"dead_man": 3.0, "stale_after": 1.5},
+        ),
+        r.Reply(ref=4, ok=True, run="r1"),
+        r.Reply(ref=5, ok=False, reason="stale: the press was 4.0 s old", hint="press it again"),
+        r.Reply(ref=17, ok=True, data=["Speech: 'Bye' is new"]),
+        r.Pulse(t=2_000_000),
+        r.Pulse(t=3_000_000, dropped=40),
+        r.PanelsChanged(
+            title="Museum guide",
+            panels=_PANELS,
+            script=["Hello"],
+            verbs={"voice": ["say"]},
+            conditions=["warm", "cold"],
+            keyboard="de",
+        ),
+    ]
+
+
+def _raw(message: m.AnyMessage) -> msgspec.Raw:
+    return msgspec.Raw(wire.encode(message).rstrip())
+
+
+def golden() -> dict[str, bytes]:
+    """What each golden file should hold."""
+    return {
+        "messages.jsonl": _lines(messages()),
+        "requests.jsonl": _lines(REQUESTS),
+        "answers.jsonl": _lines(answers()),
+    }
+
+
+def _lines(instances: Iterable[msgspec.Struct]) -> bytes:
+    return b"".join(map(wire.encode, instances))
+
+
+if __name__ == "__main__":
+    GOLDEN.mkdir(exist_ok=True)
+    for name, content in golden().items():
+        (GOLDEN / name).write_bytes(content)

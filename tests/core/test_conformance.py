@@ -1,0 +1,183 @@
+"""The conformance check finds what is wrong with a driver, and nothing in a right one."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+import pytest
+
+from woz_tui.core.conformance import check
+from woz_tui.core.driver import (
+    Argument,
+    Finding,
+    Health,
+    Job,
+    Lost,
+    Outlet,
+    Probe,
+    Rejected,
+    Scope,
+    Verb,
+)
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+
+class Right:
+    """The smallest driver that keeps the contract."""
+
+    @dataclass(frozen=True)
+    class Settings:
+        pass
+
+    summary: ClassVar[str] = "nothing at all"
+    offered: ClassVar[tuple[Verb, ...]] = (Verb("rest-hands", "rest"),)
+
+    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
+        self.outlet = outlet
+        self.closed = False
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        return cls.offered
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        return ()
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        return []
+
+    async def open(self) -> None:
+        self.outlet.health(Health.CONNECTED)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        if self.closed:
+            raise Lost("closed")
+        raise Rejected(f"unknown verb {job.verb}")
+
+    async def stop(self, scope: Scope) -> None:
+        return
+
+    async def rest(self) -> None:
+        return
+
+    async def close(self) -> None:
+        self.closed = True
+
+
+async def complaints(driver: type[Right]) -> list[str]:
+    found = await check(driver, driver.Settings())
+    return [f"{finding.subject}: {finding.text}" for finding in found if finding.level == "error"]
+
+
+async def test_a_right_driver_passes() -> None:
+    assert [finding.level for finding in await check(Right, Right.Settings())] == ["ok"]
+
+
+def offering(*verbs: Verb) -> type[Right]:
+    class Offering(Right):
+        offered = verbs
+
+    return Offering
+
+
+@pytest.mark.parametrize(
+    ("verbs", "complaint"),
+    [
+        ((Verb("go", "a"), Verb("go", "b")), "verbs: 'go' is there twice"),
+        ((Verb("Go", "a"),), "verb Go: a name is made of a-z, 0-9, - and _"),
+        ((Verb("label", "a"),), "verb label: means something else in every action"),
+        ((Verb("go", ""),), "verb go: needs a summary"),
+        ((Verb("go", "a", limit_s=0),), "verb go: limit_s must be more than 0, not 0"),
+        ((Verb("say", "a", (Argument("what", "text"),)),), "verb say: its main argument is 'what'"),
+        ((Verb("say", "a"),), "verb say: its main argument is ''"),
+        (
+            (Verb("go", "a", (Argument("far", "metres"),)),),
+            "verb go: far: unknown kind 'metres'",
+        ),
+        ((Verb("go", "a", (Argument("way", "choice"),)),), "verb go: way: a choice needs choices"),
+        (
+            (Verb("go", "a", (Argument("far", "number", default=9, range=Range(0, 5)),)),),
+            "verb go: far: its default 9 is not within 0 to 5",
+        ),
+        (
+            (Verb("go", "a", (Argument("way", "choice", default="up", choices=("left",)),)),),
+            "verb go: way: its default 'up' is not one of its choices",
+        ),
+    ],
+)
+async def test_wrong_verbs_are_found(verbs: tuple[Verb, ...], complaint: str) -> None:
+    assert complaint in await complaints(offering(*verbs))
+
+
+class Talkative(Right):
+    async def open(self) -> None:
+        await super().open()
+        self.outlet.reading("warmth", 1.0)
+
+
+class Mute(Right):
+    async def open(self) -> None:
+        return
+
+
+class Patient(Right):
+    async def open(self) -> None:
+        await asyncio.Event().wait()
+
+
+class Obliging(Right):
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        return {}
+
+
+class Clumsy(Right):
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        return {"verb": {}[job.verb]}
+
+
+class Stubborn(Right):
+    async def stop(self, scope: Scope) -> None:
+        await asyncio.Event().wait()
+
+
+class OnlyOnce(Right):
+    async def close(self) -> None:
+        if self.closed:
+            raise RuntimeError("closed already")
+        await super().close()
+
+
+class Careless(Right):
+    async def open(self) -> None:
+        await super().open()
+        self.task = asyncio.create_task(asyncio.sleep(3), name="forgotten")
+
+
+class Excited(Right):
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        raise OSError("no such port")
+
+
+@pytest.mark.parametrize(
+    ("driver", "complaint"),
+    [
+        (Talkative, "sensors: publishes warmth undeclared"),
+        (Mute, "open: said nothing about its health"),
+        (Patient, "open: took more than 0.5 s"),
+        (Obliging, "perform of an unknown verb: raised nothing"),
+        (Clumsy, "perform of an unknown verb: raised KeyError('no-such-verb')"),
+        (Stubborn, "stop(ALL) with nothing running: took more than 0.5 s"),
+        (OnlyOnce, "close for the second time: raised RuntimeError('closed already')"),
+        (Careless, "close: left 'forgotten' running"),
+        (Excited, "examine: raised OSError('no such port')"),
+    ],
+)
+async def test_wrong_behaviour_is_found(driver: type[Right], complaint: str) -> None:
+    assert complaint in await complaints(driver)

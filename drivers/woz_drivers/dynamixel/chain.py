@@ -23,7 +23,7 @@ from woz_tui.core.driver import DriverError, Lost, Outlet, Rejected
 REFRESH_S = 0.5
 #: A late tick may make up for at most so many periods at full speed.
 CATCH_UP = 2.0
-#: SilentError servos are asked again one by one, one every so many seconds.
+#: Silent servos are asked again one by one, one every so many seconds.
 PROBE_S = 1.0
 TORQUE_REMEDY = "switch the torque on (`torque: on`) when nobody is in reach"
 
@@ -146,8 +146,7 @@ class Chain:
         self._read()
         for servo in self.servos.values():
             servo.settle()
-        for move in list(self._moves):
-            self._finish(move)
+        self.fail_all(DriverError("stopped where it was"))
         self._write(everything=True)
 
     def set_torque(self, names: Iterable[str], on: bool) -> dict[str, str]:

@@ -46,9 +46,9 @@ class DynamixelServos:
     summary: ClassVar[str] = "Dynamixel servos on a serial port (X series; MX, RX, AX)"
 
     def __init__(self, name: str, settings: ServoSettings, outlet: Outlet) -> None:
-        self._settings = settings
+        self.settings = settings
         self._outlet = outlet
-        self._loop = ServoLoop(name, settings, outlet)
+        self.loop = ServoLoop(name, settings, outlet)
         self._started = False
         self._stopped = False
 
@@ -72,13 +72,13 @@ class DynamixelServos:
     async def open(self) -> None:
         """Start the thread that looks for the port."""
         self._started = True
-        self._loop.start()
+        self.loop.start()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb; returns the setpoints really taken, and what was changed in them."""
         self._stopped = False
         if job.verb in ("pose", "poses", "home", "play"):
-            return await self._move(job, verbs.keyframes(self._settings, job.verb, job.args))
+            return await self._move(job, verbs.keyframes(self.settings, job.verb, job.args))
         if job.verb in ("gaze", "nudge"):
             return await self._follow(job)
         if job.verb == "torque":
@@ -107,7 +107,7 @@ class DynamixelServos:
         if not self._started:
             return
         try:
-            if self._settings.rest_on_close and not self._stopped:
+            if self.settings.rest_on_close and not self._stopped:
                 await self.rest()
             else:
                 await self._all_limp()
@@ -115,8 +115,8 @@ class DynamixelServos:
             log.info("closed without torque off: %s", error.what)
         finally:
             self._started = False
-            if not await asyncio.to_thread(self._loop.close, JOIN_S):
-                log.error("the servo thread hangs in %s", self._settings.port)
+            if not await asyncio.to_thread(self.loop.close, JOIN_S):
+                log.error("the servo thread hangs in %s", self.settings.port)
 
     # -- verbs -----------------------------------------------------------------------------------
 
@@ -128,12 +128,12 @@ class DynamixelServos:
                 job.expects(plan.duration)
             await asyncio.wrap_future(move.done)
         except asyncio.CancelledError:
-            self._loop.ask(lambda chain, _now: chain.drop(move))
+            self.loop.ask(lambda chain, _now: chain.drop(move))
             raise
         return _sent(plan, move)
 
     async def _follow(self, job: Job) -> dict[str, Json]:
-        targets = verbs.turn(self._settings, job.args)
+        targets = verbs.turn(self.settings, job.args)
         relative = job.verb == "nudge"
         accepted = await self._ask(lambda chain, _now: chain.follow(targets, relative=relative))
         sent: dict[str, Json] = {"joints": {k: round(v, 3) for k, v in accepted.items()}}
@@ -150,7 +150,7 @@ class DynamixelServos:
         on = job.args.get("on")
         if not isinstance(on, bool):
             raise Rejected(f"torque is switched on or off, not {on!r}")
-        names = self._named(job) or list(self._settings.joints)
+        names = self._named(job) or list(self.settings.joints)
         failed = await self._ask(lambda chain, _now: chain.set_torque(names, on))
         done: list[Json] = [name for name in names if name not in failed]
         if not done:
@@ -161,7 +161,7 @@ class DynamixelServos:
         return sent
 
     async def _reboot(self, job: Job) -> dict[str, Json]:
-        if self._settings.protocol == 1:
+        if self.settings.protocol == 1:
             raise Rejected(
                 "protocol 1 servos cannot be restarted over the wire",
                 "switch their power off and on",
@@ -203,8 +203,8 @@ class DynamixelServos:
         name = job.args.get("joint")
         if not name:
             return []
-        if name not in self._settings.joints:
-            known = ", ".join(self._settings.joints)
+        if name not in self.settings.joints:
+            known = ", ".join(self.settings.joints)
             raise Rejected(f"there is no joint {name!r}", f"the joints are {known}")
         return [str(name)]
 
@@ -213,7 +213,7 @@ class DynamixelServos:
     async def _take_rest_pose(self) -> None:
         rest = {
             name: joint.rest
-            for name, joint in self._settings.joints.items()
+            for name, joint in self.settings.joints.items()
             if joint.rest is not None
         }
 
@@ -226,11 +226,11 @@ class DynamixelServos:
 
         ways = await self._ask(distance)
         if ways:
-            seconds = max(ways.values()) / self._settings.rest_speed
+            seconds = max(ways.values()) / self.settings.rest_speed
             await self._move(None, [Keyframe({name: rest[name] for name in ways}, seconds)])
 
     async def _all_limp(self) -> None:
-        names = list(self._settings.joints)
+        names = list(self.settings.joints)
 
         def limp(chain: Chain, _now: float) -> None:
             held = [name for name in names if chain.servos[name].torque]
@@ -244,7 +244,7 @@ class DynamixelServos:
     async def _ask(self, action: Action[T]) -> T:
         if not self._started:
             raise Lost("the servo driver is not open")
-        return await asyncio.wrap_future(self._loop.ask(action))
+        return await asyncio.wrap_future(self.loop.ask(action))
 
 
 def _sent(plan: Plan, move: Move) -> dict[str, Any]:

@@ -65,7 +65,7 @@ class Settings:
         str, OneOf(("minimum-jerk", "trapezoid")), Doc("how a joint starts and stops")
     ] = "minimum-jerk"
     pan: Annotated[str, Doc("the joint that turns the head to the left (positive)")] = ""
-    tilt: Annotated[str, Doc("the joint that lifts the head (positive)")] = ""
+    tilt: Annotated[str, Doc("the joint that lowers the head (positive)")] = ""
     watchdog: Annotated[
         int, Range(0, 2540, "ms"), Doc("servos stop by themselves after such a silence; 0: never")
     ] = 500

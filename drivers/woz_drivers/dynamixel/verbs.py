@@ -12,6 +12,7 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
 BODY = "body"
+HEAD = "head"
 POWER = "power"
 #: Time a named pose takes when `play` is called with it, in seconds.
 POSE_SECONDS = 1.0
@@ -72,6 +73,7 @@ def offered(settings: Settings) -> tuple[Verb, ...]:
     if settings.moves or settings.poses:
         verbs.append(_play(settings))
     if settings.pan or settings.tilt:
+        # Each step counts, so `nudge` is queued; of a stream of gazes only the last one counts.
         verbs += [
             _turn("gaze", "Look into a direction", 90.0),
             _turn("nudge", "Look further", 45.0),
@@ -111,10 +113,10 @@ def _turn(name: str, summary: str, reach: float) -> Verb:
         summary,
         (
             Argument("yaw", "number", "degrees to the left", False, None, bound),
-            Argument("pitch", "number", "degrees up", False, None, bound),
+            Argument("pitch", "number", "degrees down", False, None, bound),
         ),
-        lane=BODY,
-        stream=True,
+        lane=HEAD,
+        stream=name == "gaze",
     )
 
 

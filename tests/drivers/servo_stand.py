@@ -1,0 +1,101 @@
+"""A servo driver on emulated servos, ready to be asked for things."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import AsyncIterator, Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.dynamixel import DynamixelServos, Joint, Settings
+from woz_drivers.dynamixel.port import ServoPort
+
+from tests.drivers.heard import Heard, Ordered, until
+from tests.fakes.servos import ServoBus
+from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
+
+#: On a crowded test machine an answer may take far longer than on any wire.
+PATIENT_MS = 60.0
+HEAD = {
+    "pan": Joint(id=11, min=-90, max=90, speed=300, rest=0.0),
+    "tilt": Joint(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
+    "roll": Joint(id=13, min=-45, max=45, speed=300, direction=-1),
+}
+
+
+def head(link: Path, **changes: Any) -> Settings:
+    """Settings of a head of three joints behind `link`."""
+    settings = Settings(
+        port=str(link), joints=dict(HEAD), reply_timeout=PATIENT_MS, rest_on_close=False
+    )
+    return replace(settings, **changes)
+
+
+@dataclass
+class Stand:
+    """Driver, servos, and what was said."""
+
+    driver: DynamixelServos
+    bus: ServoBus
+    heard: Heard
+
+    async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
+        """Perform a verb to its end."""
+        return await self.driver.perform(Ordered(verb, args))
+
+    def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
+        """Begin a verb."""
+        return asyncio.create_task(self.do(verb, **args))
+
+    def notices(self) -> str:
+        """All notices so far."""
+        return " | ".join(notice.text for notice in self.heard.all(Notice))
+
+    async def noticed(self, text: str) -> None:
+        """Return when a notice with `text` in it has come."""
+        await self.heard.until(lambda: text in self.notices())
+
+    def health(self) -> list[DriverHealth]:
+        """What the driver said about itself, oldest first."""
+        return self.heard.all(DriverHealth)
+
+    async def port(self) -> ServoPort:
+        """The port that is open now."""
+        return await asyncio.wrap_future(self.driver.loop.ask(lambda chain, _now: chain.wire.port))
+
+    async def ticks(self, more: int) -> None:
+        """Return when the loop has ticked so many times more."""
+        goal = self.driver.loop.ticks + more
+        await until(lambda: self.driver.loop.ticks >= goal)
+
+
+@contextlib.asynccontextmanager
+async def stand(
+    folder: Path,
+    *,
+    ids: Any = (11, 12, 13),
+    model: str = "XL330-M288",
+    prepare: Callable[[ServoBus], None] = lambda bus: None,
+    ready: bool = True,
+    **changes: Any,
+) -> AsyncIterator[Stand]:
+    """Servos, and an open driver that has found them (or, not `ready`, is still looking)."""
+    with ServoBus(ids, folder / "servos", model=model) as bus:
+        prepare(bus)
+        heard = Heard(folder)
+        driver = DynamixelServos("head", head(bus.link, **changes), heard.outlet)
+        await driver.open()
+        it = Stand(driver, bus, heard)
+        try:
+            if ready:
+                await heard.until(lambda: bool(found(heard)))
+            yield it
+        finally:
+            await driver.close()
+
+
+def found(heard: Heard) -> list[DriverConnected | DriverFaulted]:
+    """What was said about servos that answered."""
+    return [*heard.all(DriverConnected), *heard.all(DriverFaulted)]

@@ -1,0 +1,295 @@
+"""What breaks: cables, servos, packets, programs; all over the wire."""
+
+from __future__ import annotations
+
+import os
+import threading
+from pathlib import Path
+
+import pytest
+from woz_drivers.dynamixel import DynamixelServos, Joint
+
+from tests.drivers.heard import Heard, until
+from tests.drivers.servo_stand import HEAD, head, stand
+from tests.fakes.servo_codec import PING
+from tests.fakes.servo_motor import OVERLOAD
+from tests.fakes.servos import ServoBus
+from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost
+
+GOAL, TORQUE, WATCHDOG = 116, 64, 98
+
+
+async def test_cable_pulled_in_a_move_and_put_back(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        running = it.begin("pose", joints={"pan": 80.0}, seconds=3.0)
+        await until(lambda: it.bus.servo(11).position > 2100)
+        it.bus.pull()
+        with pytest.raises(Lost, match="broke"):
+            await running
+        lost = await it.heard.first(DriverLost)
+        assert "check cable" in lost.remedy
+        with pytest.raises(Lost):
+            await it.do("home")
+        with pytest.raises(Lost):
+            await it.driver.stop(Scope.ALL)
+        # The servos heard nothing any more and stopped by themselves.
+        await until(lambda: it.bus.servo(11).bites == 1)
+        here = it.bus.servo(11).position
+        taken = len(it.bus.goals(11))
+
+        it.bus.plug()
+        await it.heard.first(DriverConnected, after=1)
+        await it.noticed("are back, and limp")
+        await it.ticks(10)
+        assert not it.bus.servo(11).torque
+        assert it.bus.servo(11).position == here
+        assert len(it.bus.goals(11)) == taken
+
+        await it.do("torque", on=True)
+        assert abs(it.bus.goals(11)[-1] - here) <= 1
+        assert it.bus.servo(11).watchdog > 0
+        await it.do("pose", joints={"pan": 0.0}, seconds=0.1)
+        assert it.bus.servo(11).goal == 2048
+
+
+async def test_torque_setting_holds_only_the_first_time(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        it.bus.pull()
+        await it.heard.first(DriverLost)
+        it.bus.plug()
+        await it.heard.first(DriverConnected, after=1)
+        await it.ticks(5)
+        assert not it.bus.servo(11).torque
+
+
+async def test_port_that_comes_late_is_found(tmp_path: Path) -> None:
+    heard = Heard(tmp_path)
+    link = tmp_path / "servos"
+    driver = DynamixelServos("head", head(link), heard.outlet)
+    await driver.open()
+    lost = await heard.first(DriverLost)
+    assert f"no port {link}" in lost.detail
+    assert "plug the adapter in" in lost.remedy
+    with ServoBus([11, 12, 13], link):
+        connected = await heard.first(DriverConnected)
+        assert "3 x XL330-M288" in connected.detail
+        await driver.close()
+
+
+async def test_port_in_use_names_the_other_program(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        heard = Heard(tmp_path)
+        other = DynamixelServos("other", head(it.bus.link), heard.outlet)
+        await other.open()
+        lost = await heard.first(DriverLost)
+        assert "in use by" in lost.detail
+        assert f"({os.getpid()})" in lost.detail
+        await other.close()
+
+
+async def test_nobody_answers_lists_the_ids_that_do(tmp_path: Path) -> None:
+    async with stand(tmp_path, ids=(1, 2), ready=False) as it:
+        lost = await it.heard.first(DriverLost)
+        assert "ids that do: 1, 2" in lost.detail
+
+
+async def test_wire_without_any_servo_says_so(tmp_path: Path) -> None:
+    async with stand(tmp_path, ids=(), ready=False) as it:
+        lost = await it.heard.first(DriverLost)
+        assert "no servo answers" in lost.detail
+        assert "baud" in lost.remedy
+
+
+async def test_one_dead_servo_slows_nobody(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        await until(lambda: it.bus.servo(13).torque)
+        it.bus.servo(12).silent = True
+        await it.noticed("tilt (id 12) no longer answers")
+        faulted = await it.heard.first(DriverFaulted)
+        assert "tilt (id 12)" in faulted.detail
+        assert "cable" in faulted.remedy
+
+        pings, reads = it.bus.heard(PING), it.bus.instructions_for(12)
+        before = it.driver.loop.ticks
+        sent = await it.do("pose", joints={"pan": 30.0, "tilt": 10.0}, seconds=0.4)
+        assert sent["joints"] == {"pan": 30.0}
+        assert sent["left_out"] == {"tilt": "no longer answers"}
+        assert it.driver.loop.ticks > before
+        # It is probed now and then, not at each tick, and nothing else is sent to it.
+        probes = it.bus.heard(PING) - pings
+        assert probes * 5 < it.driver.loop.ticks - before
+        assert it.bus.instructions_for(12) - reads == probes
+
+        with pytest.raises(DriverError, match="no longer answers"):
+            await it.do("pose", joints={"tilt": 0.0})
+
+        it.bus.servo(12).silent = False
+        await it.noticed("tilt (id 12) answers again and still holds")
+        assert (await it.do("pose", joints={"tilt": 0.0}, seconds=0.1))["joints"] == {"tilt": 0.0}
+
+
+async def test_servo_missing_from_the_start(tmp_path: Path) -> None:
+    async with stand(tmp_path, ids=(11, 13)) as it:
+        faulted = await it.heard.first(DriverFaulted)
+        assert "tilt (id 12) does not answer" in faulted.detail
+        await it.do("torque", on=True, joint="pan")
+        assert (await it.do("pose", joints={"pan": 5.0}, seconds=0.1))["joints"] == {"pan": 5.0}
+        assert not it.bus.servo(13).torque
+        with pytest.raises(DriverError, match="tilt does not answer"):
+            await it.do("torque", on=True, joint="tilt")
+
+
+async def test_wrong_model_is_never_moved(tmp_path: Path) -> None:
+    joints = {**HEAD, "tilt": Joint(id=12, min=-40, max=30, model="XM430-W350-T")}
+    async with stand(tmp_path, joints=joints) as it:
+        faulted = await it.heard.first(DriverFaulted)
+        assert "is a XL330-M288, but the settings say XM430-W350" in faulted.detail
+        assert "correct `model`" in faulted.remedy
+        sent = await it.do("torque", on=True)
+        assert "tilt" in str(sent["left_out"])
+        assert it.bus.written(12) == []
+
+
+async def test_wheel_mode_is_never_moved(tmp_path: Path) -> None:
+    def wheel(bus: ServoBus) -> None:
+        bus.servo(12).put(11, 1, 1)
+
+    async with stand(tmp_path, prepare=wheel) as it:
+        faulted = await it.heard.first(DriverFaulted)
+        assert "operating mode 1" in faulted.detail
+        assert it.bus.written(12) == []
+
+
+async def test_limits_stored_in_the_servo_win(tmp_path: Path) -> None:
+    def narrow(bus: ServoBus) -> None:
+        bus.servo(11).put(52, 4, 2048)
+        bus.servo(11).put(48, 4, 2048 + 114)
+
+    async with stand(tmp_path, prepare=narrow, torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        sent = await it.do("pose", joints={"pan": 45.0}, seconds=0.1)
+        assert sent["joints"] == {"pan": pytest.approx(114 * 360 / 4096, abs=1e-3)}
+        assert sent["clamped"] == {"pan": 45.0}
+        assert it.bus.goals(11)[-1] == 2048 + 114
+
+
+async def test_overload_is_named_and_a_reboot_clears_it(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        await until(lambda: it.bus.servo(12).torque)
+        running = it.begin("pose", joints={"pan": 80.0, "tilt": 20.0}, seconds=2.5)
+        await until(lambda: it.bus.goals(12)[-1] > 2060)
+        it.bus.servo(12).raise_alarm(OVERLOAD)
+        await it.noticed("tilt (id 12): overload")
+        faulted = await it.heard.first(DriverFaulted)
+        assert "tilt (id 12): overload" in faulted.detail
+        assert "reboot" in faulted.remedy
+        sent = await running
+        assert "lost its torque (overload)" in str(sent["left_out"])
+        assert it.bus.servo(11).goal == 2048 + round(80 / (360 / 4096))
+        with pytest.raises(Rejected, match="torque of tilt is off"):
+            await it.do("pose", joints={"tilt": 0.0})
+
+        assert await it.do("reboot") == {"joints": ["tilt"]}
+        await it.heard.until(lambda: isinstance(it.health()[-1], DriverConnected))
+        assert not it.bus.servo(12).torque
+        await it.do("torque", on=True, joint="tilt")
+        await it.do("pose", joints={"tilt": 0.0}, seconds=0.1)
+        assert it.bus.servo(12).goal == 2048
+
+
+async def test_reboot_without_an_alarm_needs_a_name(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        with pytest.raises(Rejected, match="no servo reports an alarm"):
+            await it.do("reboot")
+        assert await it.do("reboot", joint="pan") == {"joints": ["pan"]}
+
+
+async def test_a_move_whose_only_joint_fails_says_why(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        await until(lambda: it.bus.servo(12).torque)
+        running = it.begin("pose", joints={"tilt": 20.0}, seconds=20.0)
+        await until(lambda: len(it.bus.goals(12)) > 1)
+        it.bus.servo(12).raise_alarm(OVERLOAD)
+        with pytest.raises(DriverError, match="overload"):
+            await running
+
+
+async def test_bus_watchdog_stops_the_servos_when_the_thread_hangs(tmp_path: Path) -> None:
+    hang, hangs = threading.Event(), threading.Event()
+
+    def hanging(*_: object) -> None:
+        hangs.set()
+        hang.wait(20)
+
+    async with stand(tmp_path, torque=True, watchdog=300) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        running = it.begin("pose", joints={"pan": 80.0}, seconds=8.0)
+        await until(lambda: it.bus.servo(11).position > 2060)
+        asked = it.driver.loop.ask(hanging)
+        try:
+            await until(lambda: it.bus.servo(11).bites == 1)
+            assert hangs.is_set()
+            assert it.bus.servo(11).watchdog == -1
+            here = it.bus.servo(11).position
+        finally:
+            hang.set()
+        asked.result(20)
+        # Goals were refused until the driver noticed, cleared it, and went on from there.
+        with pytest.raises(DriverError, match="bus watchdog"):
+            await running
+        await it.noticed("heard nothing for 300 ms")
+        await it.ticks(5)
+        assert it.bus.servo(11).watchdog == 300 // 20
+        assert abs(it.bus.servo(11).position - here) <= 1
+        await it.do("pose", joints={"pan": 0.0}, seconds=0.1)
+        assert it.bus.servo(11).goal == 2048
+
+
+async def test_garbled_answers_are_survived(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        running = it.begin("pose", joints={"pan": 40.0}, seconds=0.8)
+        for fault in ("corrupt", "truncate", "noise"):
+            setattr(it.bus.faults, fault, 2)
+            await until(lambda fault=fault: getattr(it.bus.faults, fault) == 0)  # type: ignore[misc]
+            await it.ticks(3)
+        assert (await running)["joints"] == {"pan": 40.0}
+        assert it.heard.all(DriverFaulted) == []
+        assert it.heard.all(DriverLost) == []
+        # No plausible zero from a spoilt sync read ever showed up as a position.
+        assert all(value is not None and value > -1 for value in it.heard.values("joint.pan"))
+
+
+async def test_waiting_for_answers_does_not_spin(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.bus.faults.slow = 0.01
+        port = await it.port()
+        start, ticks = port.waits, it.driver.loop.ticks
+        await it.ticks(20)
+        waits, ticks = port.waits - start, it.driver.loop.ticks - ticks
+        # Three servos a tick and a chore, 10 ms each, slept through in naps of 2 ms, plus three
+        # reads for each packet: a spinning port would count thousands a tick.
+        assert waits / ticks < 4 * (10 / 2 + 3) * 3
+
+
+async def test_warnings_of_heat_come_once(tmp_path: Path) -> None:
+    def hot(bus: ServoBus) -> None:
+        bus.servo(11).put(146, 1, 66)
+
+    async with stand(tmp_path, prepare=hot) as it:
+        await it.noticed("pan (id 11): temperature 66 C, above 60 C")
+        await it.heard.until(lambda: len(it.heard.values("temperature.pan")) >= 3)
+        assert it.notices().count("temperature") == 1
+
+
+async def test_protocol_1_alarm(tmp_path: Path) -> None:
+    joints = {"pan": Joint(id=1, min=-90, max=90)}
+    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
+        await until(lambda: it.bus.servo(1).torque)
+        it.bus.servo(1).raise_alarm(0x04)
+        faulted = await it.heard.first(DriverFaulted)
+        assert "overheated" in faulted.detail
+        assert "power off and on" in faulted.remedy

@@ -1,0 +1,65 @@
+"""The console's own keys, as data; a wizard's keymap file may move all but the stop."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+@dataclass(frozen=True, slots=True)
+class Builtin:
+    """One key of the console.
+
+    `reserves` are taken, in this order, on terminals where `chord` cannot arrive.
+    """
+
+    id: str
+    chord: str
+    description: str
+    movable: bool = True
+    reserves: tuple[str, ...] = ()
+
+
+BUILTIN: tuple[Builtin, ...] = (
+    Builtin("stop", "escape", "stop everything", movable=False),
+    Builtin("stop_too", "ctrl+c", "stop everything", movable=False),
+    Builtin("release", "ctrl+r", "release the stop"),
+    Builtin("script_next", "space", "play the script's next line"),
+    Builtin("script_back", "<", "script one line back, without playing"),
+    Builtin("script_on", ">", "script one line on, without playing"),
+    Builtin("say", "/", "type something to say"),
+    Builtin("find", ":", "find any action by typing"),
+    Builtin("find_too", "ctrl+p", "find any action by typing"),
+    Builtin("marker", ".", "put a marker into the log"),
+    Builtin("note", ",", "write a note into the log"),
+    Builtin("mistake_last", "backspace", "the last action was a mistake"),
+    Builtin("mistake", "ctrl+w", "choose the action that was a mistake"),
+    Builtin("cut", "ctrl+x", "cut short what was played last"),
+    Builtin("failures", "enter", "what has failed; marks it as seen"),
+    Builtin("panel_next", "tab", "next panel"),
+    Builtin("panel_back", "shift+tab", "panel before"),
+    Builtin("head_up", "up", "head up"),
+    Builtin("head_down", "down", "head down"),
+    Builtin("head_left", "left", "head to its left"),
+    Builtin("head_right", "right", "head to its right"),
+    Builtin("drive_forward", "alt+up", "drive forward", reserves=("ctrl+u",)),
+    Builtin("drive_back", "alt+down", "drive back", reserves=("ctrl+n",)),
+    Builtin("drive_left", "alt+left", "turn left", reserves=("ctrl+y",)),
+    Builtin("drive_right", "alt+right", "turn right", reserves=("ctrl+o",)),
+    Builtin("hip_forward", "shift+up", "bend forward", reserves=("ctrl+k",)),
+    Builtin("hip_back", "shift+down", "bend back", reserves=("ctrl+v",)),
+    Builtin("hip_left", "shift+left", "lean left", reserves=("ctrl+g",)),
+    Builtin("hip_right", "shift+right", "lean right", reserves=("ctrl+s",)),
+    Builtin("start", "ctrl+t", "participant, condition, trial"),
+    Builtin("preflight", "ctrl+f", "preflight: is everything ready"),
+    Builtin("reload", "ctrl+e", "read the experiment file again"),
+    Builtin("drivers", "ctrl+d", "how every driver is, and what to do"),
+    Builtin("redraw", "ctrl+l", "draw the screen again"),
+    Builtin("help", "?", "all keys as they are bound now"),
+    Builtin("suspend", "ctrl+z", "leave the console for a moment; the robot goes on"),
+    Builtin("leave", "ctrl+q", "leave: end the session, or let it run"),
+)
+
+
+def builtin(name: str) -> Builtin | None:
+    """The console's key with this id, or None."""
+    return next((item for item in BUILTIN if item.id == name), None)

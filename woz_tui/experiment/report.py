@@ -1,0 +1,104 @@
+"""Collects everything that is wrong with a file, and where each thing of it stands."""
+
+from __future__ import annotations
+
+import difflib
+from collections.abc import Iterable
+
+from woz_tui.experiment.shape import ExperimentError, Place, Problem
+
+#: A file with more errors than this is another kind of file; the rest is counted, not listed.
+MAX_PROBLEMS = 200
+#: A longer list of choices helps nobody in a terminal.
+MAX_LISTED = 14
+
+
+class Report:
+    """Problems and places of one experiment and the files it names."""
+
+    def __init__(self) -> None:
+        self._problems: dict[Problem, None] = {}
+        self._files: dict[str, int] = {}
+        self._places: dict[tuple[str, str], Place] = {}
+
+    def file(self, name: str) -> None:
+        """Files are reported in the order in which they were read."""
+        self._files.setdefault(name, len(self._files))
+
+    def put(self, path: str, place: Place) -> None:
+        """Remember where `path` stands in its file."""
+        self._places[place.file, path] = place
+
+    def place(self, path: str, file: str | None = None) -> Place:
+        """Where `path` stands, or the nearest thing that holds it.
+
+        `file` is a name as reported; without it the first file read is meant.
+        """
+        name = next(iter(self._files), "") if file is None else file
+        while (name, path) not in self._places:
+            cut = max(path.rfind("."), path.rfind("["))
+            if cut < 0:
+                return Place(name, 1, 1)
+            path = path[:cut]
+        return self._places[name, path]
+
+    def error(self, place: Place, path: str, message: str) -> None:
+        """One more reason why the file cannot be used."""
+        self._problems.setdefault(Problem(place, path, message))
+
+    def warning(self, place: Place, path: str, message: str) -> None:
+        """Something that works but is probably not meant."""
+        self._problems.setdefault(Problem(place, path, message, warning=True))
+
+    @property
+    def errors(self) -> list[Problem]:
+        """Every error so far, sorted by place."""
+        return self._sorted(warning=False)
+
+    @property
+    def warnings(self) -> list[Problem]:
+        """Every warning so far, sorted by place."""
+        return self._sorted(warning=True)
+
+    def fail(self) -> None:
+        """Raise `ExperimentError` if there was any error."""
+        errors = self.errors
+        if len(errors) > MAX_PROBLEMS:
+            last = errors[MAX_PROBLEMS]
+            rest = f"and {len(errors) - MAX_PROBLEMS} more errors from here on"
+            errors = [*errors[:MAX_PROBLEMS], Problem(last.place, last.path, rest)]
+        if errors:
+            raise ExperimentError(errors)
+
+    def _sorted(self, *, warning: bool) -> list[Problem]:
+        def rank(problem: Problem) -> tuple[int, int, int, str]:
+            place = problem.place
+            return (self._files.get(place.file, 0), place.line, place.column, problem.path)
+
+        return sorted((p for p in self._problems if p.warning is warning), key=rank)
+
+
+def join(path: str, name: str) -> str:
+    """The path of the entry `name` below `path`."""
+    return f"{path}.{name}" if path else name
+
+
+def hint(wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
+    """`; did you mean 'x'?` for the nearest known word.
+
+    Without a near one `; <or_list>: a, b, c`, if `or_list` is given and the list is not endless.
+    """
+    words = list(dict.fromkeys(known))
+    folded = {word.casefold(): word for word in reversed(words)}
+    near = difflib.get_close_matches(wrong.casefold()[:80], folded, n=1, cutoff=0.6)
+    if near:
+        return f"; did you mean {folded[near[0]]!r}?"
+    if or_list and 0 < len(words) <= MAX_LISTED:
+        return f"; {or_list}: {', '.join(words)}"
+    return ""
+
+
+def quoted(text: str, limit: int = 40) -> str:
+    """`text` in quotes and on one line, shortened."""
+    shown = text if len(text) <= limit else text[: limit - 3] + "..."
+    return repr(shown)

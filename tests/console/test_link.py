@@ -1,0 +1,241 @@
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.host import WAIT_S, FakeHost, stops
+from woz_tui.console.feed import Incoming
+from woz_tui.console.link import WAITING_LIMIT, Link
+from woz_tui.core.messages import Marker, Notice, SessionEnd
+from woz_tui.core.requests import (
+    AskAction,
+    AskEnd,
+    AskMarker,
+    AskNote,
+    AskStop,
+    Beat,
+    Hello,
+    Pulse,
+    Reply,
+    Welcome,
+)
+
+
+class Ears:
+    """Everything a link delivers."""
+
+    def __init__(self) -> None:
+        self.messages: list[Incoming] = []
+        self.lost: list[str] = []
+        self._changed = threading.Condition()
+
+    def on_messages(self, batch: list[Incoming]) -> None:
+        with self._changed:
+            self.messages += batch
+            self._changed.notify_all()
+
+    def on_lost(self, reason: str) -> None:
+        with self._changed:
+            self.lost.append(reason)
+            self._changed.notify_all()
+
+    def until(self, true: Callable[[], bool]) -> None:
+        with self._changed:
+            assert self._changed.wait_for(true, WAIT_S), (self.messages, self.lost)
+
+    def until_heard(self, kind: type, count: int = 1) -> None:
+        self.until(lambda: sum(isinstance(m, kind) for m in self.messages) >= count)
+
+
+@pytest.fixture
+def host(tmp_path: Path) -> Iterator[FakeHost]:
+    with FakeHost(tmp_path / "host.sock", keys={"h": "Hello"}) as fake:
+        yield fake
+
+
+@pytest.fixture
+def ears() -> Ears:
+    return Ears()
+
+
+@pytest.fixture
+def link(host: FakeHost, ears: Ears) -> Iterator[Link]:
+    made = Link(host.path, name="test")
+    made.start(ears.on_messages, ears.on_lost)
+    yield made
+    made.close()
+
+
+def test_it_says_hello_first_and_is_welcomed(host: FakeHost, link: Link, ears: Ears) -> None:
+    ears.until_heard(Welcome)
+
+    assert isinstance(host.heard[0].request, Hello)
+    assert host.heard[0].request.name == "test"
+    assert isinstance(ears.messages[0], Welcome)
+
+
+def test_nobody_listens(tmp_path: Path, ears: Ears) -> None:
+    with pytest.raises(FileNotFoundError):
+        Link(tmp_path / "nothing.sock").start(ears.on_messages, ears.on_lost)
+
+
+def test_each_request_has_its_own_ref_which_the_reply_repeats(
+    host: FakeHost, link: Link, ears: Ears
+) -> None:
+    refs = [link.ask(AskAction(action="Hello")), link.ask(AskMarker())]
+    ears.until_heard(Reply, 2)
+
+    assert len(set(refs)) == 2
+    assert [reply.ref for reply in ears.messages if isinstance(reply, Reply)] == refs
+
+
+def test_requests_of_many_threads_arrive_whole_and_in_each_threads_order(
+    host: FakeHost, link: Link
+) -> None:
+    def ask(name: str) -> None:
+        for number in range(50):
+            link.ask(AskNote(text=f"{name}{number}"))
+
+    threads = [threading.Thread(target=ask, args=(name,)) for name in "abcd"]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+    host.wait(AskNote, 200)
+
+    said = [note.text for note in host.all(AskNote)]
+    for name in "abcd":
+        assert [text for text in said if text[0] == name] == [f"{name}{n}" for n in range(50)]
+
+
+def test_beats_say_whether_the_line_is_good(host: FakeHost, link: Link) -> None:
+    assert host.wait(Beat).line_ok
+
+    link.line_ok = False
+
+    host.until(lambda: not host.all(Beat)[-1].line_ok, "a beat with a bad line")
+
+
+def test_messages_come_decoded_and_in_order(host: FakeHost, link: Link, ears: Ears) -> None:
+    ears.until_heard(Welcome)
+    host.say(Marker(text="one"), Marker(text="two"))
+    ears.until_heard(Marker, 2)
+
+    assert [m.text for m in ears.messages if isinstance(m, Marker)] == ["one", "two"]
+
+
+def test_a_kind_of_tomorrow_is_a_dict_and_rubbish_is_told(
+    host: FakeHost, link: Link, ears: Ears
+) -> None:
+    ears.until_heard(Welcome)
+    host.say_bytes(b'{"kind":"tomorrow","x":1}\nrubbish\n')
+    ears.until_heard(Notice)
+
+    assert {"kind": "tomorrow", "x": 1} in ears.messages
+
+
+def test_a_host_that_closes_is_lost_and_found_again(host: FakeHost, link: Link, ears: Ears) -> None:
+    ears.until_heard(Welcome)
+    host.drop()
+    ears.until(lambda: bool(ears.lost))
+    ears.until_heard(Welcome, 2)
+
+    link.ask(AskMarker(text="back"))
+
+    assert host.wait(AskMarker).text == "back"
+    assert ears.lost == ["the robot process closed the connection"]
+
+
+def test_whoever_took_over_does_not_take_over_again_when_coming_back(
+    host: FakeHost, ears: Ears
+) -> None:
+    link = Link(host.path, take_over=True)
+    link.start(ears.on_messages, ears.on_lost)
+    host.wait(Hello)
+    host.drop()
+    host.wait(Hello, 2)
+    link.close()
+
+    assert [hello.take_over for hello in host.all(Hello)] == [True, False]
+
+
+def test_a_silent_host_is_lost(host: FakeHost, ears: Ears) -> None:
+    link = Link(host.path, silence_s=0.5)
+    link.start(ears.on_messages, ears.on_lost)
+    ears.until_heard(Pulse)
+
+    host.silent = True
+    ears.until(lambda: bool(ears.lost))
+    link.close()
+
+    assert "silent" in ears.lost[0]
+
+
+def test_after_the_end_of_the_session_nobody_looks_for_it(
+    host: FakeHost, link: Link, ears: Ears
+) -> None:
+    ears.until_heard(Welcome)
+    host.say(SessionEnd(reason="wizard"))
+    ears.until_heard(SessionEnd)
+    host.drop()
+    ears.until(lambda: bool(ears.lost))
+
+    assert ears.lost == ["the session has ended"]
+    host.until(lambda: len(host.closed) == 1, "the connection's end")
+    assert len(host.all(Hello)) == 1
+
+
+def test_on_a_lost_link_asking_does_nothing_and_the_stop_still_tries(
+    host: FakeHost, link: Link, ears: Ears
+) -> None:
+    ears.until_heard(Welcome)
+    host.stop_listening()
+    host.drop()
+    ears.until(lambda: bool(ears.lost))
+
+    link.ask(AskMarker(text="nowhere"))
+    host.listen()
+    link.ask(AskStop(source="escape"))
+
+    assert host.wait(AskStop).source == "escape"
+    assert host.all(AskMarker) == []
+
+
+def test_what_was_asked_before_leaving_arrives(host: FakeHost, link: Link, ears: Ears) -> None:
+    ears.until_heard(Welcome)
+    link.ask(AskEnd())
+    link.close()
+    link.close()
+
+    host.wait(AskEnd)
+    host.until(lambda: bool(host.closed), "the connection's end")
+    assert ears.lost == []
+
+
+def test_a_host_that_does_not_read_blocks_nobody_and_the_stop_overtakes(
+    host: FakeHost, link: Link, ears: Ears
+) -> None:
+    ears.until_heard(Welcome)
+    host.frozen = True
+    for _ in range(WAITING_LIMIT // 2):
+        link.ask(AskNote(text="x" * 2000))
+    link.ask(AskStop(source="escape"))
+    host.frozen = False
+    host.wait(AskNote, WAITING_LIMIT // 2)
+    host.wait(AskStop, 2)
+
+    connections = {heard.connection for heard in host.heard if isinstance(heard.request, AskStop)}
+    assert len(connections) == 2, "one way of its own, one in the queue"
+    assert stops(host) == ["escape", "escape"]
+
+
+def test_a_host_that_never_reads_is_given_up(host: FakeHost, link: Link, ears: Ears) -> None:
+    ears.until_heard(Welcome)
+    host.frozen = True
+    for _ in range(WAITING_LIMIT * 2):
+        link.ask(AskNote(text="x" * 2000))
+    ears.until(lambda: bool(ears.lost))
+    host.frozen = False

@@ -1,0 +1,101 @@
+"""A driver that does nothing but write down when it was called.
+
+It is found like any other driver, by entry point, with this folder on PYTHONPATH. Each call of
+`perform` and `stop` appends one line to the journal: nanoseconds of CLOCK_MONOTONIC, then what was
+called. With `load` it also publishes what the busiest sensors would: six readings at 30 Hz and 300
+log lines a second.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import os
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from woz_tui.core.driver import Argument, Finding, Health, Job, Outlet, Scope, Verb
+from woz_tui.core.driver import Probe as DoctorProbe
+from woz_tui.core.fields import Doc
+from woz_tui.core.messages import Json
+
+READINGS_HZ = 30
+LINES_EACH = 10
+
+
+@dataclass(frozen=True, slots=True)
+class Settings:
+    """Where to write, and whether to be busy."""
+
+    journal: Annotated[str, Doc("file for the calls")]
+    load: Annotated[bool, Doc("publish as much as the busiest sensors")] = False
+
+
+class Probe:
+    """See the module's text."""
+
+    Settings: ClassVar[type] = Settings
+    summary: ClassVar[str] = "writes down when it is called"
+
+    def __init__(self, name: str, settings: Settings, outlet: Outlet) -> None:
+        self._settings = settings
+        self._outlet = outlet
+        self._journal = os.open(settings.journal, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
+        self._task: asyncio.Task[None] | None = None
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        return (
+            Verb("say", "note a call", (Argument("text", "text", required=True),), lane="voice"),
+        )
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        return ()
+
+    @classmethod
+    async def examine(cls, probe: DoctorProbe) -> list[Finding]:
+        return []
+
+    def _note(self, what: str) -> None:
+        os.write(self._journal, f"{time.monotonic_ns()} {what}\n".encode())
+
+    async def open(self) -> None:
+        self._outlet.health(Health.CONNECTED, "probe")
+        if self._settings.load:
+            self._task = asyncio.create_task(self._busy())
+
+    async def _busy(self) -> None:
+        loop = asyncio.get_running_loop()
+        due = loop.time()
+        count = 0
+        while True:
+            phase = count / READINGS_HZ
+            self._outlet.reading("distance", 1.5 + math.sin(phase), unit="m")
+            self._outlet.reading("loudness", abs(math.sin(5 * phase)) / 10)
+            self._outlet.reading("presence", float(count % 3 > 0))
+            self._outlet.reading("gaze", float(count % 2))
+            self._outlet.reading("joint.pan", 90 * math.sin(phase), unit="deg")
+            self._outlet.reading("joint.tilt", 30 * math.cos(phase), unit="deg")
+            for line in range(LINES_EACH):
+                self._outlet.notice("info", f"line {count}.{line}")
+            count += 1
+            due += 1 / READINGS_HZ
+            await asyncio.sleep(max(0.0, due - loop.time()))
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        self._note(f"perform {job.args['text']}")
+        return dict(job.args)
+
+    async def stop(self, scope: Scope) -> None:
+        self._note(f"stop {scope.value}")
+
+    async def rest(self) -> None:
+        return None
+
+    async def close(self) -> None:
+        if self._task is not None:
+            self._task.cancel()
+        os.close(self._journal)

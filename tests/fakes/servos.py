@@ -37,6 +37,7 @@ import json
 import os
 import select
 import sys
+import termios
 import threading
 import time
 import tty
@@ -93,9 +94,12 @@ class ServoBus:
         *,
         model: str = "XL330-M288",
         journal: Path | None = None,
+        baud: int | None = None,
     ) -> None:
         kinds = dict(ids) if isinstance(ids, Mapping) else dict.fromkeys(ids, model)
         self.link = link
+        #: The speed the servos are set to; at any other they hear nothing. None: every speed.
+        self.baud = baud
         self.servos = {number: Motor(number, kind) for number, kind in kinds.items()}
         self.protocol = KINDS[next(iter(kinds.values()), model)][0]
         self.faults = Faults()
@@ -207,9 +211,16 @@ class ServoBus:
         if self._master < 0:
             return b""
         try:
-            return os.read(self._master, 4096)
+            data = os.read(self._master, 4096)
+            return data if self._at_speed() else b""
         except OSError:
             return b""  # nothing there, or nobody has the other end open
+
+    def _at_speed(self) -> bool:
+        if self.baud is None:
+            return True
+        speed = termios.tcgetattr(self._master)[5]
+        return bool(speed == getattr(termios, f"B{self.baud}"))
 
     def _step(self) -> None:
         now = time.monotonic()

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from woz_drivers import tables
-from woz_drivers.dynamixel.port import ServoPort, latency_timer
+from woz_drivers.dynamixel.port import ServoPort, latency_file, latency_timer
 from woz_drivers.dynamixel.settings import Joint, Settings
 from woz_drivers.dynamixel.wire import Wire
 from woz_tui.core.driver import Finding, Lost
@@ -53,13 +53,8 @@ def _latency(settings: Settings, port: ServoPort) -> Finding:
         "warning",
         settings.port,
         f"{text}, and the loop wants {settings.rate:g}",
-        f"echo 1 | sudo tee /sys/bus/usb-serial/devices/{_device(settings)}/latency_timer,"
-        " or a udev rule that does it",
+        f"echo 1 | sudo tee {latency_file(settings.port)}, or a udev rule that does it",
     )
-
-
-def _device(settings: Settings) -> str:
-    return settings.port.rsplit("/", 1)[-1] if "/by-id/" not in settings.port else "ttyUSB0"
 
 
 def _watchdog(settings: Settings) -> Finding:
@@ -98,8 +93,10 @@ def _servos(wire: Wire, settings: Settings) -> Iterator[Finding]:
             f"{_called(settings.protocol, found[servo])} answers, but no joint has this id",
             "give it to a joint, or take it off the wire",
         )
-    if len(found) < len(ids):
-        yield from _elsewhere(settings, wire)
+    missing = [servo for servo in ids if servo not in found]
+    if missing:
+        wire.close()
+        yield from _elsewhere(settings, missing)
 
 
 def _joint(
@@ -149,9 +146,8 @@ def _condition(wire: Wire, subject: str, joint: Joint, model: tables.Model) -> I
         )
 
 
-def _elsewhere(settings: Settings, wire: Wire) -> Iterator[Finding]:
-    """Missing servos may have been left at another speed: ask for the configured ids there."""
-    wire.close()
+def _elsewhere(settings: Settings, missing: list[int]) -> Iterator[Finding]:
+    """Missing servos may have been left at another speed: ask for them there."""
     for baud in USUAL_BAUDS:
         if baud == settings.baud:
             continue
@@ -159,9 +155,7 @@ def _elsewhere(settings: Settings, wire: Wire) -> Iterator[Finding]:
         other = Wire(port, settings.protocol)
         try:
             port.open()
-            there = [
-                joint.id for joint in settings.joints.values() if other.ping(joint.id) is not None
-            ]
+            there = [servo for servo in missing if other.ping(servo) is not None]
         except Lost:
             continue  # the adapter cannot do this speed
         finally:

@@ -28,6 +28,8 @@ WAIT_MS = 2.0
 LATENCY_MS = 2.0
 #: A line that never falls silent is given up so long after the deadline, in milliseconds.
 BABBLE_MS = 50.0
+#: USB serial adapters as the kernel knows them.
+SERIAL_DEVICES = Path("/sys/bus/usb-serial/devices")
 #: Everything that a pulled cable or a dead adapter raises; a `termios.error` is no `OSError`.
 GONE = (OSError, serial.SerialException, termios.error)
 
@@ -58,7 +60,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         try:
             self.setupPort(self.baudrate)
         except GONE as error:
-            raise _refused(self.port_name, error) from error
+            raise refused(self.port_name, error) from error
         except ValueError as error:
             raise Lost(
                 f"{self.port_name} cannot do {self.baudrate} baud",
@@ -154,12 +156,15 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             ) from error
 
 
+def latency_file(path: str) -> Path:
+    """Where the system keeps the latency timer of an FTDI adapter, if it is one."""
+    return SERIAL_DEVICES / Path(path).resolve().name / "latency_timer"
+
+
 def latency_timer(path: str) -> float | None:
     """The latency timer of an FTDI adapter in milliseconds; None for anything else."""
-    name = Path(path).resolve().name
     try:
-        text = Path(f"/sys/bus/usb-serial/devices/{name}/latency_timer").read_text("ascii")
-        return float(text)
+        return float(latency_file(path).read_text("ascii"))
     except (OSError, ValueError):
         return None
 
@@ -186,7 +191,8 @@ def present_ports() -> list[str]:
     )
 
 
-def _refused(path: str, error: Exception) -> Lost:
+def refused(path: str, error: Exception) -> Lost:
+    """Why a port could not be opened, and what to do about it."""
     code = getattr(error, "errno", None)
     if code == errno.ENOENT:
         there = present_ports()

@@ -1,0 +1,118 @@
+"""`woz doctor` on emulated servos: it names what it finds and moves nothing."""
+
+from __future__ import annotations
+
+import errno
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.dynamixel import DynamixelServos, Joint, port
+from woz_drivers.dynamixel.port import refused
+
+from tests.drivers.heard import Heard
+from tests.drivers.servo_stand import HEAD, head
+from tests.fakes.servo_motor import OVERLOAD
+from tests.fakes.servos import ServoBus
+from woz_tui.core.driver import Finding, Probe
+
+
+async def examined(link: Path, **changes: Any) -> list[Finding]:
+    return await DynamixelServos.examine(Probe("head", head(link, **changes)))
+
+
+def said(findings: list[Finding], level: str) -> str:
+    return "\n".join(f"{one.subject}: {one.text}" for one in findings if one.level == level)
+
+
+async def test_all_well(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        findings = await examined(bus.link, watchdog=500)
+        ok = said(findings, "ok")
+        assert "open at 1000000 baud" in ok
+        assert "pan (id 11): is a XL330-M288" in ok
+        assert "servos stop after 500 ms" in ok
+        assert "5.0 V" in said(findings, "info")
+        assert "waits 500 us" in said(findings, "info")
+        assert said(findings, "error") == said(findings, "warning") == ""
+        assert bus.writes == []
+
+
+async def test_what_is_wrong_is_named(tmp_path: Path) -> None:
+    ids = {11: "XL330-M288", 12: "XM430-W350", 40: "XL430-W250"}
+    joints = {**HEAD, "tilt": Joint(id=12, min=-9, max=9, model="XL330-M288")}
+    with ServoBus(ids, tmp_path / "servos") as bus:
+        bus.servo(11).raise_alarm(OVERLOAD)
+        findings = await examined(bus.link, joints=joints, watchdog=0)
+        errors, warnings = said(findings, "error"), said(findings, "warning")
+        assert "pan (id 11): alarm: overload" in errors
+        assert "tilt (id 12): is a XM430-W350, but the settings say XL330-M288" in errors
+        assert "roll (id 13): does not answer" in errors
+        assert "id 40: a XL430-W250 answers, but no joint has this id" in warnings
+        assert "bus watchdog: is off" in warnings
+        assert all(one.remedy for one in findings if one.level == "error")
+
+
+async def test_wrong_baud_is_found(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos", baud=57_600) as bus:
+        findings = await examined(bus.link, reply_timeout=20.0)
+        assert "at 57600 baud these ids answer: 11, 12, 13" in said(findings, "warning")
+        assert "1000000 baud these" not in said(findings, "warning")
+
+
+async def test_protocol_1_has_no_watchdog(tmp_path: Path) -> None:
+    joints = {"pan": Joint(id=1, min=-90, max=90)}
+    with ServoBus({1: "AX-12A", 7: "MX-64"}, tmp_path / "servos") as bus:
+        findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=10.0)
+        assert "protocol 1 servos have none" in said(findings, "info")
+        assert "pan (id 1): is a AX-12A" in said(findings, "ok")
+        assert "id 7: a MX-64 answers" in said(findings, "warning")
+
+
+async def test_no_port_and_bad_settings(tmp_path: Path) -> None:
+    (missing,) = await examined(tmp_path / "nothing")
+    assert missing.level == "error" and "there is no port" in missing.text
+    (wrong,) = await examined(tmp_path / "nothing", baud=1)
+    assert (wrong.level, wrong.subject) == ("error", "baud")
+
+
+async def test_port_of_a_running_session(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        heard = Heard(tmp_path)
+        driver = DynamixelServos("head", head(bus.link), heard.outlet)
+        await driver.open()
+        await heard.until(lambda: bool(heard.values("joint.pan")))
+        (busy,) = await examined(bus.link)
+        assert "in use by" in busy.text
+        await driver.close()
+
+
+async def test_latency_timer_and_what_it_costs(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        timer = tmp_path / bus.link.resolve().name / "latency_timer"
+        timer.parent.mkdir()
+        timer.write_text("16\n")
+        monkeypatch.setattr(port, "SERIAL_DEVICES", tmp_path)
+        findings = await examined(bus.link, rate=50.0)
+        (slow,) = [one for one in findings if one.level == "warning"]
+        assert "16 ms: at most 62 rounds a second" in slow.text
+        assert "udev" in slow.remedy
+        timer.write_text("1\n")
+        assert "latency timer 1 ms" in said(await examined(bus.link), "ok")
+
+
+@pytest.mark.parametrize(
+    ("code", "what", "remedy"),
+    [
+        (errno.ENOENT, "there is no port", "plug the adapter in"),
+        (errno.EACCES, "no permission", "usermod -aG dialout"),
+        (errno.EBUSY, "is in use", "end the other program"),
+        (errno.EIO, "cannot be opened", "check the adapter"),
+    ],
+)
+def test_every_refusal_has_a_remedy(code: int, what: str, remedy: str) -> None:
+    lost = refused("/dev/ttyUSB9", OSError(code, "x"))
+    assert what in lost.what and "/dev/ttyUSB9" in lost.what
+    assert remedy in lost.remedy

@@ -26,13 +26,15 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
 
+@dataclass(frozen=True)
+class Nothing:
+    """No setting at all."""
+
+
 class Right:
     """The smallest driver that keeps the contract."""
 
-    @dataclass(frozen=True)
-    class Settings:
-        pass
-
+    Settings: ClassVar[type] = Nothing
     summary: ClassVar[str] = "nothing at all"
     offered: ClassVar[tuple[Verb, ...]] = (Verb("rest-hands", "rest"),)
 
@@ -138,7 +140,7 @@ class Obliging(Right):
 
 class Clumsy(Right):
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        return {"verb": {}[job.verb]}
+        raise KeyError(job.verb)
 
 
 class Stubborn(Right):

@@ -1,0 +1,57 @@
+"""What the simulated robot's sensors say, and what break-downs make of it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+
+from woz_drivers.simulated.body import Body
+from woz_drivers.simulated.faults import Faults
+from woz_drivers.simulated.visitor import UNITS, Sample
+from woz_tui.core.driver import Outlet
+
+#: Joints and base are published this often when nothing moves, in seconds; else at every tick.
+CALM = 1.0
+
+
+class Publisher:
+    """Body and visitor as readings."""
+
+    def __init__(self, outlet: Outlet, faults: Faults) -> None:
+        self._outlet = outlet
+        self._faults = faults
+        self._last: dict[str, float | None] = {}
+        self._was_moving = True
+        self._calm_until = -math.inf
+
+    def body(self, body: Body, now: float) -> None:
+        """Joints and base: always while something moves, once when it ends, else now and then."""
+        moving = body.moving
+        if not (moving or self._was_moving or now >= self._calm_until):
+            return
+        self._was_moving = moving
+        self._calm_until = now + CALM
+        for name, joint in body.joints.items():
+            self._say(f"joint.{name}", round(joint.present, 2), now, unit="deg")
+            self._say(f"setpoint.{name}", round(joint.setpoint, 2), now, unit="deg")
+        self._say("base.x", round(body.base.x, 3), now, unit="m")
+        self._say("base.y", round(body.base.y, 3), now, unit="m")
+        self._say("base.heading", round(body.base.heading, 1), now, unit="deg")
+
+    def samples(self, samples: Mapping[str, Sample], now: float) -> None:
+        """What a visitor leaves in the sensors."""
+        for sensor, sample in samples.items():
+            self._say(sensor, sample.value, now, text=sample.text, unit=UNITS.get(sensor, ""))
+
+    def _say(
+        self, sensor: str, value: float | None, now: float, *, text: str = "", unit: str = ""
+    ) -> None:
+        if self._faults.holding("silent", sensor, now):
+            return
+        if self._faults.holding("nan", sensor, now):
+            value = math.nan
+        elif self._faults.holding("stuck", sensor, now):
+            value = self._last.get(sensor, value)
+        else:
+            self._last[sensor] = value
+        self._outlet.reading(sensor, value, text=text, unit=unit)

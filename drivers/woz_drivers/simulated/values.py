@@ -1,0 +1,161 @@
+"""Arguments of commands turned into numbers, poses, colours and files, or refused."""
+
+from __future__ import annotations
+
+import difflib
+import math
+import re
+import wave
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+
+from woz_tui.core.driver import Rejected, Verb
+from woz_tui.core.messages import Json
+
+#: How long a sound lasts whose length cannot be read, in seconds.
+UNKNOWN_SOUND = 2.0
+
+COLORS = {
+    "black": "#000000",
+    "off": "#000000",
+    "white": "#ffffff",
+    "red": "#ff0000",
+    "green": "#00ff00",
+    "blue": "#0000ff",
+    "yellow": "#ffff00",
+    "cyan": "#00ffff",
+    "magenta": "#ff00ff",
+    "orange": "#ff8000",
+    "pink": "#ff80c0",
+    "purple": "#8000ff",
+}
+
+
+def check(verb: Verb, args: Mapping[str, Json]) -> None:
+    """Refuse what no experiment file may say either: unknown or missing arguments, numbers out of
+    range. Programs send commands too.
+    """
+    names = [argument.name for argument in verb.arguments]
+    for name in args:
+        if name not in names:
+            raise Rejected(f"{verb.name} takes no {name!r}", _did_you_mean(name, names))
+    for argument in verb.arguments:
+        value = args.get(argument.name)
+        if value is None and argument.required:
+            raise Rejected(f"{verb.name} needs {argument.name!r}")
+        if argument.range is None or value is None:
+            continue
+        found = number(args, argument.name)
+        if not argument.range.contains(found):
+            raise Rejected(f"{argument.name} is {found:g}, but must be {argument.range}")
+
+
+def number(args: Mapping[str, Json], name: str, default: float = 0.0) -> float:
+    """A finite number, or `Rejected`."""
+    value = args.get(name)
+    if value is None:
+        return default
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        raise Rejected(f"{name} must be a number, not {value!r}")
+    try:
+        found = float(value)
+    except OverflowError:
+        found = math.inf
+    if not math.isfinite(found):
+        raise Rejected(f"{name} must be a finite number")
+    return found
+
+
+def positive(args: Mapping[str, Json], name: str, default: float = 0.0) -> float:
+    """A number of at least 0, or `Rejected`."""
+    found = number(args, name, default)
+    if found < 0:
+        raise Rejected(f"{name} must not be negative, got {found:g}")
+    return found
+
+
+def word(args: Mapping[str, Json], name: str, choices: Iterable[str]) -> str:
+    """One of `choices`, or `Rejected` with what was probably meant."""
+    value = args.get(name)
+    choices = sorted(choices)
+    if isinstance(value, str) and value in choices:
+        return value
+    raise Rejected(f"unknown {name} {value!r}", _did_you_mean(str(value), choices))
+
+
+def text(args: Mapping[str, Json], name: str) -> str:
+    """A text, or `Rejected`."""
+    value = args.get(name, "")
+    if not isinstance(value, str):
+        raise Rejected(f"{name} must be text, not {value!r}")
+    return value
+
+
+def flag(args: Mapping[str, Json], name: str) -> bool:
+    """True or false, or `Rejected`."""
+    value = args.get(name)
+    if not isinstance(value, bool):
+        raise Rejected(f"{name} must be true or false, not {value!r}")
+    return value
+
+
+def pose(value: Json, joints: Iterable[str]) -> dict[str, float]:
+    """Degrees by joint, or `Rejected`."""
+    names = sorted(joints)
+    if not isinstance(value, dict) or not value:
+        raise Rejected("a pose is a mapping such as {pan: 10, tilt: -5}")
+    for name in value:
+        if name not in names:
+            raise Rejected(f"there is no joint {name!r}", _did_you_mean(str(name), names))
+    return {name: number(value, name) for name in value}
+
+
+def poses(value: Json, joints: Iterable[str]) -> list[tuple[float, dict[str, float]]]:
+    """(seconds for this pose, degrees by joint) one after the other, or `Rejected`."""
+    names = list(joints)
+    if not isinstance(value, list) or not value:
+        raise Rejected("poses are a list such as [{pan: 10, seconds: 0.5}]")
+    found = []
+    for one in value:
+        if not isinstance(one, dict):
+            raise Rejected(f"a pose is a mapping such as {{pan: 10, seconds: 0.5}}, not {one!r}")
+        goals = {name: degrees for name, degrees in one.items() if name != "seconds"}
+        found.append((positive(one, "seconds", 0.5), pose(goals, names)))
+    return found
+
+
+def color(args: Mapping[str, Json], name: str) -> str:
+    """A colour as `#rrggbb`, or `Rejected`."""
+    value = text(args, name).strip().lower()
+    if re.fullmatch(r"#[0-9a-f]{6}", value):
+        return value
+    if re.fullmatch(r"#[0-9a-f]{3}", value):
+        return "#" + "".join(digit * 2 for digit in value[1:])
+    if value in COLORS:
+        return COLORS[value]
+    raise Rejected(f"unknown colour {value!r}", _did_you_mean(value, sorted(COLORS)))
+
+
+def file(args: Mapping[str, Json], name: str, folder: Path) -> Path:
+    """A file that is there, or `Rejected`; relative paths start at `folder`."""
+    value = text(args, name)
+    path = folder / value
+    if not value or not path.is_file():
+        raise Rejected(f"there is no file {path}", "put it there, or correct the path")
+    return path
+
+
+def sound_seconds(path: Path) -> float:
+    """How long a WAV file plays; `UNKNOWN_SOUND` where its head cannot be read."""
+    try:
+        with wave.open(str(path), "rb") as sound:
+            return sound.getnframes() / sound.getframerate()
+    except (wave.Error, EOFError, OSError, ZeroDivisionError):
+        return UNKNOWN_SOUND
+
+
+def _did_you_mean(value: str, choices: list[str]) -> str:
+    near = difflib.get_close_matches(value, choices, 1)
+    if near:
+        return f"did you mean {near[0]!r}?"
+    return f"choose from {', '.join(choices)}" if choices else "leave it out"

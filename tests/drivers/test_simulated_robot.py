@@ -1,0 +1,496 @@
+"""The simulated robot as the bus sees it: verbs, time, stop and break-downs."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import struct
+import wave
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.simulated import ScheduledFault, Settings, SimulatedJoint, SimulatedRobot
+from woz_drivers.simulated.moves import MOVES
+from woz_drivers.simulated.speech import utterance
+
+from tests.fakes.listening import ListeningOutlet, PlainJob
+from tests.fakes.manual_pace import ManualPace
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.conformance import check
+from woz_tui.core.driver import DriverError, Health, Lost, Probe, Rejected, Scope
+from woz_tui.core.messages import Json
+
+
+@dataclass
+class Rig:
+    """A robot, its time and what it told."""
+
+    robot: SimulatedRobot
+    pace: ManualPace
+    outlet: ListeningOutlet
+
+    def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
+        return asyncio.create_task(self.perform(PlainJob(verb, args)))
+
+    async def perform(self, job: PlainJob) -> Mapping[str, Json]:
+        return await self.robot.perform(job)
+
+    def health(self) -> Health:
+        return self.outlet.healths[-1][0]
+
+    async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
+        """Perform, letting time pass until it has ended; a minute is enough for all of them."""
+        task = self.begin(verb, **args)
+        for _ in range(600):
+            await self.pace.settle()
+            if task.done():
+                break
+            await self.pace.advance(0.1)
+        assert task.done(), f"{verb} never ended"
+        return task.result()
+
+
+@asynccontextmanager
+async def rig(folder: Path, settings: Settings | None = None) -> AsyncIterator[Rig]:
+    clock = ManualClock()
+    pace = ManualPace(clock)
+    outlet = ListeningOutlet(folder, clock)
+    robot = SimulatedRobot("robot", settings or Settings(), outlet, pace=pace)
+    await robot.open()
+    await pace.settle()
+    try:
+        yield Rig(robot, pace, outlet)
+    finally:
+        await robot.close()
+
+
+@pytest.fixture
+async def it(tmp_path: Path) -> AsyncIterator[Rig]:
+    async with rig(tmp_path) as made:
+        yield made
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [Settings(), Settings(visitor=True), Settings(joints={}), Settings(moves={"hop": 1})],
+)
+async def test_it_keeps_the_contract(settings: Settings, tmp_path: Path) -> None:
+    findings = await check(SimulatedRobot, settings, folder=tmp_path)
+    assert [finding.level for finding in findings] == ["ok"], findings
+
+
+async def test_it_works_in_real_time(tmp_path: Path) -> None:
+    outlet = ListeningOutlet(tmp_path)
+    robot = SimulatedRobot("robot", Settings(speed=100), outlet)
+    await robot.open()
+    sent = await asyncio.wait_for(robot.perform(PlainJob("play", {"move": "dance"})), 20)
+    await robot.close()
+    assert sent["move"] == "dance"
+    assert max(abs(reading.value or 0) for reading in outlet.of("setpoint.pan")) <= 90
+
+
+async def test_speaking_takes_time_by_its_length_and_says_so(it: Rig) -> None:
+    job = PlainJob("say", {"text": "Good morning, Ann. Nice to see you."})
+    task = asyncio.create_task(it.perform(job))
+    await it.pace.advance(2.3)
+    assert not task.done()
+    assert job.expected == [pytest.approx(35 / 14)]
+    await it.pace.advance(0.3)
+    assert task.result()["seconds"] == 2.5
+
+
+@pytest.mark.parametrize(
+    ("tagged", "text", "seconds"),
+    [
+        ("x" * 28, "x" * 28, 2.0),
+        (r"xxxxxxxxxxxxxx\pau=500\xxxxxxxxxxxxxx", "x" * 14 + " " + "x" * 14, 2.5),
+        (r"\rspd=50\xxxxxxx\rst\ xxxxxxx", "xxxxxxx xxxxxxx", 1.5),
+        ('xxxxxxx<break time="1.5s"/>', "xxxxxxx", 2.0),
+        ('<speak><prosody rate="200%">xxxxxxxxxxxxxx</prosody></speak>', "x" * 14, 0.5),
+        ("^run(animations/Stand/Hey_1) Hi", "Hi", 0.3),
+        ("2 < 3 and 4 > 1", "2 < 3 and 4 > 1", 15 / 14),
+        (r"\pau=500\ ", "", 0.0),
+    ],
+)
+def test_tags_are_not_spoken_but_count(tagged: str, text: str, seconds: float) -> None:
+    heard = utterance(tagged, 14.0)
+    assert heard.text == text
+    assert heard.seconds == pytest.approx(seconds)
+
+
+async def test_every_move_moves_and_ends_where_it_began(it: Rig) -> None:
+    for name in MOVES:
+        it.outlet.readings.clear()
+        await it.do("play", move=name)
+        await it.pace.advance(0.2)
+        angles = [
+            reading.value or 0.0
+            for joint in ("pan", "tilt", "hip")
+            for reading in it.outlet.of(f"joint.{joint}")
+        ]
+        assert max(map(abs, angles)) > 3, name
+        assert all(
+            abs(it.outlet.latest(f"joint.{joint}")) < 0.1 for joint in ("pan", "tilt", "hip")
+        )
+
+
+async def test_amplitude_and_speed_change_a_move(it: Rig) -> None:
+    job = PlainJob("play", {"move": "nod", "speed": 2.0, "amplitude": 0.5})
+    task = asyncio.create_task(it.perform(job))
+    await it.pace.advance(3.0)
+    assert task.result()["seconds"] == 0.6
+    peak = max(reading.value or 0 for reading in it.outlet.of("setpoint.tilt"))
+    assert 5 < peak <= 9
+
+
+async def test_a_move_of_the_robot_file_takes_its_time(tmp_path: Path) -> None:
+    async with rig(tmp_path, Settings(moves={"hop": 3.0})) as it:
+        task = it.begin("play", move="hop")
+        await it.pace.advance(2.9)
+        assert not task.done()
+        await it.pace.advance(0.2)
+        assert task.done()
+
+
+async def test_poses_are_clamped_and_what_was_reached_comes_back(it: Rig) -> None:
+    sent = await it.do("pose", joints={"pan": 400, "tilt": -10}, seconds=1.0)
+    assert sent["joints"] == {"pan": 90.0, "tilt": -10.0}
+    sent = await it.do("poses", poses=[{"pan": 10, "seconds": 0.2}, {"pan": -20, "seconds": 1}])
+    assert sent["joints"] == {"pan": pytest.approx(-20, abs=0.1)}
+    sent = await it.do("home")
+    assert sent["joints"] == {name: pytest.approx(0, abs=0.1) for name in ("pan", "tilt", "hip")}
+
+
+async def test_gaze_ends_at_once_and_the_head_follows(it: Rig) -> None:
+    task = it.begin("gaze", yaw=45.0, pitch=100.0)
+    await it.pace.settle()
+    assert task.result() == {"yaw": 45.0, "pitch": 40.0}
+    await it.pace.advance(1.0)
+    assert it.outlet.latest("joint.pan") == pytest.approx(45, abs=0.1)
+
+
+async def test_nudges_add_up_from_where_the_head_is_going(it: Rig) -> None:
+    for _ in range(3):
+        await it.do("nudge", yaw=5.0)
+    await it.pace.advance(1.0)
+    assert it.outlet.latest("joint.pan") == pytest.approx(15, abs=0.1)
+    assert await it.do("hip", pitch=5.0) == {"pitch": 5.0}
+    with pytest.raises(Rejected, match="no joint for roll"):
+        await it.do("hip", roll=5.0)
+
+
+async def test_limp_motors_refuse_to_move(it: Rig) -> None:
+    await it.do("torque", on=False)
+    with pytest.raises(Rejected, match="limp") as caught:
+        await it.do("play", move="nod")
+    assert "torque: on" in caught.value.remedy
+    await it.do("torque", on=True)
+    await it.do("play", move="nod")
+
+
+async def test_driving_takes_time_by_the_way_and_moves_the_base(it: Rig) -> None:
+    task = it.begin("drive", x=0.6, turn=45.0)
+    await it.pace.advance(1.0)
+    assert it.outlet.latest("base.x") == pytest.approx(0.3, abs=0.04)
+    await it.pace.advance(1.1)
+    assert task.result()["way"] == pytest.approx(0.6)
+    assert it.outlet.latest("base.heading") == pytest.approx(45)
+
+
+async def test_sound_lasts_as_long_as_its_file(it: Rig, tmp_path: Path) -> None:
+    with wave.open(str(tmp_path / "beep.wav"), "wb") as sound:
+        sound.setnchannels(1)
+        sound.setsampwidth(2)
+        sound.setframerate(8000)
+        sound.writeframes(struct.pack("<h", 0) * 12000)
+    assert (await it.do("sound", file="beep.wav"))["seconds"] == 1.5
+    (tmp_path / "map.png").write_bytes(b"not a sound")
+    assert (await it.do("sound", file="map.png"))["seconds"] == 2.0
+    assert (await it.do("screen", file="map.png"))["file"] == str(tmp_path / "map.png")
+
+
+async def test_face_volume_and_mode(it: Rig) -> None:
+    assert await it.do("emotion", emotion="happy", intensity=0.8) == {
+        "emotion": "happy",
+        "intensity": 0.8,
+    }
+    assert await it.do("eyes", color="Orange") == {"color": "#ff8000"}
+    assert await it.do("eyes", color="#0f0") == {"color": "#00ff00"}
+    assert await it.do("volume", level=0.2) == {"level": 0.2}
+    assert (await it.do("say", text="Hi"))["volume"] == 0.2
+    assert await it.do("mode", mode="demo") == {"mode": "demo", "was": "normal"}
+
+
+@pytest.mark.parametrize(
+    ("verb", "args", "what", "remedy"),
+    [
+        ("say", {"text": "  "}, "nothing to say", "give the utterance a text"),
+        ("say", {"text": 7}, "text must be text, not 7", ""),
+        ("say", {}, "say needs 'text'", ""),
+        ("play", {"move": "nodd"}, "unknown move 'nodd'", "did you mean 'nod'?"),
+        ("play", {"move": "nod", "speed": 0}, "speed is 0, but must be 0.1 to 4", ""),
+        ("play", {"move": "nod", "speeed": 1}, "play takes no 'speeed'", "did you mean 'speed'?"),
+        ("pose", {"joints": {"pna": 3}}, "there is no joint 'pna'", "did you mean 'pan'?"),
+        ("pose", {"joints": {"pan": math.nan}}, "pan must be a finite number", ""),
+        ("pose", {"joints": {"pan": "left"}}, "pan must be a number, not 'left'", ""),
+        ("pose", {"joints": {}}, "a pose is a mapping such as {pan: 10, tilt: -5}", ""),
+        ("pose", {"joints": {"pan": 1}, "seconds": -1}, "seconds must not be negative, got -1", ""),
+        ("poses", {"poses": []}, "poses are a list such as [{pan: 10, seconds: 0.5}]", ""),
+        ("gaze", {"yaw": 10**400}, "yaw must be a finite number", ""),
+        ("drive", {"x": 50.0}, "x is 50, but must be -5 to 5 m", ""),
+        ("torque", {"on": "yes"}, "on must be true or false, not 'yes'", ""),
+        ("eyes", {"color": "grene"}, "unknown colour 'grene'", "did you mean 'green'?"),
+        ("fault", {"kind": "nan", "part": "loudnes"}, "unknown part 'loudnes'", "did you mean"),
+        ("jump", {}, "the simulated robot does not know 'jump'", ""),
+    ],
+)
+async def test_nonsense_is_refused_with_a_remedy(
+    it: Rig, verb: str, args: dict[str, Json], what: str, remedy: str
+) -> None:
+    with pytest.raises(Rejected) as caught:
+        await it.do(verb, **args)
+    assert caught.value.what == what
+    assert caught.value.remedy.startswith(remedy)
+
+
+async def test_a_missing_file_is_refused(it: Rig) -> None:
+    with pytest.raises(Rejected, match="there is no file"):
+        await it.do("screen", file="nowhere.png")
+
+
+async def test_readings_come_fast_while_it_moves_and_slowly_while_it_stands(it: Rig) -> None:
+    await it.pace.advance(5.0)
+    it.outlet.readings.clear()
+    await it.pace.advance(10.0)
+    assert len(it.outlet.of("joint.pan")) == 10
+    it.outlet.readings.clear()
+    it.begin("pose", joints={"pan": 60}, seconds=4.0)
+    await it.pace.advance(4.0)
+    assert 39 <= len(it.outlet.of("joint.pan")) <= 41
+    assert set(SimulatedRobot.sensors(Settings())) == {r.sensor for r in it.outlet.readings}
+
+
+# -- the stop -------------------------------------------------------------------------------------
+
+
+async def test_the_stop_freezes_joints_and_base_at_once(it: Rig) -> None:
+    dance = it.begin("play", move="dance")
+    drive = it.begin("drive", x=3.0)
+    await it.pace.advance(0.7)
+    await it.robot.stop(Scope.ALL)
+    await it.pace.advance(0.2)
+    still = {name: it.outlet.latest(name) for name in ("joint.pan", "base.x")}
+    for task in (dance, drive):
+        with pytest.raises(DriverError, match="cut short"):
+            task.result()
+    await it.pace.advance(5.0)
+    assert {name: it.outlet.latest(name) for name in still} == still
+    assert 0 < still["base.x"] < 0.3
+
+
+async def test_a_drive_stop_leaves_speech_and_gestures_alone(it: Rig) -> None:
+    nod = it.begin("play", move="nod")
+    drive = it.begin("drive", x=3.0)
+    await it.pace.advance(0.5)
+    await it.robot.stop(Scope.DRIVE)
+    await it.pace.advance(3.0)
+    assert nod.result()["move"] == "nod"
+    with pytest.raises(DriverError):
+        drive.result()
+    assert it.outlet.latest("base.x") < 0.2
+
+
+@pytest.mark.parametrize(("verb", "sensor"), [("play", "joint.pan"), ("drive", "base.x")])
+async def test_a_cancelled_motion_stands_still(it: Rig, verb: str, sensor: str) -> None:
+    args: dict[str, Json] = {"move": "dance"} if verb == "play" else {"x": 2.0}
+    task = it.begin(verb, **args)
+    await it.pace.advance(0.5)
+    task.cancel()
+    await it.pace.advance(0.2)
+    assert task.cancelled()
+    stopped = it.outlet.latest(sensor)
+    await it.pace.advance(2.0)
+    assert it.outlet.latest(sensor) == stopped != 0
+
+
+async def test_rest_takes_the_home_pose(it: Rig) -> None:
+    await it.do("pose", joints={"pan": 40, "hip": 20})
+    resting = asyncio.create_task(it.robot.rest())
+    await it.pace.advance(3.0)
+    assert resting.done()
+    assert it.outlet.latest("joint.pan") == pytest.approx(0, abs=0.1)
+
+
+# -- break-downs ----------------------------------------------------------------------------------
+
+
+async def test_unplugged_it_is_lost_and_comes_back(it: Rig) -> None:
+    running = it.begin("play", move="dance")
+    await it.pace.advance(0.5)
+    await it.do("fault", kind="disconnect", seconds=3.0)
+    assert it.health() is Health.LOST
+    await it.pace.advance(0.2)
+    with pytest.raises(Lost):
+        running.result()
+    with pytest.raises(Lost):
+        await it.do("say", text="Is anybody there?")
+    before = len(it.outlet.readings)
+    await it.pace.advance(2.0)
+    assert len(it.outlet.readings) == before
+    await it.pace.advance(1.0)
+    assert it.health() is Health.CONNECTED
+    await it.do("say", text="Here I am.")
+
+
+async def test_a_lost_part_leaves_the_others_alone(it: Rig) -> None:
+    await it.do("fault", kind="disconnect", seconds=3.0, part="voice")
+    assert it.outlet.healths[-1][:2] == (Health.FAULTED, "voice does not answer")
+    with pytest.raises(Lost):
+        await it.do("say", text="Hello")
+    await it.do("play", move="nod")
+
+
+async def test_slow_takes_four_times_as_long_and_says_so(it: Rig) -> None:
+    await it.do("fault", kind="slow", seconds=60.0)
+    job = PlainJob("say", {"text": "x" * 14})
+    task = asyncio.create_task(it.perform(job))
+    await it.pace.advance(3.8)
+    assert not task.done()
+    assert job.expected == [pytest.approx(4.0)]
+    await it.pace.advance(0.4)
+    assert task.done()
+
+
+async def test_the_next_command_fails_and_only_that(it: Rig) -> None:
+    await it.do("fault", kind="fail", part="voice")
+    await it.do("play", move="nod")
+    with pytest.raises(DriverError, match="half-way"):
+        await it.do("say", text="Hello there")
+    await it.do("say", text="Hello there")
+
+
+async def test_refusals_end_by_themselves_or_by_clear(it: Rig) -> None:
+    await it.do("fault", kind="refuse", seconds=100.0)
+    with pytest.raises(Rejected, match="as asked for"):
+        await it.do("play", move="nod")
+    await it.do("fault", kind="clear")
+    await it.do("play", move="nod")
+
+
+async def test_a_hanging_command_ignores_its_cancellation_until_its_time(it: Rig) -> None:
+    await it.do("fault", kind="hang", seconds=3.0)
+    await it.pace.advance(60.0)
+    task = it.begin("say", text="Hello")
+    await it.pace.advance(0.5)
+    task.cancel()
+    await it.pace.advance(2.0)
+    assert not task.done()
+    task.cancel()
+    await it.pace.advance(0.6)
+    assert task.cancelled()
+
+
+async def test_a_deaf_robot_freezes_but_confirms_late(it: Rig) -> None:
+    await it.do("fault", kind="deaf", seconds=2.0)
+    it.begin("drive", x=2.0).add_done_callback(lambda task: task.exception())
+    await it.pace.advance(0.5)
+    stopping = asyncio.create_task(it.robot.stop(Scope.ALL))
+    await it.pace.advance(1.0)
+    assert not stopping.done()
+    assert it.outlet.latest("base.x") < 0.2
+    await it.pace.advance(1.0)
+    assert stopping.done()
+
+
+async def test_a_hot_motor_shows_and_everything_goes_on(it: Rig) -> None:
+    await it.do("fault", kind="overheat", seconds=2.0, part="tilt")
+    assert it.outlet.healths[-1] == (Health.FAULTED, "tilt is too hot", "let it rest")
+    await it.do("play", move="nod")
+    await it.pace.advance(2.0)
+    assert it.health() is Health.CONNECTED
+
+
+async def test_sensors_break_in_three_ways(tmp_path: Path) -> None:
+    async with rig(tmp_path, Settings(visitor=True)) as it:
+        await it.pace.advance(1.0)
+        await it.do("fault", kind="stuck", seconds=5.0, part="loudness")
+        stuck = it.outlet.latest("loudness")
+        await it.do("fault", kind="nan", seconds=5.0, part="distance")
+        await it.do("fault", kind="silent", seconds=5.0, part="presence")
+        it.outlet.readings.clear()
+        await it.pace.advance(4.5)
+        assert {reading.value for reading in it.outlet.of("loudness")} == {stuck}
+        assert all(reading.bad == ["value"] for reading in it.outlet.of("distance"))
+        assert not it.outlet.of("presence")
+        assert it.outlet.of("gaze")
+
+
+async def test_scheduled_faults_come_by_themselves(tmp_path: Path) -> None:
+    planned = Settings(faults=(ScheduledFault("disconnect", after=2.0, seconds=1.0),))
+    async with rig(tmp_path, planned) as it:
+        await it.pace.advance(4.0)
+    assert [health for health, _, _ in it.outlet.healths] == [
+        Health.CONNECTING,
+        Health.CONNECTED,
+        Health.LOST,
+        Health.CONNECTED,
+    ]
+    findings = await SimulatedRobot.examine(Probe("robot", planned))
+    assert [finding.level for finding in findings] == ["ok", "warning"]
+
+
+async def test_it_may_take_a_while_to_be_found(tmp_path: Path) -> None:
+    async with rig(tmp_path, Settings(connect_after=2.0)) as it:
+        with pytest.raises(Lost, match="being looked for"):
+            await it.do("say", text="Hello")
+        await it.pace.advance(2.1)
+        assert it.health() is Health.CONNECTED
+        await it.do("say", text="Hello")
+
+
+# -- shape and visitor ----------------------------------------------------------------------------
+
+
+def test_a_robot_without_a_head_offers_no_gaze() -> None:
+    legs = Settings(joints={"knee": SimulatedJoint()})
+    verbs = {verb.name for verb in SimulatedRobot.verbs(legs)}
+    assert "pose" in verbs
+    assert not {"gaze", "nudge", "hip"} & verbs
+    assert "pose" not in {verb.name for verb in SimulatedRobot.verbs(Settings(joints={}))}
+
+
+async def visits(tmp_path: Path, speech: Callable[[Rig], Awaitable[Any]]) -> list[Any]:
+    async with rig(tmp_path, Settings(visitor=True, seed=11)) as it:
+        await it.pace.advance(14.0)
+        await speech(it)
+        await it.pace.advance(5.0)
+        return [(r.sensor, r.value, r.text) for r in it.outlet.readings]
+
+
+async def test_the_same_seed_and_the_same_wizard_give_the_same_readings(tmp_path: Path) -> None:
+    async def greet(it: Rig) -> None:
+        await it.do("say", text="Hello, who are you?")
+
+    async def silence(it: Rig) -> None:
+        await it.do("home")
+
+    first = await visits(tmp_path, greet)
+    assert first == await visits(tmp_path, greet)
+    assert first != await visits(tmp_path, silence)
+    assert {"presence", "gaze", "identity", "distance", "loudness", "direction"} <= {
+        sensor for sensor, _, _ in first
+    }
+
+
+async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:
+    async with rig(tmp_path, Settings(visitor=True, speed=20)) as it:
+        task = it.begin("say", text="x" * 140)
+        await it.pace.advance(0.6)
+        assert task.done()
+        await it.pace.advance(2.0)
+        assert max(reading.value or 0 for reading in it.outlet.of("presence")) == 1
+        assert len(it.outlet.of("distance")) <= 28

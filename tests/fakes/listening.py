@@ -1,0 +1,73 @@
+"""The bus's side of the driver contract, for tests: an outlet that remembers, and jobs."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.core.clock import Clock, ManualClock
+from woz_tui.core.driver import Health
+from woz_tui.core.messages import Json, Reading, reading
+
+
+class ListeningOutlet:
+    """Keeps everything a driver tells."""
+
+    def __init__(self, folder: Path, clock: Clock | None = None) -> None:
+        self._folder = folder
+        self._clock = clock or ManualClock()
+        self.readings: list[Reading] = []
+        self.states: list[tuple[str, str, str]] = []
+        self.healths: list[tuple[Health, str, str]] = []
+        self.notices: list[tuple[str, str, str]] = []
+
+    @property
+    def clock(self) -> Clock:
+        return self._clock
+
+    @property
+    def folder(self) -> Path:
+        return self._folder
+
+    def reading(
+        self,
+        sensor: str,
+        value: float | None,
+        *,
+        text: str = "",
+        unit: str = "",
+        raw: float | None = None,
+    ) -> None:
+        self.readings.append(reading(sensor, value, text=text, unit=unit, raw=raw))
+
+    def sensor(self, sensor: str, state: str, why: str = "") -> None:
+        self.states.append((sensor, state, why))
+
+    def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
+        if not self.healths or self.healths[-1] != (health, detail, remedy):
+            self.healths.append((health, detail, remedy))
+
+    def notice(self, level: str, text: str, remedy: str = "") -> None:
+        self.notices.append((level, text, remedy))
+
+    def of(self, sensor: str) -> list[Reading]:
+        return [found for found in self.readings if found.sensor == sensor]
+
+    def latest(self, sensor: str) -> float:
+        value = self.of(sensor)[-1].value
+        assert value is not None
+        return value
+
+
+@dataclass
+class PlainJob:
+    """A command as a driver gets it."""
+
+    verb: str
+    args: Mapping[str, Json] = field(default_factory=dict)
+    command: str = "c1"
+    expected: list[float] = field(default_factory=list)
+
+    def expects(self, seconds: float) -> None:
+        self.expected.append(seconds)

@@ -80,7 +80,10 @@ class RealDisk:
         The last folder must be one that nobody else could have laid out for us: in a place that
         everybody may write to, such as /tmp, a folder of another user is refused.
         """
-        folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        try:
+            folder.mkdir(mode=0o700, parents=True, exist_ok=True)
+        except FileExistsError as error:
+            raise NotADirectoryError(errno.ENOTDIR, "is not a folder", str(folder)) from error
         found = folder.stat()
         above = folder.parent.stat()
         if above.st_mode & stat.S_ISVTX and (folder.is_symlink() or found.st_uid != os.getuid()):

@@ -49,6 +49,10 @@ class Gauge:
         self._moved = self._moved or wanted != self.level
         self.level = wanted
 
+    def insist(self) -> None:
+        """Something other than the level has changed: the next report is due at once."""
+        self._moved = True
+
     def due(self, now_us: int, news: bool) -> bool:
         """Whether to report now; `news`: lines came in since the last report."""
         if self._moved or self._reported_us is None:
@@ -67,6 +71,7 @@ def in_sentences(
     *,
     level: str,
     path: str,
+    broken: str,
     failed: str,
     left: str,
     samples: bool,
@@ -78,6 +83,7 @@ def in_sentences(
     Args:
         level: The gauge's level.
         path: Where the log goes now.
+        broken: What has just gone wrong with its file; empty if nothing has.
         failed: Why no folder takes it; empty while one does.
         left: Why an earlier file was left; empty if none was.
         samples: Whether there is a file for samples.
@@ -88,6 +94,8 @@ def in_sentences(
     if failed:
         parts.append(f"no folder takes the log ({failed}); it is held in memory")
         remedy = "make room or give the disk back; it is written as soon as a folder takes it"
+    elif broken:
+        parts.append(f"{broken}; looking for another folder")
     elif left:
         parts.append(f"{left}; the log goes on in {path}")
         remedy = "after the session, put all files of this log into one folder"

@@ -189,7 +189,7 @@ def read(
     """Every line of the session to which `path` belongs, in order, each once.
 
     `path` is any file of the session; `damage` is filled in on the way. Memory stays flat however
-    long the log is. Raises what `files_of` raises, at the first line; nothing damaged raises.
+    long the log is. Raises at once what `files_of` raises; nothing damaged raises.
     """
     return merge(files_of(path, places).paths, Damage() if damage is None else damage)
 

@@ -294,6 +294,7 @@ class Recorder:
                 backlog.lose_home()
         if old is not None or new.folder != self._series.places[0]:
             self._moved_us, self._story = now_us, reason
+            self._gauge.insist()
         self._segment, self._path, self._opened_us = new, new.path, now_us
         self._series.used()
         self._writable, self._reason, self._failed = True, "", ""
@@ -363,7 +364,7 @@ class Recorder:
     def _floor(self, now_us: int) -> str:
         if self._failed:
             return "failed"
-        if not self._writable or (self._segment and not self._segment.takes_samples):
+        if self._reason or (self._segment and not self._segment.takes_samples):
             return "alarm"
         if self._moved_us is None:
             return "ok"
@@ -373,6 +374,7 @@ class Recorder:
         detail, remedy = in_sentences(
             level=self._gauge.level,
             path=without_home(self._path),
+            broken=self._reason,
             failed=self._failed,
             left="" if self._moved_us is None else self._story,
             samples=self._segment is None or self._segment.takes_samples,

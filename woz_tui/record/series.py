@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 from collections.abc import Callable
 from pathlib import Path
 
@@ -10,6 +11,8 @@ from woz_tui.core.clock import Clock, timestamp
 from woz_tui.core.messages import Segment
 from woz_tui.record.names import FileName, from_folder, session_code
 from woz_tui.record.segment import OpenSegment
+
+_MOST_NAMES = 10_000
 
 
 class Series:
@@ -40,7 +43,7 @@ class Series:
 
     def create(self, folder: Path, make: Callable[[FileName], OpenSegment]) -> OpenSegment:
         """New files in `folder` under the next name that is free there. Raises `OSError`."""
-        while True:
+        for _ in range(_MOST_NAMES):
             try:
                 new = make(FileName(self._stem, self._number))
             except FileExistsError:
@@ -50,6 +53,7 @@ class Series:
                 return new
             new.discard()
             self._skip()
+        raise FileExistsError(errno.EEXIST, "every name is taken", str(folder))
 
     def _skip(self) -> None:
         """A name is taken: a session that has not begun takes another stem, a running one the

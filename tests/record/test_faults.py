@@ -1,0 +1,272 @@
+from __future__ import annotations
+
+import shutil
+import time
+from pathlib import Path
+
+import pytest
+
+from tests.record.bench import STEM, Bench, bench, until
+from tests.record.disks import FAULTS
+from woz_tui.core.clock import ManualClock
+from woz_tui.record.log import Damage, read
+from woz_tui.record.recorder import CLOSE_WAIT_S, Recorder
+
+
+@pytest.mark.parametrize("fault", FAULTS)
+def test_the_log_goes_on_in_the_second_folder(tmp_path: Path, fault: str) -> None:
+    with bench(tmp_path) as it:
+        numbers = [it.note(), it.sample()]
+        it.synced()
+        it.disk.faults[it.home] = fault
+        numbers += [it.note(), it.sample(), it.note()]
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        numbers += [it.note(), it.sample()]
+        it.synced()
+        until(lambda: it.states and "the log goes on in" in it.states[-1].detail, "the report")
+        damage = Damage()
+        assert [line.seq for line in it.lines(damage)] == numbers
+        assert damage.skipped == 0
+        assert it.recorder.path.name == f"{STEM}.2.jsonl"
+        assert it.states[-1].level == "alarm"
+        assert it.states[-1].remedy
+        assert it.disk.syncs_after_failure == 0
+
+
+def test_a_segment_says_what_it_belongs_to(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.note()
+        it.disk.faults[it.home] = "full"
+        it.note()
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        first = it.recorder.path.read_text().splitlines()[0]
+    for part in (
+        '"kind":"segment"',
+        f'"log":"{STEM}"',
+        '"session":"S01"',
+        '"number":2',
+        f'"previous":"../recordings/{STEM}.jsonl"',
+        '"reason":"the disk is full"',
+    ):
+        assert part in first
+
+
+def test_an_action_is_in_the_second_folder_before_record_returns(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.synced()
+        it.disk.faults[it.home] = "full"
+        it.note("the robot moves after this")
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        assert "the robot moves after this" in it.recorder.path.read_text()
+
+
+def test_half_a_line_is_cut_off_again(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.note("whole")
+        it.disk.faults[it.home] = "short"
+        it.note("half")
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        assert (it.home / f"{STEM}.jsonl").read_bytes().endswith(b'"whole"}\n')
+
+
+def test_unsynced_lines_are_written_again(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.synced()
+        it.disk.gate.clear()
+        numbers = [it.note(), it.note()]
+        it.disk.faults[it.home] = "sync"
+        it.disk.gate.set()
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        it.synced()
+        again = [line.seq for line in read(it.recorder.path, places=[])]
+        damage = Damage()
+        assert [line.seq for line in it.lines(damage)] == numbers
+        assert set(again) <= set(numbers)
+        assert numbers[-1] in again
+
+
+def test_with_no_folder_left_lines_are_held_and_written_later(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        numbers = [it.note()]
+        it.disk.faults |= {it.home: "full", it.spill: "readonly"}
+        numbers += [it.note(), it.sample(), it.note()]
+        state = it.told("failed")
+        assert "the disk is full" in state.detail
+        assert "read-only" in state.detail
+        numbers += [it.note()]
+        it.disk.faults.clear()
+        it.synced()
+        assert it.numbers() == numbers
+
+
+def test_when_nothing_takes_the_log_from_the_start(tmp_path: Path) -> None:
+    it = Bench(tmp_path)
+    it.disk.faults |= {it.home: "readonly", it.spill: "readonly"}
+    it.begin()
+    assert it.told("failed").detail
+    number = it.note()
+    it.disk.faults.clear()
+    assert it.recorder.close()
+    assert it.numbers() == [number]
+
+
+def test_memory_is_bounded_and_what_is_lost_is_counted(tmp_path: Path) -> None:
+    with bench(tmp_path, memory=(2_000, 500)) as it:
+        it.disk.faults |= {it.home: "full", it.spill: "full"}
+        for _ in range(100):
+            it.note()
+            it.sample()
+        it.told("failed")
+        until(lambda: "lines are lost" in it.recorder.state().detail, "the count")
+        assert "samples are lost" in it.recorder.state().detail
+        it.disk.faults.clear()
+        it.synced()
+        last = it.lines()[-1]
+        assert last.seq == it.hub.seq
+        assert '"dropped":' in it.recorder.path.read_text().splitlines()[0]
+
+
+def test_without_room_for_samples_actions_go_on(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.disk.faults |= {it.home: "io", it.spill: "no samples"}
+        numbers = [it.note()]
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        held = it.sample()
+        numbers += [it.note()]
+        assert [line.seq for line in it.lines()] == numbers
+        assert "no room for samples" in it.recorder.state().detail
+        it.disk.faults.clear()
+        it.synced()
+        assert it.numbers() == sorted([*numbers, held])
+
+
+def test_a_deleted_log_is_copied_whole(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        numbers = [it.note(), it.sample(), it.note()]
+        it.synced()
+        shutil.rmtree(it.home)
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        numbers += [it.note(), it.sample()]
+        assert it.recorder.close()
+        assert it.numbers() == numbers
+
+
+def test_a_log_deleted_at_the_very_end_is_copied(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        numbers = [it.note(), it.sample(), it.note()]
+        it.recorder.path.unlink()
+        assert it.recorder.close()
+        assert it.numbers() == numbers
+
+
+@pytest.mark.parametrize("how", ["moved", "replaced"])
+def test_a_log_whose_name_is_taken_away_goes_on_elsewhere(tmp_path: Path, how: str) -> None:
+    with bench(tmp_path) as it:
+        it.note()
+        it.synced()
+        log = it.home / f"{STEM}.jsonl"
+        if how == "moved":
+            log.rename(tmp_path / "taken.jsonl")
+        else:
+            other = tmp_path / "other"
+            other.write_text("")
+            other.replace(log)
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        number = it.note()
+        assert number in it.numbers()
+        reason = it.recorder.path.read_text().splitlines()[0]
+        assert "moved or replaced" in reason or "deleted" in reason
+
+
+def test_a_log_cut_short_by_another_program_is_left(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.note()
+        it.synced()
+        (it.home / f"{STEM}.jsonl").write_text("")
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        assert "cut the log short" in it.recorder.path.read_text().splitlines()[0]
+
+
+def test_a_file_in_the_folders_place(tmp_path: Path) -> None:
+    (tmp_path / "recordings").write_text("a file")
+    with bench(tmp_path) as it:
+        number = it.note()
+        assert it.recorder.path.parent == it.spill
+        assert it.numbers() == [number]
+        assert it.told("alarm").detail
+
+
+def test_a_folder_that_may_not_be_written(tmp_path: Path) -> None:
+    it = Bench(tmp_path)
+    it.home.mkdir()
+    it.home.chmod(0o500)
+    it.begin()
+    try:
+        number = it.note()
+        assert it.numbers() == [number]
+    finally:
+        it.home.chmod(0o700)
+        it.recorder.close()
+
+
+def test_the_default_second_place(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_STATE_HOME", str(tmp_path / "state"))
+    (tmp_path / "recordings").write_text("a file")
+    recorder = Recorder(tmp_path / "recordings", STEM, ManualClock())
+    recorder.close()
+    assert recorder.path.parent == tmp_path / "state" / "woz"
+
+
+@pytest.mark.parametrize(("waits_s", "level"), [(0.3, "warn"), (1.2, "alarm")])
+def test_a_slow_disk_is_told(tmp_path: Path, waits_s: float, level: str) -> None:
+    with bench(tmp_path) as it:
+        it.told("ok")
+        it.synced()
+        it.disk.gate.clear()
+        it.note()
+        it.clock.advance(waits_s)
+        state = it.told(level)
+        assert state.lag_us >= waits_s * 1e6
+        assert "slow" in state.detail
+        it.disk.gate.set()
+        it.synced()
+        before = len(it.states)
+
+        def calm() -> bool:
+            it.clock.advance(0.5)
+            return any(state.level == "ok" for state in it.states[before:])
+
+        until(calm, "ok again")
+
+
+def test_a_disk_that_has_stopped_answering_is_left(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.synced()
+        hold = it.disk.gate
+        hold.clear()
+        number = it.note()
+        it.clock.advance(11)
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        assert str(number) in it.recorder.path.read_text()
+        hold.set()
+        it.synced()
+        assert it.numbers() == [number]
+
+
+def test_a_hung_disk_does_not_hang_the_exit(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.synced()
+        it.disk.gate.clear()
+        number = it.note()
+        begun = time.monotonic()
+        assert it.recorder.close() is False
+        # Three times the bound: a loaded machine is slow, a hang is for ever.
+        assert time.monotonic() - begun < 3 * CLOSE_WAIT_S
+        assert it.numbers() == [number]
+
+
+def test_record_returns_while_the_disk_hangs(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.disk.gate.clear()
+        numbers = [it.note() for _ in range(500)]
+        assert it.numbers() == numbers, "all of them are with the kernel"

@@ -161,6 +161,8 @@ async def test_poses_are_clamped_and_what_was_reached_comes_back(it: Rig) -> Non
     assert sent["joints"] == {"pan": 90.0, "tilt": -10.0}
     sent = await it.do("poses", poses=[{"pan": 10, "seconds": 0.2}, {"pan": -20, "seconds": 1}])
     assert sent["joints"] == {"pan": pytest.approx(-20, abs=0.1)}
+    sent = await it.do("poses", poses=[{"joints": {"tilt": 12}, "seconds": 0.5}])
+    assert sent["joints"] == {"tilt": pytest.approx(12, abs=0.1)}
     sent = await it.do("home")
     assert sent["joints"] == {name: pytest.approx(0, abs=0.1) for name in ("pan", "tilt", "hip")}
 
@@ -210,6 +212,7 @@ async def test_sound_lasts_as_long_as_its_file(it: Rig, tmp_path: Path) -> None:
     assert (await it.do("sound", file="beep.wav"))["seconds"] == 1.5
     (tmp_path / "map.png").write_bytes(b"not a sound")
     assert (await it.do("sound", file="map.png"))["seconds"] == 2.0
+    assert (await it.do("screen", file="https://example.org/"))["file"] == "https://example.org/"
     assert (await it.do("screen", file="map.png"))["file"] == str(tmp_path / "map.png")
 
 
@@ -453,6 +456,12 @@ async def test_it_may_take_a_while_to_be_found(tmp_path: Path) -> None:
 
 
 # -- shape and visitor ----------------------------------------------------------------------------
+
+
+def test_a_head_joint_that_is_not_there_is_a_problem_of_the_file() -> None:
+    assert Settings().problems() == []
+    assert Settings(yaw_joint="neck").problems() == [("yaw_joint", "there is no joint 'neck'")]
+    assert Settings(joints={}).problems() == []
 
 
 def test_a_robot_without_a_head_offers_no_gaze() -> None:

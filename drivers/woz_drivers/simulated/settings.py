@@ -56,7 +56,9 @@ class Settings:
     hip_joint: Annotated[str, Doc("the joint that `hip` bends forward")] = "hip"
     hip_roll_joint: Annotated[str, Doc("the joint that `hip` bends sideways")] = "hip-roll"
     moves: Annotated[
-        dict[str, float], Doc("further names for `play`, with their durations in seconds")
+        dict[str, float],
+        Seconds(),
+        Doc("further names for `play`, with their durations in seconds"),
     ] = field(default_factory=dict)
     modes: Annotated[tuple[str, ...], Doc("what `mode` may be; the first holds at the start")] = (
         "normal",
@@ -85,3 +87,12 @@ class Settings:
     def __post_init__(self) -> None:
         if not self.modes or not self.emotions:
             raise ValueError("modes and emotions need at least one word each")
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What does not fit together, as (path of the setting, what is wrong)."""
+        usual = {"yaw_joint": "pan", "pitch_joint": "tilt", "hip_joint": "hip"}
+        return [
+            (role, f"there is no joint {getattr(self, role)!r}")
+            for role, name in usual.items()
+            if getattr(self, role) not in self.joints and getattr(self, role) != name
+        ]

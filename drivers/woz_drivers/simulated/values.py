@@ -111,7 +111,10 @@ def pose(value: Json, joints: Iterable[str]) -> dict[str, float]:
 
 
 def poses(value: Json, joints: Iterable[str]) -> list[tuple[float, dict[str, float]]]:
-    """(seconds for this pose, degrees by joint) one after the other, or `Rejected`."""
+    """(seconds for this pose, degrees by joint) one after the other, or `Rejected`.
+
+    Both `{joints: {pan: 10}, seconds: 1}` and the shorter `{pan: 10, seconds: 1}` are poses.
+    """
     names = list(joints)
     if not isinstance(value, list) or not value:
         raise Rejected("poses are a list such as [{pan: 10, seconds: 0.5}]")
@@ -119,7 +122,8 @@ def poses(value: Json, joints: Iterable[str]) -> list[tuple[float, dict[str, flo
     for one in value:
         if not isinstance(one, dict):
             raise Rejected(f"a pose is a mapping such as {{pan: 10, seconds: 0.5}}, not {one!r}")
-        goals = {name: degrees for name, degrees in one.items() if name != "seconds"}
+        flat = {name: degrees for name, degrees in one.items() if name != "seconds"}
+        goals = flat["joints"] if isinstance(flat.get("joints"), dict) else flat
         found.append((positive(one, "seconds", 0.5), pose(goals, names)))
     return found
 
@@ -136,19 +140,21 @@ def color(args: Mapping[str, Json], name: str) -> str:
     raise Rejected(f"unknown colour {value!r}", _did_you_mean(value, sorted(COLORS)))
 
 
-def file(args: Mapping[str, Json], name: str, folder: Path) -> Path:
-    """A file that is there, or `Rejected`; relative paths start at `folder`."""
+def file(args: Mapping[str, Json], name: str, folder: Path) -> str:
+    """A web address, or a file that is there, or `Rejected`; relative paths start at `folder`."""
     value = text(args, name)
+    if "://" in value:
+        return value
     path = folder / value
     if not value or not path.is_file():
         raise Rejected(f"there is no file {path}", "put it there, or correct the path")
-    return path
+    return str(path)
 
 
-def sound_seconds(path: Path) -> float:
+def sound_seconds(path: str) -> float:
     """How long a WAV file plays; `UNKNOWN_SOUND` where its head cannot be read."""
     try:
-        with wave.open(str(path), "rb") as sound:
+        with wave.open(path, "rb") as sound:
             return sound.getnframes() / sound.getframerate()
     except (wave.Error, EOFError, OSError, ZeroDivisionError):
         return UNKNOWN_SOUND

@@ -1,0 +1,243 @@
+"""`woz doctor [FILE]`: look at machine, terminal and devices before the participants come."""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import json
+import os
+from collections.abc import Iterator
+from dataclasses import asdict, dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from woz_tui import plugins
+from woz_tui.core.driver import Driver, Finding, Probe
+from woz_tui.core.machine import ports, processor, storage, terminal, timekeeping
+from woz_tui.core.machine.bounded import bounded
+from woz_tui.experiment.shape import DriverSpec, Experiment, ExperimentError
+from woz_tui.host import place
+
+#: How long loading the file and examining one driver may take, in seconds.
+LOAD_S = 10.0
+DRIVER_S = 15.0
+
+#: Columns of what a finding is about.
+SUBJECT_WIDTH = 24
+
+LEVELS = ("ok", "info", "warning", "error")
+_GLYPHS = {"ok": "✓", "info": "·", "warning": "!", "error": "✗"}
+_PLAIN_GLYPHS = {"ok": "ok", "info": "-", "warning": "!", "error": "X"}
+_STYLES = {"ok": "green", "info": "dim", "warning": "yellow", "error": "bold red"}
+
+
+@dataclass(frozen=True, slots=True)
+class Section:
+    """Findings that belong together, under a heading."""
+
+    title: str
+    findings: list[Finding]
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "experiment", type=Path, nargs="?", help="experiment file (default: only the machine)"
+    )
+    parser.add_argument(
+        "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
+    )
+    parser.add_argument("--json", action="store_true", help="for programs: one JSON object")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Show every finding as it comes in; 0 if none is an error, 1 otherwise."""
+    console = Console(highlight=False)
+    sections = []
+    for section in examine(arguments.experiment, arguments.recordings):
+        sections.append(section)
+        if not arguments.json:
+            console.print(_table(section, console))
+    if arguments.json:
+        print(_as_json(sections))
+    else:
+        console.print(_summary(sections))
+    return 1 if _count(sections, "error") else 0
+
+
+def examine(experiment: Path | None, recordings: Path) -> Iterator[Section]:
+    """All checks, section by section. Bounded in time; never raises."""
+    yield Section("Terminal", _terminal())
+    yield Section("Machine", _machine(recordings))
+    yield Section("Ports", _ports())
+    if experiment is not None:
+        yield from _experiment(experiment)
+
+
+def _terminal() -> list[Finding]:
+    with terminal.controlling() as descriptor:
+        if descriptor is None:
+            return [Finding("info", "terminal", "none here: its checks are left out")]
+        return [
+            *bounded("terminal", lambda: terminal.environment(os.environ)),
+            *bounded("size", lambda: [terminal.size()]),
+            # In this thread, so that the terminal's mode is restored whatever happens.
+            *terminal.conversation(descriptor),
+            *bounded("tmux", lambda: terminal.multiplexers(os.environ)),
+        ]
+
+
+def _machine(recordings: Path) -> list[Finding]:
+    return [
+        *bounded("python", lambda: [processor.python_version()]),
+        *bounded("disk", lambda: [storage.free_space(recordings)]),
+        *bounded("recordings", lambda: [storage.sync_time(recordings)]),
+        *bounded("date", lambda: [timekeeping.calendar(datetime.now(UTC))]),
+        *bounded("time server", lambda: [timekeeping.synchronised()]),
+        *bounded("timing", lambda: [timekeeping.monotonic_clock()]),
+        *bounded("processor", processor.governor),
+        *bounded("power", processor.throttling),
+        *bounded("socket", _sockets),
+    ]
+
+
+def _sockets() -> list[Finding]:
+    try:
+        path = place.socket_path("S01")
+        running = place.running()
+    except OSError as error:
+        return [Finding("error", "socket", str(error), "see docs/protocol.md")]
+    found = [_socket_folder(path.parent)]
+    found += [
+        Finding("info", "socket", f"a session is running at {other}: it holds its devices")
+        for other in running
+    ]
+    return found
+
+
+def _socket_folder(folder: Path) -> Finding:
+    if os.access(folder, os.W_OK | os.X_OK):
+        return Finding("ok", "socket", f"sessions will listen in {folder}")
+    return Finding("error", "socket", f"{folder} cannot be written to", "set WOZ_SOCKET")
+
+
+def _ports() -> list[Finding]:
+    return [
+        *bounded("serial access", ports.serial_group),
+        *bounded("serial ports", ports.serial_ports),
+        *bounded("latency", ports.latency_timers),
+    ]
+
+
+# -- the experiment and its drivers -------------------------------------------------------------
+
+
+def _experiment(path: Path) -> Iterator[Section]:
+    loaded: list[tuple[Experiment, plugins.Catalogue]] = []
+
+    def load() -> list[Finding]:
+        findings, result = _load(path)
+        if result is not None:
+            loaded.append(result)
+        return findings
+
+    yield Section("Experiment", bounded(str(path), load, LOAD_S))
+    for experiment, catalogue in loaded:
+        for spec in experiment.drivers:
+            yield Section(f"Driver {spec.name} ({spec.type})", _driver(spec, experiment, catalogue))
+
+
+def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogue] | None]:
+    from woz_tui.experiment.decode import load  # noqa: PLC0415 - not without a file
+
+    try:
+        catalogue = plugins.installed()
+        experiment = load(path, catalogue)
+    except ExperimentError as error:
+        problems = [
+            Finding(
+                "warning" if problem.warning else "error",
+                str(problem.place),
+                f"{problem.path}: {problem.message}",
+            )
+            for problem in error.problems
+        ]
+        return problems, None
+    except plugins.PluginError as error:
+        return [Finding("error", "drivers", str(error))], None
+    except OSError as error:
+        remedy = "check the path"
+        return [Finding("error", str(path), error.strerror or str(error), remedy)], None
+    count = sum(len(panel.actions) for panel in experiment.panels)
+    text = f"{experiment.title}: {count} actions, {len(experiment.drivers)} drivers"
+    return [
+        Finding("ok", path.name, text),
+        *(
+            Finding("warning", str(problem.place), f"{problem.path}: {problem.message}")
+            for problem in experiment.warnings
+        ),
+    ], (experiment, catalogue)
+
+
+def _driver(
+    spec: DriverSpec, experiment: Experiment, catalogue: plugins.Catalogue
+) -> list[Finding]:
+    probe = Probe(spec.name, spec.settings, experiment.path.parent)
+    driver: type[Driver] = catalogue[spec.type]
+    findings = bounded(spec.name, lambda: asyncio.run(driver.examine(probe)), DRIVER_S)
+    return findings or [Finding("info", spec.name, "this driver has no checks of its own")]
+
+
+# -- showing ------------------------------------------------------------------------------------
+
+
+def _count(sections: list[Section], level: str) -> int:
+    return sum(finding.level == level for section in sections for finding in section.findings)
+
+
+def _as_json(sections: list[Section]) -> str:
+    return json.dumps(
+        {
+            "errors": _count(sections, "error"),
+            "warnings": _count(sections, "warning"),
+            "findings": [
+                {"section": section.title, **asdict(finding)}
+                for section in sections
+                for finding in section.findings
+            ],
+        },
+        indent=2,
+        ensure_ascii=False,
+    )
+
+
+def _table(section: Section, console: Console) -> Table:
+    glyphs = _GLYPHS if console.encoding.lower().startswith("utf") else _PLAIN_GLYPHS
+    table = Table(box=None, show_header=False, padding=(0, 1, 0, 0), title_justify="left")
+    table.title = Text(section.title, style="bold")
+    table.add_column(width=2, no_wrap=True)
+    table.add_column(width=min(SUBJECT_WIDTH, console.width // 4), overflow="fold")
+    table.add_column(ratio=1, overflow="fold")
+    for finding in section.findings:
+        table.add_row(*_row(finding, glyphs))
+    return table
+
+
+def _row(finding: Finding, glyphs: dict[str, str]) -> tuple[Text, Text, Text]:
+    level = finding.level if finding.level in LEVELS else "error"
+    words = Text(finding.text)
+    if finding.remedy:
+        words.append(f"\n> {finding.remedy}", style="italic")
+    return Text(glyphs[level], style=_STYLES[level]), Text(finding.subject), words
+
+
+def _summary(sections: list[Section]) -> Text:
+    errors, warnings = _count(sections, "error"), _count(sections, "warning")
+    text = f"\n{errors} error{'' if errors == 1 else 's'}, "
+    text += f"{warnings} warning{'' if warnings == 1 else 's'}"
+    return Text(text, style=_STYLES["error" if errors else "warning" if warnings else "ok"])

@@ -45,14 +45,14 @@ FORMATS: Mapping[str, Format] = {
 
 def decode(data: bytes, name: str, channels: int) -> Samples:
     """PCM bytes as samples of shape (frames, channels); an unfinished frame at the end is left
-    out. NaN in float PCM becomes 0.
+    out. In float PCM, NaN becomes 0 and what exceeds full scale is cut off.
     """
     form = FORMATS[name]
     frame = form.width * channels
     whole = data[: len(data) // frame * frame]
     integers = _packed_24(whole) if form.width == 3 else np.frombuffer(whole, dtype=form.dtype)
     if form.floating:
-        samples = np.nan_to_num(integers.astype(np.float32), nan=0.0, posinf=1.0, neginf=-1.0)
+        samples = np.clip(np.nan_to_num(integers.astype(np.float32), nan=0.0), -1.0, 1.0)
     else:
         if form.width == 4 and form.bits == 24:
             integers = (integers << 8) >> 8  # the top byte holds anything

@@ -173,7 +173,7 @@ class Speech:
     # -- programs ------------------------------------------------------------------------------
 
     async def _look(self) -> None:
-        while not self._complete():
+        while not self._complete():  # noqa: ASYNC110 - nothing tells when a program is installed
             await asyncio.sleep(_LOOK_S)
 
     def _complete(self) -> bool:

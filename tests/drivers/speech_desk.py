@@ -1,0 +1,81 @@
+"""A loudspeaker without a sound card, for tests of the speech driver."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+from woz_drivers.speech import Speech
+from woz_drivers.speech_settings import SpeechSettings
+from woz_drivers.wav import Wav
+
+from tests.drivers.heard import Heard, Ordered
+from tests.fakes import sound as fake
+from tests.fakes.sound import RATE, square, told
+from woz_tui.core.messages import DriverConnected
+
+SCRIPT = (sys.executable, "-S", fake.__file__)
+
+
+class Desk:
+    """A loudspeaker made of scripts, the journal they write, and drivers that use them."""
+
+    def __init__(self, folder: Path) -> None:
+        self.folder = folder
+        self.journal = folder / "journal"
+        self.heard = Heard(folder)
+        self.drivers: list[Speech] = []
+
+    def command(self, what: str, *options: str) -> tuple[str, ...]:
+        """A script's command line."""
+        return (*SCRIPT, what, str(self.journal), *options)
+
+    def settings(self, **changes: Any) -> SpeechSettings:
+        """Scripts for everything, a cache of its own."""
+        usual: dict[str, Any] = {
+            "synthesise": self.command("synthesise", "--wav", "{wav}", "--voice", "{voice}"),
+            "play": self.command("play", "--wav", "{wav}"),
+            "cache": str(self.folder / "cache"),
+        }
+        made = SpeechSettings(**{**usual, **changes})
+        assert made.problems() == []
+        return made
+
+    async def open(self, **changes: Any) -> Speech:
+        """A driver that has found its programs."""
+        driver = Speech("it", self.settings(**changes), self.heard.outlet)
+        self.drivers.append(driver)
+        await driver.open()
+        await self.heard.first(DriverConnected)
+        return driver
+
+    def told(self, what: str = "") -> list[dict[str, object]]:
+        """What the scripts did."""
+        return told(self.journal, what)
+
+    def wav(self, name: str, seconds: float) -> Path:
+        """A sound file in the experiment's folder."""
+        path = self.folder / name
+        path.parent.mkdir(exist_ok=True)
+        path.write_bytes(Wav("S16_LE", RATE, 1, square(seconds, 0.5)).to_bytes())
+        return path
+
+
+@contextlib.asynccontextmanager
+async def desk_in(folder: Path) -> AsyncIterator[Desk]:
+    """A desk whose drivers are closed in the end, and that leaves no process behind."""
+    desk = Desk(folder)
+    yield desk
+    for driver in desk.drivers:
+        await driver.close()
+    running = [one for one in psutil.Process().children() if one.status() != "zombie"]
+    assert running == []
+
+
+def say(text: str) -> Ordered:
+    """A job that says `text`."""
+    return Ordered("say", {"text": text})

@@ -1,0 +1,168 @@
+"""Child processes: found, fed, killed with all that they started, never left behind."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import signal
+import sys
+from pathlib import Path
+
+import psutil
+import pytest
+from woz_drivers import child, programs
+from woz_drivers.programs import ProgramMissing
+
+from tests.drivers.heard import until
+from woz_tui.core.driver import DriverError
+
+
+def alive(pid: int) -> bool:
+    """Whether a process runs; a zombie does not."""
+    try:
+        return psutil.Process(pid).status() != psutil.STATUS_ZOMBIE
+    except psutil.NoSuchProcess:
+        return False
+
+
+async def test_output_stdin_status_and_last_words(tmp_path: Path) -> None:
+    output = bytearray()
+    script = "cat; echo first >&2; printf 'progress\\rlast words \\n\\n' >&2; exit 3"
+    running = await child.start(
+        ("sh", "-c", script), tmp_path, on_output=output.extend, text="hällo\n"
+    )
+    assert await running.wait() == 3
+    await running.gone()
+    assert output.decode() == "hällo\n"
+    assert running.last_line == "last words"
+    assert not running.running
+
+
+async def test_everything_it_started_dies_with_it(tmp_path: Path) -> None:
+    said = bytearray()
+    running = await child.start(
+        ("sh", "-c", "sleep 1000 & echo $!; wait"), tmp_path, on_output=said.extend
+    )
+    await until(lambda: said.endswith(b"\n"))
+    grandchild = int(said)
+    assert alive(grandchild)
+    await running.gone()
+    await until(lambda: not alive(grandchild))
+
+
+async def test_waiting_ends_though_a_grandchild_keeps_the_pipes(tmp_path: Path) -> None:
+    said = bytearray()
+    running = await child.start(
+        ("sh", "-c", "sleep 1000 & echo $!"), tmp_path, on_output=said.extend
+    )
+    assert await running.wait() == 0
+    await running.gone()
+    await until(lambda: not alive(int(said)))
+
+
+async def test_it_does_not_outlive_a_killed_robot_process(tmp_path: Path) -> None:
+    robot = (
+        "import asyncio, pathlib, sys\n"
+        "from woz_drivers import child\n"
+        "async def main():\n"
+        "    await child.start(('sh', '-c', 'echo $$ > pid; exec sleep 1000'),"
+        " pathlib.Path(sys.argv[1]))\n"
+        "    await asyncio.sleep(1000)\n"
+        "asyncio.run(main())\n"
+    )
+    process = await asyncio.create_subprocess_exec(sys.executable, "-c", robot, tmp_path)
+    written = tmp_path / "pid"
+    try:
+        await until(lambda: written.exists() and written.read_text().endswith("\n"))
+        pid = int(written.read_text())
+        assert alive(pid)
+    finally:
+        process.kill()
+        await process.wait()
+    try:
+        await until(lambda: not alive(pid))
+    finally:
+        if alive(pid):
+            os.killpg(pid, signal.SIGKILL)
+
+
+async def test_it_runs_in_the_folder_of_the_experiment(tmp_path: Path) -> None:
+    script = tmp_path / "say.sh"
+    script.write_text("#!/bin/sh\npwd\n")
+    with pytest.raises(ProgramMissing, match="not executable") as raised:
+        await child.start(("./say.sh",), tmp_path)
+    assert raised.value.remedy.startswith("chmod +x")
+    script.chmod(0o700)
+    said = bytearray()
+    running = await child.start(("./say.sh",), tmp_path, on_output=said.extend)
+    await running.wait()
+    await running.gone()
+    assert said.decode().strip() == str(tmp_path)
+
+
+async def test_held_output_waits(tmp_path: Path) -> None:
+    said = bytearray()
+    go = asyncio.Event()
+
+    def take(data: bytes) -> None:
+        said.extend(data)
+        go.set()
+
+    running = await child.start(("cat", "/dev/zero"), tmp_path, on_output=take)
+    await go.wait()
+    running.hold(True)
+    before = len(said)
+    await asyncio.sleep(0)
+    assert len(said) == before
+    running.hold(False)
+    await until(lambda: len(said) > before)
+    await running.gone()
+
+
+async def test_what_the_system_refuses_is_a_driver_error(tmp_path: Path) -> None:
+    with pytest.raises(DriverError, match="cannot be started"):
+        await child.start(("echo", "x" * 3_000_000), tmp_path)
+    with pytest.raises(DriverError, match="cannot be started"):
+        await child.start(("echo", "a\0b"), tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("program", "remedy"),
+    [
+        ("arecord", "sudo apt install alsa-utils"),
+        ("parec", "sudo apt install pulseaudio-utils"),
+        ("ffmpeg", "sudo apt install ffmpeg"),
+        ("espeak-ng", "sudo apt install espeak-ng"),
+        ("nosuch", "install nosuch, or name another program in the robot file"),
+    ],
+)
+def test_missing_programs_name_their_package(
+    program: str, remedy: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    with pytest.raises(ProgramMissing, match=f"{program} is not installed") as raised:
+        programs.find(program, tmp_path)
+    assert raised.value.remedy == remedy
+
+
+def test_a_missing_path_is_named(tmp_path: Path) -> None:
+    with pytest.raises(ProgramMissing, match="does not exist"):
+        programs.find("bin/say", tmp_path)
+
+
+def test_commands_are_split_like_a_shell_would_and_run_by_none() -> None:
+    assert programs.split("play 'a b' $HOME ; rm", "play") == ("play", "a b", "$HOME", ";", "rm")
+    assert programs.split(["a b", "c"], "play") == ("a b", "c")
+    with pytest.raises(DriverError, match="closing quotation"):
+        programs.split("play 'a", "play")
+    with pytest.raises(DriverError, match="play is empty"):
+        programs.split("  ", "play")
+
+
+def test_placeholders_are_filled_once_and_checked() -> None:
+    words = ("say", "--text={text}", "{text}", "{wav}", '{"json": 1}')
+    filled = programs.fill(words, {"text": "-rf {wav}", "wav": "/x"})
+    assert filled == ("say", "--text=-rf {wav}", " -rf {wav}", "/x", '{"json": 1}')
+    assert programs.placeholders(words, ("text", "wav"), "speak") == {"text", "wav"}
+    with pytest.raises(DriverError, match=r"speak has \{txt\}"):
+        programs.placeholders(("{txt}",), ("text",), "speak")

@@ -1,0 +1,337 @@
+"""The microphone driver behind real commands: a pipe as the sound source, and what goes wrong."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import psutil
+import pytest
+from woz_drivers import sound
+from woz_drivers.microphone import Microphone
+from woz_drivers.microphone_settings import MicrophoneSettings
+
+from tests.drivers.heard import Heard, Ordered, until
+from tests.fakes.sound import RATE, PipedMicrophone, square
+from woz_tui.core.clock import ManualClock, RealClock
+from woz_tui.core.driver import DriverError, Finding, Lost, Probe, Rejected, Scope
+from woz_tui.core.messages import DriverConnected, DriverLost, Notice
+
+Begin = Callable[..., Any]
+
+
+@pytest.fixture
+def pipe(tmp_path: Path) -> PipedMicrophone:
+    return PipedMicrophone(tmp_path / "pipe")
+
+
+@pytest.fixture
+def clock() -> ManualClock:
+    return ManualClock()
+
+
+@pytest.fixture
+async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
+    microphones: list[Microphone] = []
+
+    async def started(
+        command: tuple[str, ...] | str, real: bool = False, **settings: Any
+    ) -> tuple[Microphone, Heard]:
+        heard = Heard(tmp_path, RealClock() if real else clock)
+        made = MicrophoneSettings(command=command, **settings)
+        assert made.problems() == []
+        microphone = Microphone("it", made, heard.outlet)
+        microphones.append(microphone)
+        await microphone.open()
+        return microphone, heard
+
+    yield started
+    for microphone in microphones:
+        await microphone.close()
+
+
+async def test_loudness_of_the_loudest_block_ten_times_a_second(
+    begin: Begin, pipe: PipedMicrophone
+) -> None:
+    _, heard = await begin(pipe.command)
+    await until(pipe.connected)
+    pipe.send(square(0.45, 0.25) + square(0.05, 0.5) + square(0.5, 0.125))
+    await heard.until(lambda: len(heard.values("loudness")) == 10)
+    assert heard.values("loudness") == pytest.approx([0.25] * 4 + [0.5] + [0.125] * 5, rel=1e-3)
+    assert heard.all(DriverConnected)[0].detail == "cat, 16000 Hz, S16_LE, 1 channel"
+
+
+async def test_rms_over_all_blocks_at_another_rate(begin: Begin, pipe: PipedMicrophone) -> None:
+    _, heard = await begin(pipe.command, measure="rms", publish=5)
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.6) + square(0.1, 0.0) + square(0.2, 0.3))
+    await heard.until(lambda: len(heard.values("loudness")) == 2)
+    assert heard.values("loudness") == pytest.approx([0.6 / 2**0.5, 0.3], rel=1e-3)
+
+
+async def test_a_stream_split_at_odd_bytes_is_the_same(begin: Begin, pipe: PipedMicrophone) -> None:
+    _, heard = await begin(pipe.command)
+    await until(pipe.connected)
+    data = square(0.1, 0.25) + square(0.1, 0.5)
+    for start in range(0, len(data), 611):
+        pipe.send(data[start : start + 611])
+        await asyncio.sleep(0)
+    await heard.until(lambda: len(heard.values("loudness")) == 2)
+    assert heard.values("loudness") == pytest.approx([0.25, 0.5], rel=1e-3)
+
+
+async def test_one_channel_of_two_in_24_bits(begin: Begin, pipe: PipedMicrophone) -> None:
+    _, heard = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
+    await until(pipe.connected)
+    stereo = np.tile(np.array([[0.9, 0.3]], np.float32), (RATE // 10, 1))
+    pipe.send(sound.encode(stereo, "S24_3LE"))
+    await heard.until(lambda: len(heard.values("loudness")) == 1)
+    assert heard.values("loudness") == pytest.approx([0.3], rel=1e-3)
+
+
+async def test_speaking_quiet_clipping_and_silent(begin: Begin, pipe: PipedMicrophone) -> None:
+    _, heard = await begin(pipe.command, threshold=0.1, hang_over=0.2, silent_after=0.5)
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.05) + square(0.2, 0.5) + square(0.3, 0.05))
+    await heard.until(lambda: heard.states("loudness") == ["quiet", "speaking", "quiet"])
+    pipe.send(square(0.1, 0.9999) + square(1.2, 0.3))
+    await heard.until(lambda: heard.states("loudness")[3:] == ["clipping", "speaking"])
+    pipe.send(square(0.8, 0.0))
+    await heard.until(lambda: heard.states("loudness")[5:] == ["quiet", "silent"])
+    assert "muted" in (await heard.state("loudness", "silent")).why
+    pipe.send(square(0.1, 0.01))
+    await heard.state("loudness", "quiet")
+
+
+async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedMicrophone) -> None:
+    microphone, heard = await begin(pipe.command, hang_over=0.1)
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.05))
+    await heard.state("loudness", "speaking")
+    job = Ordered("listen_room", {"seconds": 0.4})
+    performing = asyncio.ensure_future(microphone.perform(job))
+    await until(lambda: job.announced == [0.4])
+    pipe.send(square(0.2, 0.05) + square(0.2, 0.07))
+    sent = await performing
+    assert sent == {
+        "threshold": pytest.approx(0.06 + 4 * 0.01, rel=1e-3),
+        "was": 0.02,
+        "mean": pytest.approx(0.06, rel=1e-3),
+        "sd": pytest.approx(0.01, rel=1e-2),
+        "k": 4.0,
+        "loudest": pytest.approx(0.07, rel=1e-3),
+        "seconds": pytest.approx(0.4),
+    }
+    assert "threshold: 0.1000" in heard.all(Notice)[0].remedy
+    pipe.send(square(0.2, 0.07))
+    await heard.state("loudness", "quiet")
+    pipe.send(square(0.2, 0.12))
+    await heard.state("loudness", "speaking")
+
+
+async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedMicrophone) -> None:
+    microphone, heard = await begin(pipe.command)
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.0))
+    await heard.state("loudness", "quiet")
+    job = Ordered("listen_room", {"seconds": 0.1})
+    performing = asyncio.ensure_future(microphone.perform(job))
+    await until(lambda: bool(job.announced))
+    pipe.send(square(0.2, 0.0))
+    with pytest.raises(DriverError, match="only zeros"):
+        await performing
+
+
+async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedMicrophone) -> None:
+    microphone, heard = await begin(pipe.command)
+    with pytest.raises(Lost, match="delivers no sound"):
+        await microphone.perform(Ordered("listen_room", {"seconds": 1.0}))
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.05))
+    await heard.state("loudness", "speaking")
+    job = Ordered("listen_room", {"seconds": 1.0})
+    performing = asyncio.ensure_future(microphone.perform(job))
+    await until(lambda: bool(job.announced))
+    pipe.unplug()
+    with pytest.raises(Lost, match="cat ended"):
+        await performing
+
+
+async def test_learning_can_be_cancelled(begin: Begin, pipe: PipedMicrophone) -> None:
+    microphone, heard = await begin(pipe.command)
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.05))
+    await heard.state("loudness", "speaking")
+    job = Ordered("listen_room", {"seconds": 1.0})
+    performing = asyncio.ensure_future(microphone.perform(job))
+    await until(lambda: bool(job.announced))
+    performing.cancel()
+    with pytest.raises(asyncio.CancelledError):
+        await performing
+    pipe.send(square(0.3, 0.01))  # more sound after that harms nobody
+    await heard.until(lambda: len(heard.values("loudness")) == 4)
+
+
+# -- trouble -----------------------------------------------------------------------------------
+
+
+async def test_a_command_that_dies_is_lost_with_its_last_words_and_started_again(
+    begin: Begin, tmp_path: Path
+) -> None:
+    (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
+    script = "cat sound.raw; echo hello >&2; echo 'device unplugged' >&2; exit 1"
+    _, heard = await begin(("sh", "-c", script))
+    lost = await heard.first(DriverLost)
+    assert lost.detail == "sh ended: device unplugged"
+    assert lost.remedy
+    assert (await heard.state("loudness", "stale")).why == "sh ended: device unplugged"
+    await heard.first(DriverLost, after=1)  # it came back, and died again
+    assert len(heard.all(DriverConnected)) == 2
+    assert heard.values("loudness") == pytest.approx([0.25] * 4, rel=1e-3)
+
+
+async def test_a_missing_program_names_its_package_and_is_found_once_it_is_there(
+    begin: Begin, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = tmp_path / "bin"
+    here.mkdir()
+    monkeypatch.setenv("PATH", f"{here}")
+    _, heard = await begin("parec --raw")
+    lost = await heard.first(DriverLost)
+    assert lost.detail == "parec is not installed on this machine"
+    assert lost.remedy == "sudo apt install pulseaudio-utils"
+    (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
+    program = here / "parec"
+    program.write_text("#!/bin/sh\nexec /bin/cat sound.raw\n")
+    program.chmod(0o700)
+    await heard.first(DriverConnected)
+
+
+async def test_a_command_that_hangs_is_stale_then_ended_and_started_again(
+    begin: Begin, pipe: PipedMicrophone, clock: ManualClock
+) -> None:
+    _, heard = await begin(pipe.command)
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.01))
+    await heard.state("loudness", "quiet")
+    clock.advance(1.5)
+    assert "delivers no sound" in (await heard.state("loudness", "stale")).why
+    pipe.send(square(0.1, 0.01))
+    await heard.state("loudness", "quiet")
+    clock.advance(6)
+    assert (await heard.first(DriverLost)).detail == "cat ran, but delivered no sound"
+
+
+async def test_nothing_is_left_behind(begin: Begin, tmp_path: Path) -> None:
+    (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
+    microphone, heard = await begin(("sh", "-c", "sleep 1000 & cat sound.raw; wait"))
+    await heard.first(DriverConnected)
+    children = psutil.Process().children(recursive=True)
+    assert len([one for one in children if one.name() == "sleep"]) == 1
+    await microphone.close()
+    _, left = psutil.wait_procs(children, timeout=10)
+    assert left == []
+
+
+async def test_sound_faster_than_real_time_is_slowed_down(begin: Begin) -> None:
+    _, heard = await begin(("head", "-c", "64000000", "/dev/zero"))  # 2000 s of it
+    await heard.until(lambda: len(heard.values("loudness")) >= 20)
+    for _ in range(200):
+        await asyncio.sleep(0.001)
+    assert len(heard.values("loudness")) < 2000
+    assert heard.all(DriverLost) == []
+
+
+async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedMicrophone) -> None:
+    microphone, _ = await begin(pipe.command)
+    assert [verb.name for verb in Microphone.verbs(None)] == ["listen_room"]
+    assert Microphone.sensors(None) == ("loudness",)
+    with pytest.raises(Rejected):
+        await microphone.perform(Ordered("say", {"text": "x"}))
+    await microphone.stop(Scope.ALL)
+    await microphone.rest()
+
+
+# -- settings and preflight --------------------------------------------------------------------
+
+
+def test_the_command_by_default() -> None:
+    words = MicrophoneSettings(device="plughw:1,0", rate=48000, channels=2).words
+    assert " ".join(words) == "arecord -q -D plughw:1,0 -t raw -f S16_LE -r 48000 -c 2"
+
+
+@pytest.mark.parametrize(
+    ("wrong", "setting"),
+    [
+        ({"channel": 2}, "channel"),
+        ({"command": "parec", "device": "hw:1"}, "device"),
+        ({"command": "parec 'x"}, "command"),
+    ],
+)
+def test_settings_that_contradict_each_other(wrong: dict[str, Any], setting: str) -> None:
+    assert [name for name, _ in MicrophoneSettings(**wrong).problems()] == [setting]
+
+
+async def examined(tmp_path: Path, data: bytes, **settings: Any) -> Finding:
+    (tmp_path / "sound.raw").write_bytes(data)
+    made = MicrophoneSettings(command="cat sound.raw", **settings)
+    (finding,) = await Microphone.examine(Probe("ear", made, tmp_path))
+    return finding
+
+
+@pytest.mark.parametrize(
+    ("level", "expected", "words"),
+    [
+        (0.01, "ok", "RMS 0.0100 (-40 dB)"),
+        (0.0, "error", "only zeros"),
+        (0.00004, "warning", "very quiet"),
+        (0.2, "warning", "louder than the threshold"),
+        (0.9999, "warning", "clipping"),
+    ],
+)
+async def test_examine_measures_a_second(
+    tmp_path: Path, level: float, expected: str, words: str
+) -> None:
+    finding = await examined(tmp_path, square(1.5, level))
+    assert (finding.level, finding.subject) == (expected, "ear")
+    assert words in finding.text
+
+
+async def test_examine_says_why_there_is_no_sound(tmp_path: Path) -> None:
+    failing = MicrophoneSettings(command=("sh", "-c", "echo no such device >&2; exit 1"))
+    (finding,) = await Microphone.examine(Probe("ear", failing, tmp_path))
+    assert (finding.level, finding.text) == ("error", "sh ended: no such device")
+    missing = MicrophoneSettings(command="./nothing")
+    (finding,) = await Microphone.examine(Probe("ear", missing, tmp_path))
+    assert finding.level == "error"
+    assert "does not exist" in finding.text
+
+
+# -- the real arecord --------------------------------------------------------------------------
+
+
+@pytest.mark.alsa
+async def test_arecord_from_a_file_in_the_place_of_a_sound_card(
+    begin: Begin, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    (tmp_path / "sound.raw").write_bytes(square(0.5, 0.25))
+    (tmp_path / "asound.conf").write_text(
+        'pcm.fake { type file; slave.pcm null; file /dev/null; format raw; infile "sound.raw" }\n'
+    )
+    monkeypatch.setenv("ALSA_CONFIG_PATH", f"/usr/share/alsa/alsa.conf:{tmp_path}/asound.conf")
+    _, heard = await begin("", real=True, device="fake")
+    await heard.until(lambda: len(heard.values("loudness")) >= 4)
+    assert heard.values("loudness")[:4] == pytest.approx([0.25] * 4, rel=1e-3)
+    assert heard.all(DriverConnected)[0].detail.startswith("arecord")
+
+
+@pytest.mark.alsa
+async def test_examine_with_arecord_says_what_is_wrong_with_the_device(tmp_path: Path) -> None:
+    settings = MicrophoneSettings(device="no-such-device")
+    (finding,) = await Microphone.examine(Probe("ear", settings, tmp_path))
+    assert finding.level == "error"
+    assert finding.text.startswith("arecord ended: ")
+    assert finding.remedy

@@ -1,0 +1,219 @@
+"""The speech driver when it is stopped, when programs fail, and before the session."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import psutil
+import pytest
+from woz_drivers.speech import Speech
+from woz_drivers.speech_cache import SpeechCache, users_folder
+from woz_drivers.speech_settings import SpeechSettings
+
+from tests.drivers.heard import Ordered, until
+from tests.drivers.speech_desk import Desk, desk_in, say
+from woz_tui.core.driver import DriverError, Lost, Probe, Rejected, Scope
+from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost
+
+
+@pytest.fixture
+async def desk(tmp_path: Path) -> AsyncIterator[Desk]:
+    async with desk_in(tmp_path) as made:
+        yield made
+
+
+# -- the stop ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("during", ["play", "synthesise"])
+async def test_the_stop_silences_at_once(desk: Desk, during: str) -> None:
+    driver = await desk.open(
+        synthesise=desk.command(
+            "synthesise", "--wav", "{wav}", "--delay", "1000" if during == "synthesise" else "0"
+        ),
+        play=desk.command("play", "--wav", "{wav}", "--hang"),
+    )
+    performing = asyncio.ensure_future(driver.perform(say("A long story")))
+    await until(lambda: len(desk.told(during)) == 1)
+    pid = desk.told(during)[0]["pid"]
+    await driver.stop(Scope.DRIVE)
+    assert psutil.pid_exists(int(str(pid)))
+    assert not performing.done()
+    performing.cancel()  # as the bus does at the same moment
+    await driver.stop(Scope.ALL)
+    assert performing.cancelled()
+    assert not psutil.pid_exists(int(str(pid)))
+
+
+async def test_the_stop_alone_is_enough(desk: Desk) -> None:
+    driver = await desk.open(play=desk.command("play", "--wav", "{wav}", "--hang"))
+    performing = asyncio.ensure_future(driver.perform(say("A long story")))
+    await until(lambda: len(desk.told("play")) == 1)
+    await driver.stop(Scope.ALL)
+    assert performing.cancelled()
+    await driver.stop(Scope.ALL)
+    await driver.rest()
+
+
+async def test_closing_in_mid_sentence_leaves_nothing_behind(desk: Desk) -> None:
+    driver = await desk.open(play=desk.command("play", "--wav", "{wav}", "--hang"))
+    performing = asyncio.ensure_future(driver.perform(say("A long story")))
+    await until(lambda: len(desk.told("play")) == 1)
+    await driver.close()
+    assert performing.cancelled()
+
+
+# -- trouble -----------------------------------------------------------------------------------
+
+
+async def test_a_failing_player_says_why_until_it_works_again(desk: Desk) -> None:
+    switch = desk.folder / "broken"
+    switch.touch()
+    play = ("sh", "-c", f"test -e {switch} && echo 'no sound card' >&2 && exit 1; exit 0", "{wav}")
+    driver = await desk.open(play=play)
+    with pytest.raises(DriverError, match="sh failed: no sound card"):
+        await driver.perform(say("Hello"))
+    assert (await desk.heard.first(DriverFaulted)).detail == "sh failed: no sound card"
+    switch.unlink()
+    await driver.perform(say("Hello"))
+    await desk.heard.first(DriverConnected, after=1)
+
+
+async def test_the_last_line_of_a_player_is_its_reason(desk: Desk) -> None:
+    driver = await desk.open(play=desk.command("play", "--wav", "{wav}", "--fail", "device busy"))
+    with pytest.raises(DriverError, match="failed: device busy"):
+        await driver.perform(say("Hello"))
+
+
+async def test_a_player_that_hangs_is_killed(desk: Desk) -> None:
+    driver = await desk.open(
+        play=desk.command("play", "--wav", "{wav}", "--hang"), margin=0.3, volume=0.5
+    )
+    with pytest.raises(DriverError, match=r"did not end within 0\.3 s and was killed"):
+        await driver.perform(say("Hi"))
+
+
+async def test_a_synthesiser_that_writes_no_sound(desk: Desk) -> None:
+    driver = await desk.open(synthesise=("true", "{wav}"))
+    with pytest.raises(DriverError, match="true ended well but wrote no sound"):
+        await driver.perform(say("Hello"))
+
+
+async def test_a_cache_that_cannot_be_written(desk: Desk) -> None:
+    (desk.folder / "file").touch()
+    driver = await desk.open(cache=str(desk.folder / "file" / "cache"))
+    with pytest.raises(DriverError, match="no room for synthesised speech") as raised:
+        await driver.perform(say("Hello"))
+    assert "cache:" in raised.value.remedy
+
+
+async def test_missing_programs(
+    desk: Desk, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    desk.wav("hello.wav", 0.05)
+    here = tmp_path / "bin"
+    here.mkdir()
+    settings = SpeechSettings(cache=str(tmp_path / "c"), recordings={"Hello": "hello.wav"})
+    driver = Speech("it", settings, desk.heard.outlet)
+    desk.drivers.append(driver)
+    monkeypatch.setenv("PATH", str(here))
+    await driver.open()
+    lost = await desk.heard.first(DriverLost)
+    assert (lost.detail, lost.remedy) == (
+        "aplay is not installed on this machine",
+        "sudo apt install alsa-utils",
+    )
+    with pytest.raises(Lost, match="aplay"):
+        await driver.perform(say("Hello"))
+    (here / "aplay").write_text("#!/bin/sh\nexit 0\n")
+    (here / "aplay").chmod(0o700)
+    faulted = await desk.heard.first(DriverFaulted)
+    assert faulted.remedy == "sudo apt install espeak-ng"
+    assert (await driver.perform(say("Hello")))["source"] == "recording"
+    with pytest.raises(DriverError, match="espeak-ng is not installed"):
+        await driver.perform(say("Something else"))
+    with pytest.raises(Rejected):
+        await driver.perform(Ordered("dance"))
+
+
+# -- the cache ---------------------------------------------------------------------------------
+
+
+def test_the_cache_forgets_what_was_used_longest_ago(tmp_path: Path) -> None:
+    cache = SpeechCache(tmp_path / "cache", megabytes=1)
+    paths = [cache.path(["espeak-ng", text]) for text in ("a", "b", "c")]
+    for age, path in zip((30, 20, 10), paths, strict=True):
+        cache.put(path, bytes(400_000))
+        os.utime(path, (1000 - age, 1000 - age))
+    assert [path.exists() for path in paths] == [False, True, True]
+    assert cache.get(paths[1]) == bytes(400_000)  # used now
+    cache.put(paths[0], bytes(400_000))
+    assert [path.exists() for path in paths] == [True, True, False]
+    assert cache.get(paths[2]) is None
+    assert list((tmp_path / "cache").glob("*.part")) == []
+
+
+def test_the_cache_tells_recipes_apart(tmp_path: Path) -> None:
+    cache = SpeechCache(tmp_path, 1)
+    assert cache.path(["a", "bc"]) != cache.path(["ab", "c"])
+
+
+def test_the_users_cache_folder(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("XDG_CACHE_HOME", "/var/tmp/x")
+    assert users_folder() == Path("/var/tmp/x/woz-tui/speech")
+    monkeypatch.setenv("XDG_CACHE_HOME", "")
+    monkeypatch.setenv("HOME", "/home/wizard")
+    assert users_folder() == Path("/home/wizard/.cache/woz-tui/speech")
+
+
+# -- settings and preflight --------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("wrong", "setting"),
+    [
+        ({"synthesise": "say {txt}"}, "synthesise"),
+        ({"play": "mpv"}, "play"),
+        ({"speak": "say 'x"}, "speak"),
+        ({"speak": "say", "play": "mpv {wav}"}, "speak"),
+    ],
+)
+def test_settings_that_cannot_work(wrong: dict[str, Any], setting: str) -> None:
+    assert [name for name, _ in SpeechSettings(**wrong).problems()] == [setting]
+
+
+def test_the_programs_by_default() -> None:
+    settings = SpeechSettings(device="plughw:1,0")
+    assert " ".join(settings.play_words()) == "aplay -q -D {device} {wav}"
+    assert settings.synthesise_words()[0] == "espeak-ng"
+    assert [verb.name for verb in Speech.verbs(settings)] == ["say", "sound", "volume"]
+    assert Speech.sensors(settings) == ()
+
+
+async def test_examine_tries_a_word_and_looks_at_every_recording(desk: Desk) -> None:
+    (desk.folder / "broken.wav").write_bytes(b"no sound")
+    settings = desk.settings(recordings={"Bye": "broken.wav"})
+    synthesiser, player, recording = await Speech.examine(Probe("voice", settings, desk.folder))
+    assert (synthesiser.level, player.level) == ("ok", "ok")
+    assert "0.1 s for 'Hello'" in synthesiser.text
+    assert recording.level == "error"
+    assert "recording of 'Bye'" in recording.text
+    assert desk.told("play") == []
+
+
+async def test_examine_names_what_is_missing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("PATH", str(tmp_path))
+    settings = SpeechSettings(cache=str(tmp_path))
+    findings = await Speech.examine(Probe("voice", settings, tmp_path))
+    assert [finding.remedy for finding in findings] == [
+        "sudo apt install espeak-ng",
+        "sudo apt install alsa-utils",
+    ]
+    (one,) = await Speech.examine(Probe("voice", SpeechSettings(speak="spd-say {text}"), tmp_path))
+    assert one.remedy == "sudo apt install speech-dispatcher"

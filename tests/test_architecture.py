@@ -1,0 +1,118 @@
+"""What keeps the rooms apart, checked from outside."""
+
+from __future__ import annotations
+
+import ast
+import importlib
+import re
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+ROOT = Path(__file__).parents[1]
+SOURCES = sorted(
+    path
+    for folder in ("woz_tui", "drivers", "tests", "benchmarks", ".ci", "docs")
+    for path in (ROOT / folder).rglob("*.py")
+)
+ROOMS = [
+    "woz_tui.core",
+    "woz_tui.experiment",
+    "woz_tui.bus",
+    "woz_tui.sensing",
+    "woz_tui.motion",
+    "woz_tui.record",
+    "woz_tui.session",
+    "woz_tui.host",
+    "woz_tui.bridge",
+    "woz_tui.console",
+    "woz_tui.cli",
+    "woz_drivers",
+]
+VAGUE = re.compile(r"(^|_)(utils?|helpers?|manager|misc|common|stuff)(_|$)")
+
+#: Loading the left side must not load the right side.
+UNLOADED = [
+    ("woz_tui.host.process", {"textual", "numpy", "serial", "dynamixel_sdk", "woz_drivers"}),
+    ("woz_tui.host.server", {"textual", "rich", "numpy", "serial", "woz_drivers"}),
+    ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),
+    ("woz_tui.console.app", {"numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"}),
+    ("woz_tui.plugins", {"textual", "numpy", "serial", "woz_drivers"}),
+]
+
+
+@pytest.mark.parametrize(("module", "unwanted"), UNLOADED, ids=[name for name, _ in UNLOADED])
+def test_loading_a_room_loads_only_what_it_needs(module: str, unwanted: set[str]) -> None:
+    code = f"import sys, {module}\nprint(*sys.modules)"
+    done = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=60, check=False
+    )
+    assert done.returncode == 0, done.stderr
+    assert not unwanted & set(done.stdout.split())
+
+
+def test_the_import_rules_are_kept() -> None:
+    done = subprocess.run(
+        [str(Path(sys.executable).with_name("lint-imports")), "--no-cache"],
+        cwd=ROOT,
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+
+
+@pytest.mark.parametrize("room", ROOMS)
+def test_every_room_says_what_it_is_for(room: str) -> None:
+    assert (importlib.import_module(room).__doc__ or "").strip()
+
+
+def test_every_room_is_known_here() -> None:
+    found = {f"woz_tui.{path.parent.name}" for path in (ROOT / "woz_tui").glob("*/__init__.py")} | {
+        "woz_drivers"
+    }
+    assert found == set(ROOMS)
+
+
+def test_no_file_is_too_long_to_have_one_purpose() -> None:
+    assert len(SOURCES) > 100
+    long = {
+        str(path.relative_to(ROOT)): lines
+        for path in SOURCES
+        if (lines := len(path.read_text().splitlines())) > 400
+    }
+    assert long == {}
+
+
+def test_no_name_that_could_stand_for_anything() -> None:
+    vague = [
+        str(path.relative_to(ROOT))
+        for path in SOURCES
+        if any(VAGUE.search(part) for part in (*path.relative_to(ROOT).parent.parts, path.stem))
+    ]
+    assert vague == []
+
+
+def test_our_own_classes_are_never_mocked() -> None:
+    mocking = [
+        str(path.relative_to(ROOT))
+        for path in SOURCES
+        if any(
+            name.startswith(("unittest.mock", "mock"))
+            for name in _imported(ast.parse(path.read_text()))
+        )
+    ]
+    assert mocking == []
+
+
+def _imported(tree: ast.Module) -> list[str]:
+    names: list[str] = []
+    for node in ast.walk(tree):
+        if isinstance(node, ast.Import):
+            names += [alias.name for alias in node.names]
+        elif isinstance(node, ast.ImportFrom):
+            names += [f"{node.module}.{alias.name}" for alias in node.names]
+    return names

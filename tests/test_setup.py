@@ -1,0 +1,159 @@
+"""What a user installs: both packages, the examples, the entry points - and nobody's recordings."""
+
+from __future__ import annotations
+
+import configparser
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tomllib
+import zipfile
+from collections.abc import Iterator
+from importlib.metadata import distribution
+from pathlib import Path
+
+import pytest
+from packaging.requirements import Requirement
+from packaging.utils import canonicalize_name
+
+ROOT = Path(__file__).parents[1]
+PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
+#: What no package may contain, wherever in the tree somebody left it.
+PRIVATE = "2026-03-01T10-00-00_P07_S01.jsonl"
+
+
+@pytest.fixture(scope="module")
+def packages(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Path]:
+    """The sdist's names (without its top folder) and the wheel, built from a copy of the tree."""
+    copy = tmp_path_factory.mktemp("setup") / "project"
+    shutil.copytree(
+        ROOT,
+        copy,
+        ignore=shutil.ignore_patterns(".*cache*", ".venv", ".git", "dist", ".hypothesis"),
+    )
+    (copy / "recordings").mkdir(exist_ok=True)
+    (copy / "recordings" / PRIVATE).write_text("{}\n")
+    (copy / "experiments" / "recordings").mkdir(exist_ok=True)
+    (copy / "experiments" / "recordings" / PRIVATE).write_text("{}\n")
+    done = subprocess.run(
+        [
+            sys.executable,
+            "-m",
+            "build",
+            "--no-isolation",
+            "--outdir",
+            str(copy / "dist"),
+            str(copy),
+        ],
+        capture_output=True,
+        text=True,
+        timeout=100,
+        check=False,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    [sdist] = (copy / "dist").glob("*.tar.gz")
+    [wheel] = (copy / "dist").glob("*.whl")
+    with tarfile.open(sdist) as archive:
+        names = [name.partition("/")[2] for name in archive.getnames()]
+    return names, wheel
+
+
+def tracked(folder: str, ending: str) -> list[str]:
+    """Paths under `folder`, relative to it."""
+    return [
+        str(path.relative_to(ROOT / folder))
+        for path in sorted((ROOT / folder).rglob(f"*{ending}"))
+        if "__pycache__" not in path.parts
+    ]
+
+
+def test_the_wheel_has_both_packages_typed(packages: tuple[list[str], Path]) -> None:
+    names = set(zipfile.ZipFile(packages[1]).namelist())
+    wanted = {f"woz_tui/{name}" for name in tracked("woz_tui", ".py")}
+    wanted |= {f"woz_drivers/{name}" for name in tracked("drivers/woz_drivers", ".py")}
+    wanted |= {"woz_tui/py.typed", "woz_drivers/py.typed"}
+    assert wanted <= names
+
+
+def test_the_wheel_has_the_example_experiments(packages: tuple[list[str], Path]) -> None:
+    names = set(zipfile.ZipFile(packages[1]).namelist())
+    examples = {f"woz_tui/_experiments/{name}" for name in tracked("experiments", ".yaml")}
+    assert examples
+    assert examples <= names
+
+
+def test_the_wheel_has_the_consoles_style(packages: tuple[list[str], Path]) -> None:
+    assert {f"woz_tui/{name}" for name in tracked("woz_tui", ".tcss")} <= set(
+        zipfile.ZipFile(packages[1]).namelist()
+    )
+
+
+def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path]) -> None:
+    with zipfile.ZipFile(packages[1]) as wheel:
+        [name] = [name for name in wheel.namelist() if name.endswith("/entry_points.txt")]
+        points = configparser.ConfigParser()
+        points.read_string(wheel.read(name).decode())
+    assert dict(points["console_scripts"]) == {"woz": "woz_tui.cli:main"}
+    assert dict(points["woz_tui.drivers"]) == PROJECT["project"]["entry-points"]["woz_tui.drivers"]
+
+
+def test_the_sdist_has_what_a_packager_needs(packages: tuple[list[str], Path]) -> None:
+    names = set(packages[0])
+    wanted = {"pyproject.toml", "README.md", "LICENSE", "CHANGELOG.md", "Makefile"}
+    wanted |= {"constraints.txt", "docs/protocol.md", "tests/core/golden/messages.jsonl"}
+    wanted |= {f"experiments/{name}" for name in tracked("experiments", ".yaml")}
+    assert wanted <= names
+
+
+def test_no_recording_leaves_the_house(packages: tuple[list[str], Path]) -> None:
+    names, wheel = packages
+    everything = [*names, *zipfile.ZipFile(wheel).namelist()]
+    assert not [name for name in everything if PRIVATE in name]
+
+
+# -- the pins -----------------------------------------------------------------------------------
+
+
+def pins() -> dict[str, str]:
+    """Package names and their pinned versions."""
+    lines = (ROOT / "constraints.txt").read_text().splitlines()
+    pinned = [line for line in lines if line and not line.startswith("#")]
+    assert all(re.fullmatch(r"[a-z0-9-]+==[0-9][0-9a-z.]*", line) for line in pinned), pinned
+    return dict(line.split("==") for line in pinned)
+
+
+def asked() -> list[Requirement]:
+    """What the project asks for itself, to run, to develop and to build."""
+    project = PROJECT["project"]
+    lines = [*project["dependencies"], *project["optional-dependencies"]["dev"]]
+    return [Requirement(line) for line in [*lines, *PROJECT["build-system"]["requires"]]]
+
+
+def needed() -> Iterator[Requirement]:
+    """The same and everything that those ask for in turn, as far as it applies here."""
+    waiting, seen = asked(), set()
+    while waiting:
+        requirement = waiting.pop()
+        yield requirement
+        for extra in requirement.extras or {""}:
+            if (requirement.name, extra) in seen:
+                continue
+            seen.add((requirement.name, extra))
+            for line in distribution(requirement.name).requires or []:
+                further = Requirement(line)
+                if further.marker is None or further.marker.evaluate({"extra": extra}):
+                    waiting.append(further)
+
+
+def test_every_dependency_is_pinned_to_a_version_that_fits() -> None:
+    pinned = pins()
+    for requirement in needed():
+        name = canonicalize_name(requirement.name)
+        assert name in pinned, f"{name} has no pin: run `make constraints`"
+        assert requirement.specifier.contains(pinned[name], prereleases=True), requirement
+
+
+def test_nothing_is_pinned_that_nobody_needs() -> None:
+    assert set(pins()) == {canonicalize_name(requirement.name) for requirement in needed()}

@@ -1,0 +1,200 @@
+from __future__ import annotations
+
+import random
+import tracemalloc
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.record.bench import STEM, bench
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.record.log import Damage, Line, files_of, merge, read
+from woz_tui.record.verify import verify
+
+
+def note(seq: int, text: str = "hello") -> bytes:
+    return wire.encode(m.Note(seq=seq, t=seq * 10, ts="2026-03-01T10:00:00.000000Z", text=text))
+
+
+def sample(seq: int) -> bytes:
+    return wire.encode(m.Reading(seq=seq, t=seq * 10, sensor="distance", value=1.5))
+
+
+def written(folder: Path, content: bytes, name: str = f"{STEM}.jsonl") -> Path:
+    folder.mkdir(exist_ok=True)
+    path = folder / name
+    path.write_bytes(content)
+    return path
+
+
+def taken(path: Path) -> tuple[list[int], Damage]:
+    damage = Damage()
+    return [line.seq for line in read(path, damage, places=[])], damage
+
+
+def test_both_files_come_as_one_stream(tmp_path: Path) -> None:
+    path = written(tmp_path, note(0) + note(2) + note(5))
+    written(tmp_path, sample(1) + sample(3) + sample(4), f"{STEM}.samples.jsonl")
+    assert taken(path) == ([0, 1, 2, 3, 4, 5], Damage())
+
+
+def test_any_file_of_the_session_leads_to_all(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.note()
+        it.sample()
+        it.disk.faults[it.home] = "full"
+        it.note()
+        it.sample()
+        it.recorder.close()
+        paths = files_of(it.home / f"{STEM}.jsonl", [it.spill]).paths
+        assert len(paths) == 4
+        for path in paths:
+            assert set(files_of(path, [it.home, it.spill]).paths) == set(paths)
+        found = files_of(it.recorder.path, []).paths
+        assert set(found) == set(paths), "the second segment says where the first one is"
+
+
+def test_a_strangers_segment_of_the_same_name_is_left_alone(tmp_path: Path) -> None:
+    path = written(tmp_path / "a", note(0))
+    written(tmp_path / "b", note(7), f"{STEM}.2.jsonl")
+    assert files_of(path, [tmp_path / "b"]).paths == (path,)
+
+
+def test_a_log_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError, match="no such log"):
+        read(tmp_path / "x.jsonl")
+    with pytest.raises(ValueError, match=r"\.jsonl"):
+        read(written(tmp_path, b"", "notes.txt"))
+
+
+def test_unknown_kinds_and_fields_are_kept(tmp_path: Path) -> None:
+    path = written(
+        tmp_path,
+        b'{"kind":"hologram","seq":0,"t":0,"ts":"","colour":"blue"}\n'
+        b'{"kind":"note","seq":1,"t":1,"ts":"","text":"a","later":[1]}\n',
+    )
+    first, second = read(path, places=[])
+    assert (first.kind, first.fields["colour"], first.message) == ("hologram", "blue", None)
+    assert second.fields["later"] == [1]
+    assert isinstance(second.message, m.Note)
+
+
+@pytest.mark.parametrize(
+    ("content", "numbers", "damage"),
+    [
+        (b"", [], {}),
+        (b"\n\n", [], {}),
+        (note(0) + note(1)[:20], [0], {"torn": 1}),
+        (note(0) + note(1)[:-1], [0, 1], {}),
+        (note(0) + b"\0" * 50, [0], {"nul_bytes": 50}),
+        (note(0) + b"\0" * 9 + note(1), [0, 1], {"nul_bytes": 9}),
+        (note(0) + note(1).replace(b'"', b"#", 1) + note(2), [0, 2], {"damaged": 1}),
+        (note(0) + b"\xff\xfe\n" + note(1), [0, 1], {"damaged": 1}),
+        (note(0) + note(1, "\xe9").replace(b"\xc3", b"\xff") + note(2), [0, 2], {"damaged": 1}),
+        (note(0) + b"[1,2]\n" + b'"x"\n' + b"null\n" + note(1), [0, 1], {"damaged": 3}),
+        (note(0) + b'{"seq":true,"t":0,"kind":"x"}\n', [0], {"damaged": 1}),
+        (note(0) + b'{"seq":1,"t":"0","kind":"x"}\n', [0], {"damaged": 1}),
+        (note(0) + b"[" * 100_000 + b"\n" + note(1), [0, 1], {"damaged": 1}),
+        (note(0) + b"x" * 3_000_000 + b"\n" + note(1), [0, 1], {"damaged": 1}),
+        (note(0) + note(2) + note(1) + note(3), [0, 1, 2, 3], {}),
+        (note(0) + note(1) + note(1) + note(2), [0, 1, 2], {"repeated": 1}),
+        (note(0) + note(1) + note(1, "other") + note(2), [0, 1, 2], {"conflicting": 1}),
+        (note(0) + note(9_000) + note(1) + note(2), [0, 1, 2, 9_000], {}),
+        (b"".join(map(note, range(1, 400))) + note(0), list(range(1, 400)), {"misplaced": 1}),
+    ],
+)
+def test_damage_costs_the_damaged_line_alone(
+    tmp_path: Path, content: bytes, numbers: list[int], damage: dict[str, int]
+) -> None:
+    found, seen = taken(written(tmp_path, content))
+    assert found == numbers
+    counts = {key: value for key, value in vars(seen).items() if isinstance(value, int) and value}
+    assert counts == damage
+    assert bool(seen.sentences()) == bool(seen.skipped or seen.nul_bytes)
+
+
+def test_a_file_that_cannot_be_read_is_reported(tmp_path: Path) -> None:
+    path = written(tmp_path, note(0))
+    damage = Damage()
+    assert [line.seq for line in merge([path, tmp_path], damage)] == [0]
+    assert str(tmp_path) in damage.sentences()[0]
+
+
+LOG = b"".join(note(2 * n) for n in range(20))
+SAMPLES = b"".join(sample(2 * n + 1) for n in range(20))
+WOUNDS = st.lists(
+    st.tuples(
+        st.sampled_from(["flip", "nul", "cut", "repeat", "swap", "insert"]),
+        st.integers(0, len(LOG) - 1),
+        st.integers(1, 300),
+    ),
+    max_size=5,
+)
+
+
+def wounded(content: bytes, wounds: list[tuple[str, int, int]]) -> bytes:
+    data = bytearray(content)
+    for what, at, size in wounds:
+        part = data[at : at + size]
+        match what:
+            case "flip" if at < len(data):
+                data[at] ^= 1 << size % 8
+            case "nul":
+                data[at : at + size] = bytes(len(part))
+            case "cut":
+                del data[at : at + size]
+            case "repeat":
+                data[at:at] = part
+            case "swap":
+                del data[at : at + size]
+                data += part
+            case "insert":
+                data[at:at] = random.Random(size).randbytes(size)
+    return bytes(data)
+
+
+@settings(
+    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(WOUNDS, WOUNDS)
+def test_nothing_makes_the_reader_raise(
+    tmp_path: Path, one: list[tuple[str, int, int]], two: list[tuple[str, int, int]]
+) -> None:
+    path = written(tmp_path, wounded(LOG, one))
+    written(tmp_path, wounded(SAMPLES, two), f"{STEM}.samples.jsonl")
+    found, damage = taken(path)
+    assert found == sorted(set(found))
+    whole = set((LOG + SAMPLES).splitlines())
+    kept = {line.raw for line in read(path, places=[])}
+    lost = whole - kept
+    assert len(lost) <= sum(2 + size // 60 for _, _, size in one + two)
+    verify(path, places=[]).sentences()
+    if not one and not two:
+        assert (lost, damage) == (set(), Damage())
+
+
+@given(st.binary(max_size=400))
+@settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+def test_any_bytes_can_be_read(tmp_path: Path, content: bytes) -> None:
+    taken(written(tmp_path, content))
+
+
+def test_memory_stays_flat(tmp_path: Path) -> None:
+    path = written(tmp_path, b"".join(map(note, range(30_000))))
+    tracemalloc.start()
+    try:
+        count = sum(1 for _ in read(path, places=[]))
+        _, peak = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert count == 30_000
+    assert peak < path.stat().st_size
+
+
+def test_lines_are_values(tmp_path: Path) -> None:
+    path = written(tmp_path, note(0))
+    assert list(read(path, places=[])) == list(read(path, places=[]))
+    assert isinstance(next(iter(read(path, places=[]))), Line)

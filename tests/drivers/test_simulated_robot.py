@@ -173,6 +173,9 @@ async def test_gaze_ends_at_once_and_the_head_follows(it: Rig) -> None:
     assert task.result() == {"yaw": 45.0, "pitch": 40.0}
     await it.pace.advance(1.0)
     assert it.outlet.latest("joint.pan") == pytest.approx(45, abs=0.1)
+    assert await it.do("gaze", pitch=5.0) == {"pitch": 5.0}
+    await it.pace.advance(1.0)
+    assert it.outlet.latest("joint.pan") == pytest.approx(45, abs=0.1)
 
 
 async def test_nudges_add_up_from_where_the_head_is_going(it: Rig) -> None:

@@ -152,8 +152,9 @@ class Performance:
         return {"on": self._body.torque}
 
     async def _gaze(self, job: Job) -> Sent:
-        wanted = {role: values.number(job.args, role) for role in ("yaw", "pitch")}
-        return self._aim({role: degrees for role, degrees in wanted.items() if role in self._roles})
+        given = [role for role in ("yaw", "pitch") if job.args.get(role) is not None]
+        wanted = {role: values.number(job.args, role) for role in given if role in self._roles}
+        return self._aim(wanted)
 
     async def _nudge(self, job: Job) -> Sent:
         return self._step({role: values.number(job.args, role) for role in ("yaw", "pitch")})

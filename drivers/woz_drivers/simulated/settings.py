@@ -58,7 +58,7 @@ class Settings:
     moves: Annotated[
         dict[str, float],
         Seconds(),
-        Doc("further names for `play`, with their durations in seconds"),
+        Doc("further names for `play`, in seconds each"),
     ] = field(default_factory=dict)
     modes: Annotated[tuple[str, ...], Doc("what `mode` may be; the first holds at the start")] = (
         "normal",

@@ -112,8 +112,8 @@ def _head() -> tuple[Verb, ...]:
             "gaze",
             "look in a direction",
             (
-                Argument("yaw", "number", "left is positive", default=0.0, range=_DEGREES),
-                Argument("pitch", "number", "down is positive", default=0.0, range=_DEGREES),
+                Argument("yaw", "number", "left is positive", range=_DEGREES),
+                Argument("pitch", "number", "down is positive", range=_DEGREES),
             ),
             lane="head",
             stream=True,

@@ -42,8 +42,10 @@ class Stand:
     heard: Heard
 
     async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
-        """Perform a verb to its end."""
-        return await self.driver.perform(Ordered(verb, args))
+        """Perform a verb to its end, and until the servos have heard of it."""
+        sent = await self.driver.perform(Ordered(verb, args))
+        await self.ticks(1)  # the servos answer a read only after what was written before it
+        return sent
 
     def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
         """Begin a verb."""

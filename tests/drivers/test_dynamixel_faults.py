@@ -14,6 +14,7 @@ from tests.drivers.servo_stand import HEAD, head, stand
 from tests.fakes.servo_codec import PING
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
+from woz_tui.core.conformance import check
 from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost
 
@@ -88,6 +89,28 @@ async def test_port_in_use_names_the_other_program(tmp_path: Path) -> None:
         assert "in use by" in lost.detail
         assert f"({os.getpid()})" in lost.detail
         await other.close()
+
+
+async def test_the_driver_keeps_the_contract(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        for link in (bus.link, tmp_path / "nothing"):
+            settings = head(link, pan="pan", poses={"up": {"tilt": 10.0}})
+            (finding,) = await check(DynamixelServos, settings)
+            assert finding.level == "ok", finding
+
+
+async def test_stop_without_a_line_is_confirmed_only_if_nothing_held(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.bus.pull()
+        await it.heard.first(DriverLost)
+        await it.driver.stop(Scope.ALL)
+        it.bus.plug()
+        await it.heard.first(DriverConnected, after=1)
+        await it.do("torque", on=True)
+        it.bus.pull()
+        await it.heard.first(DriverLost, after=1)
+        with pytest.raises(Lost):
+            await it.driver.stop(Scope.ALL)
 
 
 async def test_nobody_answers_lists_the_ids_that_do(tmp_path: Path) -> None:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
+from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.dynamixel import DynamixelServos, Joint, Settings
+from woz_drivers.dynamixel import DynamixelServos, Joint, Settings, verbs
 
 from tests.drivers.servo_stand import HEAD
-from woz_tui.core.driver import KINDS
+from woz_tui.core.driver import KINDS, Rejected
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Experiment, ExperimentError, Together
 
 GOOD = Settings(port="/dev/ttyUSB0", joints=dict(HEAD))
 
@@ -76,7 +80,98 @@ def test_verbs_fit_the_settings() -> None:
         assert verb.stream is (verb.name == "gaze")
 
 
+def test_play_scales_time_and_way_from_home() -> None:
+    moves = {"nod": [{"tilt": 25.0, "seconds": 0.2}, {"tilt": 5.0, "seconds": 0.4}]}
+    settings = replace(GOOD, moves=moves, poses={"up": {"tilt": -15.0}})
+    frames = verbs.keyframes(settings, "play", {"move": "nod", "speed": 2.0, "amplitude": 0.5})
+    # The home of tilt is 5 degrees.
+    assert [(dict(f.joints), f.seconds) for f in frames] == [
+        ({"tilt": 15.0}, 0.1),
+        ({"tilt": 5.0}, 0.2),
+    ]
+    (pose,) = verbs.keyframes(settings, "play", {"move": "up"})
+    assert dict(pose.joints) == {"tilt": -15.0}
+    for hostile in ({"speed": 0.0}, {"speed": -1.0}, {"amplitude": math.inf}, {"move": 3}):
+        with pytest.raises(Rejected):
+            verbs.keyframes(settings, "play", {"move": "nod", **hostile})
+
+
 def test_sensors_name_every_joint() -> None:
     sensors = DynamixelServos.sensors(GOOD)
     assert len(sensors) == len(set(sensors)) == 5 * len(HEAD)
     assert {"joint.pan", "setpoint.roll", "temperature.tilt"} <= set(sensors)
+
+
+EXPERIMENT = """
+title: Head
+robot:
+  name: Head
+  drivers:
+    head:
+      type: dynamixel
+      port: /dev/serial/by-id/usb-FTDI
+      baud: 57600
+      joints:
+        pan: {id: 11, min: -90, max: 90, model: XL330-M288, zero: 2100, direction: -1, speed: 200}
+        tilt: {id: 12, min: -40, max: 30, rest: 20, acceleration: 800}
+      pan: pan
+      torque: on
+      moves:
+        nod: [{tilt: 20, seconds: 0.3}, {tilt: 0, seconds: 0.3}]
+      poses: {up: {tilt: -10}}
+panels:
+  - title: Head
+    actions:
+      - {key: n, label: Nod, play: nod}
+      - {key: p, label: Poses, poses: [{pan: 10, seconds: 1}, {pan: 0, seconds: 1}]}
+"""
+
+
+def loaded(folder: Path, text: str) -> Experiment:
+    path = folder / "experiment.yaml"
+    path.write_text(text)
+    return load(path, {"dynamixel": DynamixelServos})
+
+
+def test_a_robot_file_is_decoded_by_the_annotations(tmp_path: Path) -> None:
+    spec = loaded(tmp_path, EXPERIMENT).driver("head")
+    assert spec is not None
+    made = spec.settings
+    assert isinstance(made, Settings)
+    assert made.joints["pan"] == Joint(
+        id=11, min=-90, max=90, model="XL330-M288", zero=2100, direction=-1, speed=200
+    )
+    assert made.torque is True
+    assert made.moves["nod"][1] == {"tilt": 0.0, "seconds": 0.3}
+
+
+def test_poses_of_an_action_are_understood_as_the_file_gives_them(tmp_path: Path) -> None:
+    experiment = loaded(tmp_path, EXPERIMENT)
+    action = experiment.action("Poses")
+    assert action is not None
+    (step,) = action.steps
+    assert isinstance(step, Together)
+    frames = verbs.keyframes(GOOD, "poses", step.calls[0].args)
+    assert [(dict(frame.joints), frame.seconds) for frame in frames] == [
+        ({"pan": 10.0}, 1.0),
+        ({"pan": 0.0}, 1.0),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("right", "wrong", "where", "what"),
+    [
+        ("rest: 20", "rest: 200", "joints.tilt.rest", "outside -40 to 30"),
+        ("up: {tilt", "up: {nose", "poses.up.nose", "no joint is called 'nose'"),
+        ("id: 12", "id: 11", "joints.tilt.id", "11 is the id of 'pan' already"),
+        ("57600", "fast", "baud", "a whole number"),
+        ("play: nod", "play: nodd", "play", "nod"),
+    ],
+)
+def test_mistakes_in_a_robot_file_are_pointed_at(
+    tmp_path: Path, right: str, wrong: str, where: str, what: str
+) -> None:
+    with pytest.raises(ExperimentError) as failed:
+        loaded(tmp_path, EXPERIMENT.replace(right, wrong))
+    lines = [str(problem) for problem in failed.value.problems]
+    assert any(where in line and what in line for line in lines), lines

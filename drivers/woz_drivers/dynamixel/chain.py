@@ -192,6 +192,7 @@ class Chain:
         if refresh:
             self._next_refresh = now + REFRESH_S
         self._write(everything=refresh)
+        self._end_moves(now)
         self._probe(now)
         self._upkeep.one_chore(now)
 
@@ -228,6 +229,9 @@ class Chain:
                 if servo.follow.arrived(wanted):
                     servo.follow = None
             servo.setpoint = guard(servo.limits, servo.setpoint, wanted, elapsed)
+
+    def _end_moves(self, now: float) -> None:
+        """Report movements whose last setpoint has been written."""
         for move in list(self._moves):
             if self._over(move, now):
                 for name in move.joints:

@@ -88,12 +88,16 @@ class DynamixelServos:
         raise Rejected(f"servos cannot {job.verb!r}")
 
     async def stop(self, scope: Scope) -> None:
-        """Hold every joint where it is now. `Lost` if the servos cannot be reached."""
+        """Hold every joint where it is now.
+
+        `Lost` if the line is gone and joints were held when it went: then nobody knows.
+        """
         if scope is Scope.DRIVE:
             return
         self._stopped = True
-        if self._started:
-            await self._ask(lambda chain, _now: chain.freeze())
+        if not self._started or not (self.loop.online or self.loop.holding):
+            return  # every joint is limp
+        await self._ask(lambda chain, _now: chain.freeze())
 
     async def rest(self) -> None:
         """Move slowly to the rest angles, if there are any, then switch the torque off."""

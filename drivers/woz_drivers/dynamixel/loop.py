@@ -38,12 +38,18 @@ class ServoLoop:
 
     def __init__(self, name: str, settings: Settings, outlet: Outlet) -> None:
         self.ticks = 0
+        #: Whether servos answer now, and whether any held its joint when they last did.
+        self.online = False
+        self.holding = False
         self._settings = settings
         self._outlet = outlet
         self._requests: queue.SimpleQueue[tuple[Action[Any], Future[Any]]] = queue.SimpleQueue()
         self._wake = threading.Event()
         self._closing = False
         self._first = True
+        #: Nothing is handed in any more once `_ended` is set; `_door` guards it.
+        self._ended = False
+        self._door = threading.Lock()
         self._lost = Lost(f"{settings.port} has not been opened yet", "wait a moment")
         self._thread = threading.Thread(target=self._run, name=f"servos {name}", daemon=True)
 
@@ -51,15 +57,18 @@ class ServoLoop:
 
     def start(self) -> None:
         """Begin to look for the port; returns at once."""
+        self._outlet.health(Health.CONNECTING, f"looking for {self._settings.port}")
         self._thread.start()
 
     def ask(self, action: Action[T]) -> Future[T]:
         """Run `action(chain, now)` in the thread; the future raises `Lost` without a line."""
         future: Future[T] = Future()
-        self._requests.put((action, future))
+        with self._door:
+            if self._ended:
+                future.set_exception(Lost("the servo driver is closed"))
+                return future
+            self._requests.put((action, future))
         self._wake.set()
-        if not self._thread.is_alive():
-            self._refuse_requests(Lost("the servo driver is closed"))
         return future
 
     def close(self, timeout: float) -> bool:
@@ -74,7 +83,6 @@ class ServoLoop:
     # -- the thread --------------------------------------------------------------------------------
 
     def _run(self) -> None:
-        self._outlet.health(Health.CONNECTING, f"looking for {self._settings.port}")
         while not self._closing:
             try:
                 self._session()
@@ -88,6 +96,8 @@ class ServoLoop:
                 )
                 self._outlet.health(Health.FAULTED, self._lost.what, self._lost.remedy)
             self._wait_offline()
+        with self._door:
+            self._ended = True
         self._refuse_requests(Lost("the servo driver is closed"))
 
     def _session(self) -> None:
@@ -100,11 +110,15 @@ class ServoLoop:
         try:
             chain.connect()
             self._begin(chain)
+            self.online = True
             self._keep_rate(chain)
         except Lost as lost:
             chain.fail_all(lost)
             raise
         finally:
+            if self.online:
+                self.holding = any(servo.torque for servo in chain.servos.values())
+            self.online = False
             chain.fail_all(Lost("the servo driver let go of the port"))
             wire.close()
 
@@ -130,7 +144,6 @@ class ServoLoop:
                 self.ticks += 1
                 # A tick missed altogether is not made up for: setpoints go by the clock.
                 due = max(due + period, now)
-                self._outlet.health(*report(self._settings, chain.servos.values()))
             if now >= next_reading:
                 next_reading = now + READING_S
                 self._publish(chain)
@@ -157,6 +170,7 @@ class ServoLoop:
                 future.set_result(result)
 
     def _publish(self, chain: Chain) -> None:
+        self._outlet.health(*report(self._settings, chain.servos.values()))
         for servo in chain.servos.values():
             if servo.standing is Standing.READY:
                 self._outlet.reading(f"joint.{servo.name}", round(servo.present, 3), unit="deg")

@@ -101,8 +101,8 @@ def segment(start: float, goal: float, duration: float, limits: Limits, profile:
     with its flat top at the limit still arrives in time.
     """
     way = abs(goal - start)
-    if way == 0 or duration <= 0:
-        return Segment(goal if duration <= 0 else start, goal, max(duration, 0.0))
+    if way <= ARRIVED:  # nothing to travel, and nothing to divide by
+        return Segment(goal, goal, duration)
     top = limits.acceleration if limits.acceleration is not None else math.inf
     if (
         profile == "minimum-jerk"

@@ -1,0 +1,117 @@
+"""Draws the console's pictures for the documentation: `python -m docs.screenshots [folder]`.
+
+The real app runs without a terminal and is fed with a scene; give `shoot` another feed to draw
+something else.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from tests.console import scenes
+from tests.console.scripted import ScriptedFeed
+from woz_tui.console.app import Console
+from woz_tui.console.feed import Feed
+from woz_tui.console.glyphs import ASCII, UNICODE
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.look import Look
+from woz_tui.core import messages as m
+from woz_tui.core.clock import ManualClock
+
+FOLDER = Path(__file__).parent / "images"
+
+
+@dataclass(frozen=True)
+class Shot:
+    """One picture: its name and size, the scene, the look, keys pressed before it is taken."""
+
+    name: str
+    width: int
+    height: int
+    feed: Callable[[], Feed]
+    look: Look = field(default_factory=lambda: Look(UNICODE))
+    keys: tuple[str, ...] = ()
+    colours: bool = True
+
+
+def working() -> ScriptedFeed:
+    """In the middle of a session."""
+    feed = ScriptedFeed()
+    feed.round_trip_us = 23_000
+    first = scenes.welcome(
+        state=[*scenes.healthy(), *scenes.sensors()],
+        recent=[*scenes.history(), *scenes.speaking()],
+    )
+    feed.begin_with(first)
+    return feed
+
+
+def stopped() -> ScriptedFeed:
+    """The stop is pressed; one driver did not confirm, another one is lost."""
+    feed = working()
+    first = scenes.welcome(
+        state=[
+            *scenes.healthy(),
+            *scenes.sensors(),
+            m.DriverLost(driver="face", detail="the port is gone", t=scenes.NOW - 2_000_000),
+            m.StopPressed(source="key", t=scenes.NOW - 900_000),
+            m.StopConfirmed(
+                confirmed=["head", "voice"], missing=["face"], elapsed_us=500_000, t=scenes.NOW
+            ),
+        ],
+        recent=scenes.history(),
+    )
+    feed.begin_with(first)
+    return feed
+
+
+SHOTS = (
+    Shot("console-80x24", 80, 24, working),
+    Shot("console-160x50", 160, 50, working),
+    Shot("console-100x36", 100, 36, working),
+    Shot("stop", 80, 24, stopped),
+    Shot("help", 80, 24, working, keys=("?",)),
+    Shot("say", 80, 24, working, keys=("/", "P", "l", "e")),
+    Shot("find", 100, 36, working, keys=(":", "p", "o", "i")),
+    Shot("light", 80, 24, working, Look(UNICODE, "woz-light")),
+    Shot("no-colour", 80, 24, working, Look(UNICODE, "woz-16"), colours=False),
+    Shot("linux-console", 80, 24, working, Look(ASCII, "woz-16")),
+)
+
+
+async def shoot(shot: Shot, folder: Path) -> Path:
+    """Run the app, press the keys, write the picture."""
+    os.environ.pop("NO_COLOR", None)
+    if not shot.colours:
+        os.environ["NO_COLOR"] = "1"
+    feed = shot.feed()
+    console = Console(feed, Keyboard(feed), look=shot.look, clock=ManualClock())
+    async with console.run_test(size=(shot.width, shot.height)) as pilot:
+        await pilot.pause()
+        for key in shot.keys:
+            await pilot.press(key)
+        await pilot.pause()
+        console.paint()
+        await pilot.pause()
+        path = folder / f"{shot.name}.svg"
+        path.write_text(console.export_screenshot(title="woz"), encoding="utf-8")
+    return path
+
+
+def main() -> None:
+    """Draw all pictures, or those named after the folder."""
+    folder = Path(sys.argv[1]) if len(sys.argv) > 1 else FOLDER
+    folder.mkdir(parents=True, exist_ok=True)
+    wanted = set(sys.argv[2:])
+    for shot in SHOTS:
+        if not wanted or shot.name in wanted:
+            asyncio.run(shoot(shot, folder))
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,78 @@
+"""A feed that plays what a test tells it to and keeps what the console asks."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Iterable
+
+import msgspec
+
+from woz_tui.console.feed import Incoming, OnLost, OnMessages
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core import wire
+
+
+class ScriptedFeed:
+    """A `Feed` without a socket. Everything goes through the wire's codec, as over a socket.
+
+    `answers` may hold, for a kind of request, what makes the reply; all others get a plain yes.
+    """
+
+    def __init__(self) -> None:
+        self.line_ok = True
+        self.round_trip_us: int | None = None
+        self.asked: list[r.AnyRequest] = []
+        self.closed = False
+        self.answers: dict[type, Callable[[r.AnyRequest, int], r.Reply]] = {}
+        self._on_messages: OnMessages = lambda batch: None
+        self._on_lost: OnLost = lambda why: None
+        self._first: list[Incoming] = []
+
+    def begin_with(self, *messages: Incoming) -> None:
+        """What is delivered as soon as the console listens."""
+        self._first = list(messages)
+
+    def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
+        self._on_messages, self._on_lost = on_messages, on_lost
+        if self._first:
+            self.deliver(*self._first)
+
+    def ask(self, request: r.AnyRequest) -> int:
+        ref = len(self.asked) + 1
+        sent = wire.decode_request(wire.encode(msgspec.structs.replace(request, ref=ref)))
+        self.asked.append(sent)
+        answer = self.answers.get(type(request), lambda _, number: r.Reply(ref=number, ok=True))
+        self.deliver(answer(sent, ref))
+        return ref
+
+    def close(self) -> None:
+        self.closed = True
+
+    def deliver(self, *messages: Incoming) -> None:
+        """Hand a batch over from another thread, as a link does."""
+        batch = [
+            wire.decode_incoming(wire.encode(message))
+            if isinstance(message, msgspec.Struct)
+            else message
+            for message in messages
+        ]
+        self._elsewhere(lambda: self._on_messages(batch))
+
+    def cut(self, why: str) -> None:
+        """Lose the connection."""
+        self._elsewhere(lambda: self._on_lost(why))
+
+    def last(self, kind: type[r.Request]) -> r.Request | None:
+        """The last request of a kind."""
+        return next((asked for asked in reversed(self.asked) if isinstance(asked, kind)), None)
+
+    def _elsewhere(self, work: Callable[[], None]) -> None:
+        thread = threading.Thread(target=work)
+        thread.start()
+        thread.join()
+
+
+def raw(messages: Iterable[m.Message]) -> list[msgspec.Raw]:
+    """Messages as a welcome carries them."""
+    return [msgspec.Raw(wire.encode(message).rstrip()) for message in messages]

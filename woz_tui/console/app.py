@@ -1,0 +1,418 @@
+"""The console: puts the picture, the widgets, the dialogs and the keys together."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import functools
+from collections import deque
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar
+
+from textual import events
+from textual.app import App, ComposeResult
+from textual.containers import Container
+from textual.driver import Driver
+
+from woz_tui.console.caps import Cap, cap_of, key_name
+from woz_tui.console.cells import Cells, fit
+from woz_tui.console.desk import Desk
+from woz_tui.console.events import Events
+from woz_tui.console.feed import Feed, Incoming
+from woz_tui.console.glyphs import UNICODE, Frame
+from woz_tui.console.look import THEMES, Look
+from woz_tui.console.meters import Meters
+from woz_tui.console.panels import Panels
+from woz_tui.console.picture import Picture
+from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.status import Line, Status
+from woz_tui.console.stopbar import Bar, News, StopBar
+from woz_tui.core.clock import Clock, RealClock
+from woz_tui.core.requests import AskEnd, AskRelease, Reply, Welcome
+from woz_tui.experiment.keys import (
+    BUILTIN,
+    PLAIN,
+    STOPS,
+    Builtin,
+    Terminal,
+    from_textual,
+    key_map,
+)
+
+if TYPE_CHECKING:
+    from woz_tui.console.keyboard import Keyboard
+
+#: Seconds between two paintings: ten a second is as much as an eye and a line can use.
+BEAT = 0.1
+#: Seconds a sentence above the hints stays.
+NEWS_S = 8.0
+#: Seconds a pressed key cap stays lit.
+FLASH_S = 0.25
+SMALL = "{0} x {1} is small: meters and events need 80 x 24. Keys and stop work as ever."
+#: Keys named on the lowest line, as far as there is room: id and word.
+HINTS = (
+    ("stop", "stop"),
+    ("script_next", "script"),
+    ("say", "say"),
+    ("find", "find"),
+    ("marker", "mark"),
+    ("note", "note"),
+    ("mistake_last", "mistake"),
+    ("panel_next", "panel"),
+    ("help", "keys"),
+    ("leave", "leave"),
+)
+
+
+class Console(App[str]):
+    """The wizard's screen.
+
+    Returns how it was left: `ended`, `detached` or `lost`.
+
+    Args:
+        feed: Where messages come from and requests go.
+        keyboard: What happens to keys; shared with the terminal's driver.
+        look: Signs and colours for this terminal.
+        terminal: What this terminal can send.
+        builtins: The console's own keys, as the wizard's keymap file has them.
+        clock: Local time.
+        restart: Starts the robot process again after it was lost; None if nobody can.
+        ask_participant: Whether to ask for participant and condition at the start.
+        driver_class: Textual's driver; None for its own.
+    """
+
+    CSS_PATH = Path(__file__).parent / "theme" / "woz.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    ESCAPE_TO_MINIMIZE = False
+    BINDINGS: ClassVar = []
+
+    def __init__(
+        self,
+        feed: Feed,
+        keyboard: Keyboard,
+        *,
+        look: Look | None = None,
+        terminal: Terminal = PLAIN,
+        builtins: Sequence[Builtin] = BUILTIN,
+        clock: Clock | None = None,
+        restart: Callable[[], None] | None = None,
+        ask_participant: bool = False,
+        driver_class: type[Driver] | None = None,
+    ) -> None:
+        super().__init__(driver_class=driver_class)
+        for theme in THEMES:
+            self.register_theme(theme)
+        self.look = look or Look(UNICODE)
+        self.theme = self.look.theme
+        self.feed = feed
+        self.keyboard = keyboard
+        self.clock = clock or RealClock()
+        self.picture = Picture()
+        self.terminal, self.builtins = terminal, builtins
+        self.keymap = key_map((), terminal, builtins=builtins)
+        self.caps: dict[str, Cap] = {}
+        self.desk = Desk(self)
+        self.restart = restart
+        self.ask_participant = ask_participant
+        self._inbox: deque[list[Incoming]] = deque()
+        self._lost: deque[str] = deque()
+        self._edition = 0
+        self._was_lost = False
+        self._news = News()
+        self._news_until = 0
+        self._flash_until = 0
+        self._stop_asked: int | None = None
+        self._painted = 0
+        self._loop: asyncio.AbstractEventLoop | None = None
+
+    # -- putting together ---------------------------------------------------------------------
+
+    def compose(self) -> ComposeResult:
+        """Status on top, panels, meters and events, script, stop bar."""
+        yield Status()
+        with Container(id="body"):
+            yield Panels()
+            with Container(id="side"):
+                yield Meters()
+                yield Events()
+        yield Cells(id="small")
+        yield StopBar()
+
+    def on_mount(self) -> None:
+        """Begin to listen and to paint."""
+        self._loop = asyncio.get_running_loop()
+        self.set_class(self.look.glyphs.ascii, "-ascii")
+        self.set_class(self.no_color, "-plain")
+        self._status, self._panels = self.query_one(Status), self.query_one(Panels)
+        self._meters, self._events = self.query_one(Meters), self.query_one(Events)
+        self._bar = self.query_one(StopBar)
+        self._small = self.query_one("#small", Cells)
+        self.keyboard.on_pressed = self._elsewhere(self._pressed)
+        self.keyboard.on_stale = self._elsewhere(self._stale)
+        self.keyboard.on_prefix = self._elsewhere(self._prefix)
+        self._measure()
+        self.set_interval(BEAT, self._beat)
+        self.feed.start(self._heard, self._cut)
+
+    def on_unmount(self) -> None:
+        """Nothing comes any more."""
+        self.feed.close()
+
+    # -- from the feed's thread -----------------------------------------------------------------
+
+    def _heard(self, batch: list[Incoming]) -> None:
+        """Keep a batch for the next painting; wake the screen if it has been still."""
+        idle = not self._inbox
+        self._inbox.append(batch)
+        if idle:
+            self._from_thread(self._wake)
+
+    def _cut(self, why: str) -> None:
+        self._lost.append(why)
+        self._from_thread(self._wake)
+
+    def _elsewhere(self, callback: Callable[..., None]) -> Callable[..., None]:
+        """`callback`, to be called from any thread."""
+        return functools.partial(self._from_thread, callback)
+
+    def _from_thread(self, callback: Callable[..., None], *args: object) -> None:
+        if self._loop is not None:
+            with contextlib.suppress(RuntimeError):  # the loop has closed: nothing to show
+                self._loop.call_soon_threadsafe(callback, *args)
+
+    # -- painting -------------------------------------------------------------------------------
+
+    def _wake(self) -> None:
+        """Paint now if the last painting is a beat ago; otherwise the next beat does."""
+        if self.clock.now_us() - self._painted >= BEAT * 1_000_000:
+            self.paint()
+
+    def _beat(self) -> None:
+        """Paint if anything has come or moves with time; otherwise once a second."""
+        self.keyboard.tick()
+        moving = self.picture.runs.active or self._flash_until or self._stop_asked is not None
+        still_us = self.clock.now_us() - self._painted
+        if self._inbox or self._lost or moving or still_us >= 1_000_000:
+            self.paint()
+
+    def paint(self) -> None:
+        """Work in what has come and show what has changed."""
+        local = self._painted = self.clock.now_us()
+        self._take(local)
+        if not self.screen_stack:
+            return
+        if self._flash_until and local >= self._flash_until:
+            self._flash_until = 0
+            self._panels.press("")
+        if self._news_until and local >= self._news_until:
+            self._news, self._news_until = News(), 0
+        self._measure()
+        self._show(self.picture.now(local))
+
+    def _take(self, local: int) -> None:
+        while self._inbox:
+            batch = self._inbox.popleft()
+            self.picture.take(batch, local)
+            for message in batch:
+                if isinstance(message, Reply):
+                    self.desk.replied(message)
+                elif isinstance(message, Welcome):
+                    self._welcomed(message)
+        while self._lost:
+            self.picture.lose(self._lost.popleft())
+            self.desk.forget()
+            if not self._was_lost:
+                self._was_lost = True
+                self.desk.open_lost()
+        if self.picture.stop is not None:
+            self._stop_asked = None
+        if self.picture.edition != self._edition:
+            self._edition = self.picture.edition
+            self._adopt()
+
+    def _welcomed(self, welcome: Welcome) -> None:
+        """The robot process is there, for the first time or again."""
+        if self._was_lost:
+            self._was_lost = False
+            self.desk.close_lost()
+            self.news("the robot process is back", "good")
+        elif self.ask_participant and welcome.role == "wizard" and not self.picture.participant:
+            self.ask_participant = False
+            self.desk.do("start")
+
+    def _adopt(self) -> None:
+        """A new set of panels: bind its keys and show their caps."""
+        picture = self.picture
+        self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, self.builtins)
+        self.caps = {name: cap_of(found) for name, found in self.keymap.actions.items()}
+        self._panels.bear(self.caps)
+        self.keyboard.bind(self.keymap.table, self.keymap.builtin_table)
+        self.keyboard.verbs = picture.verbs
+        if self.keymap.warnings:
+            self.news(self.keymap.warnings[0], "warn")
+
+    def _show(self, now: int) -> None:
+        self._status.paint(
+            self.picture,
+            self._frame(self._status, now),
+            Line(self.feed.line_ok, self.feed.round_trip_us, self._key("failures")),
+        )
+        for widget in (self._panels, self._meters, self._events):
+            widget.paint(self.picture, self._frame(widget, now))
+        bar = Bar(
+            self._news,
+            self._hints(),
+            self._key("script_next"),
+            self._key("release"),
+            self._stop_asked,
+        )
+        self._bar.paint(self.picture, self._frame(self._bar, now), bar)
+        width, height = self.size
+        sentence = SMALL.format(width, height)
+        self._small.show([((fit(f" {sentence}", width, self.look.glyphs.ellipsis), "warn"),)])
+        if self.dialog is not None:
+            self.dialog.refreshed()
+
+    def _frame(self, widget: Cells, now: int) -> Frame:
+        return Frame(widget.size.width, widget.size.height, now, self.look.glyphs)
+
+    def _hints(self) -> tuple[tuple[str, str], ...]:
+        return tuple((self._key(name), word) for name, word in HINTS if self._key(name))
+
+    def _key(self, name: str) -> str:
+        """The key of one of the console's own, as a cap shows it."""
+        found = self.keymap.builtins.get(name)
+        return key_name(found.press, self.look.glyphs) if found is not None else ""
+
+    def _measure(self) -> None:
+        """Choose what fits: everything, no side, or a sentence and the stop."""
+        width, height = self.size
+        base = self.screen_stack[0]
+        base.set_class(width >= 120 and height >= 24, "-wide")
+        base.set_class(height >= 32, "-tall")
+        base.set_class(width < 80 or height < 24, "-small")
+        base.set_class(width < 50 or height < 12, "-tiny")
+
+    def on_resize(self) -> None:
+        """Paint once the new sizes are known."""
+        self._measure()
+        self.call_after_refresh(self.paint)
+
+    # -- news and presses ------------------------------------------------------------------------
+
+    def news(self, text: str, look: str = "muted") -> None:
+        """A sentence above the hints, for a few seconds."""
+        self._news = News(text, look)
+        self._news_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
+        self.paint()
+
+    def walk(self, by: int) -> None:
+        """Choose another panel."""
+        self._panels.walk(self.picture, by)
+        self.paint()
+
+    def _pressed(self, chord: str, action: str, ref: int) -> None:
+        if chord in STOPS:
+            self._stopping()
+            return
+        if action:
+            self._panels.press(action)
+            self._flash_until = self.clock.now_us() + round(FLASH_S * 1_000_000)
+            self.paint()
+
+    def _stale(self, chord: str, name: str, ref: int) -> None:
+        what = self.picture.label(name) or key_name(chord, self.look.glyphs)
+        self.news(f"not played, the line had stalled: {what}", "warn")
+
+    def _prefix(self, prefix: str) -> None:
+        if prefix:
+            key = key_name(prefix, self.look.glyphs)
+            self.news(f"{key} {self.look.glyphs.ellipsis} waits for its second key", "run")
+        elif self._news.look == "run":
+            self._news_until = 1
+            self.paint()
+
+    # -- keys ---------------------------------------------------------------------------------
+
+    async def on_event(self, event: events.Event) -> None:
+        """Keys pass here before any widget, dialog or text field sees them."""
+        if isinstance(event, events.Key) and not event.is_forwarded and self._take_key(event):
+            event.stop()
+            return
+        await super().on_event(event)
+
+    def _take_key(self, event: events.Key) -> bool:
+        """Whether the key was for the console, and nobody else is to see it."""
+        chord = from_textual(event.key, event.character)
+        if chord in STOPS:
+            self.keyboard.stop(chord)
+            return True
+        if self.dialog is not None:
+            return self._key_in_dialog(chord)
+        if self.keyboard.press(chord):
+            return True
+        name = self.keymap.builtin_table.get(chord)
+        if name is None:
+            self.news(f"{key_name(chord, self.look.glyphs)} plays nothing")
+        else:
+            self.desk.do(name)
+        return True
+
+    def _key_in_dialog(self, chord: str) -> bool:
+        """Closing and releasing the stop work in every dialog; the rest is the dialog's."""
+        name = self.keymap.builtin_table.get(chord)
+        if name == "leave":
+            self.close_dialog()
+        elif name == "release":
+            self.feed.ask(AskRelease(source="key"))
+        else:
+            return False
+        return True
+
+    def _stopping(self) -> None:
+        """The stop was sent: every dialog closes, so that the wizard stands on known ground."""
+        self._stop_asked = self.picture.now(self.clock.now_us())
+        while self.dialog is not None:
+            self.close_dialog()
+        self.paint()
+
+    # -- dialogs --------------------------------------------------------------------------------
+
+    @property
+    def dialog(self) -> Dialog | None:
+        """The dialog on top, if one is open."""
+        screen = self.screen_stack[-1] if self.screen_stack else None
+        return screen if isinstance(screen, Dialog) else None
+
+    def open_dialog(self, dialog: Dialog) -> None:
+        """Give the keyboard to a dialog."""
+        self.keyboard.free = False
+        self.push_screen(dialog)
+
+    def close_dialog(self, dialog: Dialog | None = None) -> None:
+        """Close `dialog`, or whichever is on top; the keyboard is free with the last one."""
+        top = self.dialog
+        if top is not None and (dialog is None or dialog is top):
+            top.closing()
+            self.pop_screen()
+        self.keyboard.free = self.dialog is None
+        self.paint()
+
+    def own_findings(self) -> list[tuple[str, str, str, str]]:
+        """What the console itself can say for the preflight."""
+        findings = []
+        for panel in self.picture.panels:
+            for action in panel.actions:
+                cap = self.caps.get(action.name)
+                if cap is not None and cap.why:
+                    level = "info" if cap.reserve else "warning"
+                    findings.append((level, f"key {action.key}", cap.why, f"for {action.label}"))
+        if not findings:
+            findings.append(("ok", "keys", "all keys of the file reach the robot", ""))
+        return findings
+
+    def end_session(self, request: AskEnd) -> None:
+        """End the session; the console goes when the robot process has answered."""
+        self.desk.ask(request, lambda reply: self.exit("ended"))
+        self.news("ending the session: the robot takes its rest pose", "warn")

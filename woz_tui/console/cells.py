@@ -1,0 +1,164 @@
+"""Rows of text drawn by the line API: a widget that repaints only the cells that changed.
+
+A row is a tuple of pieces, a piece a text and the name of its look. What a widget shows is made
+by a plain function from the picture to rows, so it can be tested without a screen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import ClassVar
+
+from rich.cells import cell_len, set_cell_size
+from rich.segment import Segment
+from textual.geometry import Region
+from textual.strip import Strip
+from textual.widget import Widget
+
+from woz_tui.console.glyphs import Frame
+
+Piece = tuple[str, str]
+Row = tuple[Piece, ...]
+
+#: Every look there is; the theme gives each one colours that are never its only meaning.
+LOOKS = (
+    "plain",
+    "muted",
+    "faint",
+    "strong",
+    "title",
+    "key",
+    "run",
+    "fill",
+    "wait",
+    "good",
+    "warn",
+    "bad",
+    "alarm",
+    "alarm-soft",
+    "stale",
+    "flash",
+)
+
+#: Control characters would reach the terminal as they are: they become blanks.
+_CLEAN = dict.fromkeys((*range(32), *range(127, 160), 0x2028, 0x2029, 0x200E, 0x200F), " ")
+_CLEAN |= dict.fromkeys(range(0x202A, 0x202F), " ") | dict.fromkeys(range(0x2066, 0x206A), " ")
+
+
+def clean(text: str) -> str:
+    """`text` on one line, without anything a terminal would obey."""
+    return text.translate(_CLEAN)
+
+
+def fit(text: str, width: int, ellipsis: str = "…", right: bool = False) -> str:
+    """`text` in exactly `width` cells: cut with an ellipsis or filled with blanks."""
+    if width <= 0:
+        return ""
+    text = clean(text)
+    length = cell_len(text)
+    if length > width:
+        return set_cell_size(text, width - 1) + ellipsis
+    blanks = " " * (width - length)
+    return blanks + text if right else text + blanks
+
+
+def length(row: Row) -> int:
+    """Cells a row takes."""
+    return sum(cell_len(text) for text, _ in row)
+
+
+def cut(row: Row, width: int, ellipsis: str = "…") -> Row:
+    """A row in exactly `width` cells."""
+    pieces: list[Piece] = []
+    left = width
+    for index, (text, look) in enumerate(row):
+        size = cell_len(text)
+        rest = sum(cell_len(later) for later, _ in row[index + 1 :])
+        if size > left or (size == left and rest):
+            if left:
+                pieces.append((set_cell_size(text, left - 1) + ellipsis, look))
+            return tuple(pieces)
+        pieces.append((text, look))
+        left -= size
+    if left:
+        pieces.append((" " * left, "plain"))
+    return tuple(pieces)
+
+
+def spread(left: Row, right: Row, width: int, ellipsis: str = "…") -> Row:
+    """`left` at the left, `right` at the right end; `left` gives way."""
+    room = width - length(right)
+    if room < 1:
+        return cut(right, width, ellipsis)
+    return cut(left, room, ellipsis) + right
+
+
+def heading(title: str, frame: Frame) -> Row:
+    """A title with a thin line behind it, over the frame's whole width."""
+    rule = frame.glyphs.rule * max(0, frame.width - cell_len(title) - 3)
+    return ((f" {title} ", "title"), (rule, "faint"), (" ", "plain"))
+
+
+class Cells(Widget):
+    """Shows rows. `show` compares them with what is there and repaints the difference."""
+
+    COMPONENT_CLASSES: ClassVar[set[str]] = {f"cells--{look}" for look in LOOKS}
+    can_focus = False
+
+    def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
+        super().__init__(id=id, classes=classes)
+        self._rows: list[Row] = []
+
+    @property
+    def rows(self) -> list[Row]:
+        """What is shown."""
+        return self._rows
+
+    @property
+    def text(self) -> str:
+        """What is shown, without looks."""
+        return "\n".join("".join(text for text, _ in row) for row in self._rows)
+
+    def show(self, rows: Sequence[Row]) -> None:
+        """Show `rows` from the top; only cells that differ are repainted."""
+        before, self._rows = self._rows, list(rows)
+        changed = []
+        for y in range(max(len(before), len(self._rows))):
+            old = before[y] if y < len(before) else ()
+            new = self._rows[y] if y < len(self._rows) else ()
+            if old != new:
+                changed.append(_difference(old, new, y, self.size.width))
+        if changed:
+            self.refresh(*changed)
+
+    def render_line(self, y: int) -> Strip:
+        """One row, padded with the widget's own background."""
+        base = self.get_component_rich_style("cells--plain")
+        width = self.size.width
+        if y >= len(self._rows):
+            return Strip.blank(width, base)
+        segments = [
+            Segment(text, self.get_component_rich_style(f"cells--{look}"))
+            for text, look in self._rows[y]
+            if text
+        ]
+        return Strip(segments).adjust_cell_length(width, base)
+
+
+def _difference(old: Row, new: Row, y: int, width: int) -> Region:
+    """The cells of line `y` from the first to the last piece that differs."""
+    if length(old) != length(new):
+        return Region(0, y, width, 1)
+    start = 0
+    for a, b in zip(old, new, strict=False):
+        if a != b:
+            break
+        start += cell_len(a[0])
+    end = length(new)
+    for a, b in zip(reversed(old), reversed(new), strict=False):
+        if a != b:
+            break
+        end -= cell_len(a[0])
+    if end <= start:
+        return Region(0, y, width, 1)
+    return Region(start, y, end - start, 1)

@@ -1,0 +1,125 @@
+"""Where each panel and action stands: depends on the file and the screen's size, nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+from rich.cells import cell_len
+
+from woz_tui.core.requests import ActionView, PanelView
+
+#: Cells of a column: below, labels suffer; above, the eye has too far to go.
+NARROW, COMFORTABLE, WIDE = 18, 24, 38
+#: Cells between two columns.
+GUTTER = 1
+#: Cells of a slot beside key cap and label: a blank, the state's glyph, a blank.
+FIXED = 3
+
+
+@dataclass(frozen=True, slots=True)
+class Slot:
+    """One line of a column: a panel's title (`action` is None) or an action.
+
+    `panel` counts from 0; `again` marks the title of a panel that goes on in a new column.
+    """
+
+    page: int
+    column: int
+    row: int
+    panel: int
+    action: ActionView | None = None
+    again: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Plan:
+    """All slots, how many pages they fill, and the columns' geometry in cells."""
+
+    slots: tuple[Slot, ...]
+    pages: int
+    columns: int
+    width: int
+    cut: int
+    splits: int
+    air: int
+
+    def page_of(self, panel: int) -> int:
+        """The page on which a panel begins."""
+        return next((slot.page for slot in self.slots if slot.panel == panel), 0)
+
+
+def plan(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan:
+    """The best arrangement in `width` x `height` cells with key caps of `cap` cells.
+
+    Fewest pages first, then fewest labels cut short, then fewest panels torn apart, then air
+    between the panels, then columns of a comfortable width.
+    """
+    height = max(3, height)
+    most = max(1, (width + GUTTER) // (NARROW + GUTTER))
+    candidates = []
+    for columns in range(1, most + 1):
+        cells = min(WIDE, (width - GUTTER * (columns - 1)) // columns)
+        if cells < NARROW and columns > 1:
+            continue
+        for split in (False, True):
+            for air in (1, 0):
+                slots, pages, splits = _flow(panels, columns, height, air, split)
+                if slots is None:
+                    continue
+                short = _cut_short(panels, cells - cap - FIXED)
+                cost = (pages, short, splits, -air, cells < COMFORTABLE, abs(WIDE - 8 - cells))
+                candidates.append(
+                    (cost, Plan(tuple(slots), pages, columns, cells, short, splits, air))
+                )
+    best = min(candidates, key=lambda candidate: candidate[0])[1]
+    return _balanced(panels, best, height)
+
+
+def _balanced(panels: Sequence[PanelView], best: Plan, height: int) -> Plan:
+    """The same arrangement with columns as equally tall as can be."""
+    total = sum(1 + len(panel.actions) for panel in panels)
+    if best.pages > 1:
+        return best
+    for lower in range(max(3, total // best.columns), height):
+        slots, pages, splits = _flow(panels, best.columns, lower, best.air, best.splits > 0)
+        if slots is not None and (pages, splits) == (best.pages, best.splits):
+            return replace(best, slots=tuple(slots))
+    return best
+
+
+def _cut_short(panels: Sequence[PanelView], room: int) -> int:
+    return sum(cell_len(action.label) > room for panel in panels for action in panel.actions)
+
+
+def _flow(
+    panels: Sequence[PanelView], columns: int, height: int, air: int, split: bool
+) -> tuple[list[Slot] | None, int, int]:
+    """Fill column after column, page after page; None if a panel is too tall to stay whole."""
+    slots: list[Slot] = []
+    page = column = row = splits = 0
+    for number, panel in enumerate(panels):
+        needed = 1 + len(panel.actions)
+        if needed > height and not split:
+            return None, 0, 0
+        if row:
+            row += air
+        rest = height - row
+        least = min(needed, 3) if split else needed  # never a title without actions beneath it
+        if row and rest < least:
+            page, column, row = _next(page, column, columns)
+        slots.append(Slot(page, column, row, number))
+        row += 1
+        for action in panel.actions:
+            if row >= height:
+                page, column, row = _next(page, column, columns)
+                slots.append(Slot(page, column, row, number, again=True))
+                splits += 1
+                row += 1
+            slots.append(Slot(page, column, row, number, action))
+            row += 1
+    return slots, page + 1, splits
+
+
+def _next(page: int, column: int, columns: int) -> tuple[int, int, int]:
+    return (page, column + 1, 0) if column + 1 < columns else (page + 1, 0, 0)

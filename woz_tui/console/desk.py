@@ -1,0 +1,203 @@
+"""What the wizard can do beside playing actions: each key of the console, each dialog's request."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import TYPE_CHECKING
+
+from woz_tui.core import requests as r
+
+if TYPE_CHECKING:
+    from woz_tui.console.app import Console
+    from woz_tui.console.screens.dialog import Dialog
+
+#: Called in the console's own thread with the reply to a request.
+OnReply = Callable[[r.Reply], None]
+#: Utterances typed in this sitting, for the history of `/`.
+HISTORY = 100
+
+
+class Desk:
+    """Requests with their replies, drafts of dialogs, and one method for each of its keys.
+
+    Dialogs are imported when they are first opened: the first painting does not wait for them.
+    """
+
+    def __init__(self, console: Console) -> None:
+        self._console = console
+        self._waiting: dict[int, OnReply] = {}
+        self.drafts: dict[str, str] = {}
+        self.said: list[str] = []
+
+    # -- requests ---------------------------------------------------------------------------
+
+    def ask(self, request: r.AnyRequest, on_reply: OnReply | None = None) -> None:
+        """Send a request; without `on_reply` a refusal is shown above the hints."""
+        ref = self._console.feed.ask(request)
+        self._waiting[ref] = on_reply or self._refusal
+
+    def replied(self, reply: r.Reply) -> None:
+        """A reply came; those to keys pressed in the input thread have no waiting dialog."""
+        self._waiting.pop(reply.ref, self._refusal)(reply)
+
+    def forget(self) -> None:
+        """The connection is gone: no reply will come any more."""
+        waiting, self._waiting = self._waiting, {}
+        for ref, on_reply in waiting.items():
+            on_reply(r.Reply(ref=ref, ok=False, reason="the robot process is gone"))
+
+    def _refusal(self, reply: r.Reply) -> None:
+        if not reply.ok:
+            hint = f" ({reply.hint})" if reply.hint else ""
+            self._console.news(f"{reply.reason}{hint}", "warn")
+
+    def play(self, action: str) -> None:
+        """Play an action that was found by typing."""
+        self.ask(r.AskAction(action=action, source="palette"))
+
+    def say(self, text: str, on: str) -> None:
+        """Say a typed utterance."""
+        self.said = [*(old for old in self.said if old != text), text][-HISTORY:]
+        self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key="/"))
+
+    # -- keys -------------------------------------------------------------------------------
+
+    def do(self, what: str) -> None:
+        """Carry out one of the console's keys by its id; those of the keyboard alone do nothing."""
+        method = getattr(self, f"do_{what.removesuffix('_too')}", None)
+        if method is not None:
+            method()
+
+    def do_say(self) -> None:
+        """Type and say."""
+        from woz_tui.console.screens.say import SayDialog  # noqa: PLC0415
+
+        self._open(SayDialog())
+
+    def do_find(self) -> None:
+        """Find any action."""
+        from woz_tui.console.screens.find import FindDialog  # noqa: PLC0415
+
+        self._open(FindDialog())
+
+    def do_note(self) -> None:
+        """Write a note."""
+        from woz_tui.console.screens.note import NoteDialog  # noqa: PLC0415
+
+        self._open(NoteDialog())
+
+    def do_mistake(self) -> None:
+        """Choose the run that was a mistake."""
+        from woz_tui.console.screens.mistake import MistakeDialog  # noqa: PLC0415
+
+        self._open(MistakeDialog())
+
+    def do_failures(self) -> None:
+        """Show failures; on a lost connection, what can be done."""
+        if self._console.picture.lost:
+            self.open_lost()
+            return
+        if not self._console.picture.unseen():
+            self._console.news("nothing has failed that you have not seen")
+            return
+        from woz_tui.console.screens.failures import FailuresDialog  # noqa: PLC0415
+
+        self._open(FailuresDialog())
+
+    def do_help(self) -> None:
+        """Show all keys."""
+        from woz_tui.console.screens.help import HelpDialog  # noqa: PLC0415
+
+        self._open(HelpDialog())
+
+    def do_start(self) -> None:
+        """Choose participant and condition."""
+        from woz_tui.console.screens.start import StartDialog  # noqa: PLC0415
+
+        self._open(StartDialog())
+
+    def do_preflight(self) -> None:
+        """Run the checks."""
+        from woz_tui.console.screens.preflight import PreflightDialog  # noqa: PLC0415
+
+        self._open(PreflightDialog())
+
+    def do_reload(self) -> None:
+        """Compare the experiment file with the session's."""
+        from woz_tui.console.screens.reload import ReloadDialog  # noqa: PLC0415
+
+        self._open(ReloadDialog())
+
+    def do_drivers(self) -> None:
+        """Show the drivers' health."""
+        from woz_tui.console.screens.drivers import DriversDialog  # noqa: PLC0415
+
+        self._open(DriversDialog())
+
+    def do_leave(self) -> None:
+        """End the session, leave it running, or stay."""
+        from woz_tui.console.screens.leave import LeaveDialog  # noqa: PLC0415
+
+        self._open(LeaveDialog())
+
+    def open_lost(self) -> None:
+        """The robot process is gone: say so and offer what can be done."""
+        from woz_tui.console.screens.lost import LostDialog  # noqa: PLC0415
+
+        self._open(LostDialog())
+
+    def close_lost(self) -> None:
+        """The robot process is back: nothing to choose any more."""
+        from woz_tui.console.screens.lost import LostDialog  # noqa: PLC0415
+
+        if isinstance(self._console.dialog, LostDialog):
+            self._console.close_dialog()
+
+    def _open(self, dialog: Dialog) -> None:
+        self._console.open_dialog(dialog)
+
+    def do_panel_next(self) -> None:
+        """The next panel."""
+        self._console.walk(1)
+
+    def do_panel_back(self) -> None:
+        """The panel before."""
+        self._console.walk(-1)
+
+    def do_script_on(self) -> None:
+        """One line on without playing."""
+        self._script(1)
+
+    def do_script_back(self) -> None:
+        """One line back without playing."""
+        self._script(-1)
+
+    def _script(self, by: int) -> None:
+        picture = self._console.picture
+        to = picture.position + by
+        if 0 <= to <= len(picture.script):
+            self.ask(r.AskScript(play=False, to=to))
+
+    def do_cut(self) -> None:
+        """Cut the last run short."""
+        active = self._console.picture.runs.active
+        if not active:
+            self._console.news("nothing is being played")
+            return
+        self.ask(r.AskCancel(run=next(reversed(active))))
+
+    def do_redraw(self) -> None:
+        """Paint every cell again."""
+        self._console.refresh(layout=True)
+
+    def do_dark(self) -> None:
+        """Dark colours."""
+        self._console.theme = "woz-dark"
+
+    def do_light(self) -> None:
+        """Light colours."""
+        self._console.theme = "woz-light"
+
+    def do_sixteen(self) -> None:
+        """The terminal's own colours."""
+        self._console.theme = "woz-16"

@@ -1,0 +1,89 @@
+"""The list of events, newest on top."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from rich.cells import cell_len
+
+from woz_tui.console.cells import Cells, Piece, Row, clean, cut, heading
+from woz_tui.console.figures import elapsed, seconds
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.picture import Picture
+from woz_tui.console.sentences import Event
+
+#: Colour and glyph of each kind of line; the glyph alone tells them apart.
+LOOK = {
+    "running": "run",
+    "done": "good",
+    "failed": "bad",
+    "refused": "warn",
+    "stopped": "warn",
+    "info": "muted",
+    "warning": "warn",
+    "error": "bad",
+    "note": "run",
+    "marker": "run",
+    "driver": "warn",
+    "stop": "bad",
+}
+
+
+def chosen(picture: Picture, height: int) -> list[Event]:
+    """The newest events, newest first; failures that nobody has seen stay among them."""
+    events = list(picture.events)
+    unseen = {failure.run for failure in picture.unseen()}
+    older = events[: max(0, len(events) - height)]
+    pinned = [event for event in older if event.run and event.run in unseen][-height:]
+    newest = events[len(older) + len(pinned) :]
+    return [*reversed(newest), *reversed(pinned)]
+
+
+def event_rows(picture: Picture, frame: Frame) -> list[Row]:
+    """As many rows as the frame is high."""
+    return [event_row(event, picture, frame) for event in chosen(picture, frame.height)]
+
+
+def event_row(event: Event, picture: Picture, frame: Frame) -> Row:
+    """One event: when, its mark, what, details as far as there is room, how long it took."""
+    glyphs = frame.glyphs
+    look = LOOK.get(event.mark, "plain")
+    mark = str(getattr(glyphs, event.mark, glyphs.info))
+    front: tuple[Piece, ...] = ((f" {elapsed(event.t):>5} ", "muted"), (f"{mark} ", look))
+    back = _back(event, picture, frame)
+    room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
+    text = glyphs.plain(clean(event.text))
+    detail = glyphs.plain(clean(event.detail))
+    tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
+    body: Row = ((text, tone), (f"  {detail}" if detail else "", "muted"))
+    return (*front, *cut(body, max(1, room), glyphs.ellipsis), back)
+
+
+def _back(event: Event, picture: Picture, frame: Frame) -> Piece:
+    if event.mistake:
+        return (" mistake ", "warn")
+    if event.took_us is not None and event.mark != "refused":
+        return (f" {seconds(event.took_us)} ", "muted")
+    if event.mark == "running":
+        return _under_way(event, picture, frame)
+    return (" ", "plain")
+
+
+def _under_way(event: Event, picture: Picture, frame: Frame) -> Piece:
+    run = picture.runs.active.get(event.run)
+    if run is None:
+        return (" ", "plain")
+    if not run.running:
+        return (" queued ", "wait")
+    left, _ = run.timing(frame.now)
+    shown = seconds(frame.now - event.t) if left is None else f"{seconds(left)} left"
+    return (f" {shown} ", "run")
+
+
+class Events(Cells):
+    """The list of events."""
+
+    def paint(self, picture: Picture, frame: Frame) -> None:
+        """Show a heading and the newest events."""
+        inner = replace(frame, height=frame.height - 1)
+        self.show([heading("Events", frame), *event_rows(picture, inner)])

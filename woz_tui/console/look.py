@@ -1,0 +1,150 @@
+"""Colours and signs for a terminal. Colours have meanings, and never are the only sign of one.
+
+The hues follow the colour-blind-safe set of Okabe and Ito (2008): blue runs, bluish green is well,
+orange warns, vermilion fails; a glyph or a word says the same.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from textual.theme import BUILTIN_THEMES, Theme
+
+from woz_tui.console.glyphs import Glyphs, glyphs_for
+
+_DARK = {
+    "woz-muted": "#8c96a5",
+    "woz-faint": "#3b4450",
+    "woz-strong": "#ffffff",
+    "woz-title": "#9fc3e6",
+    "woz-key": "#eef2f6",
+    "woz-key-ground": "#2b3440",
+    "woz-run": "#6cb8ff",
+    "woz-fill": "#ffffff",
+    "woz-fill-ground": "#1d4f7c",
+    "woz-wait": "#c7a8ff",
+    "woz-good": "#45c490",
+    "woz-warn": "#eab54d",
+    "woz-bad": "#ff7d6b",
+    "woz-alarm": "#ffffff",
+    "woz-alarm-ground": "#b3261e",
+    "woz-alarm-soft-ground": "#7c1d17",
+    "woz-flash": "#10141a",
+    "woz-flash-ground": "#ffd166",
+}
+_LIGHT = {
+    "woz-muted": "#59636f",
+    "woz-faint": "#c4cad2",
+    "woz-strong": "#000000",
+    "woz-title": "#1f5a8c",
+    "woz-key": "#161c22",
+    "woz-key-ground": "#dbe1e8",
+    "woz-run": "#005ea8",
+    "woz-fill": "#06233c",
+    "woz-fill-ground": "#b5d9fb",
+    "woz-wait": "#6a3fa0",
+    "woz-good": "#006f4a",
+    "woz-warn": "#8a5600",
+    "woz-bad": "#b3261e",
+    "woz-alarm": "#ffffff",
+    "woz-alarm-ground": "#b3261e",
+    "woz-alarm-soft-ground": "#8c1d18",
+    "woz-flash": "#000000",
+    "woz-flash-ground": "#ffc93c",
+}
+#: The terminal's own sixteen colours, so that its palette decides.
+_SIXTEEN = {
+    "woz-muted": "ansi_default",
+    "woz-faint": "ansi_bright_black",
+    "woz-strong": "ansi_default",
+    "woz-title": "ansi_cyan",
+    "woz-key": "ansi_default",
+    "woz-key-ground": "ansi_default",
+    "woz-run": "ansi_cyan",
+    "woz-fill": "ansi_white",
+    "woz-fill-ground": "ansi_blue",
+    "woz-wait": "ansi_magenta",
+    "woz-good": "ansi_green",
+    "woz-warn": "ansi_yellow",
+    "woz-bad": "ansi_red",
+    "woz-alarm": "ansi_white",
+    "woz-alarm-ground": "ansi_red",
+    "woz-alarm-soft-ground": "ansi_red",
+    "woz-flash": "ansi_black",
+    "woz-flash-ground": "ansi_yellow",
+}
+
+DARK = Theme(
+    name="woz-dark",
+    primary="#6cb8ff",
+    secondary="#9fc3e6",
+    warning="#eab54d",
+    error="#ff7d6b",
+    success="#45c490",
+    accent="#6cb8ff",
+    foreground="#d9dfe7",
+    background="#10141a",
+    surface="#161b22",
+    panel="#1d232c",
+    dark=True,
+    variables=_DARK,
+)
+LIGHT = Theme(
+    name="woz-light",
+    primary="#005ea8",
+    secondary="#1f5a8c",
+    warning="#8a5600",
+    error="#b3261e",
+    success="#006f4a",
+    accent="#005ea8",
+    foreground="#1d2329",
+    background="#fcfcfb",
+    surface="#f2f3f5",
+    panel="#e8ebef",
+    dark=False,
+    variables=_LIGHT,
+)
+SIXTEEN = Theme(
+    name="woz-16",
+    primary="ansi_cyan",
+    secondary="ansi_cyan",
+    warning="ansi_yellow",
+    error="ansi_red",
+    success="ansi_green",
+    accent="ansi_cyan",
+    foreground="ansi_default",
+    background="ansi_default",
+    surface="ansi_default",
+    panel="ansi_default",
+    boost="ansi_default",
+    dark=True,
+    ansi=True,
+    variables=BUILTIN_THEMES["ansi-dark"].variables | _SIXTEEN,
+)
+THEMES = (DARK, LIGHT, SIXTEEN)
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """Signs, and the name of the theme to begin with."""
+
+    glyphs: Glyphs
+    theme: str = "woz-dark"
+
+
+def look_for(environ: Mapping[str, str], encoding: str, colours: int = 1 << 24) -> Look:
+    """What suits a terminal: `colours` is how many it has.
+
+    NO_COLOR and terminals of 16 colours get the terminal's own colours, so that nothing but its
+    palette is used; `COLORFGBG`, where a terminal sets it, tells light ground from dark.
+    `WOZ_THEME` (dark, light, 16) overrules.
+    """
+    glyphs = glyphs_for(environ, encoding)
+    wanted = environ.get("WOZ_THEME", "")
+    if wanted in ("dark", "light", "16"):
+        return Look(glyphs, f"woz-{wanted}")
+    if "NO_COLOR" in environ or environ.get("TERM", "") == "linux" or colours <= 16:
+        return Look(glyphs, "woz-16")
+    ground = environ.get("COLORFGBG", "").rpartition(";")[2]
+    return Look(glyphs, "woz-light" if ground in ("7", "15") else "woz-dark")

@@ -1,0 +1,199 @@
+"""Panels of actions: for each its key, its label, how it stands, how long it still takes."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+from rich.cells import cell_len, set_cell_size
+from textual import events
+
+from woz_tui.console.caps import Cap, caption
+from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit
+from woz_tui.console.columns import GUTTER, Plan, Slot, plan
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.parts import Standing, State
+from woz_tui.console.picture import Picture
+from woz_tui.core.requests import ActionView
+
+#: Key caps are at least and at most this wide, with a blank at each side.
+CAP_LEAST, CAP_MOST = 3, 8
+
+_LOOK = {
+    State.READY: "plain",
+    State.QUEUED: "wait",
+    State.RUNNING: "run",
+    State.DONE: "good",
+    State.FAILED: "bad",
+    State.REFUSED: "warn",
+    State.STOPPED: "warn",
+    State.LOCKED: "muted",
+    State.UNREACHABLE: "muted",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Board:
+    """What does not come from messages: key caps, the chosen panel, the key just pressed."""
+
+    caps: Mapping[str, Cap]
+    chosen: int = 0
+    pressed: str = ""
+
+
+def cap_width(picture: Picture, board: Board, glyphs: Glyphs) -> int:
+    """One width for all key caps, so that labels stand in line."""
+    longest = max(
+        (
+            cell_len(caption(board.caps.get(action.name, Cap(action.key)), glyphs))
+            for panel in picture.panels
+            for action in panel.actions
+        ),
+        default=1,
+    )
+    return min(CAP_MOST, max(CAP_LEAST, longest + 2))
+
+
+def panel_rows(picture: Picture, frame: Frame, arranged: Plan, board: Board) -> list[Row]:
+    """The page with the chosen panel, as large as the frame."""
+    page = arranged.page_of(board.chosen)
+    cap = cap_width(picture, board, frame.glyphs)
+    column_frame = replace(frame, width=arranged.width)
+    grid: dict[tuple[int, int], Row] = {}
+    for slot in arranged.slots:
+        if slot.page == page:
+            grid[slot.row, slot.column] = _slot(picture, slot, column_frame, board, cap)
+    rows = []
+    blank: Row = ((" " * arranged.width, "plain"),)
+    for y in range(frame.height):
+        row: Row = ()
+        for column in range(arranged.columns):
+            if column:
+                row += ((" " * GUTTER, "plain"),)
+            row += grid.get((y, column), blank)
+        rows.append(cut(row, frame.width, frame.glyphs.ellipsis))
+    if arranged.pages > 1 and rows:
+        rows[-1] = _pager(page, arranged.pages, frame)
+    return rows
+
+
+def _pager(page: int, pages: int, frame: Frame) -> Row:
+    glyphs = frame.glyphs
+    text = f" page {page + 1} of {pages} {glyphs.middle} tab turns it; every key plays on any page"
+    return ((fit(text, frame.width, glyphs.ellipsis), "muted"),)
+
+
+def _slot(picture: Picture, slot: Slot, frame: Frame, board: Board, cap: int) -> Row:
+    panel = picture.panels[slot.panel]
+    if slot.action is None:
+        return _title(picture, slot, frame, slot.panel == board.chosen)
+    standing = picture.standing(panel, slot.action, frame.now)
+    dim = picture.stop is not None or bool(picture.lost)
+    look = "muted" if dim and standing.state is State.READY else _LOOK[standing.state]
+    key = caption(board.caps.get(slot.action.name, Cap(slot.action.key)), frame.glyphs)
+    keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
+    body = _body(slot.action, standing, look, frame.width - cap - 1, frame.glyphs)
+    return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
+
+
+def _title(picture: Picture, slot: Slot, frame: Frame, chosen: bool) -> Row:
+    panel = picture.panels[slot.panel]
+    glyphs, width = frame.glyphs, frame.width
+    mark = f"{glyphs.here} " if chosen and not slot.again else "  "
+    note = " locked" if picture.is_locked(panel) else " continued" if slot.again else ""
+    title = fit_most(panel.title, width - 2 - len(note) - 1, glyphs.ellipsis)
+    used = 2 + cell_len(title) + len(note)
+    rule = glyphs.rule * max(0, width - used - 1)
+    return ((mark, "title"), (title, "title"), (note, "muted"), (" ", "plain"), (rule, "faint"))
+
+
+def fit_most(text: str, width: int, ellipsis: str) -> str:
+    """`text`, cut if it is longer than `width` cells."""
+    text = clean(text)
+    return text if cell_len(text) <= width else fit(text, width, ellipsis)
+
+
+def _centred(text: str, width: int, ellipsis: str) -> str:
+    text = fit_most(text, width - 1, ellipsis)
+    before = (width - cell_len(text)) // 2
+    return " " * before + text + " " * (width - before - cell_len(text))
+
+
+def _body(
+    action: ActionView, standing: Standing, look: str, room: int, glyphs: Glyphs
+) -> tuple[Piece, ...]:
+    """Glyph, label and word; while it runs, the ground behind them is the time left."""
+    glyph = " " if standing.state is State.READY else str(getattr(glyphs, standing.state.value))
+    label = clean(action.label)
+    word = _word(standing)
+    spare = room - 2 - cell_len(label)
+    if standing.state is State.RUNNING:
+        shown = f"{word} " if word else ""
+    else:
+        shown = f"{word} " if spare > cell_len(word) + 1 else ""
+    text = f"{glyph} {fit(label, room - 2 - cell_len(shown), glyphs.ellipsis)}{shown}"
+    if standing.state is not State.RUNNING or standing.share is None:
+        return ((text, look),)
+    filled = round((1 - standing.share) * room)
+    front = set_cell_size(text, filled)
+    return ((front, "fill"), (set_cell_size(text[len(front) :], room - filled), look))
+
+
+def _word(standing: Standing) -> str:
+    match standing.state:
+        case State.READY | State.DONE:
+            return ""
+        case State.RUNNING:
+            return "" if standing.left_us is None else f"{standing.left_us / 1e6:.1f}"
+        case State.UNREACHABLE:
+            return f"no {standing.note}"
+        case state:
+            return str(state.value)
+
+
+class Panels(Cells):
+    """All panels in one widget; tab walks through them, pages turn by themselves."""
+
+    def __init__(self, *, id: str | None = None) -> None:  # noqa: A002 - Textual's name
+        super().__init__(id=id)
+        self.board = Board({})
+        self._arranged: Plan | None = None
+        self._arranged_for: tuple[int, int, int, int] = (-1, -1, -1, -1)
+
+    def paint(self, picture: Picture, frame: Frame) -> None:
+        """Show the picture's panels as they stand."""
+        if not picture.welcomed:
+            text = f" Waiting for the robot process{frame.glyphs.ellipsis}"
+            self.show([((fit(text, frame.width), "muted"),)])
+        elif frame.width and frame.height:
+            self.show(panel_rows(picture, frame, self.arranged(picture, frame), self.board))
+
+    def arranged(self, picture: Picture, frame: Frame) -> Plan:
+        """The arrangement, made anew only when the file or the size has changed."""
+        cap = cap_width(picture, self.board, frame.glyphs)
+        wanted = (picture.edition, frame.width, frame.height, cap)
+        if self._arranged is None or wanted != self._arranged_for:
+            self._arranged_for = wanted
+            self._arranged = plan(picture.panels, frame.width, frame.height, cap)
+            if self._arranged.pages > 1:  # the last line tells the page
+                self._arranged = plan(picture.panels, frame.width, frame.height - 1, cap)
+        return self._arranged
+
+    def walk(self, picture: Picture, by: int) -> None:
+        """Choose the next panel, or with a negative `by` the one before."""
+        if picture.panels:
+            chosen = (self.board.chosen + by) % len(picture.panels)
+            self.board = replace(self.board, chosen=chosen)
+
+    def bear(self, caps: Mapping[str, Cap]) -> None:
+        """Show these key caps."""
+        chosen = self.board.chosen if self.board.caps else 0
+        self.board = Board(caps, chosen)
+
+    def press(self, action: str) -> None:
+        """Let an action's key cap light up; an empty name lets all go dark."""
+        self.board = replace(self.board, pressed=action)
+
+    def on_click(self, event: events.Click) -> None:
+        """A click never plays anything: it comes too easily, when a window is chosen."""
+        event.stop()

@@ -1,0 +1,155 @@
+"""What all dialogs share: a frame over the living screen, a hint, the way out, kept drafts.
+
+Escape and ctrl+c stop the robot from every dialog and close it; the text typed so far is kept and
+is there again when the dialog is opened the next time. ctrl+q closes without stopping.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import TYPE_CHECKING, ClassVar, cast
+
+from textual.app import ComposeResult
+from textual.containers import Vertical, VerticalScroll
+from textual.content import Content
+from textual.screen import ModalScreen
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from woz_tui.console.cells import Row, clean
+
+if TYPE_CHECKING:
+    from woz_tui.console.app import Console
+    from woz_tui.console.desk import Desk
+    from woz_tui.console.glyphs import Glyphs
+    from woz_tui.console.picture import Picture
+
+_STYLES = {
+    "plain": "",
+    "muted": "$woz-muted",
+    "strong": "bold $woz-strong",
+    "title": "bold $woz-title",
+    "key": "bold $woz-key on $woz-key-ground",
+    "run": "$woz-run",
+    "good": "$woz-good",
+    "warn": "$woz-warn",
+    "bad": "bold $woz-bad",
+}
+
+
+def content(rows: Iterable[Row]) -> Content:
+    """Rows as text that wraps."""
+    pieces: list[Content | str | tuple[str, str]] = []
+    for number, row in enumerate(rows):
+        if number:
+            pieces.append("\n")
+        for text, look in row:
+            style = _STYLES.get(look, "")
+            pieces.append((clean(text), style) if style else clean(text))
+    return Content.assemble(*pieces)
+
+
+class Dialog(ModalScreen[None]):
+    """A framed dialog. Subclasses give `heading`, `hint` and `body`."""
+
+    heading: ClassVar[str] = ""
+    hint: ClassVar[str] = "ctrl+q closes"
+    wide: ClassVar[bool] = False
+
+    @property
+    def console_app(self) -> Console:
+        """The app, with its own type."""
+        return cast("Console", self.app)
+
+    @property
+    def desk(self) -> Desk:
+        """Requests and drafts."""
+        return self.console_app.desk
+
+    @property
+    def picture(self) -> Picture:
+        """What is known."""
+        return self.console_app.picture
+
+    @property
+    def glyphs(self) -> Glyphs:
+        """The terminal's signs."""
+        return self.console_app.look.glyphs
+
+    def compose(self) -> ComposeResult:
+        """The frame with its heading, the body, the hint on the lower edge."""
+        with Vertical(classes="dialog wide" if self.wide else "dialog") as box:
+            box.border_title = f" {self.heading} "
+            box.border_subtitle = f" {self.glyphs.plain(self.hint)} "
+            yield from self.body()
+
+    def body(self) -> Iterable[Widget]:
+        """What stands inside the frame."""
+        raise NotImplementedError
+
+    def leave(self) -> None:
+        """Close this dialog."""
+        self.console_app.close_dialog(self)
+
+    def closing(self) -> None:
+        """Called before it goes, for whatever reason; keeps drafts."""
+
+    def refreshed(self) -> None:
+        """Called after each painting of the screen beneath; for what changes while it is open."""
+
+
+class Report(Dialog):
+    """A dialog of text to read: rows, scrolled with the arrows."""
+
+    def body(self) -> Iterable[Widget]:
+        """One text that scrolls."""
+        yield VerticalScroll(Static(content(self.lines()), id="report"))
+
+    def lines(self) -> list[Row]:
+        """What it says."""
+        raise NotImplementedError
+
+    def renew(self) -> None:
+        """Say it again after something has changed."""
+        if self.is_mounted:
+            self.query_one("#report", Static).update(content(self.lines()))
+
+
+class Entry(Dialog):
+    """A dialog with one text field whose text is kept as a draft until it is sent."""
+
+    placeholder: ClassVar[str] = ""
+
+    @property
+    def draft(self) -> str:
+        """Name under which the text is kept."""
+        return type(self).__name__
+
+    def body(self) -> Iterable[Widget]:
+        """The field, then `below`."""
+        yield Input(
+            self.desk.drafts.get(self.draft, ""),
+            placeholder=self.placeholder,
+            select_on_focus=False,
+            id="entry",
+        )
+        yield from self.below()
+
+    def below(self) -> Iterable[Widget]:
+        """What stands under the field."""
+        return ()
+
+    @property
+    def entry(self) -> Input:
+        """The text field."""
+        return self.query_one("#entry", Input)
+
+    def closing(self) -> None:
+        """Keep what was typed."""
+        if self.is_mounted:
+            self.desk.drafts[self.draft] = self.entry.value
+
+    def sent(self) -> None:
+        """The text did its work: forget it and close."""
+        self.entry.value = ""
+        self.leave()

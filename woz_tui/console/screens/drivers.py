@@ -1,0 +1,42 @@
+"""How every driver is."""
+
+from __future__ import annotations
+
+from woz_tui.console.cells import Row
+from woz_tui.console.screens.dialog import Report
+
+_LOOKS = {"connected": "good", "connecting": "warn", "lost": "bad", "faulted": "bad"}
+_SIGNS = {"connected": "yes", "connecting": "driver", "lost": "error", "faulted": "warning"}
+
+
+class DriversDialog(Report):
+    """Health, detail and remedy; follows what happens while it is open."""
+
+    heading = "Drivers"
+    hint = "↑↓ scroll · ctrl+q closes"
+    wide = True
+
+    def lines(self) -> list[Row]:
+        """One paragraph for each driver."""
+        rows: list[Row] = []
+        for driver in self.picture.drivers.values():
+            sign = str(getattr(self.glyphs, _SIGNS.get(driver.health, "no")))
+            look = _LOOKS.get(driver.health, "muted")
+            rows.append(((f"{sign} {driver.name}  {driver.health}", look),))
+            verbs = ", ".join(self.picture.verbs.get(driver.name, []))
+            for text, tone in ((driver.detail, "plain"), (driver.remedy, "run"), (verbs, "muted")):
+                if text:
+                    rows.append(((f"    {text}", tone),))
+            rows.append(())
+        return rows or [(("This session has no drivers.", "muted"),)]
+
+    def on_mount(self) -> None:
+        """Remember what is shown."""
+        self._shown = self.lines()
+
+    def refreshed(self) -> None:
+        """Show a change at once."""
+        now = self.lines()
+        if now != self._shown:
+            self._shown = now
+            self.renew()

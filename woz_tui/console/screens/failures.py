@@ -1,0 +1,42 @@
+"""What has failed and has not been seen."""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+
+from woz_tui.console.cells import Row
+from woz_tui.console.figures import elapsed
+from woz_tui.console.screens.dialog import Report
+
+
+class FailuresDialog(Report):
+    """Each failure with its reason and remedy; enter marks all as seen."""
+
+    heading = "Failed"
+    hint = "enter: seen, clear them · ctrl+q keeps them"
+    wide = True
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "see", priority=True)]
+
+    def lines(self) -> list[Row]:
+        """Newest first."""
+        rows: list[Row] = []
+        for failure in reversed(self.picture.unseen()):
+            name = self.picture.label(failure.action) if failure.action else failure.what
+            rows.append(
+                (
+                    (f"{elapsed(failure.t):>7}  ", "muted"),
+                    (f"{self.glyphs.failed} {name}", "bad"),
+                )
+            )
+            rows.append((("         ", "plain"), (failure.reason or "no reason given", "plain")))
+            if failure.remedy:
+                rows.append((("         ", "plain"), (failure.remedy, "run")))
+        return rows
+
+    def action_see(self) -> None:
+        """All seen."""
+        self.picture.see_failures()
+        self.leave()
+        self.console_app.paint()

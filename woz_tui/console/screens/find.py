@@ -1,0 +1,154 @@
+"""Find any action, panel or console command by typing a few of its letters."""
+
+from __future__ import annotations
+
+import functools
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.fuzzy import Matcher
+from textual.widget import Widget
+from textual.widgets import Input, OptionList
+from textual.widgets.option_list import Option
+
+from woz_tui.console.caps import Cap, caption, key_name
+from woz_tui.console.cells import clean, fit
+from woz_tui.console.screens.dialog import Entry
+from woz_tui.core.requests import AskLock
+
+LABEL = 26
+#: Without a key of their own.
+COLOURS = {
+    "dark": "dark colours",
+    "light": "light colours",
+    "sixteen": "the terminal's own sixteen colours",
+}
+#: Keys that would open this very dialog, or that only make sense as keys.
+_LEFT_OUT = ("stop", "find", "release", "head", "drive", "hip", "script_next", "mistake_last")
+
+
+@dataclass(frozen=True, slots=True)
+class Find:
+    """Something that can be found: what it is called, where it belongs, what it does."""
+
+    name: str
+    key: str
+    where: str
+    do: Callable[[], None]
+    search: str
+
+
+class FindDialog(Entry):
+    """Type, choose with the arrows, enter plays."""
+
+    heading = "Find"
+    hint = "enter plays it · ↑↓ choose · ctrl+q closes"
+    placeholder = "a few letters of an action, its words or its panel"
+    wide = True
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "choose(-1)", priority=True),
+        Binding("down", "choose(1)", priority=True),
+    ]
+
+    def on_mount(self) -> None:
+        """All there is, in the file's order."""
+        self.entry.value = ""
+        self._all = [*self._actions(), *self._locks(), *self._commands()]
+        self._shown = self._all
+        self._search("")
+
+    def closing(self) -> None:
+        """A search is no draft."""
+
+    def below(self) -> Iterable[Widget]:
+        """The list of what matches."""
+        found = OptionList(id="found")
+        found.can_focus = False
+        yield found
+
+    def _actions(self) -> Iterable[Find]:
+        for panel in self.picture.panels:
+            for action in panel.actions:
+                cap = self.console_app.caps.get(action.name, Cap(action.key))
+                words = " ".join((action.label, action.help, panel.title, *action.utterances))
+                yield Find(
+                    action.label,
+                    caption(cap, self.glyphs),
+                    panel.title if not action.help else f"{panel.title}: {action.help}",
+                    functools.partial(self.desk.play, action.name),
+                    words,
+                )
+
+    def _locks(self) -> Iterable[Find]:
+        for panel in self.picture.panels:
+            locked = self.picture.is_locked(panel)
+            word = "Unlock" if locked else "Lock"
+            request = AskLock(panel=panel.title, locked=not locked)
+            name = f"{word} {panel.title}"
+            yield Find(name, "", "panel", functools.partial(self.desk.ask, request), name)
+
+    def _commands(self) -> Iterable[Find]:
+        app = self.console_app
+        texts = {item.id: item.description for item in app.builtins}
+        for name, text in (texts | COLOURS).items():
+            if not name.startswith(_LEFT_OUT):
+                found = app.keymap.builtins.get(name)
+                key = key_name(found.press, self.glyphs) if found is not None else ""
+                do = functools.partial(self.desk.do, name)
+                yield Find(text, key, "console", do, text)
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Narrow the list."""
+        event.stop()
+        self._search(event.value)
+
+    def _search(self, typed: str) -> None:
+        typed = typed.strip()
+        self._shown = self._all
+        if typed:
+            matcher = Matcher(typed)
+            scored = [
+                (max(2 * matcher.match(find.name), matcher.match(find.search)), -index, find)
+                for index, find in enumerate(self._all)
+            ]
+            hits = [hit for hit in scored if hit[0] > 0]
+            self._shown = [find for _, _, find in sorted(hits, key=lambda hit: hit[:2])[::-1]]
+        found = self.query_one("#found", OptionList)
+        found.clear_options()
+        found.add_options([Option(self._line(find)) for find in self._shown])
+        if self._shown:
+            found.highlighted = 0
+
+    def _line(self, find: Find) -> Content:
+        return Content.assemble(
+            fit(find.key, 7, self.glyphs.ellipsis),
+            fit(find.name, LABEL, self.glyphs.ellipsis),
+            "  ",
+            (clean(find.where), "$text-muted"),
+        )
+
+    def action_choose(self, by: int) -> None:
+        """Move in the list; the text field keeps the keyboard."""
+        found = self.query_one("#found", OptionList)
+        if self._shown:
+            found.highlighted = ((found.highlighted or 0) + by) % len(self._shown)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Play what is chosen."""
+        event.stop()
+        self._do(self.query_one("#found", OptionList).highlighted)
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """A click in this list is meant."""
+        event.stop()
+        self._do(event.option_index)
+
+    def _do(self, index: int | None) -> None:
+        if index is None or index >= len(self._shown):
+            return
+        chosen = self._shown[index]
+        self.leave()
+        chosen.do()

@@ -1,0 +1,42 @@
+"""All keys as they are bound now."""
+
+from __future__ import annotations
+
+from woz_tui.console.caps import Cap, cap_of, caption, key_name
+from woz_tui.console.cells import Row, fit
+from woz_tui.console.screens.dialog import Report
+
+KEY = 8
+
+
+class HelpDialog(Report):
+    """The stop, the console's keys, then every action; reserve keys with the reason."""
+
+    heading = "Keys"
+    hint = "↑↓ scroll · ctrl+q closes · letters, digits and F-keys are the experiment's"
+    wide = True
+
+    def lines(self) -> list[Row]:
+        """Key and meaning, one a line."""
+        rows: list[Row] = [(("Console", "title"),)]
+        for item in self.console_app.builtins:
+            found = self.console_app.keymap.builtins.get(item.id)
+            if found is not None:
+                rows += self._key(cap_of(found), found.wanted, item.description, "")
+        for panel in self.picture.panels:
+            locked = "  locked" if self.picture.is_locked(panel) else ""
+            rows += [(), ((panel.title, "title"), (locked, "muted"))]
+            for action in panel.actions:
+                cap = self.console_app.caps.get(action.name, Cap(action.key))
+                rows += self._key(cap, action.key, action.label, action.help)
+        return rows
+
+    def _key(self, cap: Cap, wanted: str, text: str, note: str) -> list[Row]:
+        """Key and meaning; beneath it why it is not the key that was asked for."""
+        key = fit(caption(cap, self.glyphs) or self.glyphs.dash, KEY, self.glyphs.ellipsis)
+        rows: list[Row] = [((key, "strong"), (f"  {text}", "plain"), (f"  {note}", "muted"))]
+        if cap.why:
+            instead = "instead of " if cap.reserve else ""
+            name = key_name(wanted, self.glyphs)
+            rows.append(((" " * (KEY + 2), "plain"), (f"{instead}{name}: {cap.why}", "warn")))
+        return rows

@@ -1,0 +1,37 @@
+"""Leaving: end the session, leave it running, or stay."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from textual.content import Content
+
+from woz_tui.console.cells import Row
+from woz_tui.console.screens.choice import Choice
+from woz_tui.core.requests import AskEnd
+
+
+class LeaveDialog(Choice):
+    """Stay is the first choice, so that enter after a slip does no harm."""
+
+    heading = "Leave"
+    hint = "↑↓ choose · enter · ctrl+q stays"
+
+    def lines(self) -> list[Row]:
+        """Where the log is."""
+        return [(("log: ", "muted"), (self.picture.log or "none", "plain"))]
+
+    def choices(self) -> Sequence[Content]:
+        """Stay, leave it running, end it."""
+        return [
+            Content("Stay"),
+            Content("Leave the session running (woz attach brings you back)"),
+            Content("End the session: the robot rests, the log is finished"),
+        ]
+
+    def chose(self, index: int) -> None:
+        """Carry it out."""
+        if index == 1:
+            self.console_app.exit("detached")
+        elif index == 2:
+            self.console_app.end_session(AskEnd(reason="wizard"))

@@ -1,0 +1,43 @@
+"""The robot process is gone."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from textual.content import Content
+
+from woz_tui.console.cells import Row
+from woz_tui.console.screens.choice import Choice
+
+
+class LostDialog(Choice):
+    """Says so, where the log is, and what can be done."""
+
+    heading = "The robot process is gone"
+    hint = "↑↓ choose · enter"
+
+    def lines(self) -> list[Row]:
+        """What happened, and what is safe."""
+        picture = self.picture
+        return [
+            ((f"{self.glyphs.error} {picture.lost}", "bad"),),
+            (("No key reaches the robot from here until it is back, not even the stop.", "plain"),),
+            (("Everything up to this moment is in the log:", "plain"),),
+            ((picture.log or "(no log was announced)", "strong"),),
+        ]
+
+    def choices(self) -> Sequence[Content]:
+        """Restart if somebody can, look on, leave."""
+        restart = [Content("Start the robot process again")] if self.console_app.restart else []
+        return [*restart, Content("Stay and read the screen"), Content("Leave the console")]
+
+    def chose(self, index: int) -> None:
+        """Carry it out."""
+        restart = self.console_app.restart
+        if restart is None:
+            index += 1
+        if index == 0 and restart is not None:
+            self.console_app.news("starting the robot process again", "warn")
+            restart()
+        elif index == 2:
+            self.console_app.exit("lost")

@@ -1,0 +1,47 @@
+"""Which action was a mistake: picked from the log."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from textual.content import Content
+
+from woz_tui.console.cells import Row, fit
+from woz_tui.console.figures import elapsed
+from woz_tui.console.screens.choice import Choice
+from woz_tui.console.sentences import Event
+from woz_tui.core.requests import AskMistake
+
+#: So many of the last actions are offered.
+OFFERED = 40
+
+
+class MistakeDialog(Choice):
+    """The last actions, newest first; backspace on the main screen takes the newest at once."""
+
+    heading = "That was a mistake"
+    hint = "enter labels it in the log · ctrl+q closes"
+
+    def _events(self) -> list[Event]:
+        runs = [event for event in self.picture.events if event.run]
+        return runs[::-1][:OFFERED]
+
+    def lines(self) -> list[Row]:
+        """Only if there is nothing to choose from."""
+        return [] if self._events() else [(("Nothing has been played yet.", "muted"),)]
+
+    def choices(self) -> Sequence[Content]:
+        """When, what, and whether it is labelled already."""
+        self._offered = self._events()
+        return [
+            Content.assemble(
+                (f"{elapsed(event.t):>7}  ", "$text-muted"),
+                fit(event.text, 40, self.glyphs.ellipsis),
+                ("  mistake" if event.mistake else f"  {event.mark}", "$text-muted"),
+            )
+            for event in self._offered
+        ]
+
+    def chose(self, index: int) -> None:
+        """Label it."""
+        self.desk.ask(AskMistake(run=self._offered[index].run))

@@ -1,0 +1,78 @@
+"""Is everything ready for the first participant?"""
+
+from __future__ import annotations
+
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+
+from woz_tui.console.cells import Row
+from woz_tui.console.screens.dialog import Report
+from woz_tui.core.requests import AskPreflight, Reply
+
+_LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
+_SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}
+
+
+def finding_rows(data: object) -> list[tuple[str, str, str, str]]:
+    """Level, subject, text and remedy of each finding in a reply; anything else is left out."""
+    if not isinstance(data, list):
+        return []
+    return [
+        (
+            str(item.get("level", "info")),
+            str(item.get("subject", "")),
+            str(item.get("text", "")),
+            str(item.get("remedy", "")),
+        )
+        for item in data
+        if isinstance(item, dict)
+    ]
+
+
+class PreflightDialog(Report):
+    """The robot side's checks and the console's own; enter runs them again."""
+
+    heading = "Preflight"
+    hint = "enter checks again · ↑↓ scroll · ctrl+q closes"
+    wide = True
+    BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "check", priority=True)]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._findings: list[tuple[str, str, str, str]] = []
+        self._said = "checking ..."
+
+    def on_mount(self) -> None:
+        """Ask at once."""
+        self.action_check()
+
+    def action_check(self) -> None:
+        """Ask the robot process."""
+        self._findings, self._said = [], "checking ..."
+        self.renew()
+        self.desk.ask(AskPreflight(), self._answered)
+
+    def _answered(self, reply: Reply) -> None:
+        self._findings = finding_rows(reply.data) if reply.ok else []
+        self._findings += self.console_app.own_findings()
+        errors = sum(level == "error" for level, *_ in self._findings)
+        warnings = sum(level == "warning" for level, *_ in self._findings)
+        if not reply.ok:
+            self._said = f"{reply.reason} {reply.hint}".strip()
+        elif errors or warnings:
+            self._said = f"{errors} to mend, {warnings} to look at"
+        else:
+            self._said = "everything is ready"
+        self.renew()
+
+    def lines(self) -> list[Row]:
+        """The verdict, then every finding."""
+        rows: list[Row] = [((self._said, "strong"),), ()]
+        for level, subject, text, remedy in self._findings:
+            sign = str(getattr(self.glyphs, _SIGNS.get(level, "info")))
+            look = _LOOKS.get(level, "plain")
+            rows.append(((f"{sign} {subject:<14} ", look), (text, "plain")))
+            if remedy and level != "ok":
+                rows.append(((" " * 17, "plain"), (remedy, "run")))
+        return rows

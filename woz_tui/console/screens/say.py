@@ -1,0 +1,146 @@
+"""Type something and have the robot say it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.suggester import Suggester
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from woz_tui.console.cells import clean
+from woz_tui.console.picture import Picture
+from woz_tui.console.screens.dialog import Entry, content
+
+#: Lines of matching utterances under the field.
+MATCHES = 5
+
+
+def complete(text: str, utterances: Iterable[str], variables: Iterable[str]) -> str | None:
+    """What `text` may become: a variable after an open brace, else an utterance it begins."""
+    brace = text.rfind("{")
+    if brace > text.rfind("}"):
+        begun = text[brace + 1 :]
+        for name in sorted(variables):
+            if name.startswith(begun):
+                return f"{text[: brace + 1]}{name}}}"
+        return None
+    if not text:
+        return None
+    folded = text.casefold()
+    for utterance in utterances:
+        if utterance.casefold().startswith(folded) and len(utterance) > len(text):
+            return text + utterance[len(text) :]
+    return None
+
+
+def utterances_of(picture: Picture, said: Iterable[str]) -> list[str]:
+    """What was typed before, newest first, then all the session's utterances."""
+    told = [
+        utterance
+        for panel in picture.panels
+        for action in panel.actions
+        for utterance in action.utterances
+    ]
+    return list(dict.fromkeys([*reversed(list(said)), *told]))
+
+
+class _Completer(Suggester):
+    def __init__(self, utterances: list[str], variables: tuple[str, ...]) -> None:
+        super().__init__(use_cache=False, case_sensitive=True)
+        self._utterances, self._variables = utterances, variables
+
+    async def get_suggestion(self, value: str) -> str | None:
+        return complete(value, self._utterances, self._variables)
+
+
+class SayDialog(Entry):
+    """Type and say: arrows walk through what was said, tab completes, ctrl+o changes the voice."""
+
+    heading = "Say"
+    hint = "enter says it · tab completes · ↑↓ history · ctrl+q closes, the text is kept"
+    placeholder = "type what the robot shall say; { for variables"
+    wide = True
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("tab", "complete", priority=True),
+        Binding("up", "history(-1)", priority=True),
+        Binding("down", "history(1)", priority=True),
+        Binding("ctrl+o", "voice", priority=True),
+    ]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._back = 0
+        self._voice = 0
+
+    def on_mount(self) -> None:
+        """Utterances as they are now."""
+        self._utterances = utterances_of(self.picture, self.desk.said)
+        self.entry.suggester = _Completer(self._utterances, self.picture.variables)
+        self._show_matches(self.entry.value)
+        self._show_voice()
+
+    def below(self) -> Iterable[Widget]:
+        """Matching utterances, and who speaks."""
+        yield Static("", id="matches", classes="caption")
+        yield Static("", id="voice", classes="caption")
+
+    def _voices(self) -> list[str]:
+        return [name for name, verbs in self.picture.verbs.items() if "say" in verbs]
+
+    def _show_voice(self) -> None:
+        voices = self._voices()
+        text = ""
+        if not voices:
+            text = "No driver of this session can speak."
+        elif len(voices) > 1:
+            text = f"voice: {voices[self._voice]}  (ctrl+o: another)"
+        self.query_one("#voice", Static).update(Content(text))
+
+    def _show_matches(self, typed: str) -> None:
+        folded = typed.casefold().strip()
+        matches = [text for text in self._utterances if folded in text.casefold()][:MATCHES]
+        rows = [((f"  {clean(text)}", "muted"),) for text in matches if text != typed]
+        matches_widget = self.query_one("#matches", Static)
+        matches_widget.update(content(rows))
+        matches_widget.display = bool(rows)
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Show what matches."""
+        event.stop()
+        self._show_matches(event.value)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Say it; an empty line only closes."""
+        event.stop()
+        text = event.value.strip()
+        voices = self._voices()
+        if text:
+            self.desk.say(text, voices[self._voice] if len(voices) > 1 else "")
+        self.sent()
+
+    def action_complete(self) -> None:
+        """Take what is suggested."""
+        whole = complete(self.entry.value, self._utterances, self.picture.variables)
+        if whole is not None:
+            self._put(whole)
+
+    def action_history(self, by: int) -> None:
+        """Walk through what was typed before; down from the newest is the empty line."""
+        said = self.desk.said
+        self._back = max(0, min(len(said), self._back - by))
+        self._put(said[-self._back] if self._back else "")
+
+    def action_voice(self) -> None:
+        """Let another driver speak."""
+        voices = self._voices()
+        if voices:
+            self._voice = (self._voice + 1) % len(voices)
+            self._show_voice()
+
+    def _put(self, text: str) -> None:
+        self.entry.value = text
+        self.entry.cursor_position = len(text)

@@ -1,0 +1,128 @@
+"""The two lines on top: what is being recorded, and how everything is."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from woz_tui.console.cells import Cells, Piece, Row, clean, length, spread
+from woz_tui.console.figures import elapsed, millis
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.picture import Picture
+
+#: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
+SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """The line to the wizard's terminal: whether it takes output, its round trip if known; and
+    the key that shows what has failed.
+    """
+
+    well: bool = True
+    round_trip_us: int | None = None
+    failures: str = "enter"
+
+
+def status_rows(picture: Picture, frame: Frame, line: Line) -> list[Row]:
+    """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
+    glyphs, width = frame.glyphs, frame.width
+    vitals = (("  ", "plain"), *_recorder(picture, glyphs), ("  ", "plain"), *_line(line, glyphs))
+    failures = _failures(picture, glyphs, line.failures)
+    session = _session(picture, glyphs, frame.now)
+    first = spread(_whole(session, width - length(vitals)), vitals, width, glyphs.ellipsis)
+    return [first, spread(_drivers(picture, glyphs), failures, width, glyphs.ellipsis)]
+
+
+def _whole(parts: list[Row], width: int) -> Row:
+    """As many parts as fit, at least the first."""
+    row = parts[0]
+    for part in parts[1:]:
+        if length(row) + length(part) > width:
+            break
+        row += part
+    return row
+
+
+def _session(picture: Picture, glyphs: Glyphs, now: int) -> list[Row]:
+    """The more important, the earlier."""
+    time = elapsed(now) if picture.welcomed else "--:--"
+    title = clean(picture.title) or "woz"
+    parts: list[Row] = []
+    if picture.role == "watcher":
+        parts.append(((" WATCHING ", "alarm-soft"),))
+    parts.append(((f" {title}  ", "strong"), (time, "plain")))
+    for value in (
+        clean(picture.participant) or "no participant",
+        clean(picture.condition) or ("no condition" if picture.conditions else ""),
+        f"trial {picture.trial}" if picture.trial is not None else "",
+        f"session {clean(picture.session)}" if picture.session else "",
+    ):
+        if value:
+            look = "warn" if value.startswith("no ") else "plain"
+            parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
+    return parts
+
+
+def _recorder(picture: Picture, glyphs: Glyphs) -> Row:
+    if picture.lost:
+        return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
+    if picture.ended:
+        return (("session over", "muted"),)
+    lag = millis(picture.recorder.lag_us)
+    levels: dict[str, Row] = {
+        "ok": ((f"{glyphs.yes} REC", "good"), (f" {lag:>6}", "muted")),
+        "warn": ((f"{glyphs.warning} REC {lag:>6}", "warn"),),
+        "alarm": ((f" {glyphs.error} REC {lag} LATE ", "alarm"),),
+        "failed": ((f" {glyphs.error} NOT RECORDED ", "alarm"),),
+    }
+    return levels.get(picture.recorder.level, ((f"{glyphs.no} REC       ", "muted"),))
+
+
+def _line(line: Line, glyphs: Glyphs) -> Row:
+    round_trip = line.round_trip_us
+    if not line.well:
+        return ((f" {glyphs.error} LINE STALLED ", "alarm"),)
+    if round_trip is None:
+        return (("line", "muted"), (f" {glyphs.dash:>6} ", "muted"))
+    look = "warn" if round_trip >= SLOW_LINE_US else "muted"
+    if round_trip >= BAD_LINE_US:
+        look = "bad"
+    mark = f"{glyphs.warning} " if round_trip >= SLOW_LINE_US else ""
+    return ((f"{mark}line", look), (f" {millis(round_trip):>6} ", look))
+
+
+_HEALTH = {
+    "connected": ("yes", "good", ""),
+    "connecting": ("driver", "warn", " connecting"),
+    "lost": ("error", "bad", " lost"),
+    "faulted": ("warning", "warn", " faulted"),
+    "unknown": ("no", "muted", ""),
+}
+
+
+def _drivers(picture: Picture, glyphs: Glyphs) -> Row:
+    row: list[Piece] = [(" ", "plain")]
+    for driver in picture.drivers.values():
+        sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
+        row.append((f"{getattr(glyphs, sign)} {driver.name}{word}", look))
+        mode = picture.modes.get(driver.name, "")
+        if mode and mode != "normal":
+            row.append((f" {mode}", "wait"))
+        row.append(("   ", "plain"))
+    return tuple(row)
+
+
+def _failures(picture: Picture, glyphs: Glyphs, key: str) -> Row:
+    count = len(picture.unseen())
+    if not count:
+        return ()
+    return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
+
+
+class Status(Cells):
+    """The status line."""
+
+    def paint(self, picture: Picture, frame: Frame, line: Line) -> None:
+        """Show the picture's state."""
+        self.show(status_rows(picture, frame, line))

@@ -1,0 +1,103 @@
+"""The two lines at the bottom: script and hints as a rule, the stop when it is pressed."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from rich.cells import cell_len
+
+from woz_tui.console.cells import Cells, Row, clean, cut, fit, spread
+from woz_tui.console.figures import elapsed, millis
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.parts import StopPicture
+from woz_tui.console.picture import Picture
+from woz_tui.console.script import script_row
+
+
+@dataclass(frozen=True, slots=True)
+class News:
+    """A sentence in the place of the hints; `look` as in `cells.LOOKS`."""
+
+    text: str = ""
+    look: str = "muted"
+
+
+@dataclass(frozen=True, slots=True)
+class Bar:
+    """What does not come from messages.
+
+    `news` takes the place of the `hints` (keys with a word each) for a while. `next` is the key
+    of the script, `release` the one that releases the stop. `asked_us`: session time at which this
+    console asked for a stop that has not been answered yet.
+    """
+
+    news: News = News()
+    hints: tuple[tuple[str, str], ...] = ()
+    next: str = ""
+    release: str = ""
+    asked_us: int | None = None
+
+
+def bar_rows(picture: Picture, frame: Frame, bar: Bar) -> list[Row]:
+    """Two rows of the frame's width."""
+    glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
+    if picture.lost and (asked_us is not None or picture.stop is not None):
+        return _undelivered(glyphs, width)
+    if picture.lost:
+        why = f" {glyphs.error} The robot process is gone: {picture.lost}"
+        what = " It stops driving by itself. enter shows what can be done"
+        return [((fit(why, width), "alarm"),), ((fit(what, width), "alarm-soft"),)]
+    if picture.stop is not None:
+        return _stopped(picture.stop, bar.release, glyphs, width)
+    if asked_us is not None:
+        waited = millis(frame.now - asked_us)
+        first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
+        return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
+    news = bar.news
+    text = fit(f" {glyphs.plain(news.text)}", width, glyphs.ellipsis)
+    second: Row = ((text, news.look),) if news.text else _hints(bar.hints, width)
+    return [script_row(picture, frame, bar.next), second]
+
+
+def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
+    first = (
+        f" {glyphs.stop} STOP NOT DELIVERED: the robot process is gone; use the robot's own switch"
+    )
+    second = " Without this console the robot process stops driving by itself."
+    return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
+
+
+def _stopped(stop: StopPicture, release: str, glyphs: Glyphs, width: int) -> list[Row]:
+    what = "STOPPED" if stop.scope == "all" else "DRIVING STOPPED"
+    left = f" {glyphs.stop} {what} by {clean(stop.source)} at {elapsed(stop.t)}"
+    hint = f"{release} releases it " if release else ""
+    first = spread(((left, "alarm"), (" " * width, "alarm")), ((hint, "alarm"),), width, " ")
+    if not stop.settled:
+        second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)
+        return [first, second]
+    confirmed = ", ".join(stop.confirmed) or "nobody"
+    row: Row = ((f" confirmed: {clean(confirmed)}", "alarm-soft"),)
+    if stop.missing:
+        missing = clean(", ".join(stop.missing))
+        row = ((f" {glyphs.error} NOT CONFIRMED: {missing} ", "alarm"), *row)
+    return [first, cut((*row, (" " * width, "alarm-soft")), width, " ")]
+
+
+def _hints(hints: tuple[tuple[str, str], ...], width: int) -> Row:
+    row: Row = ((" ", "plain"),)
+    used = 1
+    for key, what in hints:
+        need = cell_len(key) + cell_len(what) + 3
+        if used + need > width:
+            break
+        row += ((key, "strong"), (f" {what}", "muted"), ("  ", "plain"))
+        used += need
+    return row
+
+
+class StopBar(Cells):
+    """The bar over the whole width at the bottom of every screen."""
+
+    def paint(self, picture: Picture, frame: Frame, bar: Bar) -> None:
+        """Show the stop, or the news and hints."""
+        self.show(bar_rows(picture, frame, bar))

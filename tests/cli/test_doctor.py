@@ -162,7 +162,7 @@ def test_a_good_file_has_its_drivers_examined(visit: Callable[..., Visit], tmp_p
     seen = visit(write(tmp_path, GOOD), "--json")
     [about] = seen.find("Experiment")
     assert about["level"] == "ok"
-    assert "Greeting: 1 actions" in about["text"]
+    assert "Greeting: 1 action, 1 driver" in about["text"]
     assert seen.find("Driver")
 
 
@@ -197,7 +197,7 @@ def test_a_strangers_driver_that_fails_its_own_checks_is_an_error(
     (metadata / "METADATA").write_text("Metadata-Version: 2.1\nName: stranger\nVersion: 1.0\n")
     (metadata / "entry_points.txt").write_text("[woz_tui.drivers]\nbroken = stranger:Broken\n")
     (tmp_path / "robot.yaml").write_text("name: Stranger\ndrivers: {arm: {type: broken}}\n")
-    study = 'title: T\nrobot: robot.yaml\npanels: [{title: P, actions: [{key: m, mark: "now"}]}]\n'
+    study = GOOD.replace("simulated", "robot.yaml").replace("say:", "mark:")
     seen = visit(write(tmp_path, study), "--json", PYTHONPATH=str(packages))
     [finding] = seen.find("Driver arm (broken)")
     assert (finding["level"], seen.code) == ("error", 1)

@@ -174,7 +174,8 @@ def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogu
         remedy = "check the path"
         return [Finding("error", str(path), error.strerror or str(error), remedy)], None
     count = sum(len(panel.actions) for panel in experiment.panels)
-    text = f"{experiment.title}: {count} actions, {len(experiment.drivers)} drivers"
+    drivers = _number(len(experiment.drivers), "driver")
+    text = f"{experiment.title}: {_number(count, 'action')}, {drivers}"
     return [
         Finding("ok", path.name, text),
         *(
@@ -238,6 +239,9 @@ def _row(finding: Finding, glyphs: dict[str, str]) -> tuple[Text, Text, Text]:
 
 def _summary(sections: list[Section]) -> Text:
     errors, warnings = _count(sections, "error"), _count(sections, "warning")
-    text = f"\n{errors} error{'' if errors == 1 else 's'}, "
-    text += f"{warnings} warning{'' if warnings == 1 else 's'}"
+    text = f"\n{_number(errors, 'error')}, {_number(warnings, 'warning')}"
     return Text(text, style=_STYLES["error" if errors else "warning" if warnings else "ok"])
+
+
+def _number(count: int, noun: str) -> str:
+    return f"{count} {noun}{'' if count == 1 else 's'}"

@@ -1,0 +1,268 @@
+"""What happens to a key: the request it stands for goes out from the thread that read it.
+
+Experiment actions and those of the console's own keys that need no dialog are carried out here,
+whatever the screen is doing. Everything else is left to the screen: `press` and `arrive` then
+return False.
+"""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable, Collection, Mapping
+from dataclasses import dataclass
+
+from woz_tui.console.feed import Feed
+from woz_tui.core.clock import Clock, RealClock
+from woz_tui.core.messages import Json
+from woz_tui.core.requests import (
+    AnyRequest,
+    AskAction,
+    AskMarker,
+    AskMistake,
+    AskRelease,
+    AskScript,
+    AskStop,
+    AskVerb,
+)
+from woz_tui.experiment.keys import BUILTIN, STOPS
+
+#: The second key of a sequence must follow within this time, in seconds.
+SEQUENCE_S = 1.0
+
+#: Called after a press with the chord (`c r` for a sequence), the action's name (empty for the
+#: console's own keys and the stop) and the request's `ref` (0: nothing was sent).
+OnPress = Callable[[str, str, int], None]
+
+#: The console's own keys that never open anything; behind all others keys wait for the screen.
+_HARMLESS = frozenset({"script_back", "script_on", "panel_next", "panel_back", "redraw", "cut"})
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """How far one press of an arrow goes: degrees, metres."""
+
+    head: float = 5.0
+    hip: float = 3.0
+    drive: float = 0.1
+    turn: float = 10.0
+
+
+class Keyboard:
+    """Looks keys up and sends what they stand for. Safe to use from any thread.
+
+    Args:
+        feed: Where requests go.
+        clock: For the time between the keys of a sequence.
+        steps: Of the arrow keys.
+    """
+
+    def __init__(self, feed: Feed, clock: Clock | None = None, steps: Steps | None = None) -> None:
+        self.feed = feed
+        #: The verbs that each driver offers, from the welcome: arrows work only where one moves.
+        self.verbs: Mapping[str, Collection[str]] = {}
+        self.on_pressed: OnPress = _ignore
+        #: A press too old to be played. Actions are logged as refused, under the given `ref`.
+        self.on_stale: OnPress = _ignore
+        #: The first key of a sequence, while it waits for the second; then empty again.
+        self.on_prefix: Callable[[str], None] = lambda prefix: None
+        #: What the key for suspending does; set by the terminal.
+        self.on_suspend: Callable[[], None] | None = None
+        self._clock = clock or RealClock()
+        self._steps = _steps(steps or Steps())
+        self._lock = threading.RLock()
+        self._table: Mapping[str, str] = {}
+        self._builtins: Mapping[str, str] = {item.chord: item.id for item in BUILTIN}
+        self._prefixes: Collection[str] = frozenset()
+        self._free = True
+        self._behind = 0
+        self._prefix = ""
+        self._prefix_us = 0
+
+    # -- what the app says ----------------------------------------------------------------------
+
+    def bind(self, table: Mapping[str, str], builtins: Mapping[str, str] | None = None) -> None:
+        """Play `table` from now on: normal form or sequence `c r` -> name of the action.
+
+        `builtins`: normal form -> id of the console's own key (`woz_tui.experiment.builtins`);
+        without it they stay as they are.
+        """
+        with self._lock:
+            self._table = {chord: name for chord, name in table.items() if chord not in STOPS}
+            self._prefixes = {chord.split(" ")[0] for chord in table if " " in chord}
+            if builtins is not None:
+                self._builtins = dict(builtins)
+        self._set_prefix("")
+
+    @property
+    def free(self) -> bool:
+        """False while a text field, dialog or palette has the keyboard."""
+        return self._free
+
+    @free.setter
+    def free(self, free: bool) -> None:
+        self._free = free
+        if not free:
+            self._set_prefix("")
+
+    # -- keys -----------------------------------------------------------------------------------
+
+    def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
+        """A key straight from the terminal. Like `press`, but in order with the screen.
+
+        Once a key that may open a dialog has been left to the screen, the keys behind it are
+        too, until the screen has caught up: they may belong into the dialog.
+        """
+        if self.on_suspend is not None and self._builtins.get(chord) == "suspend":
+            self.on_suspend()
+            return True
+        if not self._free or self._behind:
+            return False
+        if self.press(chord, age_us=age_us, stale=stale):
+            return True
+        if stale:  # nor may it open a dialog that the rest of the burst would fill
+            self.on_stale(chord, "", 0)
+        return stale
+
+    def leave_to_screen(self, chord: str) -> bool:
+        """`chord` goes to the screen; True: call `caught_up` when the screen has handled it."""
+        name = self._builtins.get(chord, "")
+        if not self._free or (not self._behind and (not name or name in _HARMLESS)):
+            return False
+        with self._lock:
+            self._behind += 1
+        return True
+
+    def caught_up(self) -> None:
+        """The screen has handled a key for which `leave_to_screen` was True."""
+        with self._lock:
+            self._behind = max(0, self._behind - 1)
+
+    def press(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
+        """A key was pressed `age_us` ago; True if it has been dealt with here.
+
+        A `stale` press plays nothing: an action is logged as refused, all are told to `on_stale`.
+        """
+        if not self._free:
+            return False
+        prefix = self._take_prefix()
+        if prefix:
+            action = self._table.get(f"{prefix} {chord}")
+            if action is not None:
+                self._play(f"{prefix} {chord}", action, age_us, stale)
+                return True
+        action = self._table.get(chord)
+        if action is not None:
+            self._play(chord, action, age_us, stale)
+            return True
+        if chord in self._prefixes:
+            self._begin(chord, stale)
+            return True
+        return self._builtin(chord, age_us, stale)
+
+    def stop(self, source: str) -> None:
+        """Stop everything; `source` is the stop key (`escape`, `ctrl+c`) or another word."""
+        ref = self.feed.ask(AskStop(source="key" if source in STOPS else source))
+        self._set_prefix("")
+        if source in STOPS:
+            self.on_pressed(source, "", ref)
+
+    def release(self, source: str) -> None:
+        """Release the stop."""
+        self.feed.ask(AskRelease(source=source))
+
+    def tick(self) -> None:
+        """Forget the first key of a sequence if the second did not follow; call now and then."""
+        if self._prefix and self._late():
+            self._set_prefix("")
+
+    # -- sequences ------------------------------------------------------------------------------
+
+    def _begin(self, chord: str, stale: bool) -> None:
+        if stale:
+            self.on_stale(chord, "", 0)
+            return
+        with self._lock:
+            self._prefix_us = self._clock.now_us()
+        self._set_prefix(chord)
+
+    def _late(self) -> bool:
+        return self._clock.now_us() - self._prefix_us > SEQUENCE_S * 1_000_000
+
+    def _take_prefix(self) -> str:
+        with self._lock:
+            prefix = "" if self._late() else self._prefix
+        self._set_prefix("")
+        return prefix
+
+    def _set_prefix(self, prefix: str) -> None:
+        with self._lock:
+            changed = prefix != self._prefix
+            self._prefix = prefix
+        if changed:
+            self.on_prefix(prefix)
+
+    # -- requests -------------------------------------------------------------------------------
+
+    def _play(self, chord: str, action: str, age_us: int, stale: bool) -> None:
+        ref = self.feed.ask(
+            AskAction(action=action, source="key", key=chord, age_us=age_us, stale=stale)
+        )
+        (self.on_stale if stale else self.on_pressed)(chord, action, ref)
+
+    def _builtin(self, chord: str, age_us: int, stale: bool) -> bool:
+        name = self._builtins.get(chord, "")
+        request = self._request(name, chord, age_us)
+        if request is None:
+            return False
+        if stale:
+            self.on_stale(chord, name, 0)
+        else:
+            self.on_pressed(chord, "", self.feed.ask(request))
+        return True
+
+    def _request(self, name: str, chord: str, age_us: int) -> AnyRequest | None:
+        if name in self._steps:
+            verb, args = self._steps[name]
+            if not any(verb in offered for offered in self.verbs.values()):
+                return None
+            return AskVerb(
+                verb=verb,
+                args=dict(args),
+                source="key",
+                key=chord,
+                age_us=age_us,
+                # A key held down moves on smoothly and leaves no steps behind when let go.
+                when_busy="replace",
+            )
+        make = _SIMPLE.get(name)
+        return make() if make is not None else None
+
+
+_SIMPLE: Mapping[str, Callable[[], AnyRequest]] = {
+    "release": lambda: AskRelease(source="key"),
+    "script_next": AskScript,
+    "marker": AskMarker,
+    "mistake_last": AskMistake,
+}
+
+
+def _steps(steps: Steps) -> Mapping[str, tuple[str, Mapping[str, Json]]]:
+    """Id of an arrow key -> verb and arguments. Left, down and forward are positive."""
+    return {
+        "head_up": ("nudge", {"pitch": -steps.head}),
+        "head_down": ("nudge", {"pitch": steps.head}),
+        "head_left": ("nudge", {"yaw": steps.head}),
+        "head_right": ("nudge", {"yaw": -steps.head}),
+        "hip_forward": ("hip", {"pitch": steps.hip}),
+        "hip_back": ("hip", {"pitch": -steps.hip}),
+        "hip_left": ("hip", {"roll": steps.hip}),
+        "hip_right": ("hip", {"roll": -steps.hip}),
+        "drive_forward": ("drive", {"x": steps.drive}),
+        "drive_back": ("drive", {"x": -steps.drive}),
+        "drive_left": ("drive", {"turn": steps.turn}),
+        "drive_right": ("drive", {"turn": -steps.turn}),
+    }
+
+
+def _ignore(chord: str, action: str, ref: int) -> None:
+    """Nobody wants to know."""

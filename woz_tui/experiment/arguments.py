@@ -84,9 +84,7 @@ def _joints(spot: Spot, argument: Argument, setting: Setting) -> Json:
     return None if table is None else _angles(spot, table, argument, setting)
 
 
-def _angles(
-    spot: Spot, table: Mapping[str, Spot], argument: Argument, setting: Setting
-) -> Json:
+def _angles(spot: Spot, table: Mapping[str, Spot], argument: Argument, setting: Setting) -> Json:
     if not table:
         spot.error("no joint is named here")
     angles: dict[str, Json] = {}

@@ -137,7 +137,7 @@ class _Assignment:
         )
 
     def _place_builtins(self, builtins: Sequence[Builtin], wanted: set[str]) -> None:
-        """The console's keys where they arrive. One that was moved onto an action's key goes home."""
+        """The console's keys where they arrive; one moved onto an action's key goes home."""
         homes = {item.id: item.chord for item in BUILTIN}
         for item in builtins:
             chord = item.chord
@@ -149,14 +149,10 @@ class _Assignment:
                 chord = homes[item.id]
             found = reach(chord, self._terminal, self._layout)
             if found.verdict is Verdict.STOP and not item.movable:
-                self._builtins[item.id] = Assigned(
-                    item.id, chord, chord, found.arrives, found.data
-                )
+                self._builtins[item.id] = Assigned(item.id, chord, chord, found.arrives, found.data)
             elif self._free(found):
                 self._own(found.arrives, item.description)
-                self._builtins[item.id] = Assigned(
-                    item.id, chord, chord, found.arrives, found.data
-                )
+                self._builtins[item.id] = Assigned(item.id, chord, chord, found.arrives, found.data)
             else:
                 self._why[item.id] = found.why
 
@@ -198,7 +194,7 @@ class _Assignment:
     def _own(self, arrives: str, owner: str) -> None:
         self._owners[arrives] = owner
         if " " in arrives:
-            self._firsts.setdefault(arrives.split(" ")[0], repr(owner))
+            self._firsts.setdefault(arrives.split(" ", maxsplit=1)[0], repr(owner))
 
     def _builtin_reserve(self, item: Builtin) -> Assigned:
         why = self._why.get(item.id, "") or f"{item.chord} is taken"

@@ -68,17 +68,17 @@ LAYOUTS: Mapping[str, Layout] = MappingProxyType(
             ),
             _layout(
                 "de",
-                "^1234567890ß´ qwertzuiopü+ asdfghjklöä# <yxcvbnm,.-",
+                "^1234567890ß´ qwertzuiopü+ asdfghjklöä# <yxcvbnm,.-",  # noqa: RUF001
                 "°!\"§$%&/()=?` QWERTZUIOPÜ* ASDFGHJKLÖÄ' >YXCVBNM;:_",
                 altgr="@€²³{[]}\\~|µ",
-                dead="^´`",
+                dead="^´`",  # noqa: RUF001
             ),
             _layout(
                 "es",
-                "º1234567890'¡ qwertyuiop`+ asdfghjklñ´ç <zxcvbnm,.-",
+                "º1234567890'¡ qwertyuiop`+ asdfghjklñ´ç <zxcvbnm,.-",  # noqa: RUF001
                 'ª!"·$%&/()=?¿ QWERTYUIOP^* ASDFGHJKLÑ¨Ç >ZXCVBNM;:_',
                 altgr="\\|@#~€¬[]{}",
-                dead="`^´¨",
+                dead="`^´¨",  # noqa: RUF001
             ),
             _layout(
                 "fr",

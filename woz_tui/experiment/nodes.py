@@ -166,7 +166,8 @@ class _Composer:
 
     def _place(self, event: yaml.Event) -> Place:
         mark = event.start_mark
-        return Place(self._source.name, mark.line + 1, mark.column + 1)
+        line, column = (mark.line, mark.column) if mark is not None else (0, 0)
+        return Place(self._source.name, line + 1, column + 1)
 
     def _begin(self, event: yaml.MappingStartEvent | yaml.SequenceStartEvent) -> None:
         place = self._place(event)
@@ -191,7 +192,8 @@ class _Composer:
         place = self._place(event)
         if event.anchor not in self._anchors:
             raise _HopelessError(
-                place, f"nothing is called &{event.anchor} here; text that begins with * needs quotes"
+                place,
+                f"nothing is called &{event.anchor} here; text that begins with * needs quotes",
             )
         node = self._anchors[event.anchor]
         if node is None:
@@ -248,7 +250,9 @@ class _Composer:
             top.key = node
             return
         self._report.error(
-            node.place, top.path or "YAML", f"a name is expected before the colon, not {described(node)}"
+            node.place,
+            top.path or "YAML",
+            f"a name is expected before the colon, not {described(node)}",
         )
         top.dropped = True
 

@@ -1,118 +1,152 @@
-"""What changed between two readings of an experiment file, in words."""
+"""What changed between two readings of an experiment, in words."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from woz_tui.experiment.shape import Action, Experiment
+from woz_tui.experiment.shape import Action, Call, DriverSpec, Experiment, Step, Wait
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """`changes` can be adopted while the session runs; `drivers` cannot."""
+    """`changes`: every difference in words, those of the drivers first.
+
+    `drivers`: the differences of the drivers alone. They cannot be swapped in a running session,
+    so a reload is possible only if there are none.
+    """
 
     changes: tuple[str, ...]
     drivers: tuple[str, ...]
 
+    @property
+    def reloadable(self) -> bool:
+        """Whether a running session can take the new file over."""
+        return not self.drivers
+
 
 def compare(old: Experiment, new: Experiment) -> Difference:
-    """Every difference between two readings, panels and actions in the file's order."""
-    return Difference(
-        changes=(
-            *_words("title", old.title, new.title),
-            *_panels(old, new),
-            *_actions(old, new),
-            *_words("script", old.script, new.script),
-            *_words("conditions", old.conditions, new.conditions),
-            *_words("participants", old.participant_pattern, new.participant_pattern),
-            *_words("variables", dict(old.variables), dict(new.variables)),
-            *_words("keyboard", old.keyboard, new.keyboard),
-            *_words("session settings", old.session, new.session),
-            *_words("engagement", dict(old.sections), dict(new.sections)),
-        ),
-        drivers=_drivers(old, new),
+    """The differences between two readings."""
+    drivers = tuple(_drivers(old, new))
+    return Difference((*drivers, *_rest(old, new)), drivers)
+
+
+def differences(old: Experiment, new: Experiment) -> list[str]:
+    """What changed, in words; empty if nothing did."""
+    return list(compare(old, new).changes)
+
+
+def drivers_changed(old: Experiment, new: Experiment) -> bool:
+    """Whether a running session would need other drivers."""
+    return bool(compare(old, new).drivers)
+
+
+def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
+    before = {spec.name: spec for spec in old.drivers}
+    after = {spec.name: spec for spec in new.drivers}
+    yield from _came_and_went("driver", before, after)
+    for name, spec in after.items():
+        if name in before:
+            yield from _driver(before[name], spec)
+
+
+def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
+    if old.type != new.type:
+        yield f"driver {new.name!r} is of type {new.type}, it was {old.type}"
+    elif old.settings != new.settings:
+        changed = [
+            name
+            for name in getattr(new.settings, "__dataclass_fields__", {})
+            if getattr(old.settings, name) != getattr(new.settings, name)
+        ]
+        yield f"driver {new.name!r} has other settings: {', '.join(changed)}"
+
+
+def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
+    if old.title != new.title:
+        yield f"title is {new.title!r}, it was {old.title!r}"
+    for what in ("participant_pattern", "keyboard", "session"):
+        if getattr(old, what) != getattr(new, what):
+            yield f"{what.replace('_', ' ')} changed"
+    if old.conditions != new.conditions:
+        yield f"conditions are {', '.join(new.conditions) or 'none'}"
+    yield from _entries("variable", old.variables, new.variables)
+    yield from _entries("section", old.sections, new.sections)
+    yield from _panels(old, new)
+    yield from _actions(old, new)
+    if old.script != new.script:
+        yield (
+            f"script has {len(new.script)} lines, it had {len(old.script)}"
+            if len(new.script) != len(old.script)
+            else "script changed"
+        )
+
+
+def _panels(old: Experiment, new: Experiment) -> Iterable[str]:
+    before = {panel.title: panel for panel in old.panels}
+    after = {panel.title: panel for panel in new.panels}
+    yield from _came_and_went("panel", before, after)
+    for title, panel in after.items():
+        if title in before and before[title].locked != panel.locked:
+            yield f"panel {title!r} is {'locked' if panel.locked else 'unlocked'}"
+    common = [title for title in before if title in after]
+    if common != [title for title in after if title in before]:
+        yield "panels are in another order"
+
+
+def _actions(old: Experiment, new: Experiment) -> Iterable[str]:
+    before = {action.name: action for panel in old.panels for action in panel.actions}
+    after = {action.name: action for panel in new.panels for action in panel.actions}
+    yield from _came_and_went("action", before, after)
+    for name, action in after.items():
+        if name in before:
+            parts = list(_action(before[name], action))
+            if parts:
+                yield f"action {name!r}: {', '.join(parts)}"
+    for title in dict.fromkeys(panel.title for panel in new.panels):
+        kept = [action.name for action in before.values() if _stayed(action, after, title)]
+        now = [action.name for action in after.values() if _stayed(action, before, title)]
+        if kept != now:
+            yield f"panel {title!r} has its actions in another order"
+
+
+def _stayed(action: Action, others: Mapping[str, Action], title: str) -> bool:
+    other = others.get(action.name)
+    return other is not None and action.panel == title == other.panel
+
+
+def _action(old: Action, new: Action) -> Iterable[str]:
+    if old.key != new.key:
+        yield f"key {new.key or 'none'}, was {old.key or 'none'}"
+    for what in ("label", "panel", "when_busy"):
+        if getattr(old, what) != getattr(new, what):
+            yield f"{what.replace('_', ' ')} {getattr(new, what)!r}"
+    if old.locked != new.locked:
+        yield "locked" if new.locked else "unlocked"
+    if old.help != new.help:
+        yield "help changed"
+    if [*map(_essence, old.steps)] != [*map(_essence, new.steps)]:
+        yield "does something else"
+
+
+def _essence(step: Step) -> object:
+    """A step without its place in the file, which moves with every line above it."""
+    return step.seconds if isinstance(step, Wait) else [_spoken(call) for call in step.calls]
+
+
+def _spoken(call: Call) -> tuple[str, str, dict[str, object]]:
+    return call.driver, call.verb, dict(call.args)
+
+
+def _entries(what: str, old: Mapping[str, object], new: Mapping[str, object]) -> Iterable[str]:
+    yield from _came_and_went(what, old, new)
+    yield from (
+        f"{what} {name!r} changed" for name in new if name in old and old[name] != new[name]
     )
 
 
-def _words(what: str, old: object, new: object) -> list[str]:
-    if old == new:
-        return []
-    if isinstance(old, str) and isinstance(new, str):
-        return [f"{what}: {old!r} is now {new!r}"]
-    return [f"{what} changed"]
-
-
-def _panels(old: Experiment, new: Experiment) -> list[str]:
-    before = {panel.title: panel for panel in old.panels}
-    after = {panel.title: panel for panel in new.panels}
-    words = [f"panel {title!r} is new" for title in after if title not in before]
-    words += [f"panel {title!r} is gone" for title in before if title not in after]
-    words += [
-        f"panel {title!r} is now {'locked' if panel.locked else 'unlocked'} at the start"
-        for title, panel in after.items()
-        if title in before and before[title].locked != panel.locked
-    ]
-    if not words and list(before) != list(after):
-        words.append("the panels are in another order")
-    return words
-
-
-def _actions(old: Experiment, new: Experiment) -> list[str]:
-    before = {action.name: action for panel in old.panels for action in panel.actions}
-    after = {action.name: action for panel in new.panels for action in panel.actions}
-    words = [
-        f"{name!r} is new ({_key(action)})" for name, action in after.items() if name not in before
-    ]
-    words += [f"{name!r} is gone" for name in before if name not in after]
-    for name, action in after.items():
-        if name in before:
-            words += [f"{name!r}: {change}" for change in _changes(before[name], action)]
-    if not words and list(before) != list(after):
-        words.append("the actions are in another order")
-    return words
-
-
-def _changes(old: Action, new: Action) -> list[str]:
-    words = []
-    if old.key != new.key:
-        words.append(f"{_key(old)} is now {_key(new)}")
-    if old.label != new.label:
-        words.append(f"its label is now {new.label!r}")
-    if old.panel != new.panel:
-        words.append(f"it moved to the panel {new.panel!r}")
-    if _content(old) != _content(new):
-        words.append("it does something else")
-    if old.locked != new.locked:
-        words.append("it is now locked" if new.locked else "it is no longer locked")
-    if old.help != new.help:
-        words.append("its help changed")
-    return words
-
-
-def _key(action: Action) -> str:
-    return f"key {action.key}" if action.key else "no key"
-
-
-def _content(action: Action) -> tuple[object, ...]:
-    """What the action does, without the places in the file, which shift with every edit."""
-    steps: list[object] = []
-    for step in action.steps:
-        calls = getattr(step, "calls", None)
-        if calls is None:
-            steps.append(step)
-        else:
-            steps.append([(call.verb, dict(call.args), call.driver) for call in calls])
-    return (steps, action.when_busy)
-
-
-def _drivers(old: Experiment, new: Experiment) -> tuple[str, ...]:
-    before = {spec.name: (spec.type, spec.settings) for spec in old.drivers}
-    after = {spec.name: (spec.type, spec.settings) for spec in new.drivers}
-    words = [f"{name!r} is new" for name in after if name not in before]
-    words += [f"{name!r} is gone" for name in before if name not in after]
-    words += [
-        f"{name!r} has other settings"
-        for name in after
-        if name in before and before[name] != after[name]
-    ]
-    return tuple(words)
+def _came_and_went(
+    what: str, old: Mapping[str, object], new: Mapping[str, object]
+) -> Iterable[str]:
+    yield from (f"{what} {name!r} is gone" for name in old if name not in new)
+    yield from (f"{what} {name!r} is new" for name in new if name not in old)

@@ -86,16 +86,21 @@ def join(path: str, name: str) -> str:
 def hint(wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
     """`; did you mean 'x'?` for the nearest known word.
 
-    Without a near one `; <or_list>: a, b, c`, if `or_list` is given and the list is not endless.
+    Without a near one `; <or_list>: a, b, c`, if `or_list` is given.
     """
     words = list(dict.fromkeys(known))
     folded = {word.casefold(): word for word in reversed(words)}
     near = difflib.get_close_matches(wrong.casefold()[:80], folded, n=1, cutoff=0.6)
     if near:
         return f"; did you mean {folded[near[0]]!r}?"
-    if or_list and 0 < len(words) <= MAX_LISTED:
-        return f"; {or_list}: {', '.join(words)}"
-    return ""
+    return f"; {or_list}: {listed(words)}" if or_list and words else ""
+
+
+def listed(words: Iterable[str]) -> str:
+    """`a, b, c`, and dots if there are many more."""
+    shown = list(dict.fromkeys(words))
+    dots = ", ..." if len(shown) > MAX_LISTED else ""
+    return ", ".join(shown[:MAX_LISTED]) + dots
 
 
 def quoted(text: str, limit: int = 40) -> str:

@@ -153,15 +153,8 @@ def read(spot: Spot, annotation: Any, notes: tuple[Any, ...] = ()) -> Any:
 def _simple(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
     if isinstance(bare, type) and issubclass(bare, enum.Enum):
         return _enumerated(spot, bare)
-    if bare is bool:
-        return _or_bad(read_flag(spot))
-    if bare is int:
-        return _or_bad(read_whole(spot, note(notes, fields.Range)))
-    if bare is float:
-        seconds = note(notes, fields.Seconds)
-        if seconds is not None:
-            return _or_bad(read_seconds(spot, fields.Range(seconds.low, seconds.high, "s")))
-        return _or_bad(read_number(spot, note(notes, fields.Range)))
+    if bare in (bool, int, float):
+        return _or_bad(_figure(spot, bare, notes))
     if bare is str or (isinstance(bare, type) and issubclass(bare, pathlib.Path)):
         text = _text(spot, notes, file=bare is not str)
         return BAD if text is None else bare(text)
@@ -169,6 +162,17 @@ def _simple(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
         return raw(spot.node)
     spot.error(f"the driver wants a {bare!r} here, which a file cannot hold")
     return BAD
+
+
+def _figure(spot: Spot, bare: type, notes: tuple[Any, ...]) -> bool | int | float | None:
+    if bare is bool:
+        return read_flag(spot)
+    if bare is int:
+        return read_whole(spot, note(notes, fields.Range))
+    seconds = note(notes, fields.Seconds)
+    if seconds is not None:
+        return read_seconds(spot, fields.Range(seconds.low, seconds.high, "s"))
+    return read_number(spot, note(notes, fields.Range))
 
 
 def _or_bad(value: object) -> Any:

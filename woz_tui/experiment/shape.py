@@ -9,9 +9,10 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Annotated, Any
 
 from woz_tui.core.driver import Verb
+from woz_tui.core.fields import Doc, Seconds
 from woz_tui.core.messages import Json
 
 
@@ -124,13 +125,21 @@ class SessionSettings:
     """How a session is run."""
 
     #: Seconds without any console before the robot rests and the session ends.
-    abandon_after: float = 600.0
+    abandon_after: Annotated[
+        float, Seconds(5.0), Doc("without any console for so long, the session ends")
+    ] = 600.0
     #: Seconds a key press may wait in a queue before it is refused as late.
-    deadline: float = 10.0
+    deadline: Annotated[
+        float, Seconds(0.1, 600.0), Doc("how long a key press may wait in a queue")
+    ] = 10.0
     #: Seconds a press may take from the terminal to the robot before it counts as stale.
-    stale_after: float = 1.5
+    stale_after: Annotated[
+        float, Seconds(0.1, 60.0), Doc("how old a key press may be and still be played")
+    ] = 1.5
     #: Seconds without a beat of the wizard's console before driving stops.
-    dead_man: float = 3.0
+    dead_man: Annotated[
+        float, Seconds(1.0, 60.0), Doc("without the console for so long, driving stops")
+    ] = 3.0
 
 
 @dataclass(frozen=True, slots=True)

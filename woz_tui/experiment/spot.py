@@ -109,7 +109,7 @@ def read_word(spot: Spot, choices: Iterable[str], expected: str = "one of") -> s
 
 
 def read_flag(spot: Spot) -> bool | None:
-    """true or false, yes or no, on or off."""
+    """True or false, yes or no, on or off."""
     node = spot.node
     if isinstance(node, Scalar) and (flag := _FLAGS.get(node.text.lower())) is not None:
         return flag
@@ -162,9 +162,7 @@ def _inside(spot: Spot, number: float, text: str, allowed: Range | None) -> floa
     return number
 
 
-def missing(
-    table: Mapping[str, Spot], name: str, parent: Spot, why: str = ""
-) -> Spot | None:
+def missing(table: Mapping[str, Spot], name: str, parent: Spot, why: str = "") -> Spot | None:
     """The entry `name`, or None after saying that it is missing."""
     spot = table.get(name)
     if spot is None:

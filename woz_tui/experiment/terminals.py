@@ -227,24 +227,29 @@ def _same(chord: Chord, data: bytes, arrives: str) -> Reach:
 def _simple(chord: Chord, terminal: Terminal) -> Reach:
     """Tab, enter, backspace, escape and space."""
     data = _SIMPLE[chord.base]
-    bare = not (chord.ctrl or chord.alt or chord.shift)
     if chord.base == "escape":
         why = "escape is the stop, whatever is held down with it"
         return Reach(Verdict.STOP, data, "escape", why)
-    if chord.base == "tab" and chord == Chord("tab", shift=True):
-        return Reach(Verdict.ARRIVES, b"\x1b[Z", "shift+tab")
-    if chord.base == "tab" and chord.alt:
-        return Reach(Verdict.NEVER, why="the desktop keeps alt+tab for itself")
-    if bare:
+    if chord == Chord(chord.base):
         return Reach(Verdict.ARRIVES, data, chord.base)
+    if chord.base == "tab" and (chord.alt or not chord.ctrl):
+        return _tab(chord)
     if terminal.kitty:
         return _kitty(chord, _KITTY_CODES[chord.base])
+    return _legacy_simple(chord, data)
+
+
+def _tab(chord: Chord) -> Reach:
+    if chord.alt:
+        return Reach(Verdict.NEVER, why="the desktop keeps alt+tab for itself")
+    return Reach(Verdict.ARRIVES, b"\x1b[Z", "shift+tab")
+
+
+def _legacy_simple(chord: Chord, data: bytes) -> Reach:
     if chord.alt:
         return Reach(Verdict.NEVER, _ESCAPE + data, why=_ALT)
     if chord.base == "space" and chord.ctrl:
         return _same(chord, b"\0", CONTROL_CODES[0])
-    if chord.base == "tab" and chord.shift:
-        return _same(chord, b"\x1b[Z", "shift+tab")
     return _same(chord, data, chord.base)
 
 

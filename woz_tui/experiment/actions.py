@@ -1,0 +1,169 @@
+"""Panels and actions: what each key does."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+from woz_tui.core.fields import Range
+from woz_tui.experiment.calls import CallReader, Vocabulary
+from woz_tui.experiment.chords import KeyNameError, normal
+from woz_tui.experiment.nodes import Items, Scalar
+from woz_tui.experiment.shape import Action, Panel, Step, Wait
+from woz_tui.experiment.spot import (
+    Spot,
+    missing,
+    read_flag,
+    read_seconds,
+    read_text,
+    read_word,
+)
+from woz_tui.experiment.verbs import WAIT
+
+#: What an action may say beside verbs and their arguments.
+ACTION_FIELDS = ("key", "label", "name", "help", "locked", "when_busy", "on", "steps")
+PANEL_FIELDS = ("title", "locked", "actions")
+WHEN_BUSY = ("queue", "replace", "refuse")
+
+#: Seconds. A longer pause inside an action is a slip of the decimal point.
+_LONGEST_WAIT = Range(0.0, 3600.0, "s")
+
+
+@dataclass(frozen=True, slots=True)
+class Drafted:
+    """An action with the path under which the file has it, for checks across the file."""
+
+    path: str
+    action: Action
+
+
+class PanelReader:
+    """Reads `panels`; `drafts` are its actions, even those that have errors inside."""
+
+    def __init__(self, vocabulary: Vocabulary, layout: str) -> None:
+        self._calls = CallReader(vocabulary)
+        self._layout = layout
+        self.drafts: list[Drafted] = []
+
+    def read(self, spot: Spot) -> list[Panel]:
+        """Every panel that has a title and actions."""
+        entries = spot.list("a list of panels")
+        if entries is not None and not entries:
+            spot.error("no panel stands here")
+        return [panel for entry in entries or () if (panel := self._panel(entry)) is not None]
+
+    def _panel(self, spot: Spot) -> Panel | None:
+        table = spot.table("a panel, such as {title: Speech, actions: [...]}")
+        if table is None:
+            return None
+        title_spot = missing(table, "title", spot)
+        title = read_text(title_spot) if title_spot is not None else None
+        locked = _flag(table, "locked")
+        actions_spot = missing(table, "actions", spot)
+        actions = self._actions(actions_spot, title or "") if actions_spot is not None else []
+        for name, entry in table.items():
+            if name not in PANEL_FIELDS:
+                entry.unknown(PANEL_FIELDS, "a panel has")
+        return Panel(title or "", tuple(actions), spot.place, locked)
+
+    def _actions(self, spot: Spot, panel: str) -> list[Action]:
+        entries = spot.list("a list of actions")
+        if entries is not None and not entries:
+            spot.warning("no action stands here")
+        drafts = [self._action(entry, panel) for entry in entries or ()]
+        found = [draft for draft in drafts if draft is not None]
+        self.drafts += found
+        return [draft.action for draft in found]
+
+    def _action(self, spot: Spot, panel: str) -> Drafted | None:
+        table = spot.table("an action, such as {key: h, label: Hello, say: Hello!}")
+        if table is None:
+            return None
+        fields = {name: table.pop(name) for name in ACTION_FIELDS if name in table}
+        label = _text(fields, "label")
+        name = _text(fields, "name")
+        if label is None and name is None and not {"label", "name"} & fields.keys():
+            missing({}, "label", spot, "what stands on the button")
+        when_busy = fields.get("when_busy")
+        return Drafted(
+            spot.path,
+            Action(
+                name=name or label or "",
+                label=label or name or "",
+                key=self._key(fields.get("key")),
+                panel=panel,
+                steps=tuple(self._steps(spot, fields, table)),
+                place=spot.place,
+                when_busy=(when_busy and read_word(when_busy, WHEN_BUSY)) or WHEN_BUSY[0],
+                help=_text(fields, "help") or "",
+                locked=_flag(fields, "locked"),
+            ),
+        )
+
+    def _key(self, spot: Spot | None) -> str:
+        """The key in its normal form; empty if there is none or it is wrong."""
+        if spot is None:
+            return ""
+        try:
+            return normal(self._written(spot), self._layout)
+        except KeyNameError as error:
+            spot.error(str(error))
+            return ""
+
+    def _written(self, spot: Spot) -> str | Sequence[str]:
+        if isinstance(spot.node, Items):
+            parts = [read_text(entry, "a key") for entry in spot.items()]
+            return [part for part in parts if part is not None]
+        if isinstance(spot.node, Scalar) and not spot.node.nothing:
+            return spot.node.text
+        raise KeyNameError(
+            "no key stands here; characters such as # - ! & * need quotes"
+            if isinstance(spot.node, Scalar)
+            else "expected a key such as a, F1 or ctrl+a, not a mapping"
+        )
+
+    def _steps(self, spot: Spot, fields: dict[str, Spot], table: dict[str, Spot]) -> list[Step]:
+        on, steps = fields.get("on"), fields.get("steps")
+        if steps is None:
+            together = self._calls.read(spot, table, on, ACTION_FIELDS)
+            return [together] if together is not None else []
+        for entry in table.values():
+            entry.error("stands beside steps; put it into one of them")
+        entries = steps.list("a list of steps, such as [{say: Hello}, {wait: 0.5}]")
+        if entries is not None and not entries:
+            steps.error("no step stands here")
+        return [step for entry in entries or () if (step := self._step(entry, on)) is not None]
+
+    def _step(self, spot: Spot, on: Spot | None) -> Step | None:
+        table = spot.table("a step, such as {say: Hello} or {wait: 0.5}")
+        if table is None:
+            return None
+        if set(table) == {WAIT.name}:
+            seconds = read_seconds(table[WAIT.name], _LONGEST_WAIT)
+            return Wait(seconds or 0.0)
+        return self._calls.read(spot, table, table.pop("on", on), ("on", "wait"))
+
+
+def _text(fields: dict[str, Spot], name: str) -> str | None:
+    spot = fields.get(name)
+    if spot is None:
+        return None
+    text = read_text(spot)
+    if text is not None and not text.strip():
+        spot.error("nothing but blanks")
+    return text
+
+
+def _flag(fields: dict[str, Spot], name: str) -> bool:
+    spot = fields.get(name)
+    return bool(spot is not None and read_flag(spot))
+
+
+def titles(spot: Spot | None) -> list[str]:
+    """The titles of all panels, read ahead for the verbs that name one."""
+    found = []
+    for panel in spot.items() if spot is not None else ():
+        title = dict(panel.entries()).get("title")
+        if title is not None and isinstance(title.node, Scalar):
+            found.append(title.node.text)
+    return found

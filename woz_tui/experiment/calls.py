@@ -1,0 +1,280 @@
+"""Which driver a verb goes to, and with which arguments.
+
+Arguments stand beside the verb (`play: nod, speed: 0.5`) or under it (`play: {move: nod, speed:
+0.5}`). What could be meant in two ways is an error that shows how to say it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
+
+from woz_tui.core.driver import Argument, Verb
+from woz_tui.core.messages import Json
+from woz_tui.experiment.arguments import Setting, read_argument
+from woz_tui.experiment.nodes import Items, Scalar, Table
+from woz_tui.experiment.report import hint, listed, quoted
+from woz_tui.experiment.robot import Offer, Robots
+from woz_tui.experiment.shape import Call, Together
+from woz_tui.experiment.spot import Spot, read_text
+from woz_tui.experiment.verbs import SESSION, WAIT
+
+
+@dataclass(frozen=True, slots=True)
+class Vocabulary:
+    """All verbs of an experiment, and what their arguments may refer to."""
+
+    robots: Robots
+    session: Mapping[str, Verb]
+    variables: Collection[str]
+
+    def offers(self, verb: str) -> Sequence[Offer]:
+        """Who offers the verb; the session's own come before any driver's."""
+        if verb in self.session:
+            return (Offer(SESSION, self.session[verb]),)
+        return self.robots.offers.get(verb, ())
+
+    @property
+    def names(self) -> list[str]:
+        """Every verb, the robots' first."""
+        return [*self.robots.offers, *self.session, WAIT.name]
+
+    @property
+    def targets(self) -> list[str]:
+        """What `on` may name: robots, drivers, and drivers by their short names."""
+        drivers = [spec.name for spec in self.robots.drivers]
+        short = [name.rpartition(".")[2] for name in drivers]
+        return list(dict.fromkeys([*self.robots.names, *drivers, *short]))
+
+
+class CallReader:
+    """Reads the verbs that stand together in one action or one step."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        self._vocabulary = vocabulary
+
+    def read(
+        self, spot: Spot, table: dict[str, Spot], on: Spot | None, others: Collection[str]
+    ) -> Together | None:
+        """`table` holds verbs and their arguments; `others` are the names that stand apart."""
+        known = set(self._vocabulary.names)
+        verbs = {name: entry for name, entry in table.items() if name in known}
+        beside = {name: entry for name, entry in table.items() if name not in known}
+        if WAIT.name in verbs:
+            verbs.pop(WAIT.name).error(
+                "waiting is a step of its own: steps: [{say: Hello}, {wait: 0.5}, ...]"
+            )
+        targets = self._targets(on)
+        chosen = {
+            name: self._choose(entry, name, targets if _own_on(entry) is None else None)
+            for name, entry in verbs.items()
+        }
+        shares = self._share(verbs, beside, others)
+        if not table and not self._vocabulary.robots.incomplete:
+            verbs_known = listed(self._vocabulary.names)
+            spot.error(f"does nothing; a verb is missing: {verbs_known}")
+        calls: list[Call] = []
+        for name, entry in verbs.items():
+            for offer in chosen[name]:
+                args = _Arguments(self._vocabulary, offer, entry).read(shares.get(name, {}))
+                calls.append(Call(name, args, offer.driver, entry.place))
+        self._same_lane(calls, verbs, chosen)
+        return Together(tuple(calls))
+
+    def _targets(self, on: Spot | None) -> list[Spot] | None:
+        if on is None:
+            return None
+        entries = [*on.items()] if isinstance(on.node, Items) else [on]
+        if not entries:
+            on.error("names nobody")
+        known = self._vocabulary.targets
+        wanted = []
+        for entry in entries:
+            name = read_text(entry, "a driver or robot")
+            if name is not None and name in known:
+                wanted.append(entry)
+            elif name is not None and not self._vocabulary.robots.incomplete:
+                near = hint(name, known, or_list="there are")
+                entry.error(f"there is no driver or robot {quoted(name)}{near}")
+        return wanted
+
+    def _choose(self, verb: Spot, name: str, outer: list[Spot] | None) -> list[Offer]:
+        """The drivers that this verb goes to: one, or one for each target."""
+        offers = self._vocabulary.offers(name)
+        own = _own_on(verb)
+        targets = outer if own is None else self._targets(own)
+        if offers and offers[0].driver == SESSION:
+            return list(offers)
+        if targets is None:
+            return self._only(verb, name, offers)
+        chosen: list[Offer] = []
+        for target in targets:
+            found = self._aimed(target, verb, name, offers)
+            if found is not None and found not in chosen:
+                chosen.append(found)
+        return chosen
+
+    def _only(self, verb: Spot, name: str, offers: Sequence[Offer]) -> list[Offer]:
+        if len(offers) > 1:
+            drivers = [offer.driver for offer in offers]
+            verb.error(
+                f"{' and '.join(drivers)} offer {name!r}; say which, for example on: {drivers[0]}"
+            )
+            return []
+        return list(offers)
+
+    def _aimed(self, target: Spot, verb: Spot, name: str, offers: Sequence[Offer]) -> Offer | None:
+        wanted = target.node.text if isinstance(target.node, Scalar) else ""
+        fitting = [offer for offer in offers if _matches(offer.driver, wanted)]
+        if len(fitting) == 1:
+            return fitting[0]
+        if not fitting:
+            who = ", ".join(offer.driver for offer in offers)
+            target.error(
+                f"{wanted!r} does not offer {name!r}, {who} does;"
+                f" under the verb it is said for the verb alone: {name}: {{on: ...}}"
+            )
+        else:
+            who = " and ".join(offer.driver for offer in fitting)
+            target.error(f"{who} both offer {name!r}; name one of them")
+        return None
+
+    def _share(
+        self, verbs: Mapping[str, Spot], beside: Mapping[str, Spot], others: Collection[str]
+    ) -> dict[str, dict[str, Spot]]:
+        """Give each argument that stands beside the verbs to the one verb that takes it."""
+        takes = {name: self._arguments_of(name) for name in verbs}
+        for name, entry in verbs.items():
+            for rival in (verb for verb in verbs if verb != name and name in takes[verb]):
+                entry.error(
+                    f"is a verb and an argument of {rival!r}; write it as"
+                    f" {rival}: {{..., {name}: ...}}, or put the verbs into steps"
+                )
+        shares: dict[str, dict[str, Spot]] = {}
+        for name, entry in beside.items():
+            takers = [verb for verb, arguments in takes.items() if name in arguments]
+            if len(takers) == 1:
+                shares.setdefault(takers[0], {})[name] = entry
+            elif takers:
+                entry.error(
+                    f"{' and '.join(map(repr, takers))} both take {name!r}; write it under one:"
+                    f" {takers[0]}: {{..., {name}: ...}}"
+                )
+            else:
+                self._unknown(entry, name, takes, others)
+        return shares
+
+    def _arguments_of(self, verb: str) -> dict[str, Argument]:
+        return {
+            argument.name: argument
+            for offer in self._vocabulary.offers(verb)
+            for argument in offer.verb.arguments
+        }
+
+    def _unknown(
+        self,
+        entry: Spot,
+        name: str,
+        takes: Mapping[str, Mapping[str, Argument]],
+        others: Collection[str],
+    ) -> None:
+        if self._vocabulary.robots.incomplete:
+            return  # it may belong to a driver whose own errors come first
+        owners = [verb for verb in self._vocabulary.names if name in self._arguments_of(verb)]
+        if owners:
+            entry.error(f"belongs to {' or '.join(map(repr, owners[:3]))}, which is not here")
+            return
+        arguments = [name for verb in self._vocabulary.names for name in self._arguments_of(verb)]
+        near = [name for arguments_of in takes.values() for name in arguments_of]
+        guess = hint(name, [*others, *near, *self._vocabulary.names, *arguments])
+        guess = guess or f"; verbs are {listed(self._vocabulary.names)}"
+        entry.error(f"unknown{guess}")
+
+    def _same_lane(
+        self,
+        calls: Sequence[Call],
+        verbs: Mapping[str, Spot],
+        chosen: Mapping[str, Sequence[Offer]],
+    ) -> None:
+        """Two verbs of one lane cannot run together, whatever the file hopes for."""
+        lanes = {
+            (offer.driver, offer.verb.name): offer.verb
+            for offers in chosen.values()
+            for offer in offers
+        }
+        seen: dict[tuple[str, str], str] = {}
+        for call in calls:
+            verb = lanes[call.driver, call.verb]
+            if verb.stream or call.driver == SESSION:
+                continue
+            first = seen.setdefault((call.driver, verb.lane), call.verb)
+            if first != call.verb:
+                verbs[call.verb].warning(
+                    f"waits until {first!r} has ended: both use the {verb.lane} of {call.driver}"
+                )
+
+
+def _own_on(verb: Spot) -> Spot | None:
+    """`on` under the verb: `say: {text: Hello, on: left}`."""
+    return dict(verb.entries()).get("on")
+
+
+def _matches(driver: str, wanted: str) -> bool:
+    return driver == wanted or driver.startswith(f"{wanted}.") or driver.endswith(f".{wanted}")
+
+
+class _Arguments:
+    """The arguments of one verb, from under it and from beside it."""
+
+    def __init__(self, vocabulary: Vocabulary, offer: Offer, spot: Spot) -> None:
+        self._setting = Setting(vocabulary.variables, offer.joints)
+        self._verb = offer.verb
+        self._spot = spot
+        self._known = {argument.name: argument for argument in offer.verb.arguments}
+
+    def read(self, beside: Mapping[str, Spot]) -> dict[str, Json]:
+        given = self._under()
+        for name, entry in beside.items():
+            if name in given:
+                entry.error(f"is given twice: here and under {self._verb.name!r}")
+            elif name in self._known:
+                given[name] = entry
+            else:
+                entry.error(f"this {self._verb.name!r} has no such argument")
+        args: dict[str, Json] = {}
+        for argument in self._verb.arguments:
+            if argument.name in given:
+                args[argument.name] = read_argument(given[argument.name], argument, self._setting)
+            elif argument.required:
+                what = f" ({argument.summary})" if argument.summary else ""
+                self._spot.error(f"needs {argument.name!r}{what}")
+        return args
+
+    def _under(self) -> dict[str, Spot]:
+        node = self._spot.node
+        main = self._verb.arguments[0] if self._verb.arguments else None
+        if isinstance(node, Scalar) and node.nothing:
+            return {}
+        if isinstance(node, Table):
+            return self._mapping(node, main)
+        if main is None:
+            if not (isinstance(node, Scalar) and node.text == "true"):
+                self._spot.error(f"takes nothing; write only {self._verb.name}:")
+            return {}
+        return {main.name: self._spot}
+
+    def _mapping(self, node: Table, main: Argument | None) -> dict[str, Spot]:
+        """A mapping names arguments; for joints it may hold them directly, arguments between."""
+        entries = dict(self._spot.entries())
+        entries.pop("on", None)
+        given = {name: entries.pop(name) for name in self._known if name in entries}
+        if entries and main is not None and main.kind == "joints" and main.name not in given:
+            joints = Table(
+                node.place, {name: node.entries[name] for name in entries}, dict(node.keys)
+            )
+            spot = self._spot
+            given[main.name] = Spot(joints, spot.path, spot.place, spot.report)
+            return given
+        for entry in entries.values():
+            entry.unknown(self._known, f"{self._verb.name} takes")
+        return given

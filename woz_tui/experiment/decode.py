@@ -1,0 +1,169 @@
+"""An experiment file and its robot files into an `Experiment`, or every error at once.
+
+`nodes` reads YAML without guessing at types, `robot` decodes the drivers' settings, which decides
+the verbs, `actions` and `calls` read the panels by them, and `check` looks across it all.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import re
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from woz_tui.core.driver import Driver
+from woz_tui.experiment import check, template
+from woz_tui.experiment.actions import PanelReader, titles
+from woz_tui.experiment.calls import Vocabulary
+from woz_tui.experiment.layouts import LAYOUTS
+from woz_tui.experiment.nodes import Table, described, tree
+from woz_tui.experiment.report import Report, quoted
+from woz_tui.experiment.robot import RobotReader
+from woz_tui.experiment.settings import BAD, raw, read_settings
+from woz_tui.experiment.shape import Experiment, Place, SessionSettings
+from woz_tui.experiment.source import Source, SourceError, read
+from woz_tui.experiment.spot import Spot, missing, read_text, read_word
+from woz_tui.experiment.verbs import session_verbs
+
+#: Sections that other rooms read; they are handed on as plain data.
+RAW_SECTIONS = ("engagement",)
+#: Everything that an experiment file may say at its top level.
+TOP_LEVEL = (
+    *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
+    *("session", "panels", "script"),
+    *RAW_SECTIONS,
+)
+
+
+def load(path: Path, catalogue: Mapping[str, type[Driver]]) -> Experiment:
+    """Read and check an experiment file with the drivers of `catalogue`.
+
+    Raises `ExperimentError` with every problem of this file and of the robot files that it names,
+    sorted by place. Nothing else is raised, whatever the files hold.
+    """
+    report = Report()
+    report.file(str(path))
+    root, sources = _root(path, report)
+    report.fail()
+    assert root is not None  # `fail` has raised otherwise
+    experiment = _Decoder(path, catalogue, report, sources).read(root)
+    report.fail()
+    return experiment
+
+
+def _root(path: Path, report: Report) -> tuple[Spot | None, list[Source]]:
+    start = Place(str(path), 1, 1)
+    try:
+        source = read(path, str(path))
+    except SourceError as error:
+        report.error(Place(str(path), error.line, error.column), "file", error.message)
+        return None, []
+    broken = len(report.errors)
+    node = tree(source, report)
+    if isinstance(node, Table):
+        return Spot(node, "", start, report), [source]
+    if len(report.errors) == broken:
+        said = "nothing" if node is None else described(node)
+        wanted = "expected title, robot and panels, such as title: Museum guide"
+        report.error(start, "file", f"{wanted}, not {said}")
+    return None, []
+
+
+class _Decoder:
+    def __init__(
+        self,
+        path: Path,
+        catalogue: Mapping[str, type[Driver]],
+        report: Report,
+        sources: list[Source],
+    ) -> None:
+        self._path = path
+        self._report = report
+        self._sources = sources
+        self._robots = RobotReader(catalogue, path.parent, report, sources)
+
+    def read(self, root: Spot) -> Experiment:
+        table = dict(root.entries())
+        for name, entry in table.items():
+            if name not in TOP_LEVEL:
+                entry.unknown(TOP_LEVEL, "an experiment has")
+        title = missing(table, "title", root)
+        robots = self._robots.read(root, table)
+        conditions = _words(table.get("conditions"))
+        variables = _variables(table.get("variables"))
+        keyboard = table.get("keyboard")
+        layout = (keyboard and read_word(keyboard, LAYOUTS)) or "us"
+        panels_spot = missing(table, "panels", root)
+        vocabulary = Vocabulary(
+            robots,
+            {verb.name: verb for verb in session_verbs(conditions, titles(panels_spot))},
+            [*template.BUILT_IN, *variables],
+        )
+        panels = PanelReader(vocabulary, layout)
+        experiment = Experiment(
+            title=(title and read_text(title)) or "",
+            path=self._path.absolute(),
+            sha256=hashlib.sha256(b"".join(source.data for source in self._sources)).hexdigest(),
+            drivers=tuple(robots.drivers),
+            panels=tuple(panels.read(panels_spot)) if panels_spot is not None else (),
+            script=_words(table.get("script"), once=False),
+            participant_pattern=_pattern(table.get("participants")),
+            conditions=conditions,
+            variables=variables,
+            keyboard=layout,
+            session=_session(table.get("session")),
+            sections={name: raw(table[name].node) for name in RAW_SECTIONS if name in table},
+            files=tuple(source.path.absolute() for source in self._sources),
+        )
+        check.across(experiment, panels.drafts, self._report)
+        return replace(experiment, warnings=tuple(self._report.warnings))
+
+
+def _words(spot: Spot | None, *, once: bool = True) -> tuple[str, ...]:
+    """A list of texts; `once`: none of them twice."""
+    entries = spot.list() if spot is not None else None
+    words: list[str] = []
+    for entry in entries or ():
+        word = read_text(entry)
+        if word is not None and once and word in words:
+            entry.error(f"{quoted(word)} stands here twice")
+        elif word is not None:
+            words.append(word)
+    return tuple(words)
+
+
+def _variables(spot: Spot | None) -> dict[str, str]:
+    table = spot.table("a mapping of names to texts") if spot is not None else None
+    values: dict[str, str] = {}
+    for name, entry in (table or {}).items():
+        if name in template.BUILT_IN:
+            entry.error(f"{name!r} is filled in by the session; choose another name")
+        elif not template.NAME.fullmatch(name):
+            entry.error("a variable's name has letters, digits and _, and no digit in front")
+        else:
+            values[name] = read_text(entry) or ""
+    return values
+
+
+def _pattern(spot: Spot | None) -> str:
+    default = str(Experiment.__dataclass_fields__["participant_pattern"].default)
+    table = spot.table("a mapping, such as {pattern: 'P\\d\\d'}") if spot is not None else None
+    for name, entry in (table or {}).items():
+        if name != "pattern":
+            entry.unknown(("pattern",), "participants have")
+            continue
+        text = read_text(entry, "a regular expression")
+        try:
+            re.compile(text or "")
+        except (re.error, OverflowError, RecursionError) as error:
+            entry.error(f"{quoted(text or '')} is no regular expression: {error}")
+        else:
+            return text or default
+    return default
+
+
+def _session(spot: Spot | None) -> SessionSettings:
+    settings: Any = read_settings(spot, SessionSettings) if spot is not None else BAD
+    return settings if isinstance(settings, SessionSettings) else SessionSettings()

@@ -1,0 +1,238 @@
+"""Robots and their drivers: from files or inline, each driver's settings decoded by its class."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+from woz_tui.core.driver import Driver, Verb
+from woz_tui.core.fields import Range
+from woz_tui.experiment.nodes import Node, Scalar, Table, tree
+from woz_tui.experiment.report import Report, hint, quoted
+from woz_tui.experiment.settings import BAD, read_settings
+from woz_tui.experiment.shape import DriverSpec, Place
+from woz_tui.experiment.source import Source, SourceError, read
+from woz_tui.experiment.spot import Spot, missing, read_text
+from woz_tui.experiment.verbs import SESSION
+
+#: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
+SIMULATED = "simulated"
+
+_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
+_NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
+
+
+@dataclass(frozen=True, slots=True)
+class Offer:
+    """A verb of one driver; `joints` with their ranges in degrees if the driver tells."""
+
+    driver: str
+    verb: Verb
+    joints: Mapping[str, Range] | None = None
+
+
+@dataclass(slots=True)
+class Robots:
+    """Everything the robots of an experiment bring along."""
+
+    drivers: list[DriverSpec] = field(default_factory=list)
+    offers: dict[str, list[Offer]] = field(default_factory=dict)
+    #: Robot names, if there are several robots.
+    names: list[str] = field(default_factory=list)
+    #: Whether some driver could not be decoded, so that verbs may be missing.
+    incomplete: bool = False
+
+
+class RobotReader:
+    """Reads `robot:` or `robots:` of one experiment; `sources` collects the files it opens."""
+
+    def __init__(
+        self,
+        catalogue: Mapping[str, type[Driver]],
+        base: Path,
+        report: Report,
+        sources: list[Source],
+    ) -> None:
+        self._catalogue = catalogue
+        self._base = base
+        self._report = report
+        self._sources = sources
+        self._robots = Robots()
+
+    def read(self, root: Spot, table: dict[str, Spot]) -> Robots:
+        """Takes `robot` and `robots` out of the experiment's top level."""
+        one, many = table.pop("robot", None), table.pop("robots", None)
+        if one is not None and many is not None:
+            many.error("write either robot or robots, not both")
+        elif one is not None:
+            self._robot(one, "")
+        elif many is not None:
+            self._several(many)
+        else:
+            missing({}, "robot", root, "robot: simulated needs no hardware")
+            self._robots.incomplete = True
+        return self._robots
+
+    def _several(self, spot: Spot) -> None:
+        table = spot.table("a mapping such as {left: robots/a.yaml, right: simulated}")
+        if table is None:
+            self._robots.incomplete = True
+            return
+        if not table:
+            spot.error("no robot stands here")
+        for name, entry in table.items():
+            if _named(entry, name):
+                self._robots.names.append(name)
+            self._robot(entry, f"{name}.")
+
+    def _robot(self, spot: Spot, prefix: str) -> None:
+        """One robot: a word, a file or a mapping."""
+        before = len(self._robots.drivers)
+        if isinstance(spot.node, Table):
+            self._drivers(spot, prefix)
+        else:
+            self._robot_by_name(spot, prefix)
+        if len(self._robots.drivers) == before:
+            self._robots.incomplete = True
+
+    def _robot_by_name(self, spot: Spot, prefix: str) -> None:
+        text = read_text(spot, "a robot file, the word simulated, or a mapping of drivers")
+        if text == SIMULATED:
+            settings: Node = Table(spot.place)
+            self._driver(
+                Spot(settings, spot.path, spot.place, spot.report), f"{prefix}robot", SIMULATED
+            )
+        elif text is not None:
+            self._file(spot, text, prefix)
+
+    def _file(self, spot: Spot, text: str, prefix: str) -> None:
+        try:
+            path = self._base / Path(text).expanduser()
+            source = read(path, str(path))
+        except SourceError as error:
+            if (error.line, error.column) == (1, 1):
+                spot.error(f"{quoted(text)}: {error.message}{self._file_hint(text)}")
+            else:
+                place = Place(str(path), error.line, error.column)
+                self._report.error(place, "file", error.message)
+            return
+        except RuntimeError as error:  # expanduser without a home
+            spot.error(f"{quoted(text)}: {error}")
+            return
+        self._report.file(source.name)
+        if all(known.path != source.path for known in self._sources):
+            self._sources.append(source)
+        root = tree(source, self._report)
+        start = Place(source.name, 1, 1)
+        if root is None or (isinstance(root, Scalar) and root.nothing):
+            self._report.error(start, "drivers", "is missing; the file says nothing")
+            return
+        self._drivers(Spot(root, "", start, self._report), prefix)
+
+    def _file_hint(self, text: str) -> str:
+        """Robot files that lie about, for a misspelt name."""
+        try:
+            folder = (self._base / text).parent
+            near = [folder, self._base, self._base / "robots"]
+            found = [
+                str(file.relative_to(self._base))
+                for place in near
+                if place.is_dir()
+                for file in sorted(place.glob("*.y*ml"))[:100]
+                if file.is_relative_to(self._base)
+            ]
+        except (OSError, ValueError):
+            found = []
+        return hint(text, [SIMULATED, *found])
+
+    def _drivers(self, spot: Spot, prefix: str) -> None:
+        """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
+        table = spot.table("a mapping with drivers")
+        if table is None:
+            return
+        name = table.pop("name", None)
+        if name is not None:
+            read_text(name)
+        drivers = missing(table, "drivers", spot, "drivers: {head: {type: ...}}")
+        table.pop("drivers", None)
+        for entry in table.values():
+            entry.unknown(("name", "drivers"), "a robot has")
+        entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
+        if drivers is not None and entries is not None and not entries:
+            drivers.error("no driver stands here")
+        for driver, entry in (entries or {}).items():
+            if _named(entry, driver):
+                self._typed_driver(entry, f"{prefix}{driver}")
+
+    def _typed_driver(self, spot: Spot, name: str) -> None:
+        before = len(self._robots.drivers)
+        table = spot.table("a mapping with type and settings")
+        kind_spot = None if table is None else missing(table, "type", spot, "which driver it is")
+        kind = None if kind_spot is None else read_text(kind_spot, "the driver's type")
+        if kind_spot is not None and kind is not None:
+            if kind in self._catalogue:
+                self._driver(_without(spot, "type"), name, kind)
+            else:
+                near = hint(kind, self._catalogue, or_list="installed are")
+                kind_spot.error(f"there is no driver of type {quoted(kind)}{near}")
+        if len(self._robots.drivers) == before:
+            self._robots.incomplete = True
+
+    def _driver(self, spot: Spot, name: str, kind: str) -> None:
+        """Settings, verbs and sensors of one driver. Its code may be a stranger's."""
+        try:
+            driver = self._catalogue[kind]
+        except KeyError:
+            spot.error(f"there is no driver of type {quoted(kind)}")
+            return
+        except Exception as error:  # noqa: BLE001 - a plug-in that cannot be imported
+            spot.error(str(error) or type(error).__name__)
+            return
+        settings = read_settings(spot, driver.Settings)
+        if settings is BAD:
+            self._robots.incomplete = True
+            return
+        try:
+            spec = DriverSpec(
+                name=name,
+                type=kind,
+                settings=settings,
+                verbs=tuple(driver.verbs(settings)),
+                sensors=tuple(driver.sensors(settings)),
+                place=spot.place,
+            )
+            joints = _joints(driver, settings)
+        except Exception as error:  # noqa: BLE001 - a plug-in's code
+            spot.error(f"the driver {kind!r} fails with these settings: {error!r}")
+            return
+        self._robots.drivers.append(spec)
+        for verb in spec.verbs:
+            self._robots.offers.setdefault(verb.name, []).append(Offer(name, verb, joints))
+
+
+def _joints(driver: type[Driver], settings: Any) -> Mapping[str, Range] | None:
+    """A driver class may tell its joints: `joints(settings) -> Mapping[str, Range]`, in degrees."""
+    tell = getattr(driver, "joints", None)
+    return dict(tell(settings)) if callable(tell) else None
+
+
+def _named(spot: Spot, name: str) -> bool:
+    if name == SESSION:
+        spot.error(f"{SESSION!r} is the session itself; choose another name")
+        return False
+    if not _NAME.fullmatch(name):
+        spot.error(_NAME_RULE)
+        return False
+    return True
+
+
+def _without(spot: Spot, name: str) -> Spot:
+    """The same mapping without one entry."""
+    if not isinstance(spot.node, Table):
+        return spot
+    entries = {key: value for key, value in spot.node.entries.items() if key != name}
+    node = Table(spot.node.place, entries, spot.node.keys)
+    return Spot(node, spot.path, spot.place, spot.report)

@@ -42,7 +42,9 @@ class MicrophoneSettings:
         """What is wrong between settings: pairs of a setting's name and a sentence."""
         found = []
         if self.channel > self.channels:
-            found.append(("channel", f"the command writes {self.channels} channels only"))
+            found.append(
+                ("channel", f"there is no channel {self.channel}: channels is {self.channels}")
+            )
         if self.command and self.device:
             found.append(("device", "it is for arecord; put the device into your command instead"))
         try:

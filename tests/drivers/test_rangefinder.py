@@ -208,6 +208,11 @@ def test_somebody_who_steps_in_is_believed_at_the_third_value() -> None:
     assert taken(GATES, [3.0, 3.0, 1.0, 1.1, 1.05, 1.0]) == [3.0, 3.0, None, None, 1.05, 1.05]
 
 
+def test_after_a_confirmed_step_the_median_follows_at_once() -> None:
+    gates = Gates(0.02, 10.0, None, None, 0.5, 2, 5)
+    assert taken(gates, [3.0] * 5 + [1.0, 1.0, 1.1])[-2:] == [1.0, 1.0]
+
+
 def test_without_a_jump_limit_only_the_median_stands() -> None:
     gates = Gates(0.02, 10.0, None, None, 0.0, 3, 3)
     assert taken(gates, [3.0, 1.0, 3.0]) == [3.0, 1.0, 3.0]

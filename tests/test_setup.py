@@ -21,7 +21,7 @@ from packaging.utils import canonicalize_name
 ROOT = Path(__file__).parents[1]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text())
 #: What no package may contain, wherever in the tree somebody left it.
-PRIVATE = "2026-03-01T10-00-00_P07_S01.jsonl"
+PRIVATE = "2026-02-03T04-05-06_P99_S99.jsonl"
 
 
 @pytest.fixture(scope="module")
@@ -33,9 +33,9 @@ def packages(tmp_path_factory: pytest.TempPathFactory) -> tuple[list[str], Path]
         copy,
         ignore=shutil.ignore_patterns(".*cache*", ".venv", ".git", "dist", ".hypothesis"),
     )
-    (copy / "recordings").mkdir(exist_ok=True)
+    (copy / "recordings").mkdir(parents=True, exist_ok=True)
     (copy / "recordings" / PRIVATE).write_text("{}\n")
-    (copy / "experiments" / "recordings").mkdir(exist_ok=True)
+    (copy / "experiments" / "recordings").mkdir(parents=True, exist_ok=True)
     (copy / "experiments" / "recordings" / PRIVATE).write_text("{}\n")
     done = subprocess.run(
         [

@@ -35,6 +35,4 @@ def run(arguments: argparse.Namespace) -> int:
         spill=arguments.spill,
         announce=arguments.announce,
     )
-    with explained() as failure:
-        return process.run(options)
-    return failure.code
+    return explained(lambda: process.run(options))

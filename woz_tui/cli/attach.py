@@ -1,0 +1,72 @@
+"""`woz attach`: join a session that is running."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from woz_tui.cli.failure import explained
+from woz_tui.cli.keymap import add_keymap, builtins
+from woz_tui.host import place
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "name", nargs="?", default="", help="session code or socket (default: the only one)"
+    )
+    parser.add_argument("--watch", action="store_true", help="only watch")
+    parser.add_argument(
+        "--take-over", action="store_true", help="play, even if another console does already"
+    )
+    add_keymap(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Open the console on a running session."""
+    from woz_tui.cli import screen  # noqa: PLC0415
+
+    refused = screen.refusal()
+    if refused:
+        print(f"woz: {refused}", file=sys.stderr)
+        return 2
+    return explained(lambda: _attach(arguments))
+
+
+def _attach(arguments: argparse.Namespace) -> int:
+    from woz_tui.cli import screen  # noqa: PLC0415
+
+    socket = _find(arguments.name)
+    if socket is None:
+        return 1
+    left, code = screen.open_console(
+        screen.ScreenOptions(
+            socket=socket,
+            watch=arguments.watch,
+            take_over=arguments.take_over,
+            builtins=builtins(arguments),
+        )
+    )
+    if left == "detached":
+        print("The session goes on; `woz attach` brings you back.")
+    return code
+
+
+def _find(name: str) -> Path | None:
+    """The socket that was meant, or None after saying why there is none."""
+    if name:
+        socket = Path(name) if "/" in name else place.socket_path(name)
+        if place.answers(socket):
+            return socket
+        print(f"woz: no session answers at {socket}", file=sys.stderr)
+    running = place.running()
+    if not name and len(running) == 1:
+        return running[0]
+    if running:
+        names = "\n".join(f"  woz attach {path.stem}" for path in running)
+        print(f"woz: which session?\n{names}", file=sys.stderr)
+    elif not name:
+        print("woz: no session is running; `woz run FILE` starts one", file=sys.stderr)
+    return None

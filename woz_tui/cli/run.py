@@ -1,0 +1,83 @@
+"""`woz run FILE`: the robot process and a console on it."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from woz_tui.cli.failure import explained
+from woz_tui.cli.keymap import add_keymap, builtins
+from woz_tui.cli.launch import Launch, LaunchError, RobotProcess, host_arguments
+from woz_tui.cli.options import add_session, identity
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("experiment", type=Path, help="experiment file")
+    add_session(parser)
+    add_keymap(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Start both, leave when the console is left; the robot process may go on."""
+    return play(arguments, arguments.experiment)
+
+
+def play(arguments: argparse.Namespace, experiment: Path) -> int:
+    """A session on `experiment`; the exit code."""
+    from woz_tui.cli import screen  # noqa: PLC0415
+
+    refused = screen.refusal()
+    if refused:
+        print(f"woz: {refused}", file=sys.stderr)
+        return 2
+    return explained(lambda: _play(arguments, experiment))
+
+
+def _play(arguments: argparse.Namespace, experiment: Path) -> int:
+    from woz_tui.cli import screen  # noqa: PLC0415
+
+    own_keys = builtins(arguments)
+    command = _host_command(arguments, experiment)
+    launch = Launch(command)
+    screen.load_modules()
+    try:
+        robot = launch.wait()
+    except LaunchError as error:
+        print(error, file=sys.stderr)
+        return 1
+    left, code = screen.open_console(
+        screen.ScreenOptions(
+            socket=robot.socket,
+            ask_participant=not arguments.participant,
+            restart=command,
+            builtins=own_keys,
+        )
+    )
+    _farewell(left, robot)
+    return code
+
+
+def _host_command(arguments: argparse.Namespace, experiment: Path) -> list[str]:
+    who = identity(arguments)
+    return host_arguments(
+        experiment,
+        recordings=arguments.recordings,
+        spill=arguments.spill,
+        name=arguments.name or who.session,
+        codes={
+            "session": who.session,
+            "participant": who.participant,
+            "condition": who.condition,
+            "wizard": who.wizard,
+            "seed": str(who.seed) if who.seed else "",
+        },
+    )
+
+
+def _farewell(left: str, robot: RobotProcess) -> None:
+    if left == "detached":
+        print("The session goes on; `woz attach` brings you back.")
+    print(f"Log: {robot.log}")

@@ -1,0 +1,95 @@
+"""Opening the console on this terminal, for `run`, `demo` and `attach`."""
+
+from __future__ import annotations
+
+import gc
+import locale
+import os
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.cli.launch import Launch, LaunchError
+from woz_tui.experiment.builtins import BUILTIN, Builtin
+
+#: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
+GC_THRESHOLDS = (50_000, 20, 100)
+
+
+@dataclass(frozen=True, slots=True)
+class ScreenOptions:
+    """How the console is opened.
+
+    `restart` are the arguments of `woz host` with which a lost robot process is started again;
+    None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
+    """
+
+    socket: Path
+    watch: bool = False
+    take_over: bool = False
+    ask_participant: bool = False
+    restart: Sequence[str] | None = None
+    builtins: Sequence[Builtin] = BUILTIN
+
+
+def refusal() -> str:
+    """Why the console cannot be opened on this terminal; empty if it can."""
+    from woz_tui.console.endings import refusal as refused  # noqa: PLC0415
+
+    return refused(sys.stdin, sys.stdout, os.environ)
+
+
+def load_modules() -> None:
+    """Import what the console needs, while the robot process is starting."""
+    import woz_tui.console.app  # noqa: PLC0415
+    import woz_tui.console.terminal  # noqa: F401, PLC0415
+
+
+def open_console(options: ScreenOptions) -> tuple[str, int]:
+    """Run the console until it is left: how (ended, detached, lost), and the exit code."""
+    from woz_tui.console.app import Console  # noqa: PLC0415
+    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
+    from woz_tui.console.link import Link  # noqa: PLC0415
+    from woz_tui.console.look import look_for  # noqa: PLC0415
+    from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
+    from woz_tui.experiment.terminals import detected  # noqa: PLC0415
+
+    link = Link(
+        options.socket,
+        role="watcher" if options.watch else "wizard",
+        name=os.environ.get("TERM", ""),
+        take_over=options.take_over,
+    )
+    app = Console(
+        link,
+        Keyboard(link),
+        look=look_for(os.environ, locale.getpreferredencoding(False)),
+        terminal=detected(os.environ),
+        builtins=options.builtins,
+        ask_participant=options.ask_participant,
+        driver_class=WizardDriver,
+    )
+    if options.restart is not None:
+        app.restart = _restart(list(options.restart), app.call_from_thread, app.news)
+    gc.freeze()
+    gc.set_threshold(*GC_THRESHOLDS)
+    left = app.run()
+    return left or "", app.return_code or 0
+
+
+def _restart(
+    arguments: list[str],
+    in_app: Callable[..., object],
+    news: Callable[[str, str], None],
+) -> Callable[[], None]:
+    """Start the robot process again; the link finds it by itself, at the same socket."""
+
+    def start() -> None:
+        try:
+            Launch(arguments).wait()
+        except LaunchError as error:
+            in_app(news, f"the robot process did not start: {error}", "bad")
+
+    return lambda: threading.Thread(target=start, daemon=True).start()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Iterator, Mapping
 from importlib.metadata import EntryPoint, entry_points
 
@@ -25,6 +26,10 @@ class Catalogue(Mapping[str, type[Driver]]):
         if name not in self._loaded:
             self._loaded[name] = _load(self._points[name])
         return self._loaded[name]
+
+    def __contains__(self, name: object) -> bool:
+        """Whether some package offers it; whether it loads is another question."""
+        return name in self._points
 
     def __iter__(self) -> Iterator[str]:
         return iter(sorted(self._points))
@@ -59,6 +64,11 @@ def _load(point: EntryPoint) -> type[Driver]:
             f"the driver {point.name!r} of {_origin(point)} cannot be loaded:"
             f" {type(error).__name__}: {error}"
         ) from error
+    if not isinstance(loaded, type):
+        raise PluginError(
+            f"the driver {point.name!r} of {_origin(point)} is no class but {loaded!r};"
+            " its entry point must read module:Class"
+        )
     missing = [
         name
         for name in (
@@ -81,4 +91,9 @@ def _load(point: EntryPoint) -> type[Driver]:
             " see drivers/README.md"
         )
     driver: type[Driver] = loaded
+    if not dataclasses.is_dataclass(driver.Settings):
+        raise PluginError(
+            f"the driver {point.name!r} of {_origin(point)} has Settings that are no dataclass;"
+            " see drivers/README.md"
+        )
     return driver

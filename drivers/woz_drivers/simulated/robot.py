@@ -28,6 +28,7 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
+from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
 #: Readings go out this often while something moves, in seconds.
@@ -80,6 +81,13 @@ class SimulatedRobot:
     def sensors(cls, settings: _settings.Settings) -> tuple[str, ...]:
         """Joints, base, and the visitor's traces if there is one."""
         return verbs.sensors(settings)
+
+    @classmethod
+    def joints(cls, settings: _settings.Settings) -> Mapping[str, Range]:
+        """Joints with their limits in degrees, so that `woz check` finds impossible poses."""
+        return {
+            name: Range(joint.low, joint.high, "degrees") for name, joint in settings.joints.items()
+        }
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import threading
 from collections.abc import Callable, Iterable
 
@@ -11,6 +12,9 @@ from woz_tui.console.feed import Incoming, OnLost, OnMessages
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
+
+
+Answer = Callable[[r.AnyRequest, int], r.Reply]
 
 
 class ScriptedFeed:
@@ -24,7 +28,7 @@ class ScriptedFeed:
         self.round_trip_us: int | None = None
         self.asked: list[r.AnyRequest] = []
         self.closed = False
-        self.answers: dict[type, Callable[[r.AnyRequest, int], r.Reply]] = {}
+        self.answers: dict[type, Answer] = {}
         self._on_messages: OnMessages = lambda batch: None
         self._on_lost: OnLost = lambda why: None
         self._first: list[Incoming] = []
@@ -42,8 +46,8 @@ class ScriptedFeed:
         ref = len(self.asked) + 1
         sent = wire.decode_request(wire.encode(msgspec.structs.replace(request, ref=ref)))
         self.asked.append(sent)
-        answer = self.answers.get(type(request), lambda _, number: r.Reply(ref=number, ok=True))
-        self.deliver(answer(sent, ref))
+        answer = self.answers.get(type(request))
+        self.deliver(answer(sent, ref) if answer is not None else r.Reply(ref=ref, ok=True))
         return ref
 
     def close(self) -> None:
@@ -57,11 +61,11 @@ class ScriptedFeed:
             else message
             for message in messages
         ]
-        self._elsewhere(lambda: self._on_messages(batch))
+        self._elsewhere(functools.partial(self._on_messages, batch))
 
     def cut(self, why: str) -> None:
         """Lose the connection."""
-        self._elsewhere(lambda: self._on_lost(why))
+        self._elsewhere(functools.partial(self._on_lost, why))
 
     def last(self, kind: type[r.Request]) -> r.Request | None:
         """The last request of a kind."""

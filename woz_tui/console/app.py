@@ -21,7 +21,7 @@ from woz_tui.console.desk import Desk
 from woz_tui.console.events import Events
 from woz_tui.console.feed import Feed, Incoming
 from woz_tui.console.glyphs import UNICODE, Frame
-from woz_tui.console.look import THEMES, Look
+from woz_tui.console.look import SIXTEEN, THEMES, Look
 from woz_tui.console.meters import Meters
 from woz_tui.console.panels import Panels
 from woz_tui.console.picture import Picture
@@ -100,10 +100,13 @@ class Console(App[str]):
         ask_participant: bool = False,
         driver_class: type[Driver] | None = None,
     ) -> None:
-        super().__init__(driver_class=driver_class)
+        look = look or Look(UNICODE)
+        # Told at once, so that NO_COLOR leaves no colours at all instead of greys.
+        sixteen = look.theme == SIXTEEN.name or None
+        super().__init__(driver_class=driver_class, ansi_color=sixteen)
         for theme in THEMES:
             self.register_theme(theme)
-        self.look = look or Look(UNICODE)
+        self.look = look
         self.theme = self.look.theme
         self.feed = feed
         self.keyboard = keyboard
@@ -144,6 +147,7 @@ class Console(App[str]):
         self._loop = asyncio.get_running_loop()
         self.set_class(self.look.glyphs.ascii, "-ascii")
         self.set_class(self.no_color, "-plain")
+        self.set_class(self.theme == SIXTEEN.name, "-sixteen")
         self._status, self._panels = self.query_one(Status), self.query_one(Panels)
         self._meters, self._events = self.query_one(Meters), self.query_one(Events)
         self._bar = self.query_one(StopBar)

@@ -8,7 +8,7 @@ from woz_tui.console.glyphs import Glyphs
 from woz_tui.experiment.keys import Assigned
 
 _NAMES = {
-    "space": "Spc",
+    "space": "Space",
     "enter": "Enter",
     "tab": "Tab",
     "backspace": "Bksp",

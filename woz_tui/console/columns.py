@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from rich.cells import cell_len
 
 from woz_tui.core.requests import ActionView, PanelView
 
 #: Cells of a column: below, labels suffer; above, the eye has too far to go.
-NARROW, COMFORTABLE, WIDE = 18, 24, 38
+NARROW, COMFORTABLE, BEST, WIDE = 18, 24, 32, 38
 #: Cells between two columns.
 GUTTER = 1
 #: Cells of a slot beside key cap and label: a blank, the state's glyph, a blank.
@@ -42,7 +42,6 @@ class Plan:
     width: int
     cut: int
     splits: int
-    air: int
 
     def page_of(self, panel: int) -> int:
         """The page on which a panel begins."""
@@ -60,48 +59,63 @@ def plan(panels: Sequence[PanelView], width: int, height: int, cap: int) -> Plan
     candidates = []
     for columns in range(1, most + 1):
         cells = min(WIDE, (width - GUTTER * (columns - 1)) // columns)
-        if cells < NARROW and columns > 1:
-            continue
         for split in (False, True):
             for air in (1, 0):
-                slots, pages, splits = _flow(panels, columns, height, air, split)
-                if slots is None:
+                flow = _flow(panels, columns, height, air, split)
+                if flow is None:
                     continue
+                if flow.pages == 1:
+                    flow = _balanced(panels, flow, columns, height, air=air, split=split)
+                    if flow.used < columns:
+                        continue
                 short = _cut_short(panels, cells - cap - FIXED)
-                cost = (pages, short, splits, -air, cells < COMFORTABLE, abs(WIDE - 8 - cells))
-                candidates.append(
-                    (cost, Plan(tuple(slots), pages, columns, cells, short, splits, air))
-                )
-    best = min(candidates, key=lambda candidate: candidate[0])[1]
-    return _balanced(panels, best, height)
+                far = abs(BEST - cells)
+                cost = (flow.pages, short, flow.splits, -air, cells < COMFORTABLE, far)
+                found = Plan(tuple(flow.slots), flow.pages, columns, cells, short, flow.splits)
+                candidates.append((cost, found))
+    if not candidates:  # no panels at all
+        return Plan((), 1, 1, min(WIDE, width), 0, 0)
+    return min(candidates, key=lambda candidate: candidate[0])[1]
 
 
-def _balanced(panels: Sequence[PanelView], best: Plan, height: int) -> Plan:
-    """The same arrangement with columns as equally tall as can be."""
+def _balanced(
+    panels: Sequence[PanelView], flow: _Flow, columns: int, height: int, *, air: int, split: bool
+) -> _Flow:
+    """The same on one page with columns as equally tall as can be."""
     total = sum(1 + len(panel.actions) for panel in panels)
-    if best.pages > 1:
-        return best
-    for lower in range(max(3, total // best.columns), height):
-        slots, pages, splits = _flow(panels, best.columns, lower, best.air, best.splits > 0)
-        if slots is not None and (pages, splits) == (best.pages, best.splits):
-            return replace(best, slots=tuple(slots))
-    return best
+    for lower in range(max(3, total // columns), height):
+        lowered = _flow(panels, columns, lower, air, split)
+        if lowered is not None and (lowered.pages, lowered.splits) <= (1, flow.splits):
+            return lowered
+    return flow
 
 
 def _cut_short(panels: Sequence[PanelView], room: int) -> int:
     return sum(cell_len(action.label) > room for panel in panels for action in panel.actions)
 
 
+@dataclass(frozen=True, slots=True)
+class _Flow:
+    slots: list[Slot]
+    pages: int
+    splits: int
+
+    @property
+    def used(self) -> int:
+        """Columns that hold something on the first page."""
+        return 1 + max((slot.column for slot in self.slots), default=-1)
+
+
 def _flow(
     panels: Sequence[PanelView], columns: int, height: int, air: int, split: bool
-) -> tuple[list[Slot] | None, int, int]:
+) -> _Flow | None:
     """Fill column after column, page after page; None if a panel is too tall to stay whole."""
     slots: list[Slot] = []
     page = column = row = splits = 0
     for number, panel in enumerate(panels):
         needed = 1 + len(panel.actions)
         if needed > height and not split:
-            return None, 0, 0
+            return None
         if row:
             row += air
         rest = height - row
@@ -118,7 +132,7 @@ def _flow(
                 row += 1
             slots.append(Slot(page, column, row, number, action))
             row += 1
-    return slots, page + 1, splits
+    return _Flow(slots, page + 1, splits)
 
 
 def _next(page: int, column: int, columns: int) -> tuple[int, int, int]:

@@ -22,7 +22,7 @@ FARTHEST = 4.8
 #: Rows of meters at the most.
 MOST = 40
 #: Cells of the names at the left and the values at the right.
-NAME, VALUE = 10, 16
+NAME, VALUE = 10, 17
 #: Sensors with a place of their own; all others get a line each.
 _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
@@ -45,7 +45,7 @@ def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     if joints:
         room = frame.height - len(rows)
         if room >= len(joints):
-            rows += [_joint(picture, name, frame) for name in joints]
+            rows += [_joint(picture, name, shown, frame) for name, shown in joints.items()]
         else:
             rows += _folded(picture, joints, frame)
     if not rows:
@@ -53,20 +53,27 @@ def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def _joints(picture: Picture) -> list[str]:
-    names = {
-        name.partition(".")[2]: None
-        for name in picture.sensors
-        if name.startswith(("joint.", "setpoint."))
+def _joints(picture: Picture) -> dict[str, str]:
+    """Joints by their full name, with the short one where that is no other joint's."""
+    full = sorted(
+        {
+            name.partition(".")[2]
+            for name in picture.sensors
+            if name.startswith(("joint.", "setpoint."))
+        }
+    )
+    short = [name.rpartition(".")[2] for name in full]
+    return {
+        name: last if short.count(last) == 1 else name
+        for name, last in zip(full, short, strict=True)
     }
-    return sorted(names)
 
 
 def _labelled(name: str, body: Row, value: str, look: str) -> Row:
     return (
         (f" {fit(name, NAME - 1)}", "muted"),
         *body,
-        (f" {fit(value, VALUE - 1)}", look),
+        (f" {fit(value, VALUE - 2)} ", look),
     )
 
 
@@ -222,43 +229,37 @@ def _marked(changed: m.EngagementChanged, glyphs: Glyphs) -> list[str]:
 # -- the robot's pose, and everything else ----------------------------------------------------
 
 
-def _joint(picture: Picture, name: str, frame: Frame) -> Row:
+def _joint(picture: Picture, name: str, shown: str, frame: Frame) -> Row:
     """Where the joint is (full mark) and where it should be (hollow mark), in degrees."""
     glyphs, width = frame.glyphs, _track(frame)
     present, wanted = picture.sensors.get(f"joint.{name}"), picture.sensors.get(f"setpoint.{name}")
     values = [s.value for s in (present, wanted) if s is not None and s.value is not None]
     half = 90.0 if all(abs(value) <= 90 for value in values) else 180.0
     spots: dict[int, tuple[str, str]] = {}
-    text = ""
     stale = present is not None and _stale(picture, present, frame)
+    look = "stale" if stale else "plain"
+    texts = []
+    if present is not None and present.value is not None:
+        texts.append(f"{present.value:4.0f}{glyphs.degrees}")
     if wanted is not None and wanted.value is not None:
         spots[_at((wanted.value + half) / (2 * half), width)] = (glyphs.target, "run")
-        text = f"{frame.glyphs.next}{wanted.value:.0f}{glyphs.degrees}"
+        if present is None or present.value is None or abs(wanted.value - present.value) >= 1:
+            texts.append(f"{glyphs.next} {wanted.value:.0f}{glyphs.degrees}")
     if present is not None and present.value is not None:
-        spots[_at((present.value + half) / (2 * half), width)] = (
-            glyphs.position,
-            "stale" if stale else "strong",
-        )
-        text = f"{present.value:4.0f}{glyphs.degrees} {text}"
-    if stale and present is not None:
-        text = _old(present, frame)
-    return _labelled(
-        name,
-        _ruler(width, {width // 2: glyphs.tick}, spots, glyphs),
-        text,
-        "stale" if stale else "plain",
-    )
+        at = _at((present.value + half) / (2 * half), width)
+        spots[at] = (glyphs.position, "stale" if stale else "strong")
+    text = _old(present, frame) if stale and present is not None else " ".join(texts)
+    return _labelled(shown, _ruler(width, {width // 2: glyphs.tick}, spots, glyphs), text, look)
 
 
-def _folded(picture: Picture, joints: list[str], frame: Frame) -> list[Row]:
+def _folded(picture: Picture, joints: dict[str, str], frame: Frame) -> list[Row]:
     """All joints as text, in as many lines as are left, at least one."""
     row: list[Piece] = [(" ", "plain")]
-    for name in joints:
+    for name, short in joints.items():
         sensor = picture.sensors.get(f"joint.{name}") or picture.sensors[f"setpoint.{name}"]
         stale = _stale(picture, sensor, frame)
         value = "?" if sensor.value is None else f"{sensor.value:.0f}{frame.glyphs.degrees}"
         mark = frame.glyphs.stale if stale else ""
-        short = name.rpartition(".")[2]
         row.append((f"{short} ", "muted"))
         row.append((f"{mark}{value:<5}", "stale" if stale else "plain"))
     return [tuple(row)]

@@ -79,8 +79,8 @@ class Dialog(ModalScreen[None]):
     def compose(self) -> ComposeResult:
         """The frame with its heading, the body, the hint on the lower edge."""
         with Vertical(classes="dialog wide" if self.wide else "dialog") as box:
-            box.border_title = f" {self.heading} "
-            box.border_subtitle = f" {self.glyphs.plain(self.hint)} "
+            box.border_title = self.heading
+            box.border_subtitle = self.glyphs.plain(self.hint)
             yield from self.body()
 
     def body(self) -> Iterable[Widget]:

@@ -19,7 +19,7 @@ from woz_tui.console.cells import clean, fit
 from woz_tui.console.screens.dialog import Entry
 from woz_tui.core.requests import AskLock
 
-LABEL = 26
+LABEL = 30
 #: Without a key of their own.
 COLOURS = {
     "dark": "dark colours",
@@ -39,6 +39,14 @@ class Find:
     where: str
     do: Callable[[], None]
     search: str
+
+
+def _score(matcher: Matcher, typed: str, find: Find) -> float:
+    """Letters of the name in their order count; of utterances and help only whole pieces do."""
+    score = matcher.match(find.name)
+    if typed.casefold() in find.name.casefold():
+        return score + 2
+    return score or float(typed.casefold() in find.search.casefold()) / 100
 
 
 class FindDialog(Entry):
@@ -111,8 +119,7 @@ class FindDialog(Entry):
         if typed:
             matcher = Matcher(typed)
             scored = [
-                (max(2 * matcher.match(find.name), matcher.match(find.search)), -index, find)
-                for index, find in enumerate(self._all)
+                (_score(matcher, typed, find), -index, find) for index, find in enumerate(self._all)
             ]
             hits = [hit for hit in scored if hit[0] > 0]
             self._shown = [find for _, _, find in sorted(hits, key=lambda hit: hit[:2])[::-1]]
@@ -127,7 +134,7 @@ class FindDialog(Entry):
             fit(find.key, 7, self.glyphs.ellipsis),
             fit(find.name, LABEL, self.glyphs.ellipsis),
             "  ",
-            (clean(find.where), "$text-muted"),
+            (clean(find.where), "$woz-muted"),
         )
 
     def action_choose(self, by: int) -> None:

@@ -13,7 +13,7 @@ class HelpDialog(Report):
     """The stop, the console's keys, then every action; reserve keys with the reason."""
 
     heading = "Keys"
-    hint = "↑↓ scroll · ctrl+q closes · letters, digits and F-keys are the experiment's"
+    hint = "↑↓ scroll · ctrl+q closes"
     wide = True
 
     def lines(self) -> list[Row]:

@@ -35,9 +35,9 @@ class MistakeDialog(Choice):
         self._offered = self._events()
         return [
             Content.assemble(
-                (f"{elapsed(event.t):>7}  ", "$text-muted"),
+                (f"{elapsed(event.t):>7}  ", "$woz-muted"),
                 fit(event.text, 40, self.glyphs.ellipsis),
-                ("  mistake" if event.mistake else f"  {event.mark}", "$text-muted"),
+                ("  mistake" if event.mistake else f"  {event.mark}", "$woz-muted"),
             )
             for event in self._offered
         ]

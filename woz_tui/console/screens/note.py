@@ -12,7 +12,7 @@ class NoteDialog(Entry):
     """Type a sentence; it goes into the log with the moment at which it is sent."""
 
     heading = "Note"
-    hint = "enter writes it · ctrl+q closes, the text is kept"
+    hint = "enter writes it · ctrl+q closes"
     placeholder = "what you saw (codes, no names)"
 
     def on_input_submitted(self, event: Input.Submitted) -> None:

@@ -109,14 +109,19 @@ async def test_held_output_waits(tmp_path: Path) -> None:
         go.set()
 
     running = await child.start(("cat", "/dev/zero"), tmp_path, on_output=take)
-    await go.wait()
-    running.hold(True)
-    before = len(said)
-    await asyncio.sleep(0)
-    assert len(said) == before
-    running.hold(False)
-    await until(lambda: len(said) > before)
-    await running.gone()
+    try:
+        await go.wait()
+        running.hold(True)
+        for _ in range(5):  # what was read already still arrives
+            await asyncio.sleep(0)
+        before = len(said)
+        for _ in range(50):
+            await asyncio.sleep(0)
+        assert len(said) == before
+        running.hold(False)
+        await until(lambda: len(said) > before)
+    finally:
+        await running.gone()
 
 
 async def test_what_the_system_refuses_is_a_driver_error(tmp_path: Path) -> None:

@@ -229,8 +229,12 @@ async def test_nothing_is_left_behind(begin: Begin, tmp_path: Path) -> None:
     (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
     microphone, heard = await begin(("sh", "-c", "sleep 1000 & cat sound.raw; wait"))
     await heard.first(DriverConnected)
+
+    def sleepers() -> list[psutil.Process]:
+        return [one for one in psutil.Process().children(recursive=True) if one.name() == "sleep"]
+
+    await until(lambda: len(sleepers()) == 1)
     children = psutil.Process().children(recursive=True)
-    assert len([one for one in children if one.name() == "sleep"]) == 1
     await microphone.close()
     _, left = psutil.wait_procs(children, timeout=10)
     assert left == []

@@ -19,7 +19,7 @@ from woz_tui import plugins
 from woz_tui.core.driver import Driver, Finding, Probe
 from woz_tui.core.machine import ports, processor, storage, terminal, timekeeping
 from woz_tui.core.machine.bounded import bounded
-from woz_tui.experiment.shape import DriverSpec, Experiment, ExperimentError
+from woz_tui.experiment.shape import DriverSpec, Experiment, ExperimentError, Problem
 from woz_tui.host import place
 
 #: How long loading the file and examining one driver may take, in seconds.
@@ -159,14 +159,7 @@ def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogu
         catalogue = plugins.installed()
         experiment = load(path, catalogue)
     except ExperimentError as error:
-        problems = [
-            Finding(
-                "warning" if problem.warning else "error",
-                str(problem.place),
-                f"{problem.path}: {problem.message}",
-            )
-            for problem in error.problems
-        ]
+        problems = [_problem(problem) for problem in error.problems]
         return problems, None
     except plugins.PluginError as error:
         return [Finding("error", "drivers", str(error))], None
@@ -176,13 +169,14 @@ def _load(path: Path) -> tuple[list[Finding], tuple[Experiment, plugins.Catalogu
     count = sum(len(panel.actions) for panel in experiment.panels)
     drivers = _number(len(experiment.drivers), "driver")
     text = f"{experiment.title}: {_number(count, 'action')}, {drivers}"
-    return [
-        Finding("ok", path.name, text),
-        *(
-            Finding("warning", str(problem.place), f"{problem.path}: {problem.message}")
-            for problem in experiment.warnings
-        ),
-    ], (experiment, catalogue)
+    about = Finding("ok", path.name, text)
+    return [about, *map(_problem, experiment.warnings)], (experiment, catalogue)
+
+
+def _problem(problem: Problem) -> Finding:
+    where = f"{Path(problem.place.file).name}:{problem.place.line}:{problem.place.column}"
+    level = "warning" if problem.warning else "error"
+    return Finding(level, where, f"{problem.path}: {problem.message}")
 
 
 def _driver(

@@ -79,7 +79,7 @@ class Child(asyncio.SubprocessProtocol):
             pipe.close()
 
     def hold(self, held: bool) -> None:
-        """Stop fetching its output, or go on. A piece already fetched still arrives; then it waits."""
+        """Stop fetching its output, or go on; a piece that was fetched already still arrives."""
         pipe = self._pipe(1)
         if isinstance(pipe, asyncio.ReadTransport) and not pipe.is_closing():
             if held:

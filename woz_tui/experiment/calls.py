@@ -65,10 +65,7 @@ class CallReader:
                 "waiting is a step of its own: steps: [{say: Hello}, {wait: 0.5}, ...]"
             )
         targets = self._targets(on)
-        chosen = {
-            name: self._choose(entry, name, targets if _own_on(entry) is None else None)
-            for name, entry in verbs.items()
-        }
+        chosen = {name: self._choose(entry, name, targets) for name, entry in verbs.items()}
         shares = self._share(verbs, beside, others)
         if not table and not self._vocabulary.robots.incomplete:
             verbs_known = listed(self._vocabulary.names)
@@ -99,9 +96,13 @@ class CallReader:
         return wanted
 
     def _choose(self, verb: Spot, name: str, outer: list[Spot] | None) -> list[Offer]:
-        """The drivers that this verb goes to: one, or one for each target."""
+        """The drivers that this verb goes to: one, or one for each target.
+
+        `on` under the verb (`say: {text: Hello, on: left}`) comes before the one beside it, unless
+        it is the name of an argument (`torque: {on: yes}`).
+        """
         offers = self._vocabulary.offers(name)
-        own = _own_on(verb)
+        own = None if "on" in self._arguments_of(name) else dict(verb.entries()).get("on")
         targets = outer if own is None else self._targets(own)
         if offers and offers[0].driver == SESSION:
             return list(offers)
@@ -214,11 +215,6 @@ class CallReader:
                 )
 
 
-def _own_on(verb: Spot) -> Spot | None:
-    """`on` under the verb: `say: {text: Hello, on: left}`."""
-    return dict(verb.entries()).get("on")
-
-
 def _matches(driver: str, wanted: str) -> bool:
     return driver == wanted or driver.startswith(f"{wanted}.") or driver.endswith(f".{wanted}")
 
@@ -266,7 +262,8 @@ class _Arguments:
     def _mapping(self, node: Table, main: Argument | None) -> dict[str, Spot]:
         """A mapping names arguments; for joints it may hold them directly, arguments between."""
         entries = dict(self._spot.entries())
-        entries.pop("on", None)
+        if "on" not in self._known:
+            entries.pop("on", None)  # whom it is for, see `CallReader`
         given = {name: entries.pop(name) for name in self._known if name in entries}
         if entries and main is not None and main.kind == "joints" and main.name not in given:
             joints = Table(

@@ -1,0 +1,316 @@
+"""`woz check FILE`: every error of an experiment file, or its keys on the wizard's terminal."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from woz_tui import plugins
+from woz_tui.core.driver import Argument, Driver, Verb
+from woz_tui.core.messages import Json
+from woz_tui.experiment import keys
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import (
+    Action,
+    Call,
+    DriverSpec,
+    Experiment,
+    ExperimentError,
+    Problem,
+    Step,
+    Wait,
+)
+from woz_tui.experiment.verbs import session_verbs
+
+#: Columns of a page that goes into a file or a pipe.
+_PAGE = 120
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("file", type=Path, help="experiment file")
+    parser.add_argument(
+        "--terminal",
+        choices=sorted(keys.TERMINALS),
+        help="the wizard's terminal (default: this one, by its environment)",
+    )
+    parser.add_argument(
+        "--layout", choices=sorted(keys.LAYOUTS), help="the wizard's keyboard (default: the file's)"
+    )
+    parser.add_argument("--keymap", type=Path, help="a wizard's keymap file")
+    parser.add_argument(
+        "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print errors to stderr and return 1, or print the keys and return 0."""
+    try:
+        return check(arguments, plugins.installed())
+    except plugins.PluginError as error:
+        print(f"woz check: {error}", file=sys.stderr)
+        return 1
+
+
+def check(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+    """`run` with the drivers of `catalogue`."""
+    try:
+        experiment = load(arguments.file, catalogue)
+        layout = arguments.layout or experiment.keyboard
+        builtins = keys.load_keymap(arguments.keymap, layout) if arguments.keymap else keys.BUILTIN
+    except ExperimentError as error:
+        _print_errors(error.problems, arguments)
+        return 1
+    terminal = (
+        keys.TERMINALS[arguments.terminal] if arguments.terminal else keys.detected(os.environ)
+    )
+    keymap = keys.key_map(experiment.panels, terminal, layout, builtins)
+    if arguments.format == "json":
+        print(json.dumps(_report(experiment, keymap, terminal, layout), indent=2))
+    else:
+        _print(experiment, keymap, terminal, layout)
+    return 0
+
+
+def _print_errors(problems: list[Problem], arguments: argparse.Namespace) -> None:
+    if arguments.format == "json":
+        found: Json = {"file": str(arguments.file), "ok": False, "problems": _problems(problems)}
+        print(json.dumps(found, indent=2))
+    for problem in problems:
+        print(problem, file=sys.stderr)
+    count = f"{len(problems)} error{'s' if len(problems) > 1 else ''}"
+    print(f"{arguments.file}: {count}", file=sys.stderr)
+
+
+# -- for people ---------------------------------------------------------------------------------
+
+
+def _print(
+    experiment: Experiment, keymap: keys.KeyMap, terminal: keys.Terminal, layout: str
+) -> None:
+    console = Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(highlight=False, width=_PAGE)
+    console.print(Text(experiment.title, style="bold"))
+    console.print(f"keys on a {terminal.name} terminal with a {layout} keyboard", style="dim")
+    console.print(_keys_table(experiment, keymap))
+    for line in _moved_builtins(keymap):
+        console.print(Text(line))
+    for warning in (*map(str, experiment.warnings), *keymap.warnings):
+        console.print(Text(warning, style="yellow"), soft_wrap=True)
+    for spec in experiment.drivers:
+        console.print()
+        console.print(Text(f"{spec.name} ({spec.type})", style="bold"))
+        console.print(_verbs_table(spec))
+
+
+def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("panel", overflow="fold", style="dim")
+    table.add_column("key", no_wrap=True, style="bold")
+    table.add_column("sends", no_wrap=True, style="dim")
+    table.add_column("label", overflow="fold")
+    table.add_column("does", overflow="fold", ratio=1)
+    mains = main_arguments(experiment)
+    for panel in experiment.panels:
+        for index, action in enumerate(panel.actions):
+            found = keymap.actions[action.name]
+            table.add_row(
+                Text(panel.title if index == 0 else ""),
+                Text(f"{found.press}*" if found.reserve else found.press or "-"),
+                Text(keys.spoken(found.data)),
+                Text(action.label),
+                _does(action, found, mains),
+                end_section=index == len(panel.actions) - 1,
+            )
+    return table
+
+
+def _does(action: Action, found: keys.Assigned, mains: Mapping[str, str]) -> Text:
+    """What the action does, and what is the matter with its key."""
+    text = Text(described(action, mains))
+    if action.locked:
+        text.append(" (locked)", style="yellow")
+    if found.reserve:
+        text.append(f"\n* instead of {found.wanted}: {found.why}", style="yellow")
+    elif found.wanted and not found.press:
+        text.append(f"\nno key: {found.wanted}: {found.why}", style="red")
+    elif found.why:
+        text.append(f"\n{found.wanted}: {found.why}", style="dim")
+    return text
+
+
+def _moved_builtins(keymap: keys.KeyMap) -> Iterator[str]:
+    for found in keymap.builtins.values():
+        item = keys.builtin(found.name)
+        if item is None or found.press == item.chord:
+            continue
+        why = f" ({found.wanted}: {found.why})" if found.why else ""
+        yield f"{found.press or 'no key'}: {item.description}{why}"
+
+
+def _verbs_table(spec: DriverSpec) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=False)
+    table.add_column(no_wrap=True)
+    table.add_column(overflow="fold", ratio=1)
+    for verb in spec.verbs:
+        arguments = "\n".join(f"  {_argument(argument)}" for argument in verb.arguments)
+        text = verb.summary + (f"\n{arguments}" if arguments else "")
+        table.add_row(Text(verb.name, style="bold"), Text(text))
+    if spec.sensors:
+        table.add_row(Text("(senses)", style="dim"), Text(", ".join(spec.sensors), style="dim"))
+    return table
+
+
+def _argument(argument: Argument) -> str:
+    """`speed: number, 0.1 to 4, default 1: 2 is twice as fast`."""
+    facts = [argument.kind]
+    if argument.range is not None:
+        facts.append(str(argument.range))
+    if argument.choices:
+        facts.append("one of " + ", ".join(choice or "(empty)" for choice in argument.choices))
+    if argument.required:
+        facts.append("required")
+    elif argument.default not in (None, ""):
+        facts.append(f"default {argument.default}")
+    summary = f" - {argument.summary}" if argument.summary else ""
+    return f"{argument.name}: {', '.join(facts)}{summary}"
+
+
+def described(action: Action, mains: Mapping[str, str]) -> str:
+    """An action in one line: calls together joined by `+`, steps by `, then`.
+
+    `mains` names the main argument of each verb, which needs no name.
+    """
+    return ", then ".join(_step(step, mains) for step in action.steps)
+
+
+def main_arguments(experiment: Experiment) -> dict[str, str]:
+    """The main argument of each verb by the verb's name."""
+    verbs = [verb for spec in experiment.drivers for verb in spec.verbs]
+    verbs += session_verbs()
+    return {verb.name: verb.arguments[0].name for verb in verbs if verb.arguments}
+
+
+def _step(step: Step, mains: Mapping[str, str]) -> str:
+    if isinstance(step, Wait):
+        return f"wait {step.seconds:g} s"
+    return " + ".join(_call(call, mains) for call in step.calls)
+
+
+def _call(call: Call, mains: Mapping[str, str]) -> str:
+    words = [call.verb]
+    for name, value in call.args.items():
+        words += [_value(value)] if name == mains.get(call.verb) else [name, _value(value)]
+    who = f" ({call.driver})" if "." in call.driver else ""
+    return " ".join(words) + who
+
+
+def _value(value: Json) -> str:
+    if isinstance(value, str):
+        if value.startswith("/") and "/" in value[1:]:
+            return Path(value).name
+        return f'"{value}"' if " " in value else value
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, dict):
+        return " ".join(
+            _value(entry) if name == "joints" else f"{name} {_value(entry)}"
+            for name, entry in value.items()
+        )
+    if isinstance(value, list):
+        return "; ".join(map(_value, value))
+    return f"{value:g}" if isinstance(value, float) else str(value)
+
+
+# -- for programs -------------------------------------------------------------------------------
+
+
+def _report(
+    experiment: Experiment, keymap: keys.KeyMap, terminal: keys.Terminal, layout: str
+) -> Json:
+    mains = main_arguments(experiment)
+    return {
+        "file": str(experiment.path),
+        "ok": True,
+        "title": experiment.title,
+        "terminal": terminal.name,
+        "layout": layout,
+        "problems": _problems(list(experiment.warnings)),
+        "keys": [
+            _key(action, keymap.actions[action.name], mains)
+            for panel in experiment.panels
+            for action in panel.actions
+        ],
+        "console": [
+            {"id": found.name, "key": found.press, "wanted": found.wanted, "why": found.why}
+            for found in keymap.builtins.values()
+        ],
+        "notes": list(keymap.warnings),
+        "drivers": [_driver(spec) for spec in experiment.drivers],
+    }
+
+
+def _problems(problems: list[Problem]) -> list[Json]:
+    return [
+        {
+            "file": problem.place.file,
+            "line": problem.place.line,
+            "column": problem.place.column,
+            "path": problem.path,
+            "message": problem.message,
+            "warning": problem.warning,
+        }
+        for problem in problems
+    ]
+
+
+def _key(action: Action, found: keys.Assigned, mains: Mapping[str, str]) -> Json:
+    return {
+        "panel": action.panel,
+        "action": action.name,
+        "label": action.label,
+        "key": found.press,
+        "wanted": found.wanted,
+        "reserve": found.reserve,
+        "why": found.why,
+        "sends": found.data.hex(),
+        "does": described(action, mains),
+    }
+
+
+def _driver(spec: DriverSpec) -> Json:
+    return {
+        "name": spec.name,
+        "type": spec.type,
+        "verbs": [_verb(verb) for verb in spec.verbs],
+        "sensors": list(spec.sensors),
+    }
+
+
+def _verb(verb: Verb) -> Json:
+    return {
+        "name": verb.name,
+        "summary": verb.summary,
+        "arguments": [
+            {
+                "name": argument.name,
+                "kind": argument.kind,
+                "summary": argument.summary,
+                "required": argument.required,
+                "default": argument.default,
+                "range": str(argument.range) if argument.range is not None else "",
+                "choices": list(argument.choices),
+            }
+            for argument in verb.arguments
+        ],
+    }

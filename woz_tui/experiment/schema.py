@@ -1,0 +1,371 @@
+"""JSON Schema (draft 2020-12) of experiment and robot files, so that editors complete and warn.
+
+Made from the same shapes and driver classes by which files are decoded. It is a little more
+generous than `woz check`: verbs and choices that depend on a driver's settings are open, text may
+be anything that YAML would take for a number or a boolean, since here it stays text.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import enum
+import pathlib
+import types
+import typing
+from collections.abc import Iterable, Mapping, Sequence
+from typing import Any, Literal
+
+from woz_tui.core import fields
+from woz_tui.core.driver import Argument, Driver, Verb
+from woz_tui.core.messages import Json
+from woz_tui.experiment.actions import WHEN_BUSY
+from woz_tui.experiment.layouts import LAYOUTS
+from woz_tui.experiment.robot import SIMULATED
+from woz_tui.experiment.settings import fields_of, note, split
+from woz_tui.experiment.shape import SessionSettings
+from woz_tui.experiment.verbs import WAIT, session_verbs
+
+Schema = dict[str, Any]
+
+_DIALECT = "https://json-schema.org/draft/2020-12/schema"
+_TEXT: Schema = {"type": ["string", "number", "boolean"]}
+_FLAG: Schema = {"enum": [True, False, "yes", "no", "on", "off"]}
+_NUMBER: Schema = {"type": "number"}
+_SECONDS: Schema = {
+    "oneOf": [
+        {"type": "number", "minimum": 0},
+        {"type": "string", "pattern": r"^\s*[0-9.]+([eE][-+]?[0-9]+)?\s*(ms|s|sec|min|h)?\s*$"},
+    ]
+}
+_JOINTS: Schema = {"type": "object", "additionalProperties": _NUMBER, "minProperties": 1}
+_POSES: Schema = {"type": "array", "items": {"type": "object", "minProperties": 1}, "minItems": 1}
+_KINDS: Mapping[str, Schema] = {
+    "flag": _FLAG,
+    "seconds": _SECONDS,
+    "joints": _JOINTS,
+    "poses": _POSES,
+    "file": {"type": "string"},
+}
+_KEY: Schema = {
+    "description": "a, A, !, F1, ctrl+a; c r: first c, then r",
+    "oneOf": [
+        {"type": ["string", "integer", "boolean"]},
+        {"type": "array", "items": {"type": ["string", "integer"]}, "minItems": 1},
+    ],
+}
+_ON: Schema = {
+    "description": "driver or robot that is meant; a list for several at once",
+    "oneOf": [{"type": "string"}, {"type": "array", "items": {"type": "string"}}],
+}
+
+
+def experiment_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
+    """The schema of experiment files for these drivers."""
+    verbs = _verbs(catalogue)
+    robot = {"oneOf": [{"type": "string"}, {"$ref": "#/$defs/robot"}]}
+    return {
+        "$schema": _DIALECT,
+        "title": "woz-tui experiment",
+        **_object(
+            {
+                "title": {**_TEXT, "description": "name of the experiment"},
+                "robot": {
+                    **robot,
+                    "description": f"{SIMULATED}, a robot file, or drivers right here",
+                },
+                "robots": {
+                    "type": "object",
+                    "description": "several robots by name",
+                    "additionalProperties": robot,
+                    "minProperties": 1,
+                },
+                "participants": _object(
+                    {"pattern": {"type": "string", "description": "regular expression of codes"}}
+                ),
+                "conditions": {"type": "array", "items": _TEXT, "uniqueItems": True},
+                "variables": {
+                    "type": "object",
+                    "description": "values for {name} in utterances",
+                    "propertyNames": {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
+                    "additionalProperties": _TEXT,
+                },
+                "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
+                "session": _settings(SessionSettings),
+                "engagement": {"type": "object", "description": "when the robot engages"},
+                "panels": {"type": "array", "items": {"$ref": "#/$defs/panel"}, "minItems": 1},
+                "script": {
+                    "type": "array",
+                    "items": _TEXT,
+                    "description": "names of actions; space plays the next one",
+                },
+            },
+            required=("title", "panels"),
+        ),
+        "oneOf": [{"required": ["robot"]}, {"required": ["robots"]}],
+        "$defs": {
+            "robot": _robot(catalogue),
+            "panel": _panel(),
+            "action": _action(verbs),
+            "step": _step(verbs),
+        },
+    }
+
+
+def robot_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
+    """The schema of robot files for these drivers."""
+    return {"$schema": _DIALECT, "title": "woz-tui robot", **_robot(catalogue)}
+
+
+def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
+    kinds = [
+        _object(
+            {
+                "type": {"const": name, "description": driver.summary},
+                **_settings(driver.Settings)["properties"],
+            },
+            required=("type", *_required(driver.Settings)),
+        )
+        for name, driver in sorted(catalogue.items())
+    ]
+    drivers = {
+        "type": "object",
+        "description": "drivers by name",
+        "minProperties": 1,
+        "propertyNames": {"pattern": "^[A-Za-z][A-Za-z0-9_-]*$"},
+        "additionalProperties": {
+            "type": "object",
+            "required": ["type"],
+            "properties": {"type": {"enum": sorted(catalogue)}},
+            "oneOf": kinds,
+        },
+    }
+    return _object({"name": _TEXT, "drivers": drivers}, required=("drivers",))
+
+
+def _panel() -> Schema:
+    return _object(
+        {
+            "title": {**_TEXT, "description": "unique in the file"},
+            "locked": {**_FLAG, "description": "takes no input until it is unlocked"},
+            "actions": {"type": "array", "items": {"$ref": "#/$defs/action"}},
+        },
+        required=("title", "actions"),
+    )
+
+
+def _action(verbs: Sequence[Verb]) -> Schema:
+    properties = {
+        **_spoken(verbs),
+        "key": _KEY,
+        "label": {**_TEXT, "description": "what stands on the button"},
+        "name": {**_TEXT, "description": "name for scripts and programs (default: the label)"},
+        "help": {**_TEXT, "description": "a sentence for the wizard"},
+        "locked": {**_FLAG, "description": "shown, but never played"},
+        "when_busy": {
+            "enum": list(WHEN_BUSY),
+            "description": "what a press does while it is running",
+        },
+        "on": _ON,
+        "steps": {
+            "type": "array",
+            "items": {"$ref": "#/$defs/step"},
+            "minItems": 1,
+            "description": "one after the other; verbs in one step run together",
+        },
+    }
+    schema = _object(properties)
+    schema["anyOf"] = [{"required": ["label"]}, {"required": ["name"]}]
+    return schema
+
+
+def _step(verbs: Sequence[Verb]) -> Schema:
+    wait = {**_SECONDS, "description": WAIT.summary}
+    schema = _object({**_spoken(verbs), "on": _ON, "wait": wait})
+    schema["minProperties"] = 1
+    return schema
+
+
+def _spoken(verbs: Sequence[Verb]) -> Schema:
+    """Every verb, and every argument that may stand beside one."""
+    arguments: dict[str, list[tuple[str, Argument]]] = {}
+    for verb in verbs:
+        for argument in verb.arguments:
+            arguments.setdefault(argument.name, []).append((verb.name, argument))
+    properties = {name: _beside(found) for name, found in arguments.items()}
+    for verb in verbs:
+        properties[verb.name] = _verb(verb, properties.get(verb.name))
+    return properties
+
+
+def _beside(found: Sequence[tuple[str, Argument]]) -> Schema:
+    schema = _either([_argument(argument) for _, argument in found])
+    owners = ", ".join(dict.fromkeys(verb for verb, _ in found))
+    summary = next((argument.summary for _, argument in found if argument.summary), "")
+    return {**schema, "description": f"{summary} (of {owners})".strip()}
+
+
+def _verb(verb: Verb, as_argument: Schema | None) -> Schema:
+    """The main argument, or a mapping of arguments, or nothing if none is needed."""
+    under = _object(
+        {
+            **{
+                argument.name: {**_argument(argument), "description": argument.summary}
+                for argument in verb.arguments
+            },
+            "on": _ON,
+        }
+    )
+    if verb.arguments and verb.arguments[0].kind == "joints":
+        under["additionalProperties"] = _NUMBER
+    forms: list[Schema] = [under]
+    if verb.arguments:
+        forms.append(_argument(verb.arguments[0]))
+    if not verb.arguments or not verb.arguments[0].required:
+        forms.append({"type": "null"})
+    if not verb.arguments:
+        forms.append({"const": True})
+    if as_argument is not None:
+        forms.append({name: value for name, value in as_argument.items() if name != "description"})
+    return {**_either(forms), "description": verb.summary}
+
+
+def _argument(argument: Argument) -> Schema:
+    if argument.kind in ("number", "whole"):
+        kind = "number" if argument.kind == "number" else "integer"
+        return {"type": kind, **_bounds(argument.range)}
+    if argument.kind in _KINDS:
+        return _KINDS[argument.kind]
+    return {"enum": list(argument.choices)} if argument.choices else _TEXT
+
+
+def _verbs(catalogue: Mapping[str, type[Driver]]) -> list[Verb]:
+    """All verbs of all drivers, one of each name; choices stay open where settings make them."""
+    merged: dict[str, Verb] = {}
+    for name in sorted(catalogue):
+        for verb in _sample_verbs(catalogue[name]):
+            known = merged.get(verb.name)
+            merged[verb.name] = verb if known is None else _merged(known, verb)
+    return [*merged.values(), *(_opened(verb) for verb in session_verbs())]
+
+
+def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
+    """The verbs with settings as a file would give them at least; none if that makes no sense."""
+    try:
+        return [_opened(verb) for verb in driver.verbs(_sample(driver.Settings))]
+    except Exception:  # noqa: BLE001 - a plug-in's code; its verbs are then unknown here
+        return []
+
+
+def _opened(verb: Verb) -> Verb:
+    arguments = tuple(dataclasses.replace(argument, choices=()) for argument in verb.arguments)
+    return dataclasses.replace(verb, arguments=arguments)
+
+
+def _merged(one: Verb, other: Verb) -> Verb:
+    """A verb that takes what either takes, ranges left open where they differ."""
+    known = {argument.name: argument for argument in one.arguments}
+    for argument in other.arguments:
+        first = known.setdefault(argument.name, argument)
+        if first.range != argument.range:
+            known[argument.name] = dataclasses.replace(first, range=None)
+    return dataclasses.replace(one, arguments=tuple(known.values()))
+
+
+def _sample(shape: type) -> Any:
+    """An instance with the least that is required."""
+    required = (item for item in fields_of(shape) if item.required)
+    return shape(**{item.attribute: _sample_value(item.annotation) for item in required})
+
+
+def _sample_value(annotation: Any) -> Any:
+    bare, notes = split(annotation)
+    if (one_of := note(notes, fields.OneOf)) is not None:
+        return one_of.choices[0]
+    if (allowed := note(notes, fields.Range)) is not None and bare in (int, float):
+        return bare(allowed.low if allowed.low is not None else allowed.high or 0)
+    origin = typing.get_origin(bare) or bare
+    if origin in (dict, Mapping):
+        return {"sample": _sample_value(typing.get_args(bare)[1])}
+    if dataclasses.is_dataclass(origin) and isinstance(origin, type):
+        return _sample(origin)
+    return {str: "sample", int: 1, float: 1.0, bool: False, tuple: (), list: []}.get(origin)
+
+
+# -- settings -----------------------------------------------------------------------------------
+
+
+def _settings(shape: type) -> Schema:
+    properties = {}
+    for item in fields_of(shape):
+        schema = _type(item.annotation)
+        if item.doc:
+            schema = {**schema, "description": item.doc}
+        default = item.default
+        if isinstance(default, str | int | float | bool) and default != "":
+            schema = {**schema, "default": default}
+        properties[item.name] = schema
+    return _object(properties, required=_required(shape))
+
+
+def _required(shape: type) -> tuple[str, ...]:
+    return tuple(item.name for item in fields_of(shape) if item.required)
+
+
+def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
+    bare, own = split(annotation)
+    notes = (*own, *notes)
+    origin = typing.get_origin(bare) or bare
+    if origin in (typing.Union, types.UnionType):
+        return _either([_type(kind, notes) for kind in typing.get_args(bare)])
+    if origin is Literal:
+        return {"enum": [str(word) for word in typing.get_args(bare)]}
+    if origin in (tuple, list, Sequence):
+        inner = typing.get_args(bare) or (Any,)
+        return {"type": "array", "items": _either([_type(k, notes) for k in inner if k is not ...])}
+    if origin in (dict, Mapping):
+        inner = typing.get_args(bare) or (str, Any)
+        return {"type": "object", "additionalProperties": _type(inner[1], notes)}
+    if dataclasses.is_dataclass(origin) and isinstance(origin, type):
+        return _settings(origin)
+    return _simple(bare, notes)
+
+
+def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
+    if isinstance(bare, type) and issubclass(bare, enum.Enum):
+        return {"enum": [str(member.value) for member in bare]}
+    if (one_of := note(notes, fields.OneOf)) is not None and bare is str:
+        return {"enum": list(one_of.choices)}
+    if note(notes, fields.Seconds) is not None and bare is float:
+        return _SECONDS
+    if bare in (int, float) and bare is not bool:
+        kind = "integer" if bare is int else "number"
+        return {"type": kind, **_bounds(note(notes, fields.Range))}
+    if isinstance(bare, type) and issubclass(bare, pathlib.Path):
+        return {"type": "string"}
+    return {bool: _FLAG, str: _TEXT, type(None): {"type": "null"}}.get(bare, {})
+
+
+def _bounds(allowed: fields.Range | None) -> Schema:
+    if allowed is None:
+        return {}
+    bounds = {"minimum": allowed.low, "maximum": allowed.high}
+    return {name: value for name, value in bounds.items() if value is not None}
+
+
+def _object(properties: Schema, required: Iterable[str] = ()) -> Schema:
+    schema: Schema = {
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": False,
+    }
+    names = list(required)
+    return {**schema, "required": names} if names else schema
+
+
+def _either(schemas: Sequence[Schema]) -> Schema:
+    different: list[Schema] = []
+    for schema in schemas:
+        plain: Json = {name: value for name, value in schema.items() if name != "description"}
+        if plain not in different and isinstance(plain, dict):
+            different.append(plain)
+    return different[0] if len(different) == 1 else {"anyOf": different}

@@ -128,9 +128,7 @@ class Recorder:
             except OSError as error:
                 self._stop_writing(in_words(error))
                 if which == ACTIONS:
-                    self._lock.wait_for(
-                        lambda: self._writable or bool(self._failed), _SWITCH_WAIT_S
-                    )
+                    self._lock.wait_for(lambda: self._writable or self._failed, _SWITCH_WAIT_S)
 
     def _stop_writing(self, reason: str) -> None:
         """The segment takes no more lines. With the lock held."""
@@ -329,11 +327,10 @@ class Recorder:
                 try:
                     if file.deleted:
                         self._copy(which, file, folder)
-                except OSError as error:
-                    problem = f"{file.path.name} was deleted and not copied: {in_words(error)}"
-                else:
                     problem = ""
                     break
+                except OSError as error:
+                    problem = f"{file.path.name} was deleted and not copied: {in_words(error)}"
             with self._lock:
                 self._unrescued = problem or self._unrescued
 

@@ -149,16 +149,17 @@ class Stage:
         tmp_path: Path,
         drivers: tuple[str, ...] = ("robot",),
         identity: Identity | None = None,
+        catalogue: Mapping[str, type[Driver]] | None = None,
     ) -> None:
         self.lines: list[m.AnyMessage] = []
-        catalogue: dict[str, type[Driver]] = {"puppet": Puppet}
+        puppets: dict[str, type[Driver]] = {"puppet": Puppet}
         clock = LoopClock(asyncio.get_running_loop())
         self.recorder = Recorder(
             tmp_path / "recordings", "made", clock, on_state=lambda state: None
         )
         self.session = Session(
             experiment(tmp_path, drivers),
-            catalogue,
+            catalogue or puppets,
             identity or Identity(participant="P07", condition="warm"),
             self.recorder,
             clock,

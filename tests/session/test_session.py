@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.fakes.virtual_time import run_virtual
-from tests.session.rig import Stage
+from tests.session.rig import Puppet, Stage
 from woz_tui.core import messages as m
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.preflight import preflight
@@ -239,3 +239,23 @@ def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:
         assert len(commands) == 1
 
     on_stage(tmp_path, scenario)
+
+
+def test_a_voice_is_told_beforehand_what_it_will_say(tmp_path: Path) -> None:
+    prepared: list[list[str]] = []
+
+    class Voice(Puppet):
+        async def prepare(self, utterances: list[str]) -> None:
+            prepared.append(utterances)
+
+    async def go() -> None:
+        stage = Stage(tmp_path, catalogue={"puppet": Voice}, identity=Identity())
+        await stage.session.open()
+        await asyncio.sleep(0)
+        stage.session.set("P08")
+        await asyncio.sleep(0)
+        await stage.session.close("test")
+
+    run_virtual(go())
+    assert prepared[0] == ["Welcome", "Look at the map", "Ouch", "x"]
+    assert prepared[1] == ["Hello P08", *prepared[0]]

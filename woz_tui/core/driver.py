@@ -11,7 +11,7 @@ import enum
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Protocol
+from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from woz_tui.core.clock import Clock
 from woz_tui.core.fields import Range
@@ -223,4 +223,13 @@ class Driver(Performer, Protocol):
 
     async def close(self) -> None:
         """Let go of the hardware: torque off, ports closed, children gone. Never raises."""
+        ...
+
+
+@runtime_checkable
+class Prepares(Protocol):
+    """What a driver that speaks may offer besides: to get utterances ready before their key."""
+
+    async def prepare(self, utterances: list[str]) -> None:
+        """Make ready what will probably be said; cancelled when the list changes."""
         ...

@@ -16,7 +16,7 @@ from woz_tui import __version__
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, timestamp
-from woz_tui.core.driver import Driver, Performer
+from woz_tui.core.driver import Driver, Performer, Prepares
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Call, Experiment, Place
 from woz_tui.record.recorder import Recorder
@@ -24,6 +24,7 @@ from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.outlet import DriverOutlet
 from woz_tui.session.runner import Origin, Runner
 from woz_tui.session.standing import Standing
+from woz_tui.session.utterances import utterances
 from woz_tui.session.verbs import SESSION, VERBS, SessionVerbs
 
 #: Seconds between two lines that tie the session's clock to the calendar.
@@ -88,6 +89,7 @@ class Session:
             self.hub, self.bus, by_name, self.values, self.experiment.session.deadline
         )
         self._by_name = by_name
+        self._preparing: dict[str, asyncio.Task[None]] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
@@ -139,6 +141,17 @@ class Session:
                 )
         self._tie_clock()
         self._checkpoint()
+        self._prepare()
+
+    def _prepare(self) -> None:
+        """Have voices get ready what will be said, so that it is heard at once when it is."""
+        for name, texts in utterances(self.experiment, self.values()).items():
+            driver = self.drivers.get(name)
+            if isinstance(driver, Prepares):
+                earlier = self._preparing.pop(name, None)
+                if earlier is not None:
+                    earlier.cancel()
+                self._preparing[name] = self._loop.create_task(driver.prepare(texts))
 
     async def close(self, reason: str, rest: bool = True) -> None:
         """Rest, close the drivers, finish the log. Bounded in time; never raises."""
@@ -147,6 +160,8 @@ class Session:
         self.ended = True
         for timer in self._timers.values():
             timer.cancel()
+        for task in self._preparing.values():
+            task.cancel()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
@@ -324,6 +339,7 @@ class Session:
         self.hub.publish(
             m.SessionChanged(participant=participant, condition=condition, trial=trial)
         )
+        self._prepare()
 
     def _set_verb(self, args: Mapping[str, m.Json]) -> None:
         participant, condition, trial = (

@@ -1,0 +1,36 @@
+"""What each driver will probably be asked to say, with the variables as they are now."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.core.messages import Json
+from woz_tui.experiment.shape import Experiment, Together
+from woz_tui.session.variables import MissingError, filled
+
+#: The verb and its argument that hold an utterance.
+SAY, TEXT = "say", "text"
+
+
+def utterances(experiment: Experiment, values: Mapping[str, str]) -> dict[str, list[str]]:
+    """Utterances by driver, each once, in the file's order.
+
+    Those with a variable that has no value yet are left out.
+    """
+    found: dict[str, dict[str, None]] = {}
+    for panel in experiment.panels:
+        for action in panel.actions:
+            for step in action.steps:
+                for call in step.calls if isinstance(step, Together) else ():
+                    text = _text(call.args.get(TEXT), values) if call.verb == SAY else ""
+                    if text:
+                        found.setdefault(call.driver, {})[text] = None
+    return {driver: list(texts) for driver, texts in found.items()}
+
+
+def _text(value: Json, values: Mapping[str, str]) -> str:
+    try:
+        text = filled(value, values)
+    except MissingError:
+        return ""
+    return text if isinstance(text, str) else ""

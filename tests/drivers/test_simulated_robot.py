@@ -250,7 +250,8 @@ async def test_face_volume_and_mode(it: Rig) -> None:
         ("drive", {"x": 50.0}, "x is 50, but must be -5 to 5 m", ""),
         ("torque", {"on": "yes"}, "on must be true or false, not 'yes'", ""),
         ("eyes", {"color": "grene"}, "unknown colour 'grene'", "did you mean 'green'?"),
-        ("fault", {"kind": "nan", "part": "loudnes"}, "unknown part 'loudnes'", "did you mean"),
+        ("fault", {"kind": "nan", "part": "joint.pam"}, "unknown part 'joint.pam'", "did you mean"),
+        ("fault", {"kind": "slow", "part": "body"}, "unknown part 'body'", "leave it out"),
         ("jump", {}, "the simulated robot does not know 'jump'", ""),
     ],
 )
@@ -447,6 +448,13 @@ async def test_scheduled_faults_come_by_themselves(tmp_path: Path) -> None:
     ]
     findings = await SimulatedRobot.examine(Probe("robot", planned))
     assert [finding.level for finding in findings] == ["ok", "warning"]
+
+
+async def test_a_planned_fault_of_a_part_that_is_not_there_is_found() -> None:
+    planned = Settings(faults=(ScheduledFault("fail", part="vioce"),))
+    findings = await SimulatedRobot.examine(Probe("robot", planned))
+    assert findings[-1].level == "error"
+    assert "voice" in findings[-1].remedy
 
 
 async def test_it_may_take_a_while_to_be_found(tmp_path: Path) -> None:

@@ -53,8 +53,11 @@ COMMON_VERBS: Mapping[str, str] = {
     "volume": "level",
 }
 
-#: What every robot file and every action already means by these words.
-RESERVED = ("key", "label", "name", "help", "locked", "when_busy", "on", "steps", "wait")
+#: Words that mean something else in every action: its own fields, and the session's verbs.
+RESERVED = (
+    *("key", "label", "name", "help", "locked", "when_busy", "on", "steps"),
+    *("wait", "mark", "note", "set", "lock", "unlock"),
+)
 
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _LEVELS = ("ok", "info", "warning", "error")

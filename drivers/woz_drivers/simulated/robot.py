@@ -15,7 +15,7 @@ from woz_drivers.simulated.moves import roles
 from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.performance import Performance
 from woz_drivers.simulated.publishing import Publisher
-from woz_drivers.simulated.visitor import SENSORS, Visitor
+from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
     DriverError,
     Finding,
@@ -112,6 +112,18 @@ class SimulatedRobot:
                     "take `faults` out of the robot file to end that",
                 )
             )
+        for fault in settings.faults:
+            parts = _parts(settings, fault.kind)
+            if fault.part and fault.part not in parts:
+                findings.append(
+                    Finding(
+                        "error",
+                        probe.name,
+                        f"the planned fault {fault.kind!r} names a part {fault.part!r} that is"
+                        " not there",
+                        f"choose from {', '.join(parts)}" if parts else "leave `part` out",
+                    )
+                )
         return findings
 
     # -- life -----------------------------------------------------------------------------------
@@ -280,19 +292,21 @@ class SimulatedRobot:
             self._faults.clear()
         else:
             if part:
-                values.word({"part": part}, "part", self._parts(kind))
+                values.word({"part": part}, "part", _parts(self._settings, kind))
             self._faults.add(kind, seconds, part, now)
         self._tell_health(now)
         return {"kind": kind, "seconds": seconds, "part": part}
 
-    def _parts(self, kind: str) -> tuple[str, ...]:
-        if kind in _SENSOR_FAULTS:
-            return (*self.sensors(self._settings), *SENSORS)
-        if kind == "overheat":
-            return tuple(self._body.joints)
-        if kind in ("slow", "deaf"):
-            return ()
-        return tuple(lane for lane in verbs.lanes(self._settings) if lane != "fault")
+
+def _parts(settings: _settings.Settings, kind: str) -> tuple[str, ...]:
+    """What a fault of this kind may name as its part; some hit the whole robot only."""
+    if kind in _SENSOR_FAULTS:
+        return verbs.sensors(settings)
+    if kind == "overheat":
+        return tuple(settings.joints)
+    if kind in ("slow", "deaf"):
+        return ()
+    return tuple(lane for lane in verbs.lanes(settings) if lane != "fault")
 
 
 def _alarm(fault: Fault) -> tuple[str, str]:

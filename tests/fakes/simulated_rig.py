@@ -1,0 +1,60 @@
+"""A simulated robot on a bench: its time moved by hand, everything it tells remembered."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Mapping
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_drivers.simulated import Settings, SimulatedRobot
+
+from tests.fakes.listening import ListeningOutlet, PlainJob
+from tests.fakes.manual_pace import ManualPace
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.driver import Health
+from woz_tui.core.messages import Json
+
+
+@dataclass
+class Rig:
+    """A robot, its time and what it told."""
+
+    robot: SimulatedRobot
+    pace: ManualPace
+    outlet: ListeningOutlet
+
+    def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
+        return asyncio.create_task(self.perform(PlainJob(verb, args)))
+
+    async def perform(self, job: PlainJob) -> Mapping[str, Json]:
+        return await self.robot.perform(job)
+
+    def health(self) -> Health:
+        return self.outlet.healths[-1][0]
+
+    async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
+        """Perform, letting time pass until it has ended; a minute is enough for all of them."""
+        task = self.begin(verb, **args)
+        for _ in range(600):
+            await self.pace.settle()
+            if task.done():
+                break
+            await self.pace.advance(0.1)
+        assert task.done(), f"{verb} never ended"
+        return task.result()
+
+
+@asynccontextmanager
+async def rig(folder: Path, settings: Settings | None = None) -> AsyncIterator[Rig]:
+    clock = ManualClock()
+    pace = ManualPace(clock)
+    outlet = ListeningOutlet(folder, clock)
+    robot = SimulatedRobot("robot", settings or Settings(), outlet, pace=pace)
+    await robot.open()
+    await pace.settle()
+    try:
+        yield Rig(robot, pace, outlet)
+    finally:
+        await robot.close()

@@ -17,7 +17,9 @@ from tests.fakes.servos import ServoBus
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
 
 #: On a crowded test machine an answer may take far longer than on any wire.
-PATIENT_MS = 60.0
+PATIENT_MS = 200.0
+#: And a tick may come so late that servos would stop by themselves.
+PATIENT_WATCHDOG_MS = 2000
 HEAD = {
     "pan": Joint(id=11, min=-90, max=90, speed=300, rest=0.0),
     "tilt": Joint(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),
@@ -28,7 +30,11 @@ HEAD = {
 def head(link: Path, **changes: Any) -> Settings:
     """Settings of a head of three joints behind `link`."""
     settings = Settings(
-        port=str(link), joints=dict(HEAD), reply_timeout=PATIENT_MS, rest_on_close=False
+        port=str(link),
+        joints=dict(HEAD),
+        reply_timeout=PATIENT_MS,
+        watchdog=PATIENT_WATCHDOG_MS,
+        rest_on_close=False,
     )
     return replace(settings, **changes)
 

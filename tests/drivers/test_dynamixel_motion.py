@@ -6,7 +6,7 @@ import itertools
 import math
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers import tables
 from woz_drivers.dynamixel.calibration import calibrate
@@ -14,6 +14,8 @@ from woz_drivers.dynamixel.motion import Follow, Keyframe, Limits, guard, plan, 
 from woz_drivers.dynamixel.settings import Joint
 
 DT = 0.02
+#: How long an example takes says something about the machine only.
+patient = settings(deadline=None)
 WIDE = st.floats(allow_nan=True, allow_infinity=True)
 ANGLE = st.floats(-1e4, 1e4)
 LIMITS = st.builds(
@@ -25,6 +27,7 @@ LIMITS = st.builds(
 )
 
 
+@patient
 @given(LIMITS, st.floats(0, 1), st.lists(st.tuples(WIDE, WIDE), max_size=30))
 def test_guard_holds_against_anything(
     limits: Limits, where: float, hostile: list[tuple[float, float]]
@@ -39,6 +42,7 @@ def test_guard_holds_against_anything(
         last = new
 
 
+@patient
 @given(LIMITS, ANGLE, st.lists(st.tuples(WIDE, st.floats(0, 0.1)), max_size=30))
 def test_guard_never_drives_a_joint_further_out(
     limits: Limits, outside: float, hostile: list[tuple[float, float]]
@@ -52,6 +56,7 @@ def test_guard_never_drives_a_joint_further_out(
     assert guard(limits, outside, outside, DT) == outside
 
 
+@patient
 @given(
     LIMITS,
     st.floats(0, 1),
@@ -106,6 +111,7 @@ def test_a_plan_waits_for_the_slowest_joint_and_says_how_late() -> None:
     assert made.tracks["tilt"].goal == 30.0
 
 
+@patient
 @given(
     st.dictionaries(st.sampled_from("abc"), LIMITS, min_size=1),
     st.lists(
@@ -130,6 +136,7 @@ def test_any_plan_stays_in_range_and_under_speed(
         assert fastest <= bound.speed * dt * (1 + 1e-6) + slack
 
 
+@patient
 @given(LIMITS, st.lists(st.tuples(st.floats(0, 1), st.integers(1, 20)), min_size=1, max_size=8))
 def test_following_keeps_the_limits_and_arrives(
     limits: Limits, targets: list[tuple[float, int]]
@@ -150,6 +157,7 @@ def test_following_keeps_the_limits_and_arrives(
     assert position == pytest.approx(follow.target, abs=1e-3)
 
 
+@patient
 @given(
     st.sampled_from(tables.MODELS),
     st.floats(-400, 400),

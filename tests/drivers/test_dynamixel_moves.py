@@ -31,7 +31,7 @@ def placed(bus: ServoBus) -> None:
 
 
 async def test_start_touches_no_torque_and_no_goal(tmp_path: Path) -> None:
-    async with stand(tmp_path, prepare=placed) as it:
+    async with stand(tmp_path, prepare=placed, watchdog=500) as it:
         await it.ticks(5)
         for number in (11, 12, 13):
             assert it.bus.goals(number) == []

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers import tables
 from woz_drivers.tables import Register
@@ -124,6 +124,7 @@ def test_alarms_have_names() -> None:
     assert tables.alarms(tables.PROTOCOL_1, 0x5A) == []
 
 
+@settings(deadline=None)
 @given(st.sampled_from([1, 2, 4]), st.booleans(), st.data())
 def test_registers_round_trip(size: int, signed: bool, data: st.DataObject) -> None:
     register = Register(100, size, signed)

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
+import os
 import signal
 import sys
+import threading
 import time
 from pathlib import Path
 
@@ -39,6 +40,16 @@ def order(bus: ServoBus, line: str) -> None:
         sys.stderr.write(f"{line.strip()}: {error!r}\n")
 
 
+def obey_standard_input(bus: ServoBus) -> None:
+    """Carry out orders until nobody can give any more."""
+    rest = b""
+    # Not sys.stdin: its lock would stand in the way of the program's end.
+    while data := os.read(0, 4096):
+        *lines, rest = (rest + data).split(b"\n")
+        for line in lines:
+            order(bus, line.decode("ascii", "replace"))
+
+
 def main(arguments: list[str] | None = None) -> int:
     """Run as a process; see the module's text."""
     parser = argparse.ArgumentParser(description="Emulated Dynamixel servos")
@@ -52,16 +63,17 @@ def main(arguments: list[str] | None = None) -> int:
     if options.protocol not in (None, KINDS[options.model][0]):
         parser.error(f"{options.model} speaks protocol {KINDS[options.model][0]}")
     ids = [int(number) for number in options.ids.split(",")]
-    signal.signal(signal.SIGTERM, lambda *_: sys.exit(0))
+    # Blocked here and, by inheritance, in every thread: only `sigwait` below sees them.
+    endings = {signal.SIGTERM, signal.SIGINT}
+    signal.pthread_sigmask(signal.SIG_BLOCK, endings)
     bus = ServoBus(ids, options.link, model=options.model, journal=options.journal)
     for entry in options.position:
         number, _, counts = entry.partition("=")
         motor = bus.servo(int(number))
         bus.servos[motor.number] = Motor(motor.number, motor.kind, position=float(counts))
-    with bus, contextlib.suppress(KeyboardInterrupt):
+    with bus:
         sys.stdout.write(f"ready {options.link}\n")
         sys.stdout.flush()
-        for line in sys.stdin:
-            order(bus, line)
-        signal.pause()  # nobody gives orders (any more)
+        threading.Thread(target=obey_standard_input, args=(bus,), daemon=True).start()
+        signal.sigwait(endings)
     return 0

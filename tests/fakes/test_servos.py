@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 import rustypot
 from dynamixel_sdk import PacketHandler, PortHandler
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.fakes import servo_codec as codec
@@ -37,8 +37,9 @@ def bus(tmp_path: Path) -> Iterator[ServoBus]:
 
 
 @pytest.fixture
-def sdk(bus: ServoBus) -> Iterator[tuple[Any, Any]]:
-    """The maker's own port and packets, as they come."""
+def sdk(bus: ServoBus, monkeypatch: pytest.MonkeyPatch) -> Iterator[tuple[Any, Any]]:
+    """The maker's own port and packets, as they come, but with more patience."""
+    monkeypatch.setattr("dynamixel_sdk.port_handler.LATENCY_TIMER", 500)
     port = PortHandler(str(bus.link))
     assert port.setBaudRate(1_000_000)
     yield port, PacketHandler(2.0)
@@ -101,7 +102,7 @@ def test_watchdog_bites_refuses_goals_and_is_cleared_by_0(
     port, packets = sdk
     packets.write4ByteTxRx(port, 11, 112, 20)
     packets.write1ByteTxRx(port, 11, TORQUE, 1)
-    packets.write1ByteTxRx(port, 11, WATCHDOG, 3)
+    packets.write1ByteTxRx(port, 11, WATCHDOG, 25)
     packets.write4ByteTxRx(port, 11, GOAL, 4000)
     eventually(lambda: bus.servo(11).watchdog == -1)
     here = bus.servo(11).position
@@ -127,6 +128,7 @@ def test_reboot_forgets_torque_and_alarm(bus: ServoBus, sdk: tuple[Any, Any]) ->
     assert not bus.servo(11).torque
 
 
+@settings(deadline=None)
 @given(st.integers(0, 252), st.binary(max_size=40))
 def test_protocol_2_packets_round_trip(servo: int, params: bytes) -> None:
     packet = codec.packet_2(servo, codec.WRITE, params)
@@ -137,6 +139,7 @@ def test_protocol_2_packets_round_trip(servo: int, params: bytes) -> None:
     assert found == [codec.Instruction(servo, codec.WRITE, params)]
 
 
+@settings(deadline=None)
 @given(st.integers(0, 252), st.binary(max_size=40), st.integers(0, 300))
 def test_a_flipped_byte_is_noticed(servo: int, params: bytes, where: int) -> None:
     packet = bytearray(codec.packet_2(servo, codec.WRITE, params))
@@ -153,7 +156,10 @@ def test_crc_of_the_published_example() -> None:
     assert codec.packet_1(1, codec.PING, b"") == bytes.fromhex("ffff010201fb")
 
 
-def test_as_a_process_it_journals_and_takes_orders(tmp_path: Path) -> None:
+def test_as_a_process_it_journals_and_takes_orders(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("dynamixel_sdk.port_handler.LATENCY_TIMER", 500)
     link, journal = tmp_path / "servos", tmp_path / "journal"
     command = [sys.executable, "-m", "tests.fakes.servos", "--link", str(link), "--ids", "11,12"]
     with subprocess.Popen(

@@ -143,6 +143,11 @@ class FakeHost:
         self.until(lambda: len(self.all(kind)) >= count, f"{kind.__name__} number {count}")
         return self.all(kind)[count - 1]
 
+    def line_ok(self) -> bool | None:
+        """What the last beat said about the line; None before the first."""
+        beats = self.all(Beat)
+        return beats[-1].line_ok if beats else None
+
     def until(self, true: Callable[[], bool], what: str) -> None:
         """Wait until `true()`; `what` says in the failure what did not happen."""
         with self._changed:

@@ -95,15 +95,19 @@ class Output:
     def _run(self) -> None:
         while True:
             with self._more:
-                self._more.wait_for(lambda: self._over or self._waiting or self._rest)
+                self._more.wait_for(self._has_work)
                 if self._over:
                     return
-            select_for_writing(self._fd, 0.2)
+            if not select_for_writing(self._fd, 0.2):
+                continue
             self._write_some()
             if self._dropped and not self._rest:
                 with self._more:
                     self._dropped = False
                 self._on_recovered()
+
+    def _has_work(self) -> bool:
+        return self._over or self._dropped or bool(self._waiting) or bool(self._rest)
 
     def _write_some(self) -> None:
         """One piece, if nobody finishes at the moment."""

@@ -141,8 +141,12 @@ class WizardDriver(LinuxDriver):
 
     def _in_app(self, callback: Callable[[], object]) -> None:
         """Call back in the app's thread, in order with the events it was sent before."""
+
+        def call() -> None:
+            callback()
+
         with contextlib.suppress(RuntimeError):  # the loop has closed: nobody to tell
-            self.send_message(events.Callback(callback))
+            self.send_message(events.Callback(call))
 
     def _leave(self, code: int) -> None:
         self._in_app(lambda: self._app.exit(return_code=code))

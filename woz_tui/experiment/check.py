@@ -14,7 +14,7 @@ from woz_tui.experiment.builtins import BUILTIN
 from woz_tui.experiment.keymap import typeable
 from woz_tui.experiment.report import Report, hint, quoted
 from woz_tui.experiment.shape import Action, Experiment
-from woz_tui.experiment.terminals import is_stop
+from woz_tui.experiment.terminals import STOPS, is_stop
 
 
 def across(experiment: Experiment, drafts: Sequence[Drafted], report: Report) -> None:
@@ -79,7 +79,8 @@ class _Keys:
     def _one(self, draft: Drafted, key: str) -> None:
         first, _, second = key.partition(" ")
         if is_stop(key, self._layout):
-            self._error(draft, f"{key!r} means stop on some terminals; choose another key")
+            where = "" if key in STOPS else " on some terminals"
+            self._error(draft, f"{key!r} means stop{where}; choose another key")
         elif (item := self._builtin.get(first)) is not None:
             self._error(
                 draft, f"{first!r} is the console's own key: {item.description}; choose another key"

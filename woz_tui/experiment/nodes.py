@@ -210,9 +210,8 @@ class _Composer:
             return
         if tag == "!" and scalar is not None and not scalar.plain:
             return
-        text = f"{tag}{scalar.text if scalar is not None else ''}"
         self._report.error(
-            place, self._path_of_next() or "YAML", f"text that begins with ! needs quotes: {text!r}"
+            place, self._path_of_next() or "YAML", "text that begins with ! needs quotes"
         )
 
     def _path_of_next(self) -> str:

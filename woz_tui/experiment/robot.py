@@ -10,7 +10,7 @@ from typing import Any
 
 from woz_tui.core.driver import Driver, Verb
 from woz_tui.core.fields import Range
-from woz_tui.experiment.nodes import Node, Scalar, Table, tree
+from woz_tui.experiment.nodes import Node, Table, described, tree
 from woz_tui.experiment.report import Report, hint, quoted
 from woz_tui.experiment.settings import BAD, read_settings
 from woz_tui.experiment.shape import DriverSpec, Place
@@ -67,6 +67,7 @@ class RobotReader:
         one, many = table.pop("robot", None), table.pop("robots", None)
         if one is not None and many is not None:
             many.error("write either robot or robots, not both")
+            self._robots.incomplete = True
         elif one is not None:
             self._robot(one, "")
         elif many is not None:
@@ -125,12 +126,14 @@ class RobotReader:
         self._report.file(source.name)
         if all(known.path != source.path for known in self._sources):
             self._sources.append(source)
+        broken = len(self._report.errors)
         root = tree(source, self._report)
         start = Place(source.name, 1, 1)
-        if root is None or (isinstance(root, Scalar) and root.nothing):
-            self._report.error(start, "drivers", "is missing; the file says nothing")
-            return
-        self._drivers(Spot(root, "", start, self._report), prefix)
+        if isinstance(root, Table):
+            self._drivers(Spot(root, "", start, self._report), prefix)
+        elif len(self._report.errors) == broken:
+            said = "nothing" if root is None else described(root)
+            self._report.error(start, "file", f"expected a mapping with drivers, not {said}")
 
     def _file_hint(self, text: str) -> str:
         """Robot files that lie about, for a misspelt name."""

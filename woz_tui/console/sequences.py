@@ -184,7 +184,17 @@ def _function_key(raw: bytes, fields: list[list[int]], final: str) -> Token:
         return Reply("unknown", (), raw)
     # Old tmux: CSI 5 A is ctrl+up, the modifier being the only number.
     modifier = fields[1][0] if len(fields) > 1 else (first if final != "~" else 0)
-    return _key(key, modifiers_of(modifier), raw, _simple(raw))
+    return _key(key, modifiers_of(modifier), raw, _readable(raw, key, modifier))
+
+
+def _readable(raw: bytes, key: str, modifier: int) -> bytes:
+    """The function key in a form that Textual's parser reads as what it is."""
+    if raw.endswith(b"R") and modifier:  # CSI 1;5R is the cursor's position to it
+        return f"\x1b[13;{modifier}~".encode()
+    number = int(key[1:]) if key[0] == "f" and key[1:].isdigit() else 0
+    if number > 12:  # CSI 25~ is a control character to it
+        return f"\x1b[{57376 + number - 13};{modifier or 1}u".encode()
+    return _simple(raw)
 
 
 def _is_f3(raw: bytes, fields: list[list[int]]) -> bool:

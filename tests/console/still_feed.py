@@ -1,0 +1,24 @@
+"""A feed that goes nowhere and keeps what it is asked."""
+
+from __future__ import annotations
+
+from woz_tui.console.feed import OnLost, OnMessages
+from woz_tui.core.requests import AnyRequest
+
+
+class StillFeed:
+    def __init__(self) -> None:
+        self.line_ok = True
+        self.round_trip_us: int | None = None
+        self.asked: list[AnyRequest] = []
+        self.closed = False
+
+    def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
+        """Nothing ever comes."""
+
+    def ask(self, request: AnyRequest) -> int:
+        self.asked.append(request)
+        return len(self.asked)
+
+    def close(self) -> None:
+        self.closed = True

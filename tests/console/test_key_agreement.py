@@ -1,0 +1,67 @@
+"""The scanner, the experiments' key names and Textual's parser must mean the same by a key."""
+
+from __future__ import annotations
+
+import pytest
+from textual._xterm_parser import XTermParser
+from textual.events import Key as KeyEvent
+
+from woz_tui.console.scanner import Scanner
+from woz_tui.console.tokens import Key, Stop, Token
+from woz_tui.experiment.keys import (
+    TERMINALS,
+    Terminal,
+    Verdict,
+    from_textual,
+    is_stop,
+    normal,
+    reach,
+)
+
+CHARACTERS = [chr(code) for code in range(0x21, 0x7F)]
+NAMED = [
+    *("space", "tab", "enter", "backspace", "delete", "insert", "home", "end"),
+    *("pageup", "pagedown", "up", "down", "left", "right"),
+    *(f"f{number}" for number in range(1, 13)),
+]
+HELD = ["", "ctrl+", "alt+", "shift+", "ctrl+shift+", "ctrl+alt+", "alt+shift+", "ctrl+alt+shift+"]
+
+
+def scan(data: bytes) -> list[Token]:
+    scanner = Scanner()
+    return scanner.feed(data) + scanner.close()
+
+
+@pytest.mark.parametrize("terminal", TERMINALS.values(), ids=lambda terminal: terminal.name)
+@pytest.mark.parametrize("held", HELD)
+def test_what_reaches_the_console_is_what_the_key_map_says(terminal: Terminal, held: str) -> None:
+    for key in [*CHARACTERS, *NAMED]:
+        chord = normal(f"{held}{key}")
+        found = reach(chord, terminal)
+        if not found.data or found.verdict is Verdict.NEVER:
+            continue
+        (token, *rest) = scan(found.data)
+        if found.verdict is Verdict.STOP or isinstance(token, Stop):
+            assert isinstance(token, Stop), chord
+            assert is_stop(chord), chord
+        else:
+            assert isinstance(token, Key), chord
+            assert token.chord == found.arrives, chord
+        assert rest == [], chord
+
+
+@pytest.mark.parametrize("terminal", TERMINALS.values(), ids=lambda terminal: terminal.name)
+@pytest.mark.parametrize("held", HELD)
+def test_textual_reads_the_same_key(terminal: Terminal, held: str) -> None:
+    for key in [*CHARACTERS, *NAMED]:
+        found = reach(normal(f"{held}{key}"), terminal)
+        if not found.data or found.verdict in (Verdict.NEVER, Verdict.STOP):
+            continue
+        (token,) = scan(found.data)
+        if isinstance(token, Stop):
+            continue
+        assert isinstance(token, Key)
+        events = [e for e in XTermParser().feed(token.screen.decode()) if isinstance(e, KeyEvent)]
+        named = [from_textual(event.key, event.character) for event in events]
+
+        assert named == [token.chord], found.data

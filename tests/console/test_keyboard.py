@@ -1,0 +1,256 @@
+from __future__ import annotations
+
+import threading
+
+import pytest
+
+from tests.console.still_feed import StillFeed
+from woz_tui.console.keyboard import SEQUENCE_S, Keyboard, Steps
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.requests import (
+    AskAction,
+    AskMarker,
+    AskMistake,
+    AskRelease,
+    AskScript,
+    AskStop,
+    AskVerb,
+)
+from woz_tui.experiment.keys import BUILTIN
+
+TABLE = {"h": "Hello", "f1": "Happy", "c r": "Circle", "c s": "Square", "x": "Exit", "r": "Red"}
+
+
+class Rig:
+    def __init__(self) -> None:
+        self.feed = StillFeed()
+        self.clock = ManualClock()
+        self.keyboard = Keyboard(self.feed, self.clock, Steps(head=4, hip=2, drive=0.2, turn=15))
+        self.keyboard.bind(TABLE)
+        self.pressed: list[tuple[str, str, int]] = []
+        self.stale: list[tuple[str, str, int]] = []
+        self.prefixes: list[str] = []
+        self.keyboard.on_pressed = lambda *press: self.pressed.append(press)
+        self.keyboard.on_stale = lambda *press: self.stale.append(press)
+        self.keyboard.on_prefix = self.prefixes.append
+
+
+@pytest.fixture
+def rig() -> Rig:
+    return Rig()
+
+
+def test_a_bound_key_is_asked_for_and_shown(rig: Rig) -> None:
+    assert rig.keyboard.press("h", age_us=7)
+
+    assert rig.feed.asked == [AskAction(action="Hello", source="key", key="h", age_us=7)]
+    assert rig.pressed == [("h", "Hello", 1)]
+
+
+def test_an_unbound_key_is_left_to_the_screen(rig: Rig) -> None:
+    assert not rig.keyboard.press("q")
+    assert rig.feed.asked == []
+
+
+def test_nothing_is_played_while_a_text_field_has_the_keyboard(rig: Rig) -> None:
+    rig.keyboard.free = False
+
+    assert not rig.keyboard.press("h")
+    assert not rig.keyboard.press("space")
+    assert rig.feed.asked == []
+
+
+def test_the_stop_works_while_a_text_field_has_the_keyboard(rig: Rig) -> None:
+    rig.keyboard.free = False
+    rig.keyboard.stop("escape")
+
+    assert rig.feed.asked == [AskStop(source="key")]
+    assert rig.pressed == [("escape", "", 1)]
+
+
+def test_no_table_can_take_the_stop_away(rig: Rig) -> None:
+    rig.keyboard.bind({"escape": "Hello", "ctrl+c": "Hello"})
+
+    assert not rig.keyboard.press("escape")
+    assert not rig.keyboard.press("ctrl+c")
+
+
+# -- sequences ------------------------------------------------------------------------------------
+
+
+def test_two_keys_play_their_action(rig: Rig) -> None:
+    assert rig.keyboard.press("c")
+    assert rig.prefixes == ["c"]
+    assert rig.keyboard.press("r")
+
+    assert [request.key for request in rig.feed.asked if isinstance(request, AskAction)] == ["c r"]
+    assert rig.prefixes == ["c", ""]
+    assert rig.pressed == [("c r", "Circle", 1)]
+
+
+def test_the_second_key_must_come_in_time(rig: Rig) -> None:
+    rig.keyboard.press("c")
+    rig.clock.advance(SEQUENCE_S + 0.1)
+    rig.keyboard.tick()
+    assert rig.prefixes == ["c", ""]
+    rig.keyboard.press("r")
+
+    assert rig.pressed == [("r", "Red", 1)]
+
+
+def test_a_late_second_key_counts_by_itself_without_any_tick(rig: Rig) -> None:
+    rig.keyboard.press("c")
+    rig.clock.advance(SEQUENCE_S + 0.1)
+    rig.keyboard.press("r")
+
+    assert rig.pressed == [("r", "Red", 1)]
+
+
+def test_a_key_that_does_not_follow_counts_by_itself(rig: Rig) -> None:
+    rig.keyboard.press("c")
+    rig.keyboard.press("h")
+
+    assert rig.pressed == [("h", "Hello", 1)]
+    assert rig.prefixes == ["c", ""]
+
+
+def test_the_first_key_again_begins_again(rig: Rig) -> None:
+    for key in "ccs":
+        rig.keyboard.press(key)
+
+    assert rig.pressed == [("c s", "Square", 1)]
+
+
+@pytest.mark.parametrize("end", ["stop", "dialog", "bind"])
+def test_what_ends_a_sequence(rig: Rig, end: str) -> None:
+    rig.keyboard.press("c")
+    if end == "stop":
+        rig.keyboard.stop("ctrl+c")
+    elif end == "dialog":
+        rig.keyboard.free = False
+        rig.keyboard.free = True
+    else:
+        rig.keyboard.bind(TABLE)
+    rig.pressed.clear()
+    rig.keyboard.press("r")
+
+    assert [(chord, action) for chord, action, _ in rig.pressed] == [("r", "Red")]
+
+
+# -- the console's own keys -----------------------------------------------------------------------
+
+
+def test_own_keys_that_need_no_dialog(rig: Rig) -> None:
+    for chord in ("space", ".", "backspace", "ctrl+r"):
+        assert rig.keyboard.press(chord)
+
+    assert rig.feed.asked == [AskScript(), AskMarker(), AskMistake(), AskRelease(source="key")]
+    assert all(action == "" for _, action, _ in rig.pressed)
+
+
+def test_own_keys_that_need_a_dialog_are_left_to_the_screen(rig: Rig) -> None:
+    for item in BUILTIN:
+        if item.id in ("say", "find", "note", "help", "leave", "preflight"):
+            assert not rig.keyboard.press(item.chord), item.id
+
+
+def test_moved_own_keys(rig: Rig) -> None:
+    rig.keyboard.bind(TABLE, {";": "marker"})
+
+    assert rig.keyboard.press(";")
+    assert not rig.keyboard.press(".")
+
+
+@pytest.mark.parametrize(
+    ("chord", "verb", "args"),
+    [
+        ("up", "nudge", {"pitch": -4}),
+        ("down", "nudge", {"pitch": 4}),
+        ("left", "nudge", {"yaw": 4}),
+        ("right", "nudge", {"yaw": -4}),
+        ("shift+up", "hip", {"pitch": 2}),
+        ("shift+right", "hip", {"roll": -2}),
+        ("alt+up", "drive", {"x": 0.2}),
+        ("alt+down", "drive", {"x": -0.2}),
+        ("alt+left", "drive", {"turn": 15}),
+        ("alt+right", "drive", {"turn": -15}),
+    ],
+)
+def test_arrows_move_what_the_robot_has(
+    rig: Rig, chord: str, verb: str, args: dict[str, float]
+) -> None:
+    assert not rig.keyboard.press(chord), "nobody offers it yet"
+    rig.keyboard.verbs = {"body": ["say", verb]}
+
+    assert rig.keyboard.press(chord)
+    (request,) = rig.feed.asked
+    assert isinstance(request, AskVerb)
+    assert (request.verb, request.args, request.key) == (verb, args, chord)
+    assert request.when_busy == "replace"
+
+
+# -- stale presses --------------------------------------------------------------------------------
+
+
+def test_a_stale_action_is_asked_for_as_stale_and_listed(rig: Rig) -> None:
+    assert rig.keyboard.arrive("h", stale=True)
+
+    assert rig.feed.asked == [AskAction(action="Hello", source="key", key="h", stale=True)]
+    assert rig.stale == [("h", "Hello", 1)]
+    assert rig.pressed == []
+
+
+@pytest.mark.parametrize("chord", ["space", "ctrl+r", "up", "c", "/", "q"])
+def test_other_stale_keys_are_listed_and_do_nothing(rig: Rig, chord: str) -> None:
+    rig.keyboard.verbs = {"head": ["nudge"]}
+
+    assert rig.keyboard.arrive(chord, stale=True)
+    assert rig.feed.asked == []
+    assert [press[0] for press in rig.stale] == [chord]
+    assert not rig.prefixes
+
+
+# -- order with the screen ------------------------------------------------------------------------
+
+
+def test_behind_a_key_that_opens_a_dialog_keys_wait_for_the_screen(rig: Rig) -> None:
+    keyboard = rig.keyboard
+    assert not keyboard.arrive("/")
+    assert keyboard.leave_to_screen("/")
+    assert not keyboard.arrive("h")
+    assert keyboard.leave_to_screen("h")
+    keyboard.caught_up()
+    assert not keyboard.arrive("h")
+    keyboard.caught_up()
+
+    assert keyboard.arrive("h")
+
+
+def test_behind_a_key_that_opens_nothing_nobody_waits(rig: Rig) -> None:
+    for chord in ("q", "tab", "<"):
+        assert not rig.keyboard.arrive(chord)
+        assert not rig.keyboard.leave_to_screen(chord)
+
+    assert rig.keyboard.arrive("h")
+
+
+def test_the_key_for_suspending_works_in_a_text_field_too(rig: Rig) -> None:
+    suspended = []
+    rig.keyboard.on_suspend = lambda: suspended.append(True)
+    rig.keyboard.free = False
+
+    assert rig.keyboard.arrive("ctrl+z")
+    assert suspended == [True]
+
+
+def test_presses_of_several_threads_all_count(rig: Rig) -> None:
+    threads = [
+        threading.Thread(target=lambda: [rig.keyboard.press("h") for _ in range(200)])
+        for _ in range(4)
+    ]
+    for thread in threads:
+        thread.start()
+    for thread in threads:
+        thread.join()
+
+    assert len(rig.feed.asked) == 800

@@ -21,6 +21,7 @@ class ListeningOutlet:
         self.states: list[tuple[str, str, str]] = []
         self.healths: list[tuple[Health, str, str]] = []
         self.notices: list[tuple[str, str, str]] = []
+        self.modes: list[str] = []
 
     @property
     def clock(self) -> Clock:
@@ -47,6 +48,10 @@ class ListeningOutlet:
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         if not self.healths or self.healths[-1] != (health, detail, remedy):
             self.healths.append((health, detail, remedy))
+
+    def mode(self, mode: str, why: str = "") -> None:
+        if not self.modes or self.modes[-1] != mode:
+            self.modes.append(mode)
 
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         self.notices.append((level, text, remedy))

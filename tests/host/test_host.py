@@ -82,7 +82,7 @@ async def test_stop_needs_no_hello_and_is_confirmed_by_name(tmp_path: Path) -> N
         assert (await stranger.kind("reply"))["ok"]
         assert (await watcher.kind("stop.pressed"))["source"] == "program"
         confirmed = await watcher.kind("stop.confirmed")
-        assert confirmed["confirmed"] == ["robot", "session"]
+        assert confirmed["confirmed"] == ["robot"]
         assert confirmed["missing"] == []
 
 
@@ -196,7 +196,7 @@ async def test_reload_and_preflight_answer_with_data(tmp_path: Path) -> None:
         assert reply.get("data", []) == []
         preflight = await peer.ask("preflight")
         subjects = {finding["subject"] for finding in preflight["data"]}
-        assert subjects >= {"robot", "distance", "log", "disk", "clock", "session", "stop"}
+        assert subjects >= {"robot", "distance", "log", "disk", "date", "session", "stop"}
 
 
 async def test_the_rest_of_the_requests(tmp_path: Path) -> None:

@@ -33,6 +33,7 @@ class Bus:
         drivers: By name.
         verbs: What each driver offers, by the driver's name.
         capacity: Commands that may wait in one lane.
+        motionless: Names of those that have nothing to stop, and so need not confirm one.
     """
 
     def __init__(
@@ -41,6 +42,7 @@ class Bus:
         drivers: Mapping[str, Performer],
         verbs: Mapping[str, tuple[Verb, ...]],
         capacity: int = CAPACITY,
+        motionless: frozenset[str] = frozenset(),
     ) -> None:
         self._hub = hub
         self._drivers = dict(drivers)
@@ -48,6 +50,7 @@ class Bus:
             name: {verb.name: verb for verb in offered} for name, offered in verbs.items()
         }
         self._capacity = capacity
+        self._motionless = motionless
         self._lanes: dict[tuple[str, str], Lane] = {}
         self._stopping: asyncio.Task[None] | None = None
         self._asides: set[asyncio.Task[None]] = set()
@@ -118,7 +121,9 @@ class Bus:
         if joins and self._stopping is not None:
             return self._stopping
         began_us = self._hub.now()
-        stops = self._call_stops(Scope.ALL, list(self._drivers))
+        stops = self._call_stops(
+            Scope.ALL, [name for name in self._drivers if name not in self._motionless]
+        )
         self._hub.publish(StopPressed(source=source))
         for lane in list(self._lanes.values()):
             lane.stop("stop pressed")

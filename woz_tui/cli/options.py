@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import re
+from collections.abc import Iterable
 from pathlib import Path
 
+from woz_tui.host import place
 from woz_tui.session.identity import Identity
 
-_SESSION = re.compile(r"_S(\d{1,6})(?:\.|$)")
+#: `..._S07.jsonl`, its segments and doubles `..._S07-2.samples.jsonl`.
+_SESSION = re.compile(r"_S(\d{1,6})(?:[.-]|$)")
 
 
 def add_session(parser: argparse.ArgumentParser) -> None:
@@ -30,7 +33,7 @@ def add_session(parser: argparse.ArgumentParser) -> None:
 def identity(arguments: argparse.Namespace) -> Identity:
     """The codes, with the next free session code where none was given."""
     return Identity(
-        session=arguments.session or next_session(arguments.recordings),
+        session=arguments.session or next_session(arguments.recordings, place.running()),
         participant=arguments.participant,
         condition=arguments.condition,
         wizard=arguments.wizard,
@@ -38,11 +41,9 @@ def identity(arguments: argparse.Namespace) -> Identity:
     )
 
 
-def next_session(recordings: Path) -> str:
-    """`S` and one more than the highest number among the logs in `recordings`."""
-    numbers = [
-        int(match.group(1))
-        for path in (recordings.glob("*.jsonl") if recordings.is_dir() else ())
-        if (match := _SESSION.search(path.name.removesuffix(".jsonl")))
-    ]
+def next_session(recordings: Path, sockets: Iterable[Path] = ()) -> str:
+    """`S` and one more than the highest number among the logs and the sockets in use."""
+    logs = recordings.glob("*.jsonl") if recordings.is_dir() else ()
+    names = [*(path.name for path in logs), *(f"_{path.stem}" for path in sockets)]
+    numbers = [int(match.group(1)) for name in names if (match := _SESSION.search(name))]
     return f"S{max(numbers, default=0) + 1:02d}"

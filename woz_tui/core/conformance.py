@@ -105,6 +105,9 @@ class Silence:
         """Keep it."""
         self.healths.append(health)
 
+    def mode(self, mode: str, why: str = "") -> None:
+        """Nothing is asked about modes."""
+
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         """Nothing is asked about these."""
 

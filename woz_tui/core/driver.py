@@ -143,6 +143,10 @@ class Outlet(Protocol):
         """The driver's own state moved; saying the same again is free."""
         ...
 
+    def mode(self, mode: str, why: str = "") -> None:
+        """The robot's mode (normal, demo ...) is now `mode`; saying the same again is free."""
+        ...
+
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         """A sentence for the wizard; `level` is info, warning or error."""
         ...

@@ -79,9 +79,9 @@ class Client(asyncio.Protocol):
         lines = (self._rest + data).split(b"\n")
         self._rest = lines.pop()
         for line in lines:
-            if line.strip():
+            if len(line) <= wire.MAX_LINE and line.strip():
                 self._line(line)
-        if len(self._rest) > wire.MAX_LINE:
+        if max(map(len, [*lines, self._rest])) > wire.MAX_LINE:
             self.send(Reply(ref=0, ok=False, reason=f"a line may have {wire.MAX_LINE} bytes"))
             self.close("line too long")
 

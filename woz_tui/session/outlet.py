@@ -16,6 +16,7 @@ from woz_tui.core.messages import (
     DriverHealth,
     DriverLost,
     Message,
+    ModeChanged,
     Notice,
     SensorChanged,
     reading,
@@ -41,6 +42,7 @@ class DriverOutlet:
         self._thread = threading.get_ident()
         self._health: tuple[Health, str] | None = None
         self._sensors: dict[str, str] = {}
+        self._mode = ""
 
     @property
     def clock(self) -> Clock:
@@ -76,6 +78,12 @@ class DriverOutlet:
         if self._health != (health, detail):
             self._health = (health, detail)
             self._publish(_HEALTH[health](driver=self._driver, detail=detail, remedy=remedy))
+
+    def mode(self, mode: str, why: str = "") -> None:
+        """Publish the robot's change of mode."""
+        was, self._mode = self._mode, mode
+        if was != mode:
+            self._publish(ModeChanged(driver=self._driver, was=was, now=mode, why=why))
 
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         """Publish a sentence for the wizard."""

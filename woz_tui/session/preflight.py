@@ -2,19 +2,13 @@
 
 from __future__ import annotations
 
-import shutil
-from datetime import UTC, datetime
-
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Finding
+from woz_tui.core.machine import storage, timekeeping
 from woz_tui.session.session import Session
 
-#: Less than this on the recordings' disk is an error, less than ten times a warning (bytes).
-LEAST_FREE = 50_000_000
 #: A sensor that has said nothing for longer than this is silent (microseconds).
 FRESH_US = 3_000_000
-#: Clocks of machines without a battery begin in 1970 or at the image's date.
-FIRST_YEAR = 2025
 
 
 async def preflight(session: Session) -> list[Finding]:
@@ -23,8 +17,8 @@ async def preflight(session: Session) -> list[Finding]:
         *_drivers(session),
         *_sensors(session),
         _recorder(session),
-        _disk(session),
-        _calendar(session),
+        storage.free_space(session.recorder.path.parent),
+        timekeeping.calendar(session.clock.wall()),
         _identity(session),
         _stop(session),
     ]
@@ -85,27 +79,6 @@ def _recorder(session: Session) -> Finding:
     return Finding(
         level, "log", state.detail or f"{state.lag_us / 1000:.0f} ms behind", state.remedy
     )
-
-
-def _disk(session: Session) -> Finding:
-    try:
-        free = shutil.disk_usage(session.recorder.path.parent).free
-    except OSError as error:
-        return Finding("error", "disk", f"cannot be asked: {error.strerror}")
-    text = f"{free / 1e9:.1f} GB free"
-    if free < LEAST_FREE:
-        return Finding("error", "disk", text, "make room before the session")
-    if free < 10 * LEAST_FREE:
-        return Finding("warning", "disk", text, "make room soon")
-    return Finding("ok", "disk", text)
-
-
-def _calendar(session: Session) -> Finding:
-    now: datetime = session.clock.wall().astimezone(UTC)
-    text = f"{now:%Y-%m-%d %H:%M} UTC"
-    if now.year < FIRST_YEAR:
-        return Finding("error", "clock", text, "set the clock: sudo timedatectl set-ntp true")
-    return Finding("ok", "clock", text)
 
 
 def _identity(session: Session) -> Finding:

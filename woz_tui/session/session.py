@@ -31,9 +31,10 @@ from woz_tui.session.verbs import SESSION, VERBS, SessionVerbs
 CLOCK_TIE_S = 30.0
 #: Seconds between two checkpoints of the log.
 CHECKPOINT_S = 10.0
-#: Seconds a driver may take to rest and to close when the session ends.
+#: Seconds a driver may take to open, and to rest and to close when the session ends.
+OPEN_WAIT_S = 3.0
 REST_WAIT_S = 10.0
-CLOSE_WAIT_S = 3.0
+CLOSE_WAIT_S = 8.0
 
 log = logging.getLogger(__name__)
 
@@ -84,7 +85,12 @@ class Session:
                 }
             ),
         }
-        self.bus = Bus(self.hub, performers, {**self.verbs, SESSION: VERBS})
+        self.bus = Bus(
+            self.hub,
+            performers,
+            {**self.verbs, SESSION: VERBS},
+            motionless=frozenset({SESSION}),
+        )
         self.runner = Runner(
             self.hub, self.bus, by_name, self.values, self.experiment.session.deadline
         )
@@ -129,7 +135,7 @@ class Session:
         """Let every driver look for its hardware; none of them can fail the session."""
         for name, driver in self.drivers.items():
             try:
-                await asyncio.wait_for(driver.open(), CLOSE_WAIT_S)
+                await asyncio.wait_for(driver.open(), OPEN_WAIT_S)
             except Exception as error:
                 log.exception("driver %s did not open", name)
                 self.hub.publish(
@@ -146,7 +152,7 @@ class Session:
     def _prepare(self) -> None:
         """Have voices get ready what will be said, so that it is heard at once when it is."""
         for name, texts in utterances(self.experiment, self.values()).items():
-            driver = self.drivers.get(name)
+            driver: object = self.drivers.get(name)
             if isinstance(driver, Prepares):
                 earlier = self._preparing.pop(name, None)
                 if earlier is not None:

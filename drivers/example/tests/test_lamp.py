@@ -43,6 +43,9 @@ class Told:
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         self.healths.append(health)
 
+    def mode(self, mode: str, why: str = "") -> None:
+        return
+
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         return
 

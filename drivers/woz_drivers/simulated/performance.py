@@ -35,6 +35,10 @@ class Stage(Protocol):
         """The robot begins to speak for `seconds`."""
         ...
 
+    def mode_changed(self, mode: str) -> None:
+        """The robot is now in `mode`."""
+        ...
+
 
 class Performance:
     """The acts, by verb."""
@@ -234,4 +238,5 @@ class Performance:
     async def _mode(self, job: Job) -> Sent:
         was = self.mode
         self.mode = values.word(job.args, "mode", self._settings.modes)
+        self._stage.mode_changed(self.mode)
         return {"mode": self.mode, "was": was}

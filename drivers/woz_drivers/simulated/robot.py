@@ -215,6 +215,7 @@ class SimulatedRobot:
             self._outlet.health(Health.FAULTED, *_alarm(alarm))
         else:
             self._outlet.health(Health.CONNECTED, f"simulated, {len(self._body.joints)} joints")
+            self._outlet.mode(self._performance.mode)
 
     # -- time -----------------------------------------------------------------------------------
 
@@ -235,6 +236,10 @@ class SimulatedRobot:
                 raise DriverError("cut short by the stop")
         if failing:
             raise DriverError(f"{job.verb} failed half-way, as asked for", "try it again")
+
+    def mode_changed(self, mode: str) -> None:
+        """Tell which mode holds now."""
+        self._outlet.mode(mode)
 
     def spoke(self, seconds: float) -> None:
         """A visitor hears it."""

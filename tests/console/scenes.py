@@ -8,6 +8,8 @@ from tests.console.scripted import raw
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 
+Ended = m.ActionDone | m.ActionFailed | m.ActionStopped | m.ActionRefused
+
 SECOND = 1_000_000
 MINUTE = 60 * SECOND
 #: The moment all scenes show.
@@ -91,8 +93,8 @@ def many_panels(count: int) -> list[r.PanelView]:
 
 
 def welcome(
-    state: list[m.Message] | None = None,
-    recent: list[m.Message] | None = None,
+    state: list[m.AnyMessage] | None = None,
+    recent: list[m.AnyMessage] | None = None,
     *,
     shown: list[r.PanelView] | None = None,
     role: str = "wizard",
@@ -141,7 +143,7 @@ def start(participant: str = "P07", condition: str = "warm") -> m.SessionStart:
     )
 
 
-def healthy() -> list[m.Message]:
+def healthy() -> list[m.AnyMessage]:
     """What holds when all is well."""
     return [
         start(),
@@ -156,7 +158,7 @@ def healthy() -> list[m.Message]:
     ]
 
 
-def sensors(t: int = NOW) -> list[m.Message]:
+def sensors(t: int = NOW) -> list[m.AnyMessage]:
     """One reading of each sensor."""
     return [
         reading(t, "distance", 0.84, driver="range", unit="m"),
@@ -170,9 +172,9 @@ def sensors(t: int = NOW) -> list[m.Message]:
     ]
 
 
-def pose(t: int = NOW) -> list[m.Message]:
+def pose(t: int = NOW) -> list[m.AnyMessage]:
     """Three joints, one of them on its way."""
-    messages: list[m.Message] = []
+    messages: list[m.AnyMessage] = []
     for name, present, wanted in (("yaw", 14.0, 30.0), ("pitch", -6.0, -6.0), ("roll", 2.0, 0.0)):
         messages.append(reading(t, f"joint.head.{name}", present, driver="head", unit="deg"))
         messages.append(reading(t, f"setpoint.head.{name}", wanted, driver="head", unit="deg"))
@@ -189,9 +191,9 @@ def reading(
 
 def played(
     run: str, action: str, t: int, took: float | None, *, how: str = "done", reason: str = ""
-) -> list[m.Message]:
+) -> list[m.AnyMessage]:
     """One run: requested, dispatched, and after `took` seconds its end; None: still running."""
-    messages: list[m.Message] = [
+    messages: list[m.AnyMessage] = [
         m.ActionRequested(run=run, action=action, source="key", t=t),
         m.Command(
             command=f"c-{run}", run=run, action=action, verb="say", args={}, source="key", t=t
@@ -201,7 +203,7 @@ def played(
     if took is None:
         return messages
     end = t + round(took * SECOND)
-    kinds = {
+    kinds: dict[str, type[Ended]] = {
         "done": m.ActionDone,
         "failed": m.ActionFailed,
         "stopped": m.ActionStopped,
@@ -211,7 +213,7 @@ def played(
     return messages
 
 
-def history() -> list[m.Message]:
+def history() -> list[m.AnyMessage]:
     """The last minutes."""
     return [
         m.ConsoleAttached(console="console1", role="wizard", t=9 * MINUTE),
@@ -236,7 +238,7 @@ def history() -> list[m.Message]:
     ]
 
 
-def speaking(left: float = 2.1, whole: float = 3.6) -> list[m.Message]:
+def speaking(left: float = 2.1, whole: float = 3.6) -> list[m.AnyMessage]:
     """An utterance in the middle, and one that waits behind it."""
     begun = NOW - round((whole - left) * SECOND)
     return [

@@ -13,7 +13,6 @@ from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
 
-
 Answer = Callable[[r.AnyRequest, int], r.Reply]
 
 
@@ -77,6 +76,6 @@ class ScriptedFeed:
         thread.join()
 
 
-def raw(messages: Iterable[m.Message]) -> list[msgspec.Raw]:
+def raw(messages: Iterable[m.AnyMessage]) -> list[msgspec.Raw]:
     """Messages as a welcome carries them."""
     return [msgspec.Raw(wire.encode(message).rstrip()) for message in messages]

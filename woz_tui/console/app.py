@@ -30,15 +30,10 @@ from woz_tui.console.status import Line, Status
 from woz_tui.console.stopbar import Bar, News, StopBar
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.requests import AskEnd, AskRelease, Reply, Welcome
-from woz_tui.experiment.keys import (
-    BUILTIN,
-    PLAIN,
-    STOPS,
-    Builtin,
-    Terminal,
-    from_textual,
-    key_map,
-)
+from woz_tui.experiment.builtins import BUILTIN, Builtin
+from woz_tui.experiment.keymap import key_map
+from woz_tui.experiment.terminals import PLAIN, STOPS, Terminal
+from woz_tui.experiment.textual_names import from_textual
 
 if TYPE_CHECKING:
     from woz_tui.console.keyboard import Keyboard

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.experiment.keys import Assigned
+from woz_tui.experiment.keymap import Assigned
 
 _NAMES = {
     "space": "Space",

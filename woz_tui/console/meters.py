@@ -87,7 +87,8 @@ def _stale(picture: Picture, sensor: SensorPicture, frame: Frame) -> bool:
 
 def _old(sensor: SensorPicture, frame: Frame) -> str:
     age = max(0, frame.now - sensor.t) / 1e6
-    return f"{frame.glyphs.stale} {age:.0f} s old"
+    shown = f"{age:.0f} s" if age < 99.5 else f"{age / 60:.0f} min"
+    return f"{frame.glyphs.stale}{shown} old"
 
 
 # -- distance and loudness ----------------------------------------------------------------------
@@ -104,13 +105,11 @@ def _distance(picture: Picture, frame: Frame) -> list[Row]:
         text = _old(sensor, frame) if stale else "nothing seen"
         return [_labelled("distance", _ruler(width, ticks, {}, glyphs), text, "stale")]
     spot = {_at(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")}
-    where = _old(sensor, frame) if stale else zone(sensor.value)
-    text = f"{sensor.value:.2f} m {where}"
-    return [
-        _labelled(
-            "distance", _ruler(width, ticks, spot, glyphs), text, "stale" if stale else "plain"
-        )
-    ]
+    text = f"{sensor.value:.2f} m {zone(sensor.value)}"
+    if stale:
+        text = f"{sensor.value:.1f} m {_old(sensor, frame)}"
+    look = "stale" if stale else "plain"
+    return [_labelled("distance", _ruler(width, ticks, spot, glyphs), text, look)]
 
 
 def _at(share: float, width: int) -> int:

@@ -72,7 +72,6 @@ class StopPicture:
 
     t: int
     source: str
-    scope: str = "all"
     confirmed: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     settled: bool = False

@@ -58,8 +58,8 @@ def _requested(picture: Picture, message: m.ActionRequested) -> None:
 
 
 def _stop(picture: Picture, message: m.StopPressed) -> None:
-    if picture.stop is None or picture.stop.scope != "all" or message.scope == "all":
-        picture.stop = StopPicture(message.t, message.source, message.scope)
+    if message.scope == "all":  # a stop of driving alone latches nothing
+        picture.stop = StopPicture(message.t, message.source)
 
 
 def _confirmed(picture: Picture, message: m.StopConfirmed) -> None:

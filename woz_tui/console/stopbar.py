@@ -68,9 +68,10 @@ def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
 
 
 def _stopped(stop: StopPicture, release: str, glyphs: Glyphs, width: int) -> list[Row]:
-    what = "STOPPED" if stop.scope == "all" else "DRIVING STOPPED"
-    left = f" {glyphs.stop} {what} by {clean(stop.source)} at {elapsed(stop.t)}"
+    left = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.t)}"
     hint = f"{release} releases it " if release else ""
+    if len(left) + len(hint) >= width:
+        hint = ""
     first = spread(((left, "alarm"), (" " * width, "alarm")), ((hint, "alarm"),), width, " ")
     if not stop.settled:
         second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)

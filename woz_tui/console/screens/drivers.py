@@ -13,7 +13,7 @@ class DriversDialog(Report):
     """Health, detail and remedy; follows what happens while it is open."""
 
     heading = "Drivers"
-    hint = "↑↓ scroll · ctrl+q closes"
+    hint = "arrows scroll · ctrl+q closes"
     wide = True
 
     def lines(self) -> list[Row]:

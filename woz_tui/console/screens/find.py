@@ -53,7 +53,7 @@ class FindDialog(Entry):
     """Type, choose with the arrows, enter plays."""
 
     heading = "Find"
-    hint = "enter plays it · ↑↓ choose · ctrl+q closes"
+    hint = "enter plays it · arrows choose · ctrl+q closes"
     placeholder = "a few letters of an action, its words or its panel"
     wide = True
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -13,7 +13,7 @@ class HelpDialog(Report):
     """The stop, the console's keys, then every action; reserve keys with the reason."""
 
     heading = "Keys"
-    hint = "↑↓ scroll · ctrl+q closes"
+    hint = "arrows scroll · ctrl+q closes"
     wide = True
 
     def lines(self) -> list[Row]:

@@ -15,7 +15,7 @@ class LeaveDialog(Choice):
     """Stay is the first choice, so that enter after a slip does no harm."""
 
     heading = "Leave"
-    hint = "↑↓ choose · enter · ctrl+q stays"
+    hint = "arrows choose · enter · ctrl+q stays"
 
     def lines(self) -> list[Row]:
         """Where the log is."""

@@ -14,7 +14,7 @@ class LostDialog(Choice):
     """Says so, where the log is, and what can be done."""
 
     heading = "The robot process is gone"
-    hint = "↑↓ choose · enter"
+    hint = "arrows choose · enter"
 
     def lines(self) -> list[Row]:
         """What happened, and what is safe."""

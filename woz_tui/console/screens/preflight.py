@@ -34,7 +34,7 @@ class PreflightDialog(Report):
     """The robot side's checks and the console's own; enter runs them again."""
 
     heading = "Preflight"
-    hint = "enter checks again · ↑↓ scroll · ctrl+q closes"
+    hint = "enter checks again · arrows scroll · ctrl+q closes"
     wide = True
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "check", priority=True)]
 

@@ -61,7 +61,7 @@ class SayDialog(Entry):
     """Type and say: arrows walk through what was said, tab completes, ctrl+o changes the voice."""
 
     heading = "Say"
-    hint = "enter says it · tab completes · ↑↓ history · ctrl+q closes"
+    hint = "enter says it · tab completes · arrows: history · ctrl+q closes"
     placeholder = "type what the robot shall say; { for variables"
     wide = True
     BINDINGS: ClassVar[list[BindingType]] = [

@@ -1,0 +1,102 @@
+"""Running the console without a terminal, and waiting for what it shows."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import Any
+
+from textual.pilot import Pilot
+
+from tests.console import scenes
+from tests.console.scripted import ScriptedFeed
+from woz_tui.console.app import Console
+from woz_tui.console.cells import Cells
+from woz_tui.console.feed import Incoming
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.core.clock import ManualClock
+
+#: Seconds after which a condition counts as never coming true.
+PATIENCE = 20.0
+
+
+@dataclass
+class Sitting:
+    """A console being driven."""
+
+    console: Console
+    feed: ScriptedFeed
+    pilot: Pilot[str]
+    clock: ManualClock
+
+    def text(self, name: str) -> str:
+        """What a widget of the main screen shows (Status, Panels, Meters, Events, StopBar)."""
+        return self.console.screen_stack[0].query_one(name, Cells).text
+
+    async def until(self, condition: Callable[[], bool], what: str = "") -> None:
+        """Wait until `condition` holds; fail after a bounded time."""
+        deadline = asyncio.get_running_loop().time() + PATIENCE
+        while not condition():
+            if asyncio.get_running_loop().time() > deadline:
+                raise AssertionError(f"never came true: {what or condition}")
+            await self.pilot.pause(0.01)
+
+    async def tell(self, *messages: Incoming) -> None:
+        """Let the feed deliver from another thread; painted when this returns."""
+        await asyncio.to_thread(self.feed.deliver, *messages)
+        await self.pilot.pause()
+        self.console.paint()
+        await self.pilot.pause()
+
+    async def tell_quietly(self, *messages: Incoming) -> None:
+        """Let the feed deliver; painted when the console thinks fit."""
+        await asyncio.to_thread(self.feed.deliver, *messages)
+
+    async def press(self, *keys: str) -> None:
+        """Press keys, and let everything that follows happen."""
+        await self.pilot.press(*keys)
+        await self.pilot.pause()
+        self.console.paint()
+        await self.pilot.pause()
+
+    async def type(self, text: str) -> None:
+        """Type text."""
+        await self.press(*("space" if letter == " " else letter for letter in text))
+
+    async def pass_time(self, seconds: float) -> None:
+        """Let the local clock go on."""
+        self.clock.advance(seconds)
+        self.console.paint()
+        await self.pilot.pause()
+
+    def drawn(self) -> str:
+        """Every cell as text; while a dialog is open, only the dialog's."""
+        return screen_text(self.console)
+
+
+def screen_text(console: Console) -> str:
+    """What the screen on top draws."""
+    width, height = console.size
+    lines = []
+    strips = console.screen._compositor.render_strips()
+    for strip in strips[:height]:
+        lines.append("".join(segment.text for segment in strip)[:width])
+    return "\n".join(lines)
+
+
+@asynccontextmanager
+async def sitting(
+    *first: Incoming, size: tuple[int, int] = (80, 24), **options: Any
+) -> AsyncIterator[Sitting]:
+    """A console whose feed begins with `first`, by default the museum guide's session."""
+    feed = ScriptedFeed()
+    feed.begin_with(*(first or (scenes.welcome(),)))
+    clock = ManualClock()
+    console = Console(feed, Keyboard(feed, clock), clock=clock, **options)
+    async with console.run_test(size=size) as pilot:
+        await pilot.pause()
+        console.paint()
+        await pilot.pause()
+        yield Sitting(console, feed, pilot, clock)

@@ -1,0 +1,306 @@
+from __future__ import annotations
+
+import asyncio
+import subprocess
+import sys
+
+import pytest
+
+from tests.console import scenes
+from tests.console.driving import sitting
+from woz_tui.console.app import BEAT
+from woz_tui.console.glyphs import ASCII
+from woz_tui.console.look import Look
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+NOW = scenes.NOW
+
+
+@pytest.mark.parametrize("size", [(80, 24), (100, 36), (160, 50), (240, 70)])
+async def test_the_whole_session_is_on_the_screen(size: tuple[int, int]) -> None:
+    first = scenes.welcome(
+        state=[*scenes.healthy(), *scenes.sensors()],
+        recent=[*scenes.history(), *scenes.speaking()],
+    )
+    async with sitting(first, size=size) as seat:
+        drawn = seat.drawn()
+        for part in ("Museum guide", "P07", "● REC", "● head", "Speech", "Restoration room"):
+            assert part in drawn
+        for part in ("▶ Map", "0.84 m personal", "2.1 s left", "▸ Map", "Esc stop"):
+            assert part in drawn
+        assert all(len(line) <= size[0] for line in drawn.splitlines())
+
+
+async def test_before_the_welcome_it_says_that_it_waits() -> None:
+    async with sitting(r.Pulse(t=5)) as seat:
+        assert "Waiting for the robot process" in seat.text("Panels")
+        await seat.tell(scenes.welcome())
+        assert "Hello" in seat.text("Panels")
+
+
+@pytest.mark.parametrize("size", [(79, 24), (60, 20)])
+async def test_a_small_terminal_keeps_panels_and_stop_and_says_what_is_missing(
+    size: tuple[int, int],
+) -> None:
+    async with sitting(size=size) as seat:
+        drawn = seat.drawn()
+        assert "80 x 24" in drawn
+        assert "Hello" in drawn
+        assert "Esc stop" in drawn
+        await seat.tell(m.StopPressed(source="key", t=NOW))
+        assert "STOPPED by key" in seat.drawn()
+
+
+@pytest.mark.parametrize("size", [(30, 8), (12, 4), (49, 24), (200, 11)])
+async def test_a_tiny_terminal_shows_a_sentence_and_the_stop(size: tuple[int, int]) -> None:
+    async with sitting(size=size) as seat:
+        await seat.tell(m.StopPressed(source="key", t=NOW))
+        drawn = seat.drawn()
+        assert "STOPPED" in drawn
+        assert f"{size[0]} x {size[1]}"[:8] in drawn
+        await seat.press("h")
+        assert isinstance(seat.feed.asked[-1], r.AskAction)
+
+
+async def test_growing_and_shrinking() -> None:
+    async with sitting(size=(60, 20)) as seat:
+        for size in ((160, 50), (80, 24), (60, 20), (80, 24)):
+            await seat.pilot.resize_terminal(*size)
+            await seat.pass_time(0.2)
+            assert ("80 x 24" in seat.drawn()) is (size == (60, 20))
+            assert "Hello" in seat.drawn()
+
+
+async def test_a_key_plays_its_action_and_its_cap_lights_up() -> None:
+    async with sitting() as seat:
+        await seat.press("h")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert (asked.action, asked.source, asked.key) == ("Hello", "key", "h")
+        panels = seat.console._panels
+        flashing = [text for row in panels.rows for text, look in row if look == "flash"]
+        assert [text.strip() for text in flashing] == ["h"]
+        await seat.pass_time(1.0)
+        assert not [look for row in panels.rows for _, look in row if look == "flash"]
+
+
+async def test_sequences_wait_for_their_second_key() -> None:
+    async with sitting() as seat:
+        await seat.press("c")
+        assert "c … waits for its second key" in seat.text("StopBar")
+        await seat.press("r")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "Restoration room"
+
+
+async def test_a_key_without_meaning_says_so() -> None:
+    async with sitting() as seat:
+        await seat.press("z")
+        assert "z plays nothing" in seat.text("StopBar")
+        await seat.pass_time(30)
+        assert "plays nothing" not in seat.text("StopBar")
+
+
+@pytest.mark.parametrize("key", ["escape", "ctrl+c"])
+async def test_both_stop_keys_stop_and_the_bar_follows(key: str) -> None:
+    async with sitting() as seat:
+        await seat.press(key)
+        asked = seat.feed.last(r.AskStop)
+        assert asked is not None
+        await seat.until(lambda: "STOP SENT" in seat.text("StopBar"))
+        await seat.tell(m.StopPressed(source="key", t=NOW))
+        assert "STOPPED by key" in seat.text("StopBar")
+        await seat.press("ctrl+r")
+        assert seat.feed.last(r.AskRelease) is not None
+        await seat.tell(m.StopReleased(source="key", t=NOW))
+        assert "STOP" not in seat.text("StopBar")
+        assert seat.console.is_running
+
+
+async def test_keys_of_the_console_without_dialogs() -> None:
+    async with sitting() as seat:
+        await seat.press("space", "full_stop", "backspace")
+        kinds = [type(asked) for asked in seat.feed.asked]
+        assert kinds == [r.AskScript, r.AskMarker, r.AskMistake]
+        await seat.press("greater_than_sign")
+        moved = seat.feed.last(r.AskScript)
+        assert isinstance(moved, r.AskScript)
+        assert (moved.play, moved.to) == (False, 3)
+        await seat.press("less_than_sign")
+        moved = seat.feed.last(r.AskScript)
+        assert isinstance(moved, r.AskScript)
+        assert moved.to == 1
+
+
+async def test_the_last_run_can_be_cut_short() -> None:
+    async with sitting() as seat:
+        await seat.press("ctrl+x")
+        assert "nothing is being played" in seat.text("StopBar")
+        await seat.tell(*scenes.speaking())
+        await seat.press("ctrl+x")
+        asked = seat.feed.last(r.AskCancel)
+        assert isinstance(asked, r.AskCancel)
+        assert asked.run == "a9"
+
+
+async def test_tab_walks_through_panels_and_pages() -> None:
+    async with sitting(scenes.welcome(shown=scenes.many_panels(60))) as seat:
+        assert "Action 0 " in seat.text("Panels")
+        for _ in range(5):
+            await seat.press("tab")
+        assert "Action 59" in seat.text("Panels")
+        await seat.press("tab")
+        assert "Action 0 " in seat.text("Panels")
+        await seat.press("shift+tab")
+        assert "Action 59" in seat.text("Panels")
+
+
+async def test_a_refusal_is_shown_where_the_hints_are() -> None:
+    async with sitting() as seat:
+        seat.feed.answers[r.AskScript] = lambda _, ref: r.Reply(
+            ref=ref, ok=False, reason="the script is at its end"
+        )
+        await seat.press("space")
+        await seat.until(lambda: "the script is at its end" in seat.text("StopBar"))
+
+
+async def test_messages_in_a_burst_are_painted_at_most_ten_times_a_second() -> None:
+    async with sitting() as seat:
+        painted = 0
+        paint = seat.console.paint
+
+        def counted() -> None:
+            nonlocal painted
+            painted += 1
+            paint()
+
+        seat.console.paint = counted  # type: ignore[method-assign]
+        loop = asyncio.get_running_loop()
+        begun = loop.time()
+        seat.clock.advance(1.0)
+        for number in range(200):
+            await seat.tell_quietly(scenes.reading(NOW, "distance", number / 100))
+        assert painted <= (loop.time() - begun) / BEAT + 2
+        assert painted < 200
+        await seat.pass_time(0.2)
+        assert "1.99 m" in seat.text("Meters")
+
+
+async def test_only_changed_cells_are_painted(monkeypatch: pytest.MonkeyPatch) -> None:
+    first = scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])
+    async with sitting(first) as seat:
+        regions: list[object] = []
+        panels = seat.console._panels
+        monkeypatch.setattr(panels, "refresh", lambda *found: regions.extend(found))
+        await seat.tell(scenes.reading(NOW, "distance", 2.0))
+        assert regions == []
+        await seat.tell(*scenes.played("x1", "Nod", NOW, None))
+        assert len(regions) == 1
+
+
+async def test_a_reload_rebinds_the_keys() -> None:
+    async with sitting() as seat:
+        action = r.ActionView(name="New", label="New one", key="h")
+        changed = r.PanelsChanged(
+            title="Guide 2",
+            panels=[r.PanelView(title="Only", actions=[action])],
+            script=[],
+            verbs={},
+            conditions=[],
+            keyboard="us",
+        )
+        await seat.tell(changed)
+        assert "New one" in seat.text("Panels")
+        assert "Hello" not in seat.text("Panels")
+        await seat.press("h")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "New"
+
+
+async def test_what_cannot_arrive_has_a_reserve_key_that_plays() -> None:
+    async with sitting() as seat:
+        cap = seat.console.caps["Call staff"]
+        assert cap.reserve
+        assert f"{cap.chord}*" in seat.text("Panels")
+        await seat.press(cap.chord)
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "Call staff"
+
+
+async def test_a_watcher_is_told_that_it_watches() -> None:
+    async with sitting(scenes.welcome(role="watcher")) as seat:
+        assert "WATCHING" in seat.text("Status")
+
+
+async def test_the_lines_state_is_the_feeds() -> None:
+    async with sitting() as seat:
+        seat.feed.round_trip_us = 61_000
+        await seat.pass_time(1.1)
+        assert "line  61 ms" in seat.text("Status")
+        seat.feed.line_ok = False
+        await seat.pass_time(1.1)
+        assert "LINE STALLED" in seat.text("Status")
+
+
+async def test_ascii_and_sixteen_colours_for_the_linux_console() -> None:
+    first = scenes.welcome(
+        state=[*scenes.healthy(), *scenes.sensors()],
+        recent=[*scenes.history(), *scenes.speaking()],
+    )
+    async with sitting(first, look=Look(ASCII, "woz-16")) as seat:
+        assert seat.drawn().isascii()
+        for key in ("question_mark", "colon", "comma", "ctrl+q"):
+            await seat.press(key)
+            assert seat.drawn().isascii()
+            await seat.press("ctrl+q")
+
+
+async def test_no_colour_means_none(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    first = scenes.welcome(state=[*scenes.healthy(), m.StopPressed(source="key", t=NOW)])
+    async with sitting(first, look=Look(ASCII, "woz-16")) as seat:
+        picture = seat.console.export_screenshot()
+        assert "STOPPED" in picture.replace("&#160;", " ")
+        strips = seat.console.screen._compositor.render_strips()
+        colours = {
+            colour.name
+            for strip in strips
+            for segment in strip.apply_filter(
+                seat.console._filters[-1], seat.console.screen.background_colors[1]
+            )
+            if segment.style is not None
+            for colour in (segment.style.color, segment.style.bgcolor)
+            if colour is not None
+        }
+        assert colours == {"default"}
+
+
+async def test_themes_change_while_it_runs() -> None:
+    async with sitting() as seat:
+        for theme in ("woz-light", "woz-16", "woz-dark"):
+            seat.console.theme = theme
+            await seat.pilot.pause()
+            assert "Hello" in seat.drawn()
+
+
+async def test_leaving_closes_the_feed() -> None:
+    async with sitting() as seat:
+        seat.console.exit("detached")
+        await seat.pilot.pause()
+    assert seat.feed.closed
+
+
+def test_the_console_loads_neither_numpy_nor_any_dialog() -> None:
+    code = (
+        "import sys, woz_tui.console.app\n"
+        "bad = [n for n in sys.modules if n in ('numpy', 'serial', 'dynamixel_sdk')]\n"
+        "bad += [n for n in sys.modules if n.startswith('woz_tui.console.screens.')]\n"
+        "bad.remove('woz_tui.console.screens.dialog')\n"
+        "sys.exit(', '.join(bad) or 0)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    assert done.returncode == 0, done.stderr

@@ -1,0 +1,279 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.console import scenes
+from woz_tui.console.cells import Row, length
+from woz_tui.console.events import chosen, event_rows
+from woz_tui.console.figures import decibels, elapsed, seconds
+from woz_tui.console.glyphs import ASCII, UNICODE, Frame
+from woz_tui.console.meters import meter_rows, zone
+from woz_tui.console.picture import Picture
+from woz_tui.console.script import script_row
+from woz_tui.console.status import Line, status_rows
+from woz_tui.console.stopbar import Bar, News, bar_rows
+from woz_tui.core import messages as m
+
+NOW = scenes.NOW
+FRAME = Frame(50, 30, NOW)
+
+
+def pictured(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> Picture:
+    picture = Picture()
+    picture.take([scenes.welcome(state=first), *messages], 0)
+    return picture
+
+
+def text(rows: list[Row]) -> str:
+    return "\n".join("".join(piece for piece, _ in row) for row in rows)
+
+
+def meters(*messages: m.AnyMessage, frame: Frame = FRAME) -> str:
+    return text(meter_rows(pictured(*messages), frame))
+
+
+@pytest.mark.parametrize(
+    ("metres", "name"),
+    [(0.3, "intimate"), (0.44, "intimate"), (0.9, "personal"), (2.0, "social"), (4.0, "public")],
+)
+def test_halls_zones(metres: float, name: str) -> None:
+    assert zone(metres) == name
+    assert f"{metres:.2f} m {name}" in meters(scenes.reading(NOW, "distance", metres))
+
+
+def test_the_spot_moves_with_the_distance() -> None:
+    def at(metres: float) -> int:
+        return meters(scenes.reading(NOW, "distance", metres)).index("●")
+
+    assert at(0.2) < at(1.0) < at(3.0) <= at(4.7) == at(40.0)
+
+
+def test_old_values_look_old() -> None:
+    reading = scenes.reading(NOW - 4_000_000, "distance", 1.0)
+    (row,) = meter_rows(pictured(reading), FRAME)
+    assert "~4 s old" in text([row])
+    assert "stale" in {look for _, look in row}
+
+
+def test_a_missing_distance_is_no_distance() -> None:
+    assert "nothing seen" in meters(scenes.reading(NOW, "distance", None))
+
+
+def test_loudness_shows_level_threshold_and_voice() -> None:
+    loud: list[m.AnyMessage] = [
+        scenes.reading(NOW, "loudness", 0.1),
+        scenes.reading(NOW, "loudness.threshold", 0.01),
+        m.SensorChanged(sensor="loudness", state="speaking", t=NOW),
+    ]
+    shown = meters(*loud)
+    assert "-20 dB ● voice" in shown
+    assert "│" in shown
+    quiet = meters(scenes.reading(NOW, "loudness", 0.0))
+    assert "-60 dB" in quiet
+    assert "voice" not in quiet
+
+
+def test_verdicts_have_signs() -> None:
+    shown = meters(
+        scenes.reading(NOW, "presence", 1.0),
+        scenes.reading(NOW, "gaze", 0.0),
+        scenes.reading(NOW, "identity", None, text="visitor 3"),
+    )
+    assert "● person" in shown
+    assert "○ looks" in shown
+    assert "visitor 3" in shown
+    assert "~ person" in meters(scenes.reading(NOW - 9_000_000, "presence", 1.0))
+
+
+def test_engagement_gives_its_reason() -> None:
+    shown = meters(*[e for e in scenes.history() if isinstance(e, m.EngagementChanged)])
+    assert "EngagedWithKnown" in shown
+    assert "visitor 12 looks at the robot" in shown
+
+
+def test_joints_show_where_they_are_and_where_they_go() -> None:
+    shown = meters(*scenes.pose())
+    assert "14° → 30°" in shown
+    assert "◆" in shown
+    assert "◇" in shown
+    assert "-6° →" not in shown
+
+
+def test_joints_fold_where_there_is_no_room() -> None:
+    shown = meters(*scenes.sensors(), frame=Frame(40, 5, NOW))
+    assert "yaw 14°" in shown
+    assert len(shown.splitlines()) <= 5
+
+
+def test_two_heads_keep_their_full_names() -> None:
+    shown = meters(
+        scenes.reading(NOW, "joint.left.yaw", 1.0), scenes.reading(NOW, "joint.right.yaw", 2.0)
+    )
+    assert "left.yaw" in shown
+    assert "right.yaw" in shown
+
+
+def test_unknown_sensors_get_a_line() -> None:
+    shown = meters(scenes.reading(NOW, "temperature", 41.5, unit="C"))
+    assert "41.5 C" in shown
+    assert "no sensor" in meters()
+
+
+@given(
+    st.sampled_from(["distance", "loudness", "presence", "joint.a", "setpoint.a", "odd"]),
+    st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False)),
+    st.integers(10, 120),
+    st.integers(1, 30),
+)
+def test_meters_keep_to_their_frame(
+    name: str, value: float | None, width: int, height: int
+) -> None:
+    picture = pictured(scenes.reading(NOW, name, value))
+    rows = meter_rows(picture, Frame(width, height, NOW))
+    assert len(rows) <= height
+    assert all(length(row) == width for row in rows)
+
+
+# -- status, events, script, stop bar ------------------------------------------------------------
+
+
+def status(picture: Picture, width: int = 80, line: Line | None = None) -> str:
+    rows = status_rows(picture, Frame(width, 2, NOW), line or Line())
+    assert all(length(row) == width for row in rows)
+    return text(rows)
+
+
+def test_the_status_line_says_who_what_and_how_it_is() -> None:
+    shown = status(pictured(), 120, Line(True, 23_000))
+    for part in ("Museum guide", "12:31", "P07", "warm", "trial 3", "session S01", "● REC"):
+        assert part in shown
+    assert "line  23 ms" in shown
+    assert "● head" in shown
+
+
+def test_a_narrow_status_line_leaves_whole_parts_out() -> None:
+    shown = status(pictured(), 60)
+    assert "P07" in shown
+    assert "…" not in shown.splitlines()[0]
+
+
+@pytest.mark.parametrize(
+    ("level", "lag", "shown"),
+    [
+        ("ok", 4_000, "● REC"),
+        ("warn", 300_000, "▲ REC 300 ms"),
+        ("alarm", 1_500_000, "REC 1500 ms LATE"),
+        ("failed", 0, "NOT RECORDED"),
+    ],
+)
+def test_the_recorders_levels(level: str, lag: int, shown: str) -> None:
+    assert shown in status(pictured(m.RecorderState(level=level, lag_us=lag, path="x", t=NOW)))
+
+
+def test_a_slow_and_a_stalled_line_are_told() -> None:
+    assert "▲ line 200 ms" in status(pictured(), line=Line(True, 200_000))
+    assert "LINE STALLED" in status(pictured(), line=Line(False, None))
+
+
+def test_lost_drivers_failures_and_missing_participants_are_told() -> None:
+    picture = pictured(
+        m.DriverLost(driver="face", t=NOW),
+        *scenes.played("a1", "Bow", NOW, 0, how="failed"),
+        first=[scenes.start("", "")],
+    )
+    shown = status(picture, 100)
+    assert "✗ face lost" in shown
+    assert "✗ 1 failed: enter" in shown
+    assert "no participant" in shown
+    assert "no condition" in shown
+
+
+def test_unseen_failures_stay_on_the_list() -> None:
+    picture = pictured(*scenes.played("bad", "Bow", NOW - 60_000_000, 1, how="failed"))
+    for number in range(30):
+        picture.take(scenes.played(f"r{number}", "Nod", NOW - 30_000_000, 1), 0)
+    shown = chosen(picture, 6)
+    assert len(shown) == 6
+    assert shown[0].run == "r29"
+    assert shown[-1].run == "bad"
+    picture.see_failures()
+    assert "bad" not in {event.run for event in chosen(picture, 6)}
+
+
+def test_events_say_when_what_and_how_it_ended() -> None:
+    frame = Frame(60, 14, NOW)
+    rows = event_rows(pictured(*scenes.history(), *scenes.speaking()), frame)
+    shown = text(rows)
+    assert all(length(row) == 60 for row in rows)
+    assert "12:22 ✓ Nod" in shown
+    assert "✗ Bow  head: servo 2 (pitch) overloaded" in shown
+    assert "2.1 s left" in shown
+    assert "queued" in shown
+    assert "mistake" in shown
+
+
+def test_the_scripts_line() -> None:
+    shown = text([script_row(pictured(), Frame(60, 1, NOW), "Space")])
+    assert "▸ Map" in shown
+    assert "→ Roman glass" in shown
+    assert shown.rstrip().endswith("2/6")
+    ended = text([script_row(pictured(m.ScriptMoved(position=6)), Frame(60, 1, NOW), "Space")])
+    assert "at its end" in ended
+
+
+def bar(picture: Picture, asked_us: int | None = None, frame: Frame | None = None) -> str:
+    hints = (("Esc", "stop"), ("/", "say"))
+    rows = bar_rows(
+        picture, frame or Frame(80, 2, NOW), Bar(News(), hints, "Space", "^R", asked_us)
+    )
+    assert len(rows) == 2
+    assert all(length(row) == (frame or FRAME_BAR).width for row in rows)
+    return text(rows)
+
+
+FRAME_BAR = Frame(80, 2, NOW)
+
+
+def test_the_stop_bar_names_who_confirmed_and_who_did_not() -> None:
+    picture = pictured(m.StopPressed(source="key", t=NOW))
+    assert "STOPPED by key" in bar(picture)
+    assert "waiting for the drivers" in bar(picture)
+    picture.take(
+        [m.StopConfirmed(confirmed=["head", "voice"], missing=["face"], elapsed_us=500_000)], 0
+    )
+    shown = bar(picture)
+    assert "NOT CONFIRMED: face" in shown
+    assert "confirmed: head, voice" in shown
+    assert "^R releases it" in shown
+
+
+def test_a_stop_that_is_not_answered_or_not_delivered_says_so() -> None:
+    picture = pictured()
+    assert "STOP SENT" in bar(picture, asked_us=NOW - 400_000)
+    assert "400 ms" in bar(picture, asked_us=NOW - 400_000)
+    picture.lose("the robot process closed the connection")
+    assert "robot process is gone" in bar(picture)
+    assert "STOP NOT DELIVERED" in bar(picture, asked_us=NOW)
+
+
+def test_the_bar_in_ascii_and_very_narrow() -> None:
+    picture = pictured(m.StopPressed(source="key", t=NOW))
+    assert bar(picture, frame=Frame(80, 2, NOW, ASCII)).isascii()
+    rows = bar_rows(picture, Frame(12, 2, NOW, UNICODE), Bar(release="^R"))
+    assert all(length(row) == 12 for row in rows)
+
+
+@pytest.mark.parametrize(
+    ("us", "shown"), [(0, "00:00"), (61_000_000, "01:01"), (3_661_000_000, "1:01:01")]
+)
+def test_elapsed(us: int, shown: str) -> None:
+    assert elapsed(us) == shown
+
+
+def test_figures() -> None:
+    assert seconds(2_140_000) == "2.1 s"
+    assert seconds(123_000_000) == "123 s"
+    assert decibels(1.0) == 0.0
+    assert decibels(0.0) == decibels(float("nan")) == -60.0

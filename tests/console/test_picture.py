@@ -1,0 +1,376 @@
+from __future__ import annotations
+
+import string
+from typing import Any
+
+import msgspec
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.console import scenes
+from tests.console.scripted import raw
+from woz_tui.console.feed import Incoming
+from woz_tui.console.parts import State, StopPicture
+from woz_tui.console.picture import DONE_US, Picture
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+NOW = scenes.NOW
+
+
+def begun(*messages: Incoming, first: r.Welcome | None = None) -> Picture:
+    picture = Picture()
+    picture.take([first or scenes.welcome()], 0)
+    picture.take(messages, 0)
+    return picture
+
+
+def state(picture: Picture, action: str, now: int = NOW) -> State:
+    for panel in picture.panels:
+        for view in panel.actions:
+            if view.name == action:
+                return picture.standing(panel, view, now).state
+    raise AssertionError(f"no action {action}")
+
+
+def requested(run: str = "a1", action: str = "Hello", t: int = NOW) -> m.ActionRequested:
+    return m.ActionRequested(run=run, action=action, source="key", t=t)
+
+
+def command(
+    run: str = "a1", action: str = "Hello", t: int = NOW, text: str = "Hello!"
+) -> m.Command:
+    return m.Command(
+        command=f"c-{run}",
+        run=run,
+        action=action,
+        verb="say",
+        args={"text": text},
+        source="key",
+        t=t,
+    )
+
+
+def dispatched(run: str = "a1", t: int = NOW) -> m.Dispatched:
+    return m.Dispatched(command=f"c-{run}", driver="voice", latency_us=300, t=t)
+
+
+def test_the_welcome_fills_the_picture() -> None:
+    picture = begun()
+    assert picture.title == "Museum guide"
+    assert (picture.session, picture.participant, picture.condition) == ("S01", "P07", "warm")
+    assert picture.trial == 3
+    assert picture.recorder.level == "ok"
+    assert picture.recorder.lag_us == 4_200
+    assert {driver.health for driver in picture.drivers.values()} == {"connected"}
+    assert picture.position == 2
+    assert picture.now(0) == NOW
+
+
+def test_time_goes_on_between_messages_and_never_back_for_a_late_one() -> None:
+    picture = begun()
+    assert picture.now(500_000) == NOW + 500_000
+    picture.take([r.Pulse(t=NOW + 400_000)], 500_000)
+    assert picture.now(500_000) == NOW + 500_000
+    picture.take([r.Pulse(t=NOW + 900_000)], 600_000)
+    assert picture.now(600_000) == NOW + 900_000
+
+
+def test_an_action_is_queued_then_runs_then_is_done_for_a_moment() -> None:
+    picture = begun(requested())
+    assert state(picture, "Hello") is State.QUEUED
+    picture.take([command(), dispatched()], 0)
+    assert state(picture, "Hello") is State.RUNNING
+    picture.take([m.ActionDone(run="a1", action="Hello", t=NOW + 100)], 0)
+    assert state(picture, "Hello", NOW + 100) is State.DONE
+    assert state(picture, "Hello", NOW + 101 + DONE_US) is State.READY
+    assert not picture.runs.active
+
+
+def test_progress_tells_the_time_left_and_the_share_gone_by() -> None:
+    picture = begun(
+        requested(),
+        command(),
+        dispatched(),
+        m.Progress(command="c-a1", driver="voice", expected_us=4_000_000, t=NOW),
+    )
+    panel, action = picture.panels[0], picture.panels[0].actions[0]
+    standing = picture.standing(panel, action, NOW + 1_000_000)
+    assert standing.left_us == 3_000_000
+    assert standing.share == 0.25
+    late = picture.standing(panel, action, NOW + 9_000_000)
+    assert (late.left_us, late.share) == (0, 1.0)
+
+
+def test_the_second_step_counts_from_its_own_beginning() -> None:
+    picture = begun(
+        requested(),
+        command(),
+        dispatched(),
+        m.Progress(command="c-a1", driver="voice", expected_us=1_000_000, t=NOW),
+        m.Done(command="c-a1", sent={}, latency_us=1, duration_us=1, t=NOW + 1_000_000),
+        msgspec.structs.replace(command(t=NOW + 1_000_000), command="second"),
+        m.Dispatched(command="second", driver="head", latency_us=1, t=NOW + 1_000_000),
+        m.Progress(command="second", driver="head", expected_us=2_000_000, t=NOW + 1_000_000),
+    )
+    run = picture.runs.active["a1"]
+    assert run.timing(NOW + 2_000_000) == (1_000_000, 0.5)
+
+
+def test_a_failure_stays_until_it_is_seen() -> None:
+    picture = begun(
+        requested(),
+        command(),
+        m.Failed(
+            command="c-a1", driver="voice", reason="no sound card", remedy="plug it in", t=NOW
+        ),
+        m.ActionFailed(run="a1", action="Hello", reason="voice: no sound card", t=NOW),
+    )
+    later = NOW + 3_600_000_000
+    assert state(picture, "Hello", later) is State.FAILED
+    (failure,) = picture.unseen()
+    assert (failure.reason, failure.remedy) == ("voice: no sound card", "plug it in")
+    picture.see_failures()
+    assert state(picture, "Hello", later) is State.READY
+    assert picture.unseen() == []
+
+
+def test_what_was_seen_stays_seen_when_the_line_comes_back() -> None:
+    failed = scenes.played("a1", "Hello", NOW, 1, how="failed", reason="broken")
+    picture = begun(first=scenes.welcome(recent=failed))
+    assert len(picture.unseen()) == 1
+    picture.see_failures()
+    picture.lose("closed")
+    picture.take([scenes.welcome(recent=failed)], 0)
+    assert picture.unseen() == []
+    assert picture.lost == ""
+
+
+def test_a_failure_that_worked_later_gives_the_button_back_but_is_not_forgotten() -> None:
+    picture = begun(
+        *scenes.played("a1", "Hello", NOW - 90_000_000, 1, how="failed", reason="broken"),
+        *scenes.played("a2", "Hello", NOW - 80_000_000, 1),
+    )
+    assert state(picture, "Hello") is State.READY
+    assert len(picture.unseen()) == 1
+
+
+def test_refused_and_stopped_show_for_a_while() -> None:
+    picture = begun(
+        *scenes.played("a1", "Hello", NOW, 0, how="refused", reason="stale"),
+        *scenes.played("a2", "Map", NOW, 0, how="stopped"),
+    )
+    assert state(picture, "Hello") is State.REFUSED
+    assert state(picture, "Map") is State.STOPPED
+    assert state(picture, "Hello", NOW + 60_000_000) is State.READY
+
+
+def test_locked_panels_and_lost_drivers() -> None:
+    picture = begun(
+        m.PanelLocked(panel="Gestures", locked=True, t=NOW),
+        m.DriverLost(driver="voice", detail="unplugged", t=NOW),
+    )
+    assert state(picture, "Nod") is State.LOCKED
+    assert state(picture, "Hello") is State.UNREACHABLE
+    assert state(picture, "Happy") is State.READY
+    picture.take(
+        [m.PanelLocked(panel="Gestures", locked=False), m.DriverConnected(driver="voice")], 0
+    )
+    assert state(picture, "Nod") is State.READY
+    assert state(picture, "Hello") is State.READY
+
+
+def test_a_verb_of_two_drivers_is_reachable_while_one_is_left() -> None:
+    first = msgspec.structs.replace(
+        scenes.welcome(), verbs={"left": ["say"], "right": ["say"]}, drivers=["left", "right"]
+    )
+    picture = begun(m.DriverLost(driver="left"), first=first)
+    assert state(picture, "Hello") is State.READY
+    picture.take([m.DriverLost(driver="right")], 0)
+    assert state(picture, "Hello") is State.UNREACHABLE
+
+
+def test_the_stop_from_press_to_release() -> None:
+    picture = begun(m.StopPressed(source="key", t=NOW))
+    assert picture.stop == StopPicture(NOW, "key")
+    picture.take([m.StopConfirmed(confirmed=["head"], missing=["face"], elapsed_us=9, t=NOW)], 0)
+    assert picture.stop == StopPicture(NOW, "key", ("head",), ("face",), settled=True)
+    picture.take([m.StopReleased(source="key", t=NOW)], 0)
+    assert picture.stop is None
+
+
+def test_a_stop_of_driving_alone_is_an_event_and_latches_nothing() -> None:
+    picture = begun(m.StopPressed(source="console-lost", scope="drive", t=NOW))
+    assert picture.stop is None
+    assert picture.events[-1].text == "Driving stopped"
+    picture.take([m.StopPressed(source="key", t=NOW)], 0)
+    picture.take([m.StopPressed(source="console-lost", scope="drive", t=NOW + 1)], 0)
+    assert picture.stop == StopPicture(NOW, "key")
+
+
+def test_readings_age_and_come_back() -> None:
+    picture = begun(scenes.reading(NOW, "distance", 1.5, driver="range", unit="m"))
+    sensor = picture.sensors["distance"]
+    assert not picture.is_stale(sensor, NOW + 1_000_000)
+    assert picture.is_stale(sensor, NOW + 5_000_000)
+    picture.take([m.SensorChanged(sensor="distance", state="stale", t=NOW)], 0)
+    assert picture.is_stale(sensor, NOW)
+    picture.take([scenes.reading(NOW + 1, "distance", 1.4)], 0)
+    assert not picture.is_stale(sensor, NOW + 1)
+    picture.take([m.DriverLost(driver="range", t=NOW)], 0)
+    assert picture.is_stale(sensor, NOW)
+
+
+def test_the_last_run_and_its_mistake() -> None:
+    picture = begun(*scenes.played("a1", "Hello", NOW, 1), *scenes.played("a2", "Map", NOW, 1))
+    assert picture.last_run is not None
+    assert (picture.last_run.run, picture.last_run.action) == ("a2", "Map")
+    picture.take([m.Mistake(run="a2", action="Map", t=NOW)], 0)
+    assert [event.run for event in picture.events if event.mistake] == ["a2"]
+
+
+def test_events_get_their_outcome_and_their_time() -> None:
+    picture = begun(*scenes.played("a1", "Hello", NOW, 2))
+    event = picture.events[-1]
+    assert (event.text, event.mark, event.took_us) == ("Hello", "done", 2_000_000)
+
+
+def test_a_typed_utterance_is_an_event_of_its_own_and_its_failure_is_kept() -> None:
+    typed = m.Command(command="c9", verb="say", args={"text": "Good"}, source="key", t=NOW)
+    picture = begun(typed)
+    assert picture.events[-1].text == "“Good”"
+    picture.take([m.Failed(command="c9", driver="voice", reason="no voice", t=NOW)], 0)
+    assert picture.events[-1].mark == "failed"
+    assert [failure.reason for failure in picture.unseen()] == ["voice: no voice"]
+    assert not picture.runs.active
+
+
+def test_state_is_taken_without_a_line_recent_with_one() -> None:
+    first = scenes.welcome(
+        state=[*scenes.healthy(), *scenes.played("a5", "Map", NOW, None)],
+        recent=[m.Note(text="late", t=NOW)],
+    )
+    picture = begun(first=first)
+    assert [event.text for event in picture.events] == ["late"]
+    assert state(picture, "Map") is State.RUNNING
+
+
+def test_unknown_and_broken_lines_in_a_welcome_are_passed_over() -> None:
+    first = msgspec.structs.replace(
+        scenes.welcome(),
+        recent=[
+            msgspec.Raw(b'{"kind":"from.the.future","x":1}'),
+            msgspec.Raw(b'{"kind":"note"}'),
+            *raw([m.Note(text="fine", t=NOW)]),
+        ],
+    )
+    assert [event.text for event in begun(first=first).events] == ["fine"]
+
+
+def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
+    picture = begun(requested(), command(), dispatched())
+    edition = picture.edition
+    shorter = r.PanelsChanged(
+        title="Guide 2",
+        panels=[scenes.panels()[0]],
+        script=["Hello"],
+        verbs={},
+        conditions=[],
+        keyboard="de",
+    )
+    picture.take([shorter], 0)
+    assert picture.edition > edition
+    assert (picture.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
+    assert state(picture, "Hello") is State.RUNNING
+
+
+# -- any order, any content ----------------------------------------------------------------------
+
+names = st.sampled_from(["a1", "a2", "Hello", "Map", "voice", "face", "distance", "", "Speech"])
+times = st.integers(-1, 1 << 48)
+texts = st.text(alphabet=string.printable + "é“\x1b\u202e", max_size=12)
+numbers = st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False))
+values: st.SearchStrategy[m.Json] = st.one_of(st.none(), st.booleans(), numbers, texts)
+
+
+def _field(name: str) -> st.SearchStrategy[object]:
+    special: dict[str, st.SearchStrategy[object]] = {
+        "t": times,
+        "seq": st.integers(-1, 100),
+        "trial": st.one_of(st.none(), st.integers()),
+        "participant": texts,
+        "condition": texts,
+        "locked": st.booleans(),
+        "value": numbers,
+        "raw": numbers,
+        "position": st.integers(-5, 50),
+        "schema": st.just(1),
+        "seed": st.integers(),
+        "limit_s": st.floats(0, 100),
+        "args": st.dictionaries(st.sampled_from(["text", "move", "x"]), values, max_size=2),
+        "sent": st.dictionaries(texts, values, max_size=2),
+        "verdicts": st.dictionaries(texts, values, max_size=4),
+        "software": st.just({}),
+        "clock": st.just({}),
+        "level": st.sampled_from(["ok", "warn", "alarm", "failed", "info", "error", "odd"]),
+        "state": st.sampled_from(["ok", "stale", "speaking", "odd"]),
+        "scope": st.sampled_from(["all", "drive", "odd"]),
+        "lines": st.integers(0, 9),
+        "number": st.integers(0, 9),
+        "dropped": st.integers(0, 9),
+        "dropped_samples": st.integers(0, 9),
+    }
+    if name in special:
+        return special[name]
+    if name in ("confirmed", "missing", "changes", "bad"):
+        return st.lists(texts, max_size=3)
+    return st.integers(-9, 1 << 40) if name.endswith("_us") else st.one_of(names, texts)
+
+
+def _kinds() -> list[type[m.Message]]:
+    found: list[type[m.Message]] = []
+    todo = list(m.Message.__subclasses__())
+    while todo:
+        kind = todo.pop()
+        todo.extend(kind.__subclasses__())
+        if not kind.__subclasses__():
+            found.append(kind)
+    return found
+
+
+def _any_message() -> st.SearchStrategy[Incoming]:
+    made: list[st.SearchStrategy[Any]] = [
+        st.builds(kind, **{name: _field(name) for name in kind.__struct_fields__})
+        for kind in _kinds()
+    ]
+    made.append(st.builds(r.Pulse, t=times, dropped=st.integers(0, 9)))
+    made.append(st.builds(r.Reply, ref=st.integers(), ok=st.booleans()))
+    made.append(st.just(scenes.welcome()))
+    made.append(st.just({"kind": "unheard of"}))
+    return st.one_of(made)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(_any_message(), max_size=25), st.integers(0, 1 << 40))
+def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) -> None:
+    picture = Picture()
+    picture.take(batch, local)
+    now = picture.now(local)
+    for panel in picture.panels:
+        for action in panel.actions:
+            standing = picture.standing(panel, action, now)
+            assert standing.share is None or 0 <= standing.share <= 1
+    assert 0 <= picture.position <= len(picture.script)
+    assert len(picture.runs.active) <= len(batch) + 20
+    for sensor in picture.sensors.values():
+        picture.is_stale(sensor, now)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.permutations(scenes.history()))
+def test_a_shuffled_history_ends_every_run(shuffled: list[m.AnyMessage]) -> None:
+    picture = begun(*shuffled)
+    again = begun(*shuffled, *shuffled)
+    ended = {message.run for message in shuffled if isinstance(message, m.ActionEnd)}
+    assert {failure.run for failure in picture.unseen()} == {"a5"}
+    assert {failure.run for failure in again.unseen()} <= ended

@@ -1,0 +1,446 @@
+from __future__ import annotations
+
+import pytest
+from textual.widgets import Input, OptionList
+
+from tests.console import scenes
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.screens.say import complete
+from woz_tui.console.screens.start import wrong_code, wrong_trial
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+NOW = scenes.NOW
+SIZES = [(80, 24), (160, 50), (60, 20)]
+#: Key that opens each dialog.
+OPENERS = {
+    "SayDialog": "slash",
+    "FindDialog": "colon",
+    "NoteDialog": "comma",
+    "MistakeDialog": "ctrl+w",
+    "FailuresDialog": "enter",
+    "HelpDialog": "question_mark",
+    "StartDialog": "ctrl+t",
+    "PreflightDialog": "ctrl+f",
+    "ReloadDialog": "ctrl+e",
+    "DriversDialog": "ctrl+d",
+    "LeaveDialog": "ctrl+q",
+}
+
+
+def busy() -> r.Welcome:
+    return scenes.welcome(recent=scenes.history())
+
+
+async def opened(seat: Sitting, name: str) -> None:
+    await seat.press(OPENERS[name])
+    await seat.until(lambda: type(seat.console.dialog).__name__ == name, name)
+    await seat.pilot.pause()
+
+
+def entry(seat: Sitting) -> Input:
+    return seat.console.screen.query_one("#entry", Input)
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_every_dialog_opens_fits_and_closes(size: tuple[int, int]) -> None:
+    async with sitting(busy(), size=size) as seat:
+        for name in OPENERS:
+            await opened(seat, name)
+            assert seat.console.keyboard.free is False
+            dialog = seat.console.dialog
+            assert isinstance(dialog, Dialog)
+            assert dialog.heading in seat.drawn()
+            box = dialog.query_one(".dialog").region
+            assert box.right <= size[0], name
+            assert box.bottom <= size[1], name
+            await seat.press("ctrl+q")
+            assert seat.console.dialog is None, name
+            assert seat.console.keyboard.free is True
+        assert seat.feed.last(r.AskStop) is None
+
+
+@pytest.mark.parametrize("key", ["escape", "ctrl+c"])
+async def test_the_stop_reaches_the_robot_from_every_dialog_and_closes_it(key: str) -> None:
+    async with sitting(busy()) as seat:
+        for count, name in enumerate(OPENERS, start=1):
+            await opened(seat, name)
+            await seat.press(key)
+            stops = [asked for asked in seat.feed.asked if isinstance(asked, r.AskStop)]
+            assert len(stops) == count, name
+            await seat.until(lambda: seat.console.dialog is None, name)
+            assert seat.console.keyboard.free is True
+            assert "STOP SENT" in seat.text("StopBar")
+
+
+async def test_no_experiment_key_plays_while_a_dialog_has_the_keyboard() -> None:
+    async with sitting(busy()) as seat:
+        for name in OPENERS:
+            await opened(seat, name)
+            await seat.press("h", "1", "f1")
+            assert seat.feed.last(r.AskAction) is None, name
+            await seat.press("ctrl+q")
+
+
+async def test_the_stop_is_released_from_within_a_dialog() -> None:
+    async with sitting(busy()) as seat:
+        await seat.tell(m.StopPressed(source="program", t=NOW))
+        await opened(seat, "NoteDialog")
+        await seat.press("ctrl+r")
+        assert seat.feed.last(r.AskRelease) is not None
+        assert seat.console.dialog is not None
+
+
+# -- say ---------------------------------------------------------------------------------------
+
+
+async def test_type_and_say() -> None:
+    async with sitting() as seat:
+        await opened(seat, "SayDialog")
+        await seat.type("hi, you")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskVerb)
+        assert isinstance(asked, r.AskVerb)
+        assert (asked.verb, asked.args, asked.on) == ("say", {"text": "hi, you"}, "")
+        assert seat.console.dialog is None
+
+
+async def test_history_and_completion() -> None:
+    async with sitting() as seat:
+        for text in ("first", "second"):
+            await opened(seat, "SayDialog")
+            await seat.type(text)
+            await seat.press("enter")
+        await opened(seat, "SayDialog")
+        await seat.press("up")
+        assert entry(seat).value == "second"
+        await seat.press("up")
+        assert entry(seat).value == "first"
+        await seat.press("down", "down")
+        assert entry(seat).value == ""
+        await seat.type("plea")
+        assert "Please look at the map." in seat.drawn()
+        await seat.press("tab")
+        assert entry(seat).value == "please look at the map."
+        entry(seat).value = "Hello {par"
+        await seat.press("tab")
+        assert entry(seat).value == "Hello {participant}"
+
+
+async def test_what_was_typed_survives_a_stop() -> None:
+    async with sitting() as seat:
+        await opened(seat, "SayDialog")
+        await seat.type("half a sen")
+        await seat.press("escape")
+        await seat.until(lambda: seat.console.dialog is None)
+        await opened(seat, "SayDialog")
+        assert entry(seat).value == "half a sen"
+        await seat.type("tence")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskVerb)
+        assert isinstance(asked, r.AskVerb)
+        assert asked.args == {"text": "half a sentence"}
+
+
+async def test_nothing_typed_says_nothing() -> None:
+    async with sitting() as seat:
+        await opened(seat, "SayDialog")
+        await seat.press("space", "enter")
+        assert seat.feed.last(r.AskVerb) is None
+        assert seat.console.dialog is None
+
+
+@pytest.mark.parametrize(
+    ("typed", "whole"),
+    [
+        ("", None),
+        ("Pl", "Please look."),
+        ("PLEASE l", "PLEASE look."),
+        ("Please look.", None),
+        ("x", None),
+        ("a {se", "a {session}"),
+        ("a {participant} {c", "a {participant} {condition}"),
+        ("a {zz", None),
+    ],
+)
+def test_complete(typed: str, whole: str | None) -> None:
+    variables = ["session", "participant", "condition"]
+    assert complete(typed, ["Please look.", "Pleased"], variables) == whole
+
+
+# -- find, note, mistake -----------------------------------------------------------------------
+
+
+async def test_find_an_action_by_a_few_letters_and_play_it() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("rom")
+        found = seat.console.screen.query_one("#found", OptionList)
+        shown = [str(option.prompt) for option in found.options]
+        assert "Roman glass" in shown[0]
+        assert not any("Hello" in line for line in shown)
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert (asked.action, asked.source) == ("Roman glass", "palette")
+
+
+async def test_find_by_words_and_choose_with_the_arrows() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("point")
+        assert seat.console.screen.query_one("#found", OptionList).highlighted == 0
+        await seat.press("down", "enter")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "Point right"
+        await opened(seat, "FindDialog")
+        await seat.type("museum")
+        assert "Welcome" in seat.drawn()
+
+
+async def test_find_locks_panels_and_carries_out_the_consoles_commands() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("lock gest")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskLock)
+        assert isinstance(asked, r.AskLock)
+        assert (asked.panel, asked.locked) == ("Gestures", True)
+        await opened(seat, "FindDialog")
+        await seat.type("light colours")
+        await seat.press("enter")
+        assert seat.console.theme == "woz-light"
+
+
+async def test_find_without_a_match_plays_nothing() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("qqqqqq")
+        await seat.press("enter")
+        assert seat.feed.asked == []
+
+
+async def test_a_note() -> None:
+    async with sitting() as seat:
+        await opened(seat, "NoteDialog")
+        await seat.type("looks away")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskNote)
+        assert isinstance(asked, r.AskNote)
+        assert asked.text == "looks away"
+        await opened(seat, "NoteDialog")
+        assert entry(seat).value == ""
+
+
+async def test_a_mistake_is_picked_from_the_log() -> None:
+    async with sitting(busy()) as seat:
+        await opened(seat, "MistakeDialog")
+        await seat.press("down", "down", "enter")
+        asked = seat.feed.last(r.AskMistake)
+        assert isinstance(asked, r.AskMistake)
+        assert asked.run == "a5"
+
+
+# -- failures, drivers, help -------------------------------------------------------------------
+
+
+async def test_failures_are_read_and_seen() -> None:
+    async with sitting(busy()) as seat:
+        assert "1 failed" in seat.text("Status")
+        await opened(seat, "FailuresDialog")
+        assert "servo 2 (pitch) overloaded" in seat.drawn()
+        await seat.press("enter")
+        assert "failed" not in seat.text("Status")
+        assert seat.console.picture.unseen() == []
+        await seat.press("enter")
+        assert seat.console.dialog is None
+
+
+async def test_driver_details_follow_what_happens() -> None:
+    async with sitting() as seat:
+        await opened(seat, "DriversDialog")
+        assert "3 servos XL330" in seat.drawn()
+        await seat.tell(m.DriverLost(driver="head", detail="unplugged", remedy="plug in the U2D2"))
+        assert "head  lost" in seat.drawn()
+        assert "plug in the U2D2" in seat.drawn()
+
+
+async def test_help_lists_every_key_with_reserves_and_reasons() -> None:
+    async with sitting(size=(160, 120)) as seat:
+        await opened(seat, "HelpDialog")
+        drawn = seat.drawn()
+        for part in ("stop everything", "type something to say", "Restoration room", "c r"):
+            assert part in drawn
+        assert seat.console.caps["Call staff"].why[:20] in drawn
+        assert "instead of ^1" in drawn
+
+
+# -- start -------------------------------------------------------------------------------------
+
+
+async def test_the_start_is_asked_only_if_nobody_is_chosen_yet() -> None:
+    async with sitting(ask_participant=True) as seat:
+        assert seat.console.dialog is None
+    first = scenes.welcome(state=[scenes.start("", "")])
+    async with sitting(first, ask_participant=True) as seat:
+        await seat.until(lambda: seat.console.dialog is not None)
+        await seat.type("P1")
+        await seat.press("enter")
+        assert "does not match" in seat.drawn()
+        await seat.type("2")
+        await seat.press("enter")
+        assert "Choose a condition" in seat.drawn()
+        await seat.press("tab", "down", "enter", "tab")
+        await seat.type("x")
+        await seat.press("enter")
+        assert "whole number" in seat.drawn()
+        await seat.press("backspace", "4", "enter")
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert (asked.participant, asked.trial) == ("P12", 4)
+        assert asked.condition in ("warm", "cold")
+        await seat.until(lambda: seat.console.dialog is None)
+
+
+async def test_the_robot_process_may_refuse_a_participant() -> None:
+    async with sitting() as seat:
+        seat.feed.answers[r.AskSet] = lambda _, ref: r.Reply(
+            ref=ref, ok=False, reason="P07 took part before"
+        )
+        await opened(seat, "StartDialog")
+        await seat.press("enter")
+        await seat.until(lambda: "P07 took part before" in seat.drawn())
+
+
+def test_codes_and_trials() -> None:
+    assert wrong_code("P07", "P\\d\\d") == ""
+    assert wrong_code("", "P\\d\\d")
+    assert wrong_code("P7", "P\\d\\d")
+    assert wrong_code("P7", "(") == ""
+    assert wrong_trial("") == wrong_trial("3") == ""
+    assert wrong_trial("-1")
+
+
+# -- preflight and reload ----------------------------------------------------------------------
+
+
+async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
+    findings = [
+        {"level": "ok", "subject": "head", "text": "3 servos", "remedy": ""},
+        {"level": "error", "subject": "disk", "text": "3 MB free", "remedy": "make room"},
+        "not a finding",
+    ]
+    async with sitting(size=(100, 40)) as seat:
+        seat.feed.answers[r.AskPreflight] = lambda _, ref: r.Reply(ref=ref, ok=True, data=findings)
+        await opened(seat, "PreflightDialog")
+        await seat.until(lambda: "1 to mend" in seat.drawn())
+        drawn = seat.drawn()
+        assert "✓ head" in drawn
+        assert "✗ disk" in drawn
+        assert "make room" in drawn
+        assert "key ctrl+1" in drawn
+        findings[1] = {"level": "ok", "subject": "disk", "text": "9 GB free"}
+        await seat.press("enter")
+        await seat.until(lambda: "everything is ready" in seat.drawn())
+
+
+async def test_preflight_says_why_it_could_not_check() -> None:
+    async with sitting() as seat:
+        seat.feed.answers[r.AskPreflight] = lambda _, ref: r.Reply(ref=ref, ok=False, reason="busy")
+        await opened(seat, "PreflightDialog")
+        await seat.until(lambda: "busy" in seat.drawn())
+
+
+async def test_reload_shows_differences_first_and_applies_on_enter() -> None:
+    async with sitting() as seat:
+        seat.feed.answers[r.AskReload] = lambda _, ref: r.Reply(
+            ref=ref, ok=True, data=["Hello: say changed"]
+        )
+        await opened(seat, "ReloadDialog")
+        await seat.until(lambda: "Hello: say changed" in seat.drawn())
+        assert [getattr(a, "dry_run", None) for a in seat.feed.asked] == [True]
+        await seat.press("enter")
+        assert [getattr(a, "dry_run", None) for a in seat.feed.asked] == [True, False]
+        await seat.until(lambda: "the file was read again" in seat.text("StopBar"))
+
+
+async def test_reload_of_a_broken_file_shows_its_errors_and_changes_nothing() -> None:
+    async with sitting() as seat:
+        seat.feed.answers[r.AskReload] = lambda _, ref: r.Reply(
+            ref=ref, ok=False, reason="the file has 1 error(s)", data=["guide.yaml:3:1: oh"]
+        )
+        await opened(seat, "ReloadDialog")
+        await seat.until(lambda: "guide.yaml:3:1: oh" in seat.drawn())
+        await seat.press("enter")
+        assert len(seat.feed.asked) == 1
+        assert seat.console.dialog is None
+
+
+# -- leaving and losing ------------------------------------------------------------------------
+
+
+async def test_leaving_stays_by_default() -> None:
+    async with sitting() as seat:
+        await opened(seat, "LeaveDialog")
+        assert "recordings/" in seat.drawn()
+        await seat.press("enter")
+        assert seat.console.dialog is None
+        assert seat.console.is_running
+        assert seat.feed.asked == []
+
+
+async def test_leaving_it_running() -> None:
+    async with sitting() as seat:
+        await opened(seat, "LeaveDialog")
+        await seat.press("down", "enter")
+    assert seat.console.return_value == "detached"
+    assert seat.feed.last(r.AskEnd) is None
+
+
+async def test_ending_the_session() -> None:
+    async with sitting() as seat:
+        await opened(seat, "LeaveDialog")
+        await seat.press("down", "down", "enter")
+        await seat.until(lambda: seat.console.return_value is not None)
+    assert seat.console.return_value == "ended"
+    assert seat.feed.last(r.AskEnd) is not None
+
+
+async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
+    restarted: list[int] = []
+    async with sitting(restart=lambda: restarted.append(1)) as seat:
+        seat.feed.cut("the robot process closed the connection")
+        await seat.until(lambda: seat.console.dialog is not None)
+        await seat.pilot.pause()
+        drawn = seat.drawn()
+        assert "The robot process is gone" in drawn
+        assert "closed the connection" in drawn
+        assert "recordings/20260301-100000-P07-S01.jsonl" in drawn
+        await seat.press("enter")
+        assert restarted == [1]
+        await seat.tell(scenes.welcome())
+        assert seat.console.picture.lost == ""
+        assert "is back" in seat.text("StopBar")
+
+
+async def test_a_robot_process_that_comes_back_by_itself_closes_the_dialog() -> None:
+    async with sitting() as seat:
+        seat.feed.cut("silent")
+        await seat.until(lambda: seat.console.dialog is not None)
+        assert "Start the robot" not in seat.drawn()
+        await seat.tell(scenes.welcome())
+        await seat.until(lambda: seat.console.dialog is None)
+        await seat.press("h")
+        assert seat.feed.last(r.AskAction) is not None
+
+
+async def test_a_stop_that_cannot_be_delivered_says_so() -> None:
+    async with sitting() as seat:
+        seat.feed.cut("silent")
+        await seat.until(lambda: seat.console.dialog is not None)
+        await seat.press("escape")
+        await seat.until(lambda: "STOP NOT DELIVERED" in seat.text("StopBar"))
+        await seat.press("enter")
+        await seat.until(lambda: seat.console.dialog is not None)

@@ -216,12 +216,12 @@ def test_other_stale_keys_are_listed_and_do_nothing(rig: Rig, chord: str) -> Non
 def test_behind_a_key_that_opens_a_dialog_keys_wait_for_the_screen(rig: Rig) -> None:
     keyboard = rig.keyboard
     assert not keyboard.arrive("/")
-    assert keyboard.leave_to_screen("/")
+    first = keyboard.leave_to_screen("/")
     assert not keyboard.arrive("h")
-    assert keyboard.leave_to_screen("h")
-    keyboard.caught_up()
+    second = keyboard.leave_to_screen("h")
+    first()
     assert not keyboard.arrive("h")
-    keyboard.caught_up()
+    second()
 
     assert keyboard.arrive("h")
 
@@ -229,9 +229,27 @@ def test_behind_a_key_that_opens_a_dialog_keys_wait_for_the_screen(rig: Rig) -> 
 def test_behind_a_key_that_opens_nothing_nobody_waits(rig: Rig) -> None:
     for chord in ("q", "tab", "<"):
         assert not rig.keyboard.arrive(chord)
-        assert not rig.keyboard.leave_to_screen(chord)
+        rig.keyboard.leave_to_screen(chord)
 
     assert rig.keyboard.arrive("h")
+
+
+@pytest.mark.parametrize("free", [True, False])
+def test_what_was_typed_before_a_stop_plays_nothing_after_it(rig: Rig, free: bool) -> None:
+    keyboard = rig.keyboard
+    keyboard.free = free
+    handled = [keyboard.leave_to_screen(chord) for chord in "/h"]
+    keyboard.stop("escape")
+    keyboard.free = True  # the stop closed the dialog
+    assert keyboard.arrive("x"), "keys behind the stop count at once"
+    assert keyboard.press("/")
+    handled[0]()
+    assert keyboard.press("h")
+    handled[1]()
+
+    assert [type(request) for request in rig.feed.asked] == [AskStop, AskAction]
+    assert keyboard.press("h")
+    assert len(rig.feed.asked) == 3
 
 
 def test_the_key_for_suspending_works_in_a_text_field_too(rig: Rig) -> None:

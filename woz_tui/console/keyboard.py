@@ -74,7 +74,10 @@ class Keyboard:
         self._builtins: Mapping[str, str] = {item.chord: item.id for item in BUILTIN}
         self._prefixes: Collection[str] = frozenset()
         self._free = True
-        self._behind = 0
+        #: Keys left to the screen that it has not handled; those of them behind which others
+        #: wait; those that a stop has made void.
+        self._left = self._behind = self._void = 0
+        self._stops = 0
         self._prefix = ""
         self._prefix_us = 0
 
@@ -110,40 +113,50 @@ class Keyboard:
         """A key straight from the terminal. Like `press`, but in order with the screen.
 
         Once a key that may open a dialog has been left to the screen, the keys behind it are
-        too, until the screen has caught up: they may belong into the dialog.
+        too, until the screen has handled it: they may belong into the dialog.
         """
         if self.on_suspend is not None and self._builtins.get(chord) == "suspend":
             self.on_suspend()
             return True
         if not self._free or self._behind:
             return False
-        if self.press(chord, age_us=age_us, stale=stale):
+        if self._press(chord, age_us, stale):
             return True
         if stale:  # nor may it open a dialog that the rest of the burst would fill
             self.on_stale(chord, "", 0)
         return stale
 
-    def leave_to_screen(self, chord: str) -> bool:
-        """`chord` goes to the screen; True: call `caught_up` when the screen has handled it."""
+    def leave_to_screen(self, chord: str) -> Callable[[], None]:
+        """`chord` goes to the screen; call the result when the screen has handled it."""
         name = self._builtins.get(chord, "")
-        if not self._free or (not self._behind and (not name or name in _HARMLESS)):
-            return False
         with self._lock:
-            self._behind += 1
-        return True
+            opens = self._free and bool(name) and name not in _HARMLESS
+            waited_for = int(opens or self._behind > 0)
+            self._left += 1
+            self._behind += waited_for
+            stops = self._stops
 
-    def caught_up(self) -> None:
-        """The screen has handled a key for which `leave_to_screen` was True."""
-        with self._lock:
-            self._behind = max(0, self._behind - 1)
+        def handled() -> None:
+            with self._lock:
+                if stops < self._stops:
+                    self._void -= 1
+                else:
+                    self._left -= 1
+                    self._behind -= waited_for
+
+        return handled
 
     def press(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
         """A key was pressed `age_us` ago; True if it has been dealt with here.
 
         A `stale` press plays nothing: an action is logged as refused, all are told to `on_stale`.
+        A press that the screen got before a stop and offers after it plays nothing either.
         """
-        if not self._free:
-            return False
+        if self._void:
+            return True
+        return self._free and self._press(chord, age_us, stale)
+
+    def _press(self, chord: str, age_us: int, stale: bool) -> bool:
         prefix = self._take_prefix()
         if prefix:
             action = self._table.get(f"{prefix} {chord}")
@@ -162,6 +175,10 @@ class Keyboard:
     def stop(self, source: str) -> None:
         """Stop everything; `source` is the stop key (`escape`, `ctrl+c`) or another word."""
         ref = self.feed.ask(AskStop(source="key" if source in STOPS else source))
+        with self._lock:
+            self._stops += 1
+            self._void += self._left
+            self._left = self._behind = 0
         self._set_prefix("")
         if source in STOPS:
             self.on_pressed(source, "", ref)

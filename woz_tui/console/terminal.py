@@ -251,10 +251,11 @@ class WizardDriver(LinuxDriver):
     def _key(self, key: Key, stale: bool) -> None:
         if self._keyboard.arrive(key.chord, stale=stale):
             return
-        wait = self._keyboard.leave_to_screen(key.chord)
-        self._to_screen(key.screen)
-        if wait:
-            self._in_app(self._keyboard.caught_up)
+        handled = self._keyboard.leave_to_screen(key.chord)
+        try:
+            self._to_screen(key.screen)
+        finally:
+            self._in_app(handled)
 
     def _to_screen(self, raw: bytes) -> None:
         """Through Textual's parser, which sees whole sequences only and so never waits."""

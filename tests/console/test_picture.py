@@ -195,6 +195,8 @@ def test_the_stop_from_press_to_release() -> None:
     assert picture.stop == StopPicture(NOW, "key")
     picture.take([m.StopConfirmed(confirmed=["head"], missing=["face"], elapsed_us=9, t=NOW)], 0)
     assert picture.stop == StopPicture(NOW, "key", ("head",), ("face",), settled=True)
+    picture.take([m.StopConfirmed(confirmed=["face"], missing=[], elapsed_us=9, t=NOW)], 0)
+    assert picture.stop.missing == ("face",)
     picture.take([m.StopReleased(source="key", t=NOW)], 0)
     assert picture.stop is None
 

@@ -51,11 +51,11 @@ HINTS = (
     ("script_next", "script"),
     ("say", "say"),
     ("find", "find"),
+    ("help", "keys"),
     ("marker", "mark"),
     ("note", "note"),
     ("mistake_last", "mistake"),
     ("panel_next", "panel"),
-    ("help", "keys"),
     ("leave", "leave"),
 )
 

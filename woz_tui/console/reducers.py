@@ -63,10 +63,14 @@ def _stop(picture: Picture, message: m.StopPressed) -> None:
 
 
 def _confirmed(picture: Picture, message: m.StopConfirmed) -> None:
-    if picture.stop is not None:
-        picture.stop.confirmed = tuple(message.confirmed)
-        picture.stop.missing = tuple(message.missing)
-        picture.stop.settled = True
+    stop = picture.stop
+    if stop is None:
+        return
+    # The confirmation of a stop of driving may come in between: whoever was missing stays missing.
+    stop.missing = tuple(dict.fromkeys((*stop.missing, *message.missing)))
+    both = dict.fromkeys((*stop.confirmed, *message.confirmed))
+    stop.confirmed = tuple(name for name in both if name not in stop.missing)
+    stop.settled = True
 
 
 def _released(picture: Picture, message: m.StopReleased) -> None:

@@ -44,11 +44,12 @@ class Report:
 
     def error(self, place: Place, path: str, message: str) -> None:
         """One more reason why the file cannot be used."""
-        self._problems.setdefault(Problem(place, path, message))
+        self._add(Problem(place, _on_one_line(path) or "file", _on_one_line(message)))
 
     def warning(self, place: Place, path: str, message: str) -> None:
         """Something that works but is probably not meant."""
-        self._problems.setdefault(Problem(place, path, message, warning=True))
+        problem = Problem(place, _on_one_line(path) or "file", _on_one_line(message), warning=True)
+        self._add(problem)
 
     @property
     def errors(self) -> list[Problem]:
@@ -70,12 +71,24 @@ class Report:
         if errors:
             raise ExperimentError(errors)
 
+    def _add(self, problem: Problem) -> None:
+        self._problems.setdefault(problem)
+
     def _sorted(self, *, warning: bool) -> list[Problem]:
         def rank(problem: Problem) -> tuple[int, int, int, str]:
             place = problem.place
             return (self._files.get(place.file, 0), place.line, place.column, problem.path)
 
         return sorted((p for p in self._problems if p.warning is warning), key=rank)
+
+
+def _on_one_line(text: str) -> str:
+    """Names in a file may hold anything; a line of a report may not."""
+    if text.isprintable():
+        return text
+    return "".join(
+        sign if sign.isprintable() else sign.encode("unicode_escape").decode() for sign in text
+    )
 
 
 def join(path: str, name: str) -> str:

@@ -1,0 +1,165 @@
+"""`woz check`: errors on stderr, or the keys as a table."""
+
+from __future__ import annotations
+
+import argparse
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.experiment.catalogue import CATALOGUE
+from tests.experiment.reading import ROBOT, panel
+from woz_tui.cli import check
+
+GOOD = panel(
+    "{key: h, label: Hello, say: 'Hello {participant}', play: {move: nod, speed: 0.5}}",
+    "{key: ctrl+1, label: Chord, pose: {pan: 10}, seconds: 2}",
+    "{key: ctrl+shift+b, label: Beside, torque: off}",
+    "{key: c r, label: Two keys, steps: [{home: 1}, {wait: 0.5}, {note: done}]}",
+    "{key: é, label: Foreign, locked: true, poses: [{pan: 1, seconds: 1}, {tilt: 2}]}",
+    "{label: No key, sound: missing.wav}",
+    head=ROBOT,
+)
+
+
+@pytest.fixture(autouse=True)
+def _a_quiet_terminal(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in ("TMUX", "STY", "FORCE_COLOR", "COLUMNS"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setenv("TERM", "xterm-256color")
+
+
+def checked(folder: Path, text: str, *options: str) -> int:
+    path = folder / "e.yaml"
+    path.write_text(text, encoding="utf-8")
+    parser = argparse.ArgumentParser()
+    check.add(parser)
+    return check.check(parser.parse_args([str(path), *options]), CATALOGUE)
+
+
+def test_errors_go_to_stderr_and_the_code_is_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert checked(tmp_path, GOOD.replace("label: Hello", "lable: Hello")) == 1
+    printed = capsys.readouterr()
+    assert printed.out == ""
+    lines = printed.err.splitlines()
+    assert lines[1].endswith("lable: unknown; did you mean 'label'?")
+    assert lines[-1] == f"{tmp_path / 'e.yaml'}: 2 errors"
+
+
+def test_the_table_says_what_each_key_does(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert checked(tmp_path, GOOD) == 0
+    printed = capsys.readouterr()
+    assert printed.err == ""
+    out = printed.out
+    assert "\x1b" not in out
+    assert "keys on a plain terminal with a us keyboard" in out
+    assert 'say "Hello {participant}" + play nod speed 0.5' in out
+    assert "1*" in out
+    assert "* instead of ctrl+1: sends the same bytes as 1" in out
+    assert "ctrl+shift+b: sends the same bytes as ctrl+b" in out
+    assert "home 1, then wait 0.5 s, then note done" in out
+    assert "poses pan 1 seconds 1; tilt 2 (locked)" in out
+    assert "* instead of é: no key of the us keyboard gives é" in out
+
+
+def test_warnings_and_the_drivers_verbs_follow_the_table(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    checked(tmp_path, GOOD)
+    out = capsys.readouterr().out
+    assert "warning: panels[0].actions[5].sound: there is no file 'missing.wav'" in out
+    assert "head (head)" in out
+    assert "speed: number, 0.1 to 4" in out
+    assert "move: choice, one of nod, shake, required" in out
+    assert "joint.pan, joint.tilt" in out
+
+
+@pytest.mark.parametrize(
+    ("options", "expected"),
+    [
+        (["--terminal", "kitty"], "keys on a kitty terminal with a us keyboard"),
+        (["--terminal", "linux"], "ctrl+u: drive forward"),
+        (["--terminal", "tmux", "--layout", "fr"], "keys on a tmux terminal with a fr keyboard"),
+    ],
+)
+def test_another_terminal_and_another_keyboard(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], expected: str
+) -> None:
+    assert checked(tmp_path, GOOD, *options) == 0
+    assert expected in capsys.readouterr().out
+
+
+def test_on_a_kitty_terminal_only_the_foreign_key_needs_a_reserve(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    checked(tmp_path, GOOD, "--terminal", "kitty")
+    assert capsys.readouterr().out.count("* instead of") == 1
+
+
+@pytest.mark.parametrize("columns", ["40", "80", "160"])
+def test_the_table_keeps_to_the_width(
+    tmp_path: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    columns: str,
+) -> None:
+    monkeypatch.setenv("COLUMNS", columns)
+    checked(tmp_path, GOOD)
+    out = capsys.readouterr().out
+    widest = max(len(line) for line in out.splitlines() if "warning:" not in line)
+    assert widest <= int(columns)
+
+
+def test_json_for_programs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert checked(tmp_path, GOOD, "--format", "json") == 0
+    report: dict[str, Any] = json.loads(capsys.readouterr().out)
+    assert report["ok"] is True
+    first, second = report["keys"][:2]
+    assert first["key"] == "h"
+    assert second["wanted"] == "ctrl+1"
+    assert second["reserve"] is True
+    assert {driver["name"] for driver in report["drivers"]} == {"head", "voice"}
+    assert report["problems"][0]["warning"] is True
+
+
+def test_json_of_a_broken_file(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert checked(tmp_path, "title: T\n", "--format", "json") == 1
+    report = json.loads(capsys.readouterr().out)
+    assert report["ok"] is False
+    assert {problem["path"] for problem in report["problems"]} == {"robot", "panels"}
+
+
+def test_a_keymap_is_looked_at_too(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    keymap = tmp_path / "keymap.yaml"
+    keymap.write_text("say: ctrl+g\n")
+    assert checked(tmp_path, GOOD, "--keymap", str(keymap)) == 0
+    assert "ctrl+g: type something to say" in capsys.readouterr().out
+    keymap.write_text("stop: x\n")
+    assert checked(tmp_path, GOOD, "--keymap", str(keymap)) == 1
+    assert "the stop stays where it is" in capsys.readouterr().err
+
+
+def test_colours_only_where_they_are_wanted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    checked(tmp_path, GOOD)
+    assert "\x1b[33m" in capsys.readouterr().out
+    monkeypatch.setenv("NO_COLOR", "1")
+    checked(tmp_path, GOOD)
+    assert "\x1b[33m" not in capsys.readouterr().out
+
+
+def test_the_command_with_the_installed_drivers(capsys: pytest.CaptureFixture[str]) -> None:
+    parser = argparse.ArgumentParser()
+    check.add(parser)
+    demo = Path(__file__).parents[2] / "experiments" / "demo.yaml"
+    arguments = parser.parse_args([str(demo)])
+    assert arguments.run(arguments) == 0
+    assert "Museum guide" in capsys.readouterr().out

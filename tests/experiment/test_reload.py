@@ -1,0 +1,94 @@
+"""What changed between two readings, in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.experiment.reading import HEAD, ROBOT, panel, read
+from woz_tui.experiment.reload import compare, differences, drivers_changed
+
+BASE = panel("{key: a, label: A, say: Hi}", "{key: b, label: B, say: Ho}") + "script: [A, B]\n"
+
+
+@dataclass(frozen=True)
+class Edit:
+    """A change of the text and what it is called."""
+
+    old: str
+    new: str
+    said: list[str]
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        Edit("title: T", "title: U", ["title is 'U', it was 'T'"]),
+        Edit("key: a", "key: x", ["action 'A': key x, was a"]),
+        Edit("key: a, ", "", ["action 'A': key none, was a"]),
+        Edit("say: Hi", "say: Hello", ["action 'A': does something else"]),
+        Edit("say: Hi", "say: Hi, when_busy: refuse", ["action 'A': when busy 'refuse'"]),
+        Edit("say: Hi", "say: Hi, locked: on", ["action 'A': locked"]),
+        Edit("say: Hi", "say: Hi, help: me", ["action 'A': help changed"]),
+        Edit("label: A,", "label: Z, name: A,", ["action 'A': label 'Z'"]),
+        Edit("label: B,", "label: B, name: C,", []),
+        Edit("script: [A, B]", "script: [B, A]", ["script changed"]),
+        Edit("script: [A, B]", "script: [A]", ["script has 1 lines, it had 2"]),
+        Edit("title: P", "title: P\n    locked: on", ["panel 'P' is locked"]),
+        Edit("script:", "keyboard: de\nscript:", ["keyboard changed"]),
+        Edit("script:", "conditions: [x, y]\nscript:", ["conditions are x, y"]),
+        Edit("script:", "variables: {x: y}\nscript:", ["variable 'x' is new"]),
+        Edit("script:", "session: {deadline: 3}\nscript:", ["session changed"]),
+        Edit("script:", "participants: {pattern: x}\nscript:", ["participant pattern changed"]),
+        Edit("script:", "engagement: {a: 1}\nscript:", ["section 'engagement' is new"]),
+        Edit("script:", "# a comment\nscript:", []),
+        Edit("title: T", "\n\ntitle: T", []),
+    ],
+)
+def test_one_edit(tmp_path: Path, edit: Edit) -> None:
+    assert edit.old in BASE
+    old = read(tmp_path, BASE)
+    text = BASE.replace(edit.old, edit.new)
+    if "name: C" in text:
+        text = text.replace("script: [A, B]", "script: [A, C]")
+        edit = Edit("", "", ["action 'B' is gone", "action 'C' is new", "script changed"])
+    new = read(tmp_path, text)
+    assert differences(old, new) == edit.said
+    assert not drivers_changed(old, new)
+    assert compare(old, new).reloadable
+
+
+def test_nothing_changed(tmp_path: Path) -> None:
+    assert differences(read(tmp_path, BASE), read(tmp_path, BASE)) == []
+
+
+def test_panels_and_actions_come_go_and_change_places(tmp_path: Path) -> None:
+    old = read(tmp_path, BASE + "# \n")
+    more = BASE.replace("script:", "  - {title: Q, actions: [{label: D, say: D}]}\nscript:")
+    new = read(tmp_path, more)
+    assert differences(old, new) == ["panel 'Q' is new", "action 'D' is new"]
+    assert differences(new, old) == ["panel 'Q' is gone", "action 'D' is gone"]
+    lines = BASE.splitlines(keepends=True)
+    lines[5], lines[6] = lines[6], lines[5]
+    swapped = read(tmp_path, "".join(lines))
+    assert differences(old, swapped) == ["panel 'P' has its actions in another order"]
+
+
+def test_drivers_that_changed_forbid_a_reload(tmp_path: Path) -> None:
+    action = "{label: A, note: x}"
+    old = read(tmp_path, panel(action, head=ROBOT))
+    other = read(tmp_path, panel(action, head=ROBOT.replace("id: 1", "id: 7")))
+    assert compare(old, other).drivers == ("driver 'head' has other settings: joints",)
+    simulated = read(tmp_path, panel(action, head=HEAD))
+    difference = compare(old, simulated)
+    assert difference.drivers == (
+        "driver 'head' is gone",
+        "driver 'voice' is gone",
+        "driver 'robot' is new",
+    )
+    assert not difference.reloadable
+    assert drivers_changed(old, simulated)
+    kind = read(tmp_path, panel(action, head=ROBOT.replace("voice: {type: voice}", "voice: {type: simulated}")))  # fmt: skip # noqa: E501
+    assert compare(old, kind).drivers == ("driver 'voice' is of type simulated, it was voice",)

@@ -1,0 +1,131 @@
+"""The schema for editors agrees with the reader."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+import jsonschema
+import pytest
+import yaml
+
+from tests.experiment.catalogue import CATALOGUE
+from tests.experiment.golden import BROKEN
+from tests.experiment.reading import HEAD, ROBOT, panel
+from woz_tui.experiment.schema import experiment_schema, robot_schema
+from woz_tui.plugins import installed
+
+ROOT = Path(__file__).parents[2]
+EXAMPLES = sorted((ROOT / "experiments").glob("*.yaml"))
+ROBOTS = sorted((ROOT / "experiments" / "robots").glob("*.yaml"))
+
+
+class _Yaml12(yaml.SafeLoader):
+    """YAML as editors read it: `on`, `yes` and `no` are words."""
+
+
+_Yaml12.yaml_implicit_resolvers = {
+    first: [(tag, pattern) for tag, pattern in resolvers if not tag.endswith(":bool")]
+    for first, resolvers in yaml.SafeLoader.yaml_implicit_resolvers.items()
+}
+_Yaml12.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile("true|false"), list("tf"))
+
+
+def as_editors_read(text: str) -> Any:
+    return yaml.load(text, _Yaml12)
+
+
+def validator(schema: Mapping[str, Any]) -> jsonschema.Draft202012Validator:
+    jsonschema.Draft202012Validator.check_schema(schema)
+    return jsonschema.Draft202012Validator(schema)
+
+
+def bundled() -> dict[str, Any]:
+    """Our own drivers, whatever else is installed on this machine."""
+    catalogue = installed()
+    ours = ("simulated", "dynamixel", "rangefinder", "microphone", "speech")
+    return {name: catalogue[name] for name in ours}
+
+
+@pytest.mark.parametrize(
+    ("name", "make"),
+    [("experiment", experiment_schema), ("robot", robot_schema)],
+)
+def test_the_committed_schemas_are_fresh(name: str, make: Any) -> None:
+    path = ROOT / "experiments" / "schema" / f"{name}.schema.json"
+    committed = json.loads(path.read_text(encoding="utf-8"))
+    fresh = json.loads(json.dumps(make(bundled())))
+    assert committed == fresh, f"run: woz schema{' --robot' * (name == 'robot')} > {path}"
+
+
+@pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
+def test_the_examples_fit_the_schema(path: Path) -> None:
+    data = as_editors_read(path.read_text(encoding="utf-8"))
+    validator(experiment_schema(bundled())).validate(data)
+
+
+@pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
+def test_the_example_robots_fit_the_schema(path: Path) -> None:
+    data = as_editors_read(path.read_text(encoding="utf-8"))
+    validator(robot_schema(bundled())).validate(data)
+
+
+def test_everything_that_can_be_said_fits_the_schema() -> None:
+    text = (Path(__file__).parent / "good" / "everything.yaml").read_text(encoding="utf-8")
+    validator(experiment_schema(CATALOGUE)).validate(as_editors_read(text))
+
+
+@pytest.mark.parametrize(
+    "name",
+    ["a-list", "just-text", "missing-everything", "unknown-section", "robot-and-robots",
+     "misspelt-fields", "misspelt-verb", "wrong-kinds", "panels", "no-panels", "takes-nothing",
+     "settings-of-all-kinds", "argument-types", "session-settings"],
+)  # fmt: skip
+def test_broken_files_do_not_fit(name: str) -> None:
+    data = as_editors_read((BROKEN / f"{name}.yaml").read_text(encoding="utf-8"))
+    with pytest.raises(jsonschema.ValidationError):
+        validator(experiment_schema(CATALOGUE)).validate(data)
+
+
+def test_a_broken_robot_does_not_fit() -> None:
+    text = (BROKEN / "robots" / "bad-head.yaml").read_text(encoding="utf-8")
+    found = list(validator(robot_schema(CATALOGUE)).iter_errors(as_editors_read(text)))
+    assert len(found) > 3
+
+
+def test_what_editors_show() -> None:
+    schema = experiment_schema(CATALOGUE)
+    action = schema["$defs"]["action"]["properties"]
+    assert action["say"]["description"] == "speak"
+    assert action["speed"]["description"] == "(of play, say)"
+    assert {"key", "label", "steps", "on", "when_busy", "torque", "wave"} - set(action) == {"wave"}
+    head = robot_schema(CATALOGUE)["properties"]["drivers"]["additionalProperties"]["oneOf"][1]
+    assert head["properties"]["rate"]["maximum"] == 200
+    assert head["required"] == ["type", "port", "joints"]
+    assert head["properties"]["port"]["description"] == "where it is"
+
+
+@pytest.mark.parametrize(
+    ("action", "fits"),
+    [
+        ("{label: A, say: No}", True),
+        ("{label: A, say: {text: 12:30, volume: 1}}", True),
+        ("{label: A, say: {txet: Hi}}", False),
+        ("{label: A, pose: {pan: 10, seconds: 250 ms}}", True),
+        ("{label: A, pose: {pan: left}}", False),
+        ("{label: A, blink: }", True),
+        ("{label: A, home: 3 fortnights}", False),
+        ("{key: [shift, 1], label: A, say: Hi}", True),
+        ("{key: {a: b}, label: A, say: Hi}", False),
+        ("{say: Hi}", False),
+        ("{label: A, steps: [{wait: 1}, {say: Hi, play: nod}]}", True),
+        ("{label: A, steps: [{}]}", False),
+    ],
+)
+def test_actions(action: str, fits: bool) -> None:
+    for head in (HEAD, ROBOT):
+        data = as_editors_read(panel(action, head=head))
+        assert validator(experiment_schema(CATALOGUE)).is_valid(data) is fits

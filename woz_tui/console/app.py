@@ -29,7 +29,7 @@ from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.status import Line, Status
 from woz_tui.console.stopbar import Bar, News, StopBar
 from woz_tui.core.clock import Clock, RealClock
-from woz_tui.core.requests import AskEnd, AskRelease, Reply, Welcome
+from woz_tui.core.requests import AskRelease, Reply, Welcome
 from woz_tui.experiment.builtins import BUILTIN, Builtin
 from woz_tui.experiment.keymap import key_map
 from woz_tui.experiment.terminals import PLAIN, STOPS, Terminal
@@ -397,21 +397,3 @@ class Console(App[str]):
             self.pop_screen()
         self.keyboard.free = self.dialog is None
         self.paint()
-
-    def own_findings(self) -> list[tuple[str, str, str, str]]:
-        """What the console itself can say for the preflight."""
-        findings = []
-        for panel in self.picture.panels:
-            for action in panel.actions:
-                cap = self.caps.get(action.name)
-                if cap is not None and cap.why:
-                    level = "info" if cap.reserve else "warning"
-                    findings.append((level, f"key {action.key}", cap.why, f"for {action.label}"))
-        if not findings:
-            findings.append(("ok", "keys", "all keys of the file reach the robot", ""))
-        return findings
-
-    def end_session(self, request: AskEnd) -> None:
-        """End the session; the console goes when the robot process has answered."""
-        self.desk.ask(request, lambda reply: self.exit("ended"))
-        self.news("ending the session: the robot takes its rest pose", "warn")

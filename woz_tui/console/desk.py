@@ -60,6 +60,11 @@ class Desk:
         self.said = [*(old for old in self.said if old != text), text][-HISTORY:]
         self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key="/"))
 
+    def end_session(self) -> None:
+        """End the session; the console goes when the robot process has answered."""
+        self.ask(r.AskEnd(reason="wizard"), lambda reply: self._console.exit("ended"))
+        self._console.news("ending the session: the robot takes its rest pose", "warn")
+
     # -- keys -------------------------------------------------------------------------------
 
     def do(self, what: str) -> None:

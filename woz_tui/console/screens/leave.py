@@ -8,7 +8,6 @@ from textual.content import Content
 
 from woz_tui.console.cells import Row
 from woz_tui.console.screens.choice import Choice
-from woz_tui.core.requests import AskEnd
 
 
 class LeaveDialog(Choice):
@@ -34,4 +33,4 @@ class LeaveDialog(Choice):
         if index == 1:
             self.console_app.exit("detached")
         elif index == 2:
-            self.console_app.end_session(AskEnd(reason="wizard"))
+            self.desk.end_session()

@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
 
+from woz_tui.console.caps import Cap
 from woz_tui.console.cells import Row
+from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Report
 from woz_tui.core.requests import AskPreflight, Reply
 
@@ -28,6 +31,18 @@ def finding_rows(data: object) -> list[tuple[str, str, str, str]]:
         for item in data
         if isinstance(item, dict)
     ]
+
+
+def key_findings(picture: Picture, caps: Mapping[str, Cap]) -> list[tuple[str, str, str, str]]:
+    """What the console itself knows: keys of the file that this terminal cannot send."""
+    findings = []
+    for panel in picture.panels:
+        for action in panel.actions:
+            cap = caps.get(action.name)
+            if cap is not None and cap.why:
+                level = "info" if cap.reserve else "warning"
+                findings.append((level, f"key {action.key}", cap.why, f"for {action.label}"))
+    return findings or [("ok", "keys", "all keys of the file reach the robot", "")]
 
 
 class PreflightDialog(Report):
@@ -55,7 +70,7 @@ class PreflightDialog(Report):
 
     def _answered(self, reply: Reply) -> None:
         self._findings = finding_rows(reply.data) if reply.ok else []
-        self._findings += self.console_app.own_findings()
+        self._findings += key_findings(self.picture, self.console_app.caps)
         errors = sum(level == "error" for level, *_ in self._findings)
         warnings = sum(level == "warning" for level, *_ in self._findings)
         if not reply.ok:

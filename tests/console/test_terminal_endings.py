@@ -107,6 +107,14 @@ def test_a_crash_of_the_screen_leaves_the_terminal_in_order(
     terminal.wait_written(b"crashed as told")
 
 
+def test_a_crash_at_the_start_leaves_the_terminal_in_order(tmp_path: Path) -> None:
+    nowhere = [sys.executable, "-m", "tests.console.small_app", str(tmp_path / "nobody.sock")]
+    with FakeTerminal(nowhere) as terminal:
+        assert terminal.wait_exit() == 1
+        assert_restored(terminal)
+        terminal.wait_written(b"FileNotFoundError")
+
+
 def test_ctrl_z_suspends_and_fg_redraws(host: FakeHost) -> None:
     bash = shutil.which("bash")
     assert bash is not None

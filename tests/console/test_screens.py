@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import pytest
+from textual.events import Key
 from textual.widgets import Input, OptionList
 
 from tests.console import scenes
@@ -39,6 +40,14 @@ async def opened(seat: Sitting, name: str) -> None:
     await seat.pilot.pause()
 
 
+#: What Textual's names of keys stand for.
+CHARACTERS = {"slash": "/", "colon": ":", "comma": ",", "question_mark": "?", "enter": "\r"}
+
+
+def _stops(seat: Sitting) -> int:
+    return sum(isinstance(asked, r.AskStop) for asked in seat.feed.asked)
+
+
 def entry(seat: Sitting) -> Input:
     return seat.console.screen.query_one("#entry", Input)
 
@@ -72,6 +81,17 @@ async def test_the_stop_reaches_the_robot_from_every_dialog_and_closes_it(key: s
             await seat.until(lambda: seat.console.dialog is None, name)
             assert seat.console.keyboard.free is True
             assert "STOP SENT" in seat.text("StopBar")
+
+
+async def test_the_stop_right_behind_the_key_that_opens_a_dialog() -> None:
+    async with sitting(busy()) as seat:
+        for count, name in enumerate(OPENERS.values(), start=1):
+            for key in (name, "escape"):
+                seat.console.post_message(Key(key, CHARACTERS.get(key)))
+            seat.console.paint()
+            await seat.until(lambda n=count: _stops(seat) == n)  # type: ignore[misc]
+            await seat.until(lambda: seat.console.dialog is None)
+        assert seat.console.keyboard.free is True
 
 
 async def test_no_experiment_key_plays_while_a_dialog_has_the_keyboard() -> None:

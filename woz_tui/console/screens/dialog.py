@@ -110,9 +110,9 @@ class Report(Dialog):
         raise NotImplementedError
 
     def renew(self) -> None:
-        """Say it again after something has changed."""
-        if self.is_mounted:
-            self.query_one("#report", Static).update(content(self.lines()))
+        """Say it again after something has changed; before it is composed there is no need."""
+        for report in self.query("#report").results(Static):
+            report.update(content(self.lines()))
 
 
 class Entry(Dialog):
@@ -145,9 +145,9 @@ class Entry(Dialog):
         return self.query_one("#entry", Input)
 
     def closing(self) -> None:
-        """Keep what was typed."""
-        if self.is_mounted:
-            self.desk.drafts[self.draft] = self.entry.value
+        """Keep what was typed; a stop may come before there is a field."""
+        for entry in self.query("#entry").results(Input):
+            self.desk.drafts[self.draft] = entry.value
 
     def sent(self) -> None:
         """The text did its work: forget it and close."""

@@ -30,9 +30,9 @@ class DriversDialog(Report):
             rows.append(())
         return rows or [(("This session has no drivers.", "muted"),)]
 
-    def on_mount(self) -> None:
-        """Remember what is shown."""
-        self._shown = self.lines()
+    def __init__(self) -> None:
+        super().__init__()
+        self._shown: list[Row] = []
 
     def refreshed(self) -> None:
         """Show a change at once."""

@@ -85,8 +85,9 @@ class StartDialog(Dialog):
     def _answered(self, reply: Reply) -> None:
         if reply.ok:
             self.leave()
-        elif self.is_mounted:
+        else:
             self._complain(f"{reply.reason} {reply.hint}".strip())
 
     def _complain(self, wrong: str) -> None:
-        self.query_one("#wrong", Static).update(Content(wrong))
+        for place in self.query("#wrong").results(Static):
+            place.update(Content(wrong))

@@ -10,7 +10,6 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment import template
 from woz_tui.experiment.nodes import Table
-from woz_tui.experiment.report import hint
 from woz_tui.experiment.settings import resolved
 from woz_tui.experiment.spot import (
     Spot,
@@ -92,7 +91,7 @@ def _angles(spot: Spot, table: Mapping[str, Spot], argument: Argument, setting: 
         allowed = argument.range
         if setting.joints is not None:
             if name not in setting.joints:
-                near = hint(name, setting.joints, or_list="the joints are")
+                near = entry.report.hint(name, setting.joints, or_list="the joints are")
                 entry.error(f"there is no joint {name!r}{near}")
                 continue
             allowed = setting.joints[name]

@@ -13,7 +13,7 @@ from woz_tui.core.driver import Argument, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.arguments import Setting, read_argument
 from woz_tui.experiment.nodes import Items, Scalar, Table
-from woz_tui.experiment.report import hint, listed, quoted
+from woz_tui.experiment.report import listed, quoted
 from woz_tui.experiment.robot import Offer, Robots
 from woz_tui.experiment.shape import Call, Together
 from woz_tui.experiment.spot import Spot, read_text
@@ -91,7 +91,7 @@ class CallReader:
             if name is not None and name in known:
                 wanted.append(entry)
             elif name is not None and not self._vocabulary.robots.incomplete:
-                near = hint(name, known, or_list="there are")
+                near = entry.report.hint(name, known, or_list="there are")
                 entry.error(f"there is no driver or robot {quoted(name)}{near}")
         return wanted
 
@@ -187,7 +187,7 @@ class CallReader:
             return
         arguments = [name for verb in self._vocabulary.names for name in self._arguments_of(verb)]
         near = [name for arguments_of in takes.values() for name in arguments_of]
-        guess = hint(name, [*others, *near, *self._vocabulary.names, *arguments])
+        guess = entry.report.hint(name, [*others, *near, *self._vocabulary.names, *arguments])
         guess = guess or f"; verbs are {listed(self._vocabulary.names)}"
         entry.error(f"unknown{guess}")
 

@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from woz_tui.experiment.actions import Drafted
 from woz_tui.experiment.builtins import BUILTIN
 from woz_tui.experiment.keymap import typeable
-from woz_tui.experiment.report import Report, hint, quoted
+from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.shape import Action, Experiment
 from woz_tui.experiment.terminals import STOPS, is_stop
 
@@ -121,7 +121,7 @@ def _script(experiment: Experiment, report: Report) -> None:
     for index, name in enumerate(experiment.script):
         path = f"script[{index}]"
         if name not in actions:
-            near = hint(name, actions)
+            near = report.hint(name, actions)
             report.error(report.place(path), path, f"there is no action {quoted(name)}{near}")
         elif actions[name].locked:
             report.warning(report.place(path), path, f"{quoted(name)} is locked, it will not play")

@@ -99,7 +99,7 @@ class _Decoder:
         vocabulary = Vocabulary(
             robots,
             {verb.name: verb for verb in session_verbs(conditions, titles(panels_spot))},
-            [*template.BUILT_IN, *variables],
+            dict.fromkeys((*template.BUILT_IN, *variables)),
         )
         panels = PanelReader(vocabulary, layout)
         experiment = Experiment(
@@ -125,12 +125,14 @@ def _words(spot: Spot | None, *, once: bool = True) -> tuple[str, ...]:
     """A list of texts; `once`: none of them twice."""
     entries = spot.list() if spot is not None else None
     words: list[str] = []
+    seen = set()
     for entry in entries or ():
         word = read_text(entry)
-        if word is not None and once and word in words:
+        if word is not None and once and word in seen:
             entry.error(f"{quoted(word)} stands here twice")
         elif word is not None:
             words.append(word)
+            seen.add(word)
     return tuple(words)
 
 

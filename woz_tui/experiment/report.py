@@ -11,6 +11,8 @@ from woz_tui.experiment.shape import ExperimentError, Place, Problem
 MAX_PROBLEMS = 200
 #: A longer list of choices helps nobody in a terminal.
 MAX_LISTED = 14
+#: Words among which a near one is looked for.
+MAX_COMPARED = 500
 
 
 class Report:
@@ -61,6 +63,10 @@ class Report:
         """Every warning so far, sorted by place."""
         return self._sorted(warning=True)
 
+    def hint(self, wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
+        """`hint`, as long as anybody will read it: looking for near words takes its time."""
+        return "" if len(self._problems) > MAX_PROBLEMS else hint(wrong, known, or_list=or_list)
+
     def fail(self) -> None:
         """Raise `ExperimentError` if there was any error."""
         errors = self.errors
@@ -102,7 +108,7 @@ def hint(wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
     Without a near one `; <or_list>: a, b, c`, if `or_list` is given.
     """
     words = list(dict.fromkeys(known))
-    folded = {word.casefold(): word for word in reversed(words)}
+    folded = {word.casefold(): word for word in reversed(words[:MAX_COMPARED])}
     near = difflib.get_close_matches(wrong.casefold()[:80], folded, n=1, cutoff=0.6)
     if near:
         return f"; did you mean {folded[near[0]]!r}?"

@@ -11,7 +11,7 @@ from typing import Any
 from woz_tui.core.driver import Driver, Verb
 from woz_tui.core.fields import Range
 from woz_tui.experiment.nodes import Node, Table, described, tree
-from woz_tui.experiment.report import Report, hint, quoted
+from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.settings import BAD, read_settings
 from woz_tui.experiment.shape import DriverSpec, Place
 from woz_tui.experiment.source import Source, SourceError, read
@@ -149,7 +149,7 @@ class RobotReader:
             ]
         except (OSError, ValueError):
             found = []
-        return hint(text, [SIMULATED, *found])
+        return self._report.hint(text, [SIMULATED, *found])
 
     def _drivers(self, spot: Spot, prefix: str) -> None:
         """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
@@ -179,7 +179,7 @@ class RobotReader:
             if kind in self._catalogue:
                 self._driver(_without(spot, "type"), name, kind)
             else:
-                near = hint(kind, self._catalogue, or_list="installed are")
+                near = self._report.hint(kind, self._catalogue, or_list="installed are")
                 kind_spot.error(f"there is no driver of type {quoted(kind)}{near}")
         if len(self._robots.drivers) == before:
             self._robots.incomplete = True

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 
 from woz_tui.core.fields import Range
 from woz_tui.experiment.nodes import Items, Node, Scalar, Table, described
-from woz_tui.experiment.report import Report, hint, join, quoted
+from woz_tui.experiment.report import Report, join, quoted
 from woz_tui.experiment.shape import Place
 
 _NUMBER = re.compile(r"[-+]?(\d{1,30}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
@@ -83,7 +83,7 @@ class Spot:
     def unknown(self, known: Iterable[str], what: str = "known here") -> None:
         """This entry's name means nothing here."""
         name = self.path.rpartition(".")[2]
-        self.error(f"unknown{hint(name, known, or_list=what)}")
+        self.error(f"unknown{self.report.hint(name, known, or_list=what)}")
 
 
 def read_text(spot: Spot, expected: str = "text") -> str | None:
@@ -104,7 +104,7 @@ def read_word(spot: Spot, choices: Iterable[str], expected: str = "one of") -> s
     text = read_text(spot, listed if len(listed) < 120 else "one of the known words")
     if text is None or text in words:
         return text
-    spot.error(f"{quoted(text)} is not known{hint(text, words, or_list='it can be')}")
+    spot.error(f"{quoted(text)} is not known{spot.report.hint(text, words, or_list='it can be')}")
     return None
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 
-from woz_tui.experiment.report import hint
 from woz_tui.experiment.spot import Spot
 
 #: Variables that the session itself fills in.
@@ -37,5 +36,5 @@ def check(spot: Spot, text: str, known: Collection[str]) -> None:
             brace = match["brace"]
             spot.error(f"a {brace!r} without its partner; write {brace * 2} for a brace")
         elif name is not None and name not in known:
-            nearest = hint(name, known, or_list="known are")
+            nearest = spot.report.hint(name, known, or_list="known are")
             spot.error(f"there is no variable {{{name}}}{nearest}")

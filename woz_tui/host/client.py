@@ -47,6 +47,7 @@ class Client(asyncio.Protocol):
         self._rest = b""
         self._paused = False
         self._wake_due = False
+        self._due: list[bytes] = []
         self._why = "closed"
 
     # -- asyncio -----------------------------------------------------------------------------
@@ -102,8 +103,9 @@ class Client(asyncio.Protocol):
     def send(self, answer: msgspec.Struct) -> None:
         """An answer to this client alone, after what the stream has already given it."""
         if self._transport is not None:
-            self._flush()
-            self._transport.write(wire.encode(answer))
+            self._collect()
+            self._due.append(wire.encode(answer))
+            self._wake()
 
     def follow(self, samples: bool) -> None:
         """Give it the stream from here on."""
@@ -115,29 +117,36 @@ class Client(asyncio.Protocol):
         return self._subscription.dropped if self._subscription is not None else 0
 
     def _wake(self) -> None:
-        """Write at the end of this turn of the loop: one packet for all of its messages."""
+        """Write in the loop's next turn but one: all of its messages in one packet.
+
+        The jobs and stops that a request sets in motion run in the next turn. They come first: a
+        console that has been written to wakes up and competes for the processor.
+        """
         if not self._wake_due:
             self._wake_due = True
-            asyncio.get_running_loop().call_soon(self._write)
+            loop = asyncio.get_running_loop()
+            loop.call_soon(loop.call_soon, self._write)
 
     def _write(self) -> None:
         self._wake_due = False
-        if self._paused or self._transport is None or self._subscription is None:
-            return
-        if self._subscription.overrun:
+        if self._subscription is not None and self._subscription.overrun and not self._paused:
             self.close("too slow")
             return
         self._flush()
 
+    def _collect(self) -> None:
+        if self._subscription is not None and not self._paused:
+            self._due += self._subscription.take()
+
     def _flush(self) -> None:
-        if self._transport is None or self._subscription is None or self._paused:
-            return
-        lines = self._subscription.take()
-        if lines:
-            self._transport.write(b"".join(lines))
+        self._collect()
+        if self._due and self._transport is not None:
+            self._transport.write(b"".join(self._due))
+        self._due.clear()
 
     def close(self, why: str) -> None:
-        """End the connection; what is written already still goes out."""
+        """End the connection; what was sent before still goes out."""
         self._why = why
         if self._transport is not None:
+            self._flush()
             self._transport.close()

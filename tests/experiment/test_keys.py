@@ -181,14 +181,16 @@ def test_a_plain_terminal(chord: str, verdict: Verdict, data: bytes, arrives: st
     "chord",
     ["ctrl+1", "ctrl+2", "ctrl+3", "ctrl+4", "ctrl+8", "ctrl+i", "ctrl+m", "ctrl+h", "ctrl+[",
      "ctrl+shift+1", "ctrl+shift+a", "alt+1", "alt+a", "shift+enter", "shift+space", "ctrl+space",
-     "ctrl+shift+c", "a", "!", "f1", "tab", "up", "alt+up", "c r"],
+     "alt+c", "a", "!", "f1", "tab", "up", "alt+up", "c r"],
 )  # fmt: skip
 def test_the_kitty_protocol_tells_chords_apart(chord: str) -> None:
     found = reach(chord, KITTY)
     assert (found.verdict, found.arrives) == (ARRIVES, chord)
 
 
-@pytest.mark.parametrize("chord", ["escape", "ctrl+c", "shift+escape", "ctrl+escape"])
+@pytest.mark.parametrize(
+    "chord", ["escape", "ctrl+c", "shift+escape", "ctrl+escape", "ctrl+shift+c"]
+)
 def test_the_stop_is_the_stop_on_every_terminal(chord: str) -> None:
     for terminal in keys.TERMINALS.values():
         assert reach(chord, terminal).verdict is STOP

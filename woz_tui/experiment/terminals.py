@@ -303,7 +303,9 @@ def _linux(chord: Chord) -> Reach:
 
 
 def _kitty(chord: Chord, code: int) -> Reach:
-    if chord == Chord("c", ctrl=True):
-        return Reach(Verdict.STOP, b"\x1b[99;5u", "ctrl+c", "ctrl+c is the stop")
     modifiers = 1 + chord.shift + 2 * chord.alt + 4 * chord.ctrl
-    return Reach(Verdict.ARRIVES, f"\x1b[{code};{modifiers}u".encode(), str(chord))
+    data = f"\x1b[{code};{modifiers}u".encode()
+    if chord.base == "c" and chord.ctrl:
+        why = "ctrl+c is the stop, whatever is held down with it"
+        return Reach(Verdict.STOP, data, "ctrl+c", why)
+    return Reach(Verdict.ARRIVES, data, str(chord))

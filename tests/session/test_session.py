@@ -259,3 +259,40 @@ def test_a_voice_is_told_beforehand_what_it_will_say(tmp_path: Path) -> None:
     run_virtual(go())
     assert prepared[0] == ["Welcome", "Look at the map", "Ouch", "x"]
     assert prepared[1] == ["Hello P08", *prepared[0]]
+
+
+def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError, match="late"):
+            stage.session.play("Hello", KEY, stale="stale: late")
+        with pytest.raises(AskError, match="late"):
+            stage.session.script_next(KEY, stale="stale: late")
+        with pytest.raises(AskError, match="late"):
+            stage.session.send("drive", {"x": 1.0}, "", KEY, stale="stale: late")
+        assert stage.session.script_at == 0
+
+    stage = on_stage(tmp_path, scenario)
+    assert [line.reason for line in stage.lines if isinstance(line, m.ActionRefused)] == [
+        "stale: late",
+        "stale: late",
+    ]
+    refused = [line for line in stage.lines if isinstance(line, m.Refused)]
+    assert [(line.code, line.reason) for line in refused] == [("stale", "stale: late")]
+    assert all(verb in ("rest", "close") for verb, _ in stage.puppet().calls)
+
+
+def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError, match="nothing has been played"):
+            stage.session.mistake("", "")
+        hello = stage.session.play("Hello", KEY)
+        typed = stage.session.send("say", {"text": "x"}, "", KEY)
+        stage.session.mistake("", "typo")
+        stage.session.mistake(hello, "")
+        with pytest.raises(AskError, match="nothing was played as 'a00099'"):
+            stage.session.mistake("a00099", "")
+        assert typed == "c00002"
+
+    stage = on_stage(tmp_path, scenario)
+    labels = [(line.run, line.action) for line in stage.lines if isinstance(line, m.Mistake)]
+    assert labels == [("c00002", "say"), ("a00001", "Hello")]

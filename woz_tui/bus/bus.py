@@ -89,6 +89,12 @@ class Bus:
                 self._lane(command.driver, verb).take(ticket, args, command.when_busy)
         return recorded
 
+    def refuse(self, command: Command, code: str, reason: str) -> Command:
+        """Record `command` and that it is refused, without looking at it any further."""
+        recorded = self._hub.publish(command)
+        Ticket(recorded, Verb(command.verb, ""), self._hub).refuse(code, reason)
+        return recorded
+
     def _unknown(self, command: Command) -> str:
         if command.driver not in self._drivers:
             return f"there is no driver {command.driver!r}"

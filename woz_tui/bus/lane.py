@@ -15,8 +15,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
-import msgspec
-
+from woz_tui.core import wire
 from woz_tui.core.driver import DriverError, Performer, Rejected, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
@@ -150,6 +149,7 @@ class Lane:
         self._waiting: deque[tuple[Ticket, Mapping[str, Json]]] = deque()
         self._current: Ticket | None = None
         self._task: asyncio.Task[Mapping[str, Json]] | None = None
+        self._cancelled = False
         self.faulted = False
 
     @property
@@ -231,6 +231,7 @@ class Lane:
         job = LaneJob(ticket, args, lambda seconds: self._extend(ticket, seconds))
         task = loop.create_task(_guarded(self._driver, job))
         self._task = task
+        self._cancelled = False
         self._bound(ticket, ticket.command.limit_s)
         task.add_done_callback(lambda done: self._ended(ticket, done, started_us))
 
@@ -258,9 +259,11 @@ class Lane:
         self._cancel()
 
     def _cancel(self) -> None:
+        """Cancel the job, once: a second time would hit it while it is putting things in order."""
         task = self._task
-        if task is None:
+        if task is None or (self._cancelled and not self.faulted):
             return
+        self._cancelled = True
         task.cancel()
         asyncio.get_running_loop().call_later(GRACE_S, self._check_ended, task)
 
@@ -370,8 +373,5 @@ def _outcome(
 
 def _plain(sent: object) -> dict[str, Json]:
     """What a driver returned as plain JSON; what cannot be said in JSON becomes text."""
-    try:
-        value = msgspec.json.decode(msgspec.json.encode(sent, enc_hook=str))
-    except (TypeError, ValueError, RecursionError):
-        value = {"returned": repr(sent)[:1000]}
+    value = wire.plain(sent)
     return value if isinstance(value, dict) else {} if value is None else {"returned": value}

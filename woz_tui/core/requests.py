@@ -57,7 +57,10 @@ class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="act
 
 
 class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"):
-    """Send one verb with its arguments; `on` names the driver where several offer it."""
+    """Send one verb with its arguments; `on` names the driver where several offer it.
+
+    `key`, `age_us` and `stale` as for an action.
+    """
 
     verb: str
     args: dict[str, Json] = {}
@@ -65,6 +68,7 @@ class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"
     source: str = "program"
     key: str = ""
     age_us: int = 0
+    stale: bool = False
     when_busy: str = ""
 
 
@@ -81,10 +85,16 @@ class AskRelease(Request, frozen=True, kw_only=True, omit_defaults=True, tag="re
 
 
 class AskScript(Request, frozen=True, kw_only=True, omit_defaults=True, tag="script"):
-    """Play the script's next line (`play`), or move its position to `to` without playing."""
+    """Play the script's next line (`play`), or move its position to `to` without playing.
+
+    `key`, `age_us` and `stale` as for an action.
+    """
 
     play: bool = True
     to: int | None = None
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
 
 
 class AskCancel(Request, frozen=True, kw_only=True, omit_defaults=True, tag="cancel"):

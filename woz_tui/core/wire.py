@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import math
+from collections.abc import Mapping
+from numbers import Real
 from typing import Any
 
 import msgspec
@@ -11,6 +14,8 @@ from woz_tui.core.requests import AnyAnswer, AnyRequest
 
 #: A longer line is refused; a client cannot make the host hoard memory.
 MAX_LINE = 1 << 20
+#: Lists and mappings nested deeper than this are cut off.
+MAX_DEPTH = 100
 
 _encoder = msgspec.json.Encoder()
 _message: msgspec.json.Decoder[AnyMessage] = msgspec.json.Decoder(AnyMessage)
@@ -26,8 +31,42 @@ class WireError(ValueError):
 
 
 def encode(message: msgspec.Struct) -> bytes:
-    """One JSON object and a newline, UTF-8. Non-finite numbers become null."""
-    return _encoder.encode(message) + b"\n"
+    """One JSON object and a newline, UTF-8. Non-finite numbers become null.
+
+    Whatever the fields hold, it can be written: see `plain`.
+    """
+    try:
+        return _encoder.encode(message) + b"\n"
+    except (UnicodeEncodeError, TypeError, RecursionError):
+        return _encoder.encode(plain(message)) + b"\n"
+
+
+def plain(value: Any, depth: int = 0) -> Any:
+    """`value` with everything replaced that JSON cannot say.
+
+    Drivers hand on what they were given: numpy's numbers, names of files that are no UTF-8.
+    """
+    match value:
+        case str():
+            return value.encode("utf-8", "backslashreplace").decode()
+        case None | bool() | msgspec.Raw():
+            return value
+        case int() if type(value) is int:
+            return value
+        case Real():
+            return float(value) if math.isfinite(value) else None
+        case _ if depth > MAX_DEPTH:
+            return "..."
+        case Mapping():
+            return {plain(str(key)): plain(item, depth + 1) for key, item in value.items()}
+        case list() | tuple():
+            return [plain(item, depth + 1) for item in value]
+        case msgspec.Struct():
+            fields = {
+                name: plain(getattr(value, name), depth + 1) for name in value.__struct_fields__
+            }
+            return msgspec.structs.replace(value, **fields)
+    return plain(str(value))
 
 
 def decode_message(line: bytes) -> AnyMessage:
@@ -71,7 +110,7 @@ def ref_of(line: bytes) -> int:
         ref = decode_unknown(line).get("ref", 0)
     except WireError:
         return 0
-    return ref if isinstance(ref, int) else 0
+    return ref if type(ref) is int else 0
 
 
 def is_sample(message: Message) -> bool:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from collections import deque
 from collections.abc import Callable
 
 import msgspec
@@ -15,6 +16,12 @@ from woz_tui.core.requests import AnyRequest, Hello, Reply
 CAPACITY = 4096
 #: Bytes that the kernel and asyncio may hold for it before lines begin to wait.
 HIGH_WATER = 256 * 1024
+#: Requests of one client that are carried out before all others have their turn.
+REQUESTS_A_TURN = 64
+#: Bytes of answers that may wait for a client that asks and asks and never reads.
+MOST_WAITING = 8 << 20
+#: How long a closed connection may take to deliver what was written, in seconds.
+LINGER_S = 1.0
 
 
 class Client(asyncio.Protocol):
@@ -45,6 +52,7 @@ class Client(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
         self._subscription: Subscription | None = None
         self._rest = b""
+        self._lines: deque[bytes] = deque()
         self._paused = False
         self._wake_due = False
         self._due: list[bytes] = []
@@ -77,17 +85,32 @@ class Client(asyncio.Protocol):
 
     def data_received(self, data: bytes) -> None:
         """Whole lines become requests at once; an over-long line ends the connection."""
-        lines = (self._rest + data).split(b"\n")
-        self._rest = lines.pop()
-        for line in lines:
-            if len(line) <= wire.MAX_LINE and line.strip():
+        *lines, self._rest = (self._rest + data).split(b"\n")
+        self._lines.extend(lines)
+        if len(self._rest) > wire.MAX_LINE:
+            self._lines.append(self._rest)
+        self._work()
+
+    def _work(self) -> None:
+        """Some requests now, the others when everybody else has had a turn; until then no more."""
+        for _ in range(min(len(self._lines), REQUESTS_A_TURN)):
+            line = self._lines.popleft()
+            if line.strip():
                 self._line(line)
-        if max(map(len, [*lines, self._rest])) > wire.MAX_LINE:
-            self.send(Reply(ref=0, ok=False, reason=f"a line may have {wire.MAX_LINE} bytes"))
-            self.close("line too long")
+        if self._transport is None:
+            self._lines.clear()
+        elif self._lines:
+            self._transport.pause_reading()
+            asyncio.get_running_loop().call_soon(self._work)
+        else:
+            self._transport.resume_reading()
 
     def _line(self, line: bytes) -> None:
         if self._transport is None or self._transport.is_closing():
+            return
+        if len(line) > wire.MAX_LINE:
+            self.send(Reply(ref=0, ok=False, reason=f"a line may have {wire.MAX_LINE} bytes"))
+            self.close("line too long")
             return
         try:
             request = wire.decode_request(line)
@@ -129,10 +152,11 @@ class Client(asyncio.Protocol):
 
     def _write(self) -> None:
         self._wake_due = False
-        if self._subscription is not None and self._subscription.overrun and not self._paused:
-            self.close("too slow")
-            return
         self._flush()
+        transport, subscription = self._transport, self._subscription
+        overrun = subscription is not None and subscription.overrun
+        if transport and (overrun or transport.get_write_buffer_size() > MOST_WAITING):
+            self.close("too slow")
 
     def _collect(self) -> None:
         if self._subscription is not None and not self._paused:
@@ -145,8 +169,10 @@ class Client(asyncio.Protocol):
         self._due.clear()
 
     def close(self, why: str) -> None:
-        """End the connection; what was sent before still goes out."""
+        """End the connection; what was sent before still goes out, if it is read soon."""
+        if self._transport is None or self._transport.is_closing():
+            return
         self._why = why
-        if self._transport is not None:
-            self._flush()
-            self._transport.close()
+        self._flush()
+        self._transport.close()
+        asyncio.get_running_loop().call_later(LINGER_S, self._transport.abort)

@@ -78,7 +78,7 @@ class Desk:
             return Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint)
         return Reply(ref=request.ref, ok=True, run=run)
 
-    def _carry(self, client: Client, request: AnyRequest) -> str:  # noqa: PLR0912 - the table
+    def _carry(self, client: Client, request: AnyRequest) -> str:
         session = self._session
         run = ""
         match request:
@@ -86,12 +86,8 @@ class Desk:
                 run = self._action(client, request)
             case AskVerb():
                 run = self._verb(client, request)
-            case AskScript(to=None, play=True):
-                run = session.script_next(Origin("script", "", client.name))
-            case AskScript(to=to, play=play):
-                session.script_to(to if to is not None else session.script_at)
-                if play:
-                    run = session.script_next(Origin("script", "", client.name))
+            case AskScript():
+                run = self._script(client, request)
             case AskRelease(source=source):
                 session.release(source)
             case AskCancel(run=wanted):
@@ -120,16 +116,23 @@ class Desk:
             self._stale(request.age_us, request.stale),
         )
 
+    def _script(self, client: Client, request: AskScript) -> str:
+        if request.to is not None:
+            self._session.script_to(request.to)
+        if not request.play:
+            return ""
+        return self._session.script_next(
+            Origin("script", request.key, client.name), self._stale(request.age_us, request.stale)
+        )
+
     def _verb(self, client: Client, request: AskVerb) -> str:
-        stale = self._stale(request.age_us)
-        if stale:
-            raise AskError(stale)
         return self._session.send(
             request.verb,
             request.args,
             request.on,
             Origin(request.source, request.key, client.name),
-            request.when_busy,
+            when_busy=request.when_busy,
+            stale=self._stale(request.age_us, request.stale),
         )
 
     def _stale(self, age_us: int, stale: bool = False) -> str:

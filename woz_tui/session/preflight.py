@@ -66,9 +66,16 @@ def _sensors(session: Session) -> list[Finding]:
         elif session.hub.now() - message.t > FRESH_US:
             findings.append(Finding("warning", sensor, "its last value is old", "check the device"))
         else:
-            value = message.text or ("none" if message.value is None else f"{message.value:.3g}")
-            findings.append(Finding("ok", sensor, f"{value} {message.unit}".strip()))
+            findings.append(Finding("ok", sensor, _in_words(message)))
     return findings
+
+
+def _in_words(message: m.Reading) -> str:
+    if message.sensor == "identity":
+        return message.text or "nobody known"
+    if message.value is None:
+        return "nothing measured"
+    return f"{message.value:.3g} {message.unit}".strip()
 
 
 def _recorder(session: Session) -> Finding:

@@ -14,6 +14,9 @@ from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Action, Call, Together, Wait
 from woz_tui.session.variables import MissingError, filled
 
+#: Runs and commands that can still be labelled as mistakes.
+REMEMBERED = 2000
+
 
 @dataclass(frozen=True, slots=True)
 class Origin:
@@ -66,7 +69,8 @@ class Runner:
         self._runs: dict[str, Run] = {}
         self._actions = 0
         self._commands = 0
-        self.last: m.ActionRequested | None = None
+        #: What was asked for, oldest first: run or command id, and the action's or verb's name.
+        self.played: dict[str, str] = {}
 
     # -- asked for ---------------------------------------------------------------------------
 
@@ -89,14 +93,24 @@ class Runner:
         self._advance(run)
         return run_id, ""
 
-    def send(self, call: Call, origin: Origin, when_busy: str = "queue") -> m.Command:
-        """Send one command that belongs to no action."""
-        return self._bus.submit(self._command(call, origin, when_busy=when_busy))
+    def send(
+        self, call: Call, origin: Origin, when_busy: str = "queue", stale: str = ""
+    ) -> m.Command:
+        """Send one command that belongs to no action; `stale` says why it is refused at once."""
+        command = self._command(call, origin, when_busy=when_busy)
+        self._remember(command.command, call.verb)
+        return self._bus.refuse(command, "stale", stale) if stale else self._bus.submit(command)
+
+    def _remember(self, played: str, name: str) -> None:
+        self.played[played] = name
+        if len(self.played) > REMEMBERED:
+            del self.played[next(iter(self.played))]
 
     def _request(self, name: str, panel: str, origin: Origin) -> str:
         self._actions += 1
         run = f"a{self._actions:05d}"
-        self.last = self._hub.publish(
+        self._remember(run, name)
+        self._hub.publish(
             m.ActionRequested(
                 run=run,
                 action=name,

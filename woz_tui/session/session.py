@@ -254,13 +254,26 @@ class Session:
         return ""
 
     def send(
-        self, verb: str, args: Mapping[str, m.Json], on: str, origin: Origin, when_busy: str = ""
+        self,
+        verb: str,
+        args: Mapping[str, m.Json],
+        on: str,
+        origin: Origin,
+        *,
+        when_busy: str = "",
+        stale: str = "",
     ) -> str:
-        """Send one verb; the command's id. Raises `AskError` if no driver can be named."""
+        """Send one verb; the command's id. Raises `AskError` if no driver can be named.
+
+        `stale`: why the press is too old to be sent; the refusal is in the log too.
+        """
         if self.ended:
             raise AskError("the session is ending")
         call = Call(verb, dict(args), self._driver_for(verb, on), Place("", 0, 0))
-        return self.runner.send(call, origin, when_busy or "queue").command
+        command = self.runner.send(call, origin, when_busy or "queue", stale).command
+        if stale:
+            raise AskError(stale)
+        return command
 
     def _driver_for(self, verb: str, on: str) -> str:
         offering = [name for name, verbs in self._by_name.items() if verb in verbs]
@@ -278,13 +291,13 @@ class Session:
             f"there are {', '.join(verbs)}",
         )
 
-    def script_next(self, origin: Origin) -> str:
-        """Play the script's next line and move on; its run id."""
+    def script_next(self, origin: Origin, stale: str = "") -> str:
+        """Play the script's next line and move on; its run id. `stale` as for `play`."""
         if self.script_at >= len(self.experiment.script):
             raise AskError(
                 "the script is at its end" if self.experiment.script else "there is no script"
             )
-        run = self.play(self.experiment.script[self.script_at], origin)
+        run = self.play(self.experiment.script[self.script_at], origin, stale=stale)
         self.script_to(self.script_at + 1)
         return run
 
@@ -325,14 +338,14 @@ class Session:
         self.hub.publish(m.Note(text=text))
 
     def mistake(self, run: str, text: str) -> None:
-        """Label a run, or with an empty `run` the last one, as a mistake."""
-        last = self.runner.last
-        if not run and last is None:
+        """Label a run or a single command, or with an empty `run` the last one, as a mistake."""
+        played = self.runner.played
+        wrong = run or next(reversed(played), "")
+        if not wrong:
             raise AskError("nothing has been played yet")
-        if last is not None and (not run or run == last.run):
-            self.hub.publish(m.Mistake(run=last.run, action=last.action, text=text))
-        else:
-            self.hub.publish(m.Mistake(run=run, text=text))
+        if wrong not in played:
+            raise AskError(f"nothing was played as {wrong!r}")
+        self.hub.publish(m.Mistake(run=wrong, action=played[wrong], text=text))
 
     def set(
         self,

@@ -17,7 +17,7 @@ As a process, for end-to-end tests and benchmarks::
 
 It prints one line `ready PATH` and runs until SIGTERM or SIGINT. Lines on its standard input are
 orders: `pull`, `plug`, `silent ID`, `alive ID`,
-`overload ID`, `reset ID`, `corrupt N`, `slow SECONDS`, `noise`.
+`overload ID`, `reset ID`, `corrupt N`, `slow SECONDS`, `noise`, `witness PATH`.
 
 The journal has one JSON object a line, flushed at once, `t_ns` being CLOCK_MONOTONIC:
 
@@ -27,7 +27,8 @@ The journal has one JSON object a line, flushed at once, `t_ns` being CLOCK_MONO
     {"t_ns": 125, "event": "reboot" | "pulled" | "plugged", ...}
 
 `write` stands for every register write that arrived for a servo (write, sync write, action), also
-for those it refused (`error` not 0). `position` is where the motor stood, in counts.
+for those it refused (`error` not 0). `position` is where the motor stood, in counts. With a witness
+each also has `witness`, the size of that file when the write arrived: what stood in it before.
 """
 
 from __future__ import annotations
@@ -103,6 +104,8 @@ class ServoBus:
         self.servos = {number: Motor(number, kind) for number, kind in kinds.items()}
         self.protocol = KINDS[next(iter(kinds.values()), model)][0]
         self.faults = Faults()
+        #: A file whose size is noted with every write that arrives.
+        self.witness: Path | None = None
         self.writes: list[Write] = []
         self.instructions: list[Instruction] = []
         self._journal = journal.open("a", encoding="ascii") if journal is not None else None
@@ -320,6 +323,7 @@ class ServoBus:
                     self._say(motor, 0, bytes(motor.memory[address : address + size]))
 
     def _write(self, motor: Motor, address: int, data: bytes) -> int:
+        witnessed = {"witness": self.witness.stat().st_size} if self.witness is not None else {}
         error = motor.write(address, data)
         write = Write(
             time.monotonic_ns(), motor.number, address, bytes(data), error, motor.position
@@ -334,6 +338,7 @@ class ServoBus:
             value=write.value,
             error=error,
             position=round(motor.position, 2),
+            **witnessed,
         )
         return error
 

@@ -34,6 +34,8 @@ def order(bus: ServoBus, line: str) -> None:
             bus.faults.noise = 1
         elif word == "slow":
             bus.faults.slow = float(rest)
+        elif word == "witness":
+            bus.witness = Path(rest)
         elif word:
             sys.stderr.write(f"unknown order: {line}\n")
     except (KeyError, ValueError) as error:

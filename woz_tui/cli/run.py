@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import signal
 import sys
 from pathlib import Path
 
@@ -56,7 +57,8 @@ def _play(arguments: argparse.Namespace, experiment: Path) -> int:
             builtins=own_keys,
         )
     )
-    _farewell(left, robot)
+    if code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
+        _farewell(left, robot)
     return code
 
 

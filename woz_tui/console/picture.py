@@ -44,6 +44,8 @@ class Picture:
     """Everything the console knows. Fields are for reading; `take` changes them."""
 
     title: str = ""
+    #: What the robot process calls this console, and whether it plays or watches.
+    console: str = ""
     role: str = ""
     log: str = ""
     welcomed: bool = False
@@ -120,7 +122,7 @@ class Picture:
             setattr(self, name, getattr(fresh, name))
         self._t, self._local = welcome.t, local_us
         self.welcomed = True
-        self.role, self.log = welcome.role, welcome.log
+        self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
         self.variables = tuple(welcome.variables)
         self.settings = dict(welcome.settings)
         self.drivers = {name: DriverPicture(name) for name in welcome.drivers}

@@ -124,6 +124,12 @@ def _lock(picture: Picture, message: m.PanelLocked) -> None:
     picture.locks[message.panel] = message.locked
 
 
+def _console_lost(picture: Picture, message: m.ConsoleLost) -> None:
+    """A console that gets the news of its own loss lives on as a watcher."""
+    if message.console == picture.console:
+        picture.role = "watcher"
+
+
 _REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
     m.SessionStart: _start,
     m.SessionChanged: _session,
@@ -145,4 +151,5 @@ _REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
     m.Mistake: _mistake,
     m.ScriptMoved: _script,
     m.PanelLocked: _lock,
+    m.ConsoleLost: _console_lost,
 }

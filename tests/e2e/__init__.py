@@ -1,0 +1,1 @@
+"""The whole program, with real processes, terminals, sockets, files and emulated servos."""

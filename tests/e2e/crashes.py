@@ -1,0 +1,114 @@
+"""kill -9 of the robot process, again and again, while a program plays as fast as it is answered.
+
+`python -m tests.e2e.crashes --rounds 200` prints what it found; the tests run fewer rounds.
+"""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+import threading
+from dataclasses import dataclass, field
+
+from tests.e2e.lab import Lab, Log, until
+from tests.e2e.program import Program
+
+EXPERIMENT = """\
+title: Crashes
+robot: {name: quick, drivers: {robot: {type: simulated, speed: 20}}}
+panels:
+  - title: All
+    actions:
+      - {name: say, say: "a few words", when_busy: replace}
+      - {name: nod, play: nod, when_busy: replace}
+      - {name: mark, mark: here}
+      - {name: both, steps: [{eyes: red}, {emotion: happy, volume: 0.3}]}
+"""
+ACTIONS = ("say", "nod", "mark", "both")
+#: The longest that a robot process lives after its first request, in seconds.
+LIFE_S = 0.3
+
+
+@dataclass
+class Found:
+    """What the rounds showed."""
+
+    rounds: int = 0
+    acknowledged: int = 0
+    lines: int = 0
+    torn: int = 0
+    complaints: list[str] = field(default_factory=list)
+
+
+def run(lab: Lab, rounds: int, seed: int) -> Found:
+    """Crash `rounds` robot processes, each at another random moment."""
+    dice = random.Random(seed)
+    experiment = lab.file("crashes.yaml", EXPERIMENT)
+    found = Found()
+    for number in range(1, rounds + 1):
+        process = lab.woz(
+            "host", str(experiment), "--recordings", str(lab.recordings), "--session", f"S{number}"
+        )
+        path = lab.runtime / "woz" / f"S{number}.sock"
+        until(path.exists, "a socket")
+        acknowledged: list[str] = []
+        with Program(path) as program:
+            killer = threading.Timer(dice.uniform(0.0, LIFE_S), process.kill)
+            killer.start()
+            try:
+                while True:
+                    reply = program.ask("action", action=dice.choice(ACTIONS))
+                    if reply["ok"]:
+                        acknowledged.append(str(reply["run"]))
+            except OSError:  # it is dead
+                pass
+            finally:
+                killer.join()
+        process.wait()
+        path.unlink()
+        _judge(lab, f"S{number}", acknowledged, found)
+    return found
+
+
+def _judge(lab: Lab, session: str, acknowledged: list[str], found: Found) -> None:
+    """Compare what was acknowledged with what is in the files."""
+    (path,) = (
+        each for each in lab.recordings.glob(f"*_{session}.jsonl") if ".samples" not in each.name
+    )
+    lines, damage = Log(path).whole()
+    requested = {line.fields["run"] for line in lines if line.kind == "action.requested"}
+    lost = [run for run in acknowledged if run not in requested]
+    found.rounds += 1
+    found.acknowledged += len(acknowledged)
+    found.lines += len(lines)
+    found.torn += damage.torn
+    if lost:
+        found.complaints.append(f"{session}: acknowledged and not in the log: {lost}")
+    # Each of the two files may end in the middle of a line, and that is all.
+    harmless = damage.torn <= 2 and damage.skipped == damage.torn and not damage.unreadable
+    if not harmless or damage.nul_bytes:
+        found.complaints.append(f"{session}: {'; '.join(damage.sentences())}")
+    numbers = [line.seq for line in lines]
+    if numbers != list(range(len(numbers))):
+        found.complaints.append(f"{session}: gaps in the numbers of its lines")
+
+
+def main() -> int:
+    """Run as a program."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--rounds", type=int, default=200)
+    parser.add_argument("--seed", type=int, default=7)
+    options = parser.parse_args()
+    with Lab() as lab:
+        found = run(lab, options.rounds, options.seed)
+    sys.stdout.write(
+        f"{found.rounds} robot processes killed: {found.acknowledged} acknowledged actions,"
+        f" {found.lines} lines, {found.torn} torn at the end, {len(found.complaints)} complaints\n"
+    )
+    sys.stdout.writelines(f"{complaint}\n" for complaint in found.complaints)
+    return 1 if found.complaints else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,238 @@
+"""A place in which whole sessions are run: folders, processes, and what is in the log.
+
+Everything a test starts here is told apart by the runtime folder in its environment, so that the
+end of the test can find and kill what is left, also where a robot process has outlived its parent.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import psutil
+
+from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
+from woz_tui.record import log
+
+#: Between two looks at a file or a process, in seconds.
+LOOK_S = 0.02
+
+
+def until(true: Callable[[], Any], what: str, timeout: float = WAIT_S) -> Any:
+    """What `true` returns as soon as that is true in any sense; fails after `timeout` seconds."""
+    end = time.monotonic() + timeout
+    while not (value := true()):
+        if time.monotonic() > end:
+            raise AssertionError(f"it never came: {what}")
+        time.sleep(LOOK_S)
+    return value
+
+
+class Lab:
+    """Folders and processes of one test; a context manager that leaves nothing behind."""
+
+    def __init__(self) -> None:
+        # Not pytest's folder: a socket's path may only have 107 bytes.
+        self.folder = Path(tempfile.mkdtemp(prefix="woz-e2e-"))
+        self.recordings = self.folder / "recordings"
+        self.runtime = self.folder / "run"
+        self.runtime.mkdir(mode=0o700)
+        self.environ = {
+            "XDG_RUNTIME_DIR": str(self.runtime),
+            "XDG_STATE_HOME": str(self.folder / "state"),
+            "XDG_CONFIG_HOME": str(self.folder / "config"),
+            "WOZ_SOCKET": "",
+        }
+        self._closing = contextlib.ExitStack()
+
+    def __enter__(self) -> Lab:
+        return self
+
+    def __exit__(
+        self,
+        kind: type[BaseException] | None,
+        error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:
+        self._closing.close()
+        for process in self.processes():
+            with contextlib.suppress(psutil.NoSuchProcess):
+                process.kill()
+        until(lambda: not self.processes(), "the end of every process")
+        shutil.rmtree(self.folder)
+
+    # -- starting ----------------------------------------------------------------------------
+
+    def file(self, name: str, text: str) -> Path:
+        """A file in the lab's folder."""
+        path = self.folder / name
+        path.write_text(text, encoding="utf-8")
+        return path
+
+    def terminal(self, words: Sequence[str], **options: Any) -> FakeTerminal:
+        """`woz` with these arguments on a terminal; `options` as of `FakeTerminal`."""
+        return self.program([sys.executable, "-m", "woz_tui", *words], **options)
+
+    def program(self, command: Sequence[str], **options: Any) -> FakeTerminal:
+        """Any program on a terminal, in the lab's environment."""
+        env: Mapping[str, str] = options.pop("env", {})
+        terminal = FakeTerminal(command, env={**self.environ, **env}, **options)
+        return self._closing.enter_context(terminal)
+
+    def run(self, experiment: Path, *words: str, **options: Any) -> FakeTerminal:
+        """`woz run` with a participant, as soon as the console stands."""
+        terminal = self.terminal(["run", str(experiment), *self.session(*words)], **options)
+        terminal.wait_text("REC")
+        return terminal
+
+    def session(self, *words: str) -> list[str]:
+        """Options that every session of the lab has."""
+        return ["--recordings", str(self.recordings), "--participant", "P01", *words]
+
+    def attach(self, *words: str, **options: Any) -> FakeTerminal:
+        """`woz attach`, as soon as the console stands."""
+        terminal = self.terminal(["attach", *words], **options)
+        terminal.wait_text("REC")
+        return terminal
+
+    def host(self, experiment: Path, *words: str) -> subprocess.Popen[bytes]:
+        """`woz host`, as soon as it listens."""
+        process = self.woz("host", str(experiment), *self.session(*words))
+        until(lambda: process.poll() is not None or self.sockets(), "a socket")
+        return process
+
+    def woz(self, *words: str, **options: Any) -> subprocess.Popen[bytes]:
+        """`woz` with these arguments, without a terminal."""
+        process = subprocess.Popen(
+            [sys.executable, "-m", "woz_tui", *words],
+            cwd=ROOT,
+            env={**os.environ, **self.environ, **options.pop("env", {})},
+            stdin=options.pop("stdin", subprocess.DEVNULL),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            **options,
+        )
+        self._closing.callback(_end, process)
+        return process
+
+    def start(self, command: Sequence[str]) -> subprocess.Popen[bytes]:
+        """A companion of the session (emulated servos ...), with a standard input for orders."""
+        process = subprocess.Popen(
+            command,
+            cwd=ROOT,
+            env={**os.environ, **self.environ},
+            stdin=subprocess.PIPE,
+            stdout=subprocess.PIPE,
+        )
+        self._closing.callback(_end, process)
+        return process
+
+    # -- looking -----------------------------------------------------------------------------
+
+    def processes(self) -> list[psutil.Process]:
+        """Every process that was started here and lives, whoever its parent is by now."""
+        found = []
+        for process in psutil.process_iter():
+            with contextlib.suppress(psutil.Error, OSError):
+                mine = process.environ().get("XDG_RUNTIME_DIR") == str(self.runtime)
+                if mine and process.status() != psutil.STATUS_ZOMBIE:
+                    found.append(process)
+        return found
+
+    def host_process(self) -> psutil.Process:
+        """The robot process."""
+        found = until(
+            lambda: [p for p in self.processes() if "host" in p.cmdline()[:4]], "a robot process"
+        )
+        assert len(found) == 1
+        return psutil.Process(found[0].pid)
+
+    def sockets(self) -> list[Path]:
+        """The sockets of robot processes that live or have died."""
+        return list(self.runtime.glob("woz/*.sock"))
+
+    def socket(self) -> Path:
+        """The only socket."""
+        (path,) = until(self.sockets, "a socket")
+        return Path(path)
+
+    @property
+    def log(self) -> Log:
+        """The newest log."""
+        return Log(until(lambda: _logs(self.recordings), "a log")[-1])
+
+
+class Log:
+    """The file of actions, read while it is written."""
+
+    def __init__(self, path: Path) -> None:
+        self.path = path
+
+    def lines(self, kind: str = "", **fields: object) -> list[log.Line]:
+        """All lines, or those of one kind whose fields have these values."""
+        return [
+            line
+            for line in log.lines_of(self.path, log.Damage())
+            if kind in ("", line.kind)
+            and all(line.fields.get(name) == value for name, value in fields.items())
+        ]
+
+    def wait(self, kind: str, count: int = 1, **fields: object) -> log.Line:
+        """The `count`th line of this kind, as soon as it is there."""
+        what = f"line {count} of {kind} {fields}"
+        try:
+            found = until(lambda: len(lines := self.lines(kind, **fields)) >= count and lines, what)
+        except AssertionError as error:
+            tail = "\n".join(line.raw.decode() for line in self.lines()[-25:])
+            raise AssertionError(f"{error}; the log ends with\n{tail}") from None
+        line = found[count - 1]
+        assert isinstance(line, log.Line)
+        return line
+
+    def end_of(self, line: log.Line) -> int:
+        """Bytes of the file up to and including `line`."""
+        data = self.path.read_bytes()
+        return data.index(line.raw) + len(line.raw) + 1
+
+    def whole(self) -> tuple[list[log.Line], log.Damage]:
+        """Every line of every file of the session, and what was wrong with them."""
+        damage = log.Damage()
+        return list(log.read(self.path, damage)), damage
+
+
+def _logs(folder: Path) -> list[Path]:
+    if not folder.is_dir():
+        return []
+    found = (path for path in folder.glob("*.jsonl") if ".samples" not in path.name)
+    return sorted(found, key=lambda path: path.stat().st_mtime_ns)
+
+
+def _end(process: subprocess.Popen[bytes]) -> None:
+    if process.poll() is None:
+        with contextlib.suppress(ProcessLookupError):
+            process.send_signal(signal.SIGKILL)
+    process.wait()
+    for pipe in (process.stdin, process.stdout, process.stderr):
+        if pipe is not None:
+            pipe.close()
+
+
+@contextlib.contextmanager
+def stopped(process: psutil.Process) -> Iterator[None]:
+    """Nothing of `process` runs inside; it is continued whatever happens."""
+    process.suspend()
+    try:
+        yield
+    finally:
+        with contextlib.suppress(psutil.NoSuchProcess):
+            process.resume()

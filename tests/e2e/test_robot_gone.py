@@ -1,0 +1,73 @@
+"""The robot process is killed, or left alone by everybody."""
+
+from __future__ import annotations
+
+import sys
+
+from tests.e2e import crashes, scenes
+from tests.e2e.lab import Lab, Log, until
+from tests.e2e.program import Program
+from tests.e2e.servos import TORQUE, Servos
+
+
+def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
+    servos = Servos(lab, sys.executable)
+    terminal = lab.run(lab.file("bench.yaml", scenes.head(servos.port)), columns=120)
+    log = lab.log
+    log.wait("driver.connected")
+    terminal.send("\x1b[20~")
+    log.wait("command.done")
+    terminal.send("3")
+    servos.wait_goal(11, -3.0)
+    lab.host_process().kill()
+    screen = terminal.wait_text("The robot process is gone")
+    assert log.path.name in screen.replace("│\n", "").replace(" ", "").replace("\n", "")
+    bitten = until(
+        lambda: [note for note in servos.journal if note.event == "watchdog"], "the watchdog's bite"
+    )
+    assert {note.id for note in bitten} <= {11, 12, 13}
+    until(
+        lambda: {note.id for note in servos.journal if note.event == "watchdog"} == {11, 12, 13},
+        "every servo to stop by itself",
+    )
+    begin = len(servos.journal)
+    terminal.wait_text("Start the robot process again")
+    terminal.send("\r")
+    terminal.wait_for(lambda text: "is gone" not in text and "● head" in text)
+    second = Log(until(lambda: lab.log.path != log.path and lab.log.path, "a second log"))
+    terminal.send("2")
+    second.wait("action.refused", action="Middle")
+    assert not [note for note in servos.journal[begin:] if note.goal]
+    terminal.send("\x1b[20~")
+    second.wait("command.done")
+    terminal.send("2")
+    second.wait("action.done", action="Middle")
+    servos.assert_harmless()
+    _, damage = log.whole()
+    assert (damage.damaged, damage.conflicting, damage.misplaced) == (0, 0, 0)
+
+
+def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
+    servos = Servos(lab, sys.executable)
+    host = lab.host(lab.file("bench.yaml", scenes.head(servos.port, abandon=5)))
+    log = lab.log
+    log.wait("driver.connected")
+    with Program(lab.socket()) as program:
+        assert program.ask("action", action="Torque on")["ok"]
+        log.wait("command.done")
+        assert program.ask("action", action="Left")["ok"]
+        log.wait("action.done", action="Left")
+    assert host.wait(60) == 0
+    assert log.wait("session.end").fields["reason"] == "abandoned"
+    servos.wait_goal(12, 15.0)
+    assert {n.id: n.value for n in servos.journal if n.address == TORQUE} == {11: 0, 12: 0, 13: 0}
+    servos.assert_harmless()
+    assert lab.sockets() == []
+    _, damage = log.whole()
+    assert damage.sentences() == []
+
+
+def test_crashes_lose_nothing_that_was_acknowledged(lab: Lab) -> None:
+    found = crashes.run(lab, rounds=25, seed=1)
+    assert found.complaints == []
+    assert found.acknowledged > 25

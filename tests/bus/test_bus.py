@@ -9,7 +9,8 @@ import pytest
 from tests.bus.rig import Rig
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.core import messages as m
-from woz_tui.core.messages import Command
+from woz_tui.core.driver import DriverError, Job
+from woz_tui.core.messages import Command, Json
 
 
 def in_rig(scenario: Callable[[Rig], Awaitable[None]], capacity: int = 16) -> Rig:
@@ -257,3 +258,43 @@ def test_cancel_ends_one_run_alone() -> None:
 
     rig = in_rig(scenario)
     assert [type(rig.end(c)).__name__ for c in ("c1", "c2", "c3")] == ["Stopped", "Done", "Stopped"]
+
+
+def test_a_job_is_cancelled_once_however_often_it_is_replaced() -> None:
+    """A second time would hit the driver while it puts the device in order."""
+    tidied = []
+
+    async def scenario(rig: Rig) -> None:
+        async def perform(job: Job) -> dict[str, Json]:
+            try:
+                await asyncio.sleep(60)
+            except asyncio.CancelledError:
+                await asyncio.sleep(0.1)
+                tidied.append(job.command)
+                raise
+            return {}
+
+        rig.head.perform = perform  # type: ignore[method-assign]
+        rig.send("play")
+        for _ in range(3):
+            await asyncio.sleep(0.01)
+            rig.send("play", when_busy="replace")
+        rig.bus.stop("key")
+        await asyncio.sleep(1)
+
+    in_rig(scenario)
+    assert tidied == ["c1"]
+
+
+def test_a_failure_with_an_unspeakable_name_still_ends_its_command() -> None:
+    async def scenario(rig: Rig) -> None:
+        async def perform(job: Job) -> dict[str, Json]:
+            raise DriverError("no file caf\udce9.wav")
+
+        rig.head.perform = perform  # type: ignore[method-assign]
+        rig.send("say")
+        await asyncio.sleep(0.1)
+        rig.send("say")
+
+    rig = in_rig(scenario)
+    assert [isinstance(rig.end(command), m.Failed) for command in ("c1", "c2")] == [True, True]

@@ -47,26 +47,29 @@ def plain(value: Any, depth: int = 0) -> Any:
     Drivers hand on what they were given: numpy's numbers, names of files that are no UTF-8.
     """
     match value:
-        case str():
-            return value.encode("utf-8", "backslashreplace").decode()
         case None | bool() | msgspec.Raw():
             return value
-        case int() if type(value) is int:
-            return value
         case Real():
-            return float(value) if math.isfinite(value) else None
-        case _ if depth > MAX_DEPTH:
-            return "..."
-        case Mapping():
-            return {plain(str(key)): plain(item, depth + 1) for key, item in value.items()}
-        case list() | tuple():
-            return [plain(item, depth + 1) for item in value]
-        case msgspec.Struct():
-            fields = {
-                name: plain(getattr(value, name), depth + 1) for name in value.__struct_fields__
-            }
-            return msgspec.structs.replace(value, **fields)
-    return plain(str(value))
+            return _number(value)
+        case Mapping() | list() | tuple() | msgspec.Struct():
+            return _nested(value, depth + 1) if depth < MAX_DEPTH else "..."
+    return str(value).encode("utf-8", "backslashreplace").decode()
+
+
+def _number(value: Any) -> int | float | None:
+    if type(value) is int:
+        return value
+    return float(value) if math.isfinite(value) else None
+
+
+def _nested(value: Any, depth: int) -> Any:
+    if isinstance(value, Mapping):
+        return {plain(str(key)): plain(item, depth) for key, item in value.items()}
+    if isinstance(value, msgspec.Struct):
+        names = value.__struct_fields__
+        fields = {name: plain(getattr(value, name), depth) for name in names}
+        return msgspec.structs.replace(value, **fields)
+    return [plain(item, depth) for item in value]
 
 
 def decode_message(line: bytes) -> AnyMessage:

@@ -208,7 +208,7 @@ class Speech:
         path = self._outlet.folder / file
         content = await asyncio.to_thread(read_wav, path)
         await self._play(job, path, content)
-        return self._sent(Utterance(path, content, "file")) | {"file": str(path)}
+        return self._sent(Utterance(path, content, "file")) | {"file": file}
 
     def _sent(self, utterance: Utterance) -> dict[str, Json]:
         return {

@@ -92,7 +92,7 @@ def test_steps(everything: Experiment) -> None:
         ("head", "blink", {}),
         ("head", "torque", {"on": False}),
         ("session", "mark", {"text": "half way"}),
-        ("voice", "sound", {"file": str(GOOD.absolute() / "none.wav")}),
+        ("voice", "sound", {"file": "none.wav"}),
         ("session", "set", {"condition": "No", "trial": 3}),
         ("session", "lock", {"panel": "Steps"}),
         ("head", "torque", {"on": True}),

@@ -59,7 +59,9 @@ def _file(spot: Spot, argument: Argument, setting: Setting) -> Json:
     if text is None or "://" in text:
         return text
     template.check(spot, text, setting.variables)
-    return resolved(spot, text, must_exist=not template.names(text))
+    # Only looked for: the argument stays as written, so that no home folder gets into the log.
+    resolved(spot, text, must_exist=not template.names(text))
+    return text
 
 
 def _number(spot: Spot, argument: Argument, setting: Setting) -> Json:

@@ -25,6 +25,7 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
+from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
 #: A restarted servo answers again within about a second; after this it is reported missing.
@@ -56,6 +57,11 @@ class DynamixelServos:
     def verbs(cls, settings: ServoSettings) -> tuple[Verb, ...]:
         """pose, poses, home, torque; play, gaze, nudge and reboot where the settings allow them."""
         return verbs.offered(settings)
+
+    @classmethod
+    def joints(cls, settings: ServoSettings) -> Mapping[str, Range]:
+        """Joints with their limits in degrees, so that `woz check` finds impossible poses."""
+        return {name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()}
 
     @classmethod
     def sensors(cls, settings: ServoSettings) -> tuple[str, ...]:

@@ -90,7 +90,7 @@ class Performance:
         path = values.file(job.args, "file", self._folder)
         seconds = values.sound_seconds(path)
         await self._stage.spend(job, seconds)
-        return {"file": path, "seconds": round(seconds, 3)}
+        return {"file": job.args["file"], "seconds": round(seconds, 3)}
 
     async def _set_volume(self, job: Job) -> Sent:
         self.volume = min(max(values.number(job.args, "level"), 0.0), 1.0)
@@ -215,9 +215,9 @@ class Performance:
         return {"color": color}
 
     async def _screen(self, job: Job) -> Sent:
-        path = values.file(job.args, "file", self._folder)
+        values.file(job.args, "file", self._folder)
         await self._stage.spend(job, SCREEN_SECONDS)
-        return {"file": path}
+        return {"file": job.args["file"]}
 
     async def _drive(self, job: Job) -> Sent:
         x, y, turn = (values.number(job.args, name) for name in ("x", "y", "turn"))

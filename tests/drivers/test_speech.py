@@ -132,7 +132,7 @@ async def test_sound_files(desk: Desk) -> None:
     sent = await driver.perform(Ordered("sound", {"file": "sounds/beep.wav"}))
     assert sent["file"] == "sounds/beep.wav"
     assert sent["seconds"] == 0.05
-    assert desk.told("play")[0]["wav"] == sent["file"]
+    assert desk.told("play")[0]["wav"] == str(desk.folder / "sounds/beep.wav")
     with pytest.raises(Rejected, match="cannot be read"):
         await driver.perform(Ordered("sound", {"file": "nothing.wav"}))
     (desk.folder / "song.mp3").write_bytes(b"ID3" + bytes(100))

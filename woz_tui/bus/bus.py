@@ -8,10 +8,12 @@ driver until the stop is released.
 from __future__ import annotations
 
 import asyncio
+import functools
 import logging
 from collections.abc import Callable, Coroutine, Mapping
 
 from woz_tui.bus.arguments import ArgumentError, checked
+from woz_tui.bus.guard import guarded
 from woz_tui.bus.lane import Lane, Ticket
 from woz_tui.core.driver import Performer, Scope, Verb
 from woz_tui.core.hub import Hub
@@ -108,10 +110,10 @@ class Bus:
             self._lanes[driver, name] = lane
         return lane
 
-    def cancel(self, run: str, reason: str) -> None:
-        """End every command of the run `run`."""
-        for lane in self._lanes.values():
-            lane.cancel(run, reason)
+    def cancel(self, run: str, reason: str) -> bool:
+        """End every command of the run `run`, or the command of that id; says whether any was."""
+        found = [lane.cancel(run, reason) for lane in self._lanes.values()]
+        return any(found)
 
     # -- the stop ----------------------------------------------------------------------------
 
@@ -169,7 +171,9 @@ class Bus:
     def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, asyncio.Task[None]]:
         loop = asyncio.get_running_loop()
         return {
-            name: loop.create_task(self._drivers[name].stop(scope), name=f"stop {name}")
+            name: loop.create_task(
+                guarded(functools.partial(self._drivers[name].stop, scope)), name=f"stop {name}"
+            )
             for name in names
         }
 

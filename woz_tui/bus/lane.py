@@ -15,6 +15,7 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+from woz_tui.bus.guard import guarded
 from woz_tui.core import wire
 from woz_tui.core.driver import DriverError, Performer, Rejected, Verb
 from woz_tui.core.hub import Hub
@@ -54,6 +55,10 @@ class Ticket:
     end: End | None = None
     requested_us: int = 0
     timers: list[asyncio.TimerHandle] = field(default_factory=list)
+
+    def belongs_to(self, run: str) -> bool:
+        """Whether it goes on and is the command `run`, or one of the commands of that run."""
+        return self.end is None and run in {self.command.run, self.command.command} - {""}
 
     def finish(self, end: End) -> bool:
         """Publish `end` unless the command has ended already; says whether it was first."""
@@ -229,7 +234,7 @@ class Lane:
         )
         started_us = self._hub.now()
         job = LaneJob(ticket, args, lambda seconds: self._extend(ticket, seconds))
-        task = loop.create_task(_guarded(self._driver, job))
+        task = loop.create_task(guarded(lambda: self._driver.perform(job)))
         self._task = task
         self._cancelled = False
         self._bound(ticket, ticket.command.limit_s)
@@ -306,35 +311,23 @@ class Lane:
         for ticket in ended:
             ticket.stop(reason)
 
-    def cancel(self, run: str, reason: str) -> None:
-        """End what belongs to the run `run`."""
-        mine = [entry for entry in self._waiting if entry[0].command.run == run]
-        for entry in mine:
-            self._waiting.remove(entry)
+    def cancel(self, run: str, reason: str) -> bool:
+        """End what belongs to the run `run`, or is the command `run`; says whether anything did."""
+        mine = [ticket for ticket, _ in self._waiting if ticket.belongs_to(run)]
+        self._waiting = deque(entry for entry in self._waiting if entry[0] not in mine)
         current = self._current
-        if current is not None and current.command.run == run:
-            current.stop(reason)
+        if current is not None and current.belongs_to(run):
+            mine.insert(0, current)
             self._cancel()
-        for ticket, _ in mine:
+        for ticket in mine:
             ticket.stop(reason)
+        return bool(mine)
 
     async def ended(self) -> None:
         """Return when no job is running."""
         while self._task is not None:
             await asyncio.wait([self._task])
             await asyncio.sleep(0)
-
-
-async def _guarded(driver: Performer, job: LaneJob) -> Mapping[str, Json]:
-    """Perform; whatever a driver raises stays inside its task.
-
-    `SystemExit` and `KeyboardInterrupt` would end the robot process from inside a task, so they
-    become ordinary failures too.
-    """
-    try:
-        return await driver.perform(job)
-    except (SystemExit, KeyboardInterrupt) as error:
-        raise DriverError(f"the driver raised {type(error).__name__}") from error
 
 
 def _outcome(

@@ -205,13 +205,12 @@ class Runner:
     # -- cut short ---------------------------------------------------------------------------
 
     def cancel(self, run_id: str, reason: str) -> bool:
-        """End one run; says whether it was running."""
+        """End one run, or one command that belongs to none; says whether it was under way."""
         run = self._runs.get(run_id)
-        if run is None:
-            return False
-        self._bus.cancel(run_id, reason)
-        self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
-        return True
+        found = self._bus.cancel(run_id, reason)
+        if run is not None:
+            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+        return found or run is not None
 
     def stop_waiting(self, reason: str) -> None:
         """End the runs that are in a pause; those with commands on the bus end through them."""

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import logging
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,10 +15,11 @@ from woz_tui import __version__
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, timestamp
-from woz_tui.core.driver import Driver, Performer, Prepares
+from woz_tui.core.driver import Driver, Performer
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Call, Experiment, Place
 from woz_tui.record.recorder import Recorder
+from woz_tui.session.crew import Crew
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.outlet import DriverOutlet
 from woz_tui.session.runner import Origin, Runner
@@ -31,12 +31,6 @@ from woz_tui.session.verbs import SESSION, VERBS, SessionVerbs
 CLOCK_TIE_S = 30.0
 #: Seconds between two checkpoints of the log.
 CHECKPOINT_S = 10.0
-#: Seconds a driver may take to open, and to rest and to close when the session ends.
-OPEN_WAIT_S = 3.0
-REST_WAIT_S = 10.0
-CLOSE_WAIT_S = 8.0
-
-log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -68,6 +62,7 @@ class Session:
         self.hub.listen(self.standing.see)
         self._publish_start()
         self._make_drivers()
+        self._crew = Crew(self.drivers, self.hub)
         self.verbs = {spec.name: spec.verbs for spec in self.experiment.drivers}
         by_name = {
             name: {verb.name: verb for verb in offered}
@@ -95,7 +90,6 @@ class Session:
             self.hub, self.bus, by_name, self.values, self.experiment.session.deadline
         )
         self._by_name = by_name
-        self._preparing: dict[str, asyncio.Task[None]] = {}
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
@@ -133,31 +127,13 @@ class Session:
 
     async def open(self) -> None:
         """Let every driver look for its hardware; none of them can fail the session."""
-        for name, driver in self.drivers.items():
-            try:
-                await asyncio.wait_for(driver.open(), OPEN_WAIT_S)
-            except Exception as error:
-                log.exception("driver %s did not open", name)
-                self.hub.publish(
-                    m.DriverFaulted(
-                        driver=name,
-                        detail=f"it did not open: {type(error).__name__}: {error}",
-                        remedy="the robot process's own log has the traceback",
-                    )
-                )
+        await self._crew.open()
         self._tie_clock()
         self._checkpoint()
         self._prepare()
 
     def _prepare(self) -> None:
-        """Have voices get ready what will be said, so that it is heard at once when it is."""
-        for name, texts in utterances(self.experiment, self.values()).items():
-            driver: object = self.drivers.get(name)
-            if isinstance(driver, Prepares):
-                earlier = self._preparing.pop(name, None)
-                if earlier is not None:
-                    earlier.cancel()
-                self._preparing[name] = self._loop.create_task(driver.prepare(texts))
+        self._crew.prepare(utterances(self.experiment, self.values()))
 
     async def close(self, reason: str, rest: bool = True) -> None:
         """Rest, close the drivers, finish the log. Bounded in time; never raises."""
@@ -166,36 +142,14 @@ class Session:
         self.ended = True
         for timer in self._timers.values():
             timer.cancel()
-        for task in self._preparing.values():
-            task.cancel()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
-            await self._everyone("rest", REST_WAIT_S)
-        await self._everyone("close", CLOSE_WAIT_S)
+            await self._crew.rest()
+        await self._crew.close()
         digest, _ = self.recorder.digest()
         self.hub.publish(m.SessionEnd(reason=reason, sha256=digest))
         self.recorder.close()
-
-    async def _everyone(self, what: str, seconds: float) -> None:
-        tasks = {
-            name: asyncio.ensure_future(getattr(driver, what)())
-            for name, driver in self.drivers.items()
-        }
-        if not tasks:
-            return
-        await asyncio.wait(tasks.values(), timeout=seconds)
-        for name, task in tasks.items():
-            if not task.done():
-                task.cancel()
-                self.hub.publish(
-                    m.Notice(level="error", text=f"{name}: {what} took longer than {seconds:g} s")
-                )
-            elif not task.cancelled() and task.exception() is not None:
-                log.error("%s of %s failed", what, name, exc_info=task.exception())
-                self.hub.publish(
-                    m.Notice(level="error", text=f"{name}: {what} failed: {task.exception()}")
-                )
 
     def recorder_moved(self, state: m.RecorderState) -> None:
         """The recorder's state changed; may be called from its thread."""
@@ -316,8 +270,9 @@ class Session:
     # -- the stop ----------------------------------------------------------------------------
 
     def stop(self, source: str) -> None:
-        """Stop everything, now."""
+        """Stop everything, now, also the way to the rest pose when the session ends."""
         self.bus.stop(source)
+        self._crew.stop_resting()
         self.runner.stop_waiting("stop pressed")
 
     def release(self, source: str) -> None:
@@ -380,13 +335,20 @@ class Session:
     # -- the file ----------------------------------------------------------------------------
 
     def adopt(self, experiment: Experiment, changes: list[str]) -> None:
-        """Go on with a changed file whose drivers are the same."""
+        """Go on with a changed file whose drivers are the same.
+
+        Panels keep the lock that the wizard gave them, unless it is the lock that was edited.
+        """
+        before = {panel.title: panel.locked for panel in self.experiment.panels}
         self.experiment = experiment
         self.runner.deadline = experiment.session.deadline
-        self.script_at = min(self.script_at, len(experiment.script))
-        for panel in experiment.panels:
-            self.locked.setdefault(panel.title, panel.locked)
         self.hub.publish(m.ExperimentReloaded(experiment_sha256=experiment.sha256, changes=changes))
+        for panel in experiment.panels:
+            if before.get(panel.title) is not panel.locked:
+                self.lock(panel.title, panel.locked)
+        if self.script_at > len(experiment.script):
+            self.script_to(len(experiment.script))
+        self._prepare()
 
 
 def _boot_id() -> str:

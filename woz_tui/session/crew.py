@@ -1,0 +1,109 @@
+"""The drivers of a session, called together: to open, to get ready, to rest, to close."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Mapping
+
+from woz_tui.bus.guard import guarded
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Driver, Prepares
+from woz_tui.core.hub import Hub
+
+#: Seconds that drivers may take to open, and to rest and to close when the session ends.
+OPEN_WAIT_S = 3.0
+REST_WAIT_S = 10.0
+CLOSE_WAIT_S = 8.0
+
+log = logging.getLogger(__name__)
+
+
+class Crew:
+    """All drivers at once; none of them can hold up the others or fail the session.
+
+    Args:
+        drivers: By name.
+        hub: What goes wrong is published here.
+    """
+
+    def __init__(self, drivers: Mapping[str, Driver], hub: Hub) -> None:
+        self._drivers = drivers
+        self._hub = hub
+        self._resting: list[asyncio.Task[None]] = []
+        self._preparing: dict[str, asyncio.Task[None]] = {}
+
+    async def open(self) -> None:
+        """Let every driver look for its hardware."""
+        for name, problem in (await self._finished(self._call("open"), OPEN_WAIT_S)).items():
+            self._hub.publish(
+                m.DriverFaulted(
+                    driver=name,
+                    detail=f"it did not open: {problem}",
+                    remedy="the robot process's own log has the traceback",
+                )
+            )
+
+    def prepare(self, utterances: Mapping[str, list[str]]) -> None:
+        """Have voices get ready what will be said, so that it is heard at once when it is."""
+        for name, texts in utterances.items():
+            driver: object = self._drivers.get(name)
+            if isinstance(driver, Prepares):
+                earlier = self._preparing.pop(name, None)
+                if earlier is not None:
+                    earlier.cancel()
+                self._preparing[name] = asyncio.get_running_loop().create_task(
+                    self._prepare(name, driver, texts)
+                )
+
+    async def _prepare(self, name: str, driver: Prepares, texts: list[str]) -> None:
+        try:
+            await guarded(lambda: driver.prepare(texts))
+        except Exception as error:
+            log.exception("%s could not prepare its utterances", name)
+            self._hub.publish(
+                m.Notice(level="warning", text=f"{name}: utterances are not ready: {error}")
+            )
+
+    async def rest(self) -> None:
+        """Take the rest pose, unless `stop_resting` is called on the way."""
+        self._resting = self._call("rest")
+        await self._tell("rest", self._resting, REST_WAIT_S)
+
+    def stop_resting(self) -> None:
+        """The stop: no further on the way to the rest pose."""
+        for rest in self._resting:
+            rest.cancel()
+
+    async def close(self) -> None:
+        """Let go of the hardware."""
+        for task in self._preparing.values():
+            task.cancel()
+        await self._tell("close", self._call("close"), CLOSE_WAIT_S)
+
+    async def _tell(self, what: str, calls: list[asyncio.Task[None]], seconds: float) -> None:
+        for name, problem in (await self._finished(calls, seconds)).items():
+            self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {problem}"))
+
+    def _call(self, what: str) -> list[asyncio.Task[None]]:
+        loop = asyncio.get_running_loop()
+        return [
+            loop.create_task(guarded(getattr(driver, what)), name=name)
+            for name, driver in self._drivers.items()
+        ]
+
+    @staticmethod
+    async def _finished(calls: list[asyncio.Task[None]], seconds: float) -> dict[str, str]:
+        """Wait `seconds` at most; what went wrong, by driver."""
+        if calls:
+            await asyncio.wait(calls, timeout=seconds)
+        problems = {}
+        for call in calls:
+            name = call.get_name()
+            if not call.done():
+                call.cancel()
+                problems[name] = f"it took longer than {seconds:g} s"
+            elif not call.cancelled() and (error := call.exception()) is not None:
+                log.error("%s failed", name, exc_info=error)
+                problems[name] = f"{type(error).__name__}: {error}"
+        return problems

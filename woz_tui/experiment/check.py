@@ -19,10 +19,27 @@ from woz_tui.experiment.terminals import STOPS, is_stop
 
 def across(experiment: Experiment, drafts: Sequence[Drafted], report: Report) -> None:
     """Check what no single entry can know of; `drafts` are all actions with their paths."""
+    _ports(experiment, report)
     _panel_titles(experiment, report)
     _names(drafts, report)
     _Keys(experiment.keyboard, report).check(drafts)
     _script(experiment, report)
+
+
+def _ports(experiment: Experiment, report: Report) -> None:
+    """A serial port has one owner; two would read half of each other's bytes."""
+    owner: dict[str, str] = {}
+    for spec in experiment.drivers:
+        port = getattr(spec.settings, "port", None)
+        if not isinstance(port, str) or not port:
+            continue
+        if port in owner:
+            report.error(
+                spec.place,
+                f"drivers.{spec.name}.port",
+                f"{quoted(port)} is the port of {quoted(owner[port])} already",
+            )
+        owner.setdefault(port, spec.name)
 
 
 def _panel_titles(experiment: Experiment, report: Report) -> None:

@@ -20,7 +20,7 @@ panels:
   - title: Driving
     actions:
       - {{key: F, label: Far away, drive: 5}}
-      - {{key: B, label: Breaks, fault: disconnect, seconds: 60}}
+      - {{key: x, label: Fails, steps: [{{fault: fail, part: body}}, {{play: nod}}]}}
 script: [Hello, Nod, Hello, Nod]
 """
 STORY = "Once upon a time there was a robot who liked to talk. "

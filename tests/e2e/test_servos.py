@@ -215,7 +215,7 @@ def test_sensors_beside_the_servos_go_stale_by_name_and_the_servos_go_on(
         log.wait("sensor.changed", sensor="distance", state="stale")
         terminal.wait_text("distance stale")
         torque_on(terminal, log)
-        command, begin = press(terminal, log, servos, "1", "Left")
+        command, _ = press(terminal, log, servos, "1", "Left")
         log.wait("command.done", command=command)
         sensor.unplug()
         log.wait("driver.lost", driver="distance")

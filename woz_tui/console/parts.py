@@ -79,13 +79,17 @@ class StopPicture:
 
 @dataclass(slots=True)
 class RecorderPicture:
-    """The log's health; `level` is ok, warn, alarm, failed or unknown."""
+    """The log's health; `level` is ok, warn, alarm, failed or unknown.
+
+    `news`: more than the lag is different from what was said before.
+    """
 
     level: str = "unknown"
     lag_us: int = 0
     path: str = ""
     detail: str = ""
     remedy: str = ""
+    news: bool = True
 
 
 @dataclass(slots=True)

@@ -44,8 +44,10 @@ def _end(picture: Picture, message: m.SessionEnd) -> None:
 
 
 def _recorder(picture: Picture, message: m.RecorderState) -> None:
+    before = picture.recorder
+    news = (message.level, message.detail) != (before.level, before.detail)
     picture.recorder = RecorderPicture(
-        message.level, message.lag_us, message.path, message.detail, message.remedy
+        message.level, message.lag_us, message.path, message.detail, message.remedy, news
     )
 
 

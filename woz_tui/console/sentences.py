@@ -97,12 +97,14 @@ def _session_end(message: m.SessionEnd, picture: Picture) -> Event:
 
 
 def _recorder(message: m.RecorderState, picture: Picture) -> Event | None:
-    if message.level == "ok":
+    if message.level == "ok" or not picture.recorder.news:
         return None
     mark = "warning" if message.level == "warn" else "error"
-    what = "Log is not written" if message.level == "failed" else "Log falls behind"
-    detail = message.detail or f"{message.lag_us / 1000:.0f} ms"
-    return Event(message.t, mark, what, detail)
+    if message.level == "failed":
+        return Event(message.t, mark, "Log is not written", message.detail)
+    if message.detail:
+        return Event(message.t, mark, f"Log: {message.detail}", message.remedy)
+    return Event(message.t, mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
 
 
 def _notice(message: m.Notice, picture: Picture) -> Event:

@@ -11,6 +11,8 @@ from woz_tui.console.picture import Picture
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
+#: The log is so far behind that an alarm is about time.
+LATE_US = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +75,15 @@ def _recorder(picture: Picture, glyphs: Glyphs) -> Row:
     levels: dict[str, Row] = {
         "ok": ((f"{glyphs.yes} REC", "good"), (f" {lag:>6}", "muted")),
         "warn": ((f"{glyphs.warning} REC {lag:>6}", "warn"),),
-        "alarm": ((f" {glyphs.error} REC {lag} LATE ", "alarm"),),
+        "alarm": ((f" {glyphs.error} REC {_alarm(picture.recorder.lag_us)} ", "alarm"),),
         "failed": ((f" {glyphs.error} NOT RECORDED ", "alarm"),),
     }
     return levels.get(picture.recorder.level, ((f"{glyphs.no} REC       ", "muted"),))
+
+
+def _alarm(lag_us: int) -> str:
+    """Behind the disk, or in trouble with a file: the events say which."""
+    return f"{millis(lag_us)} LATE" if lag_us >= LATE_US else "TROUBLE"
 
 
 def _line(line: Line, glyphs: Glyphs) -> Row:

@@ -1,0 +1,116 @@
+"""Sizes, poor terminals, no terminal at all, and commands that cannot be carried out."""
+
+from __future__ import annotations
+
+import re
+import subprocess
+
+import pytest
+
+from tests.e2e import scenes
+from tests.e2e.lab import Lab, until
+from tests.fakes.terminal import WAIT_S
+
+
+@pytest.mark.parametrize(("columns", "rows"), [(80, 24), (160, 50), (60, 20)])
+def test_sizes_and_a_resize_while_running(lab: Lab, columns: int, rows: int) -> None:
+    terminal = lab.run(lab.file("guide.yaml", scenes.guide()), columns=columns, rows=rows)
+    small = columns < 80
+    terminal.wait_for(lambda text: ("Events ──" in text) != small and "Long story" in text)
+    assert ("60 x 20 is small" in terminal.text) == small
+    for size in ((160, 50), (60, 20), (80, 24), (30, 8), (columns, rows)):
+        terminal.resize(*size)
+        wide = size[0] >= 80
+        terminal.wait_for(lambda text, wide=wide: ("Events ──" in text) == wide)  # type: ignore[misc]
+    terminal.send("h")
+    terminal.wait_text("Hello")
+    lab.log.wait("action.done")
+    terminal.send("\x1b")
+    terminal.wait_text("STOPPED by key")
+
+
+@pytest.mark.parametrize(
+    ("env", "never"),
+    [
+        ({"TERM": "linux"}, rb"\x1b\[[0-9;]*[34]8;[25];"),
+        ({"NO_COLOR": "1"}, rb"\x1b\[([0-9;]*;)?([34]8;[25]|3[0-7]|4[0-7]|9[0-7]|10[0-7])[;m]"),
+    ],
+)
+def test_terminals_with_few_colours(lab: Lab, env: dict[str, str], never: bytes) -> None:
+    terminal = lab.run(lab.file("guide.yaml", scenes.guide()), env=env)
+    terminal.send("h")
+    lab.log.wait("action.done")
+    terminal.wait_text("✓ Hello" if env.get("TERM") != "linux" else "Hello")
+    terminal.send("\x1b")
+    terminal.wait_text("STOPPED by key")
+    assert re.search(never, bytes(terminal.written)) is None
+
+
+@pytest.mark.parametrize("command", ["run", "attach"])
+def test_a_dumb_terminal_is_refused(lab: Lab, command: str) -> None:
+    file = lab.file("guide.yaml", scenes.guide())
+    words = [command, str(file)] if command == "run" else [command]
+    terminal = lab.terminal(words, env={"TERM": "dumb"})
+    assert terminal.wait_exit() == 2
+    terminal.wait_text("TERM=dumb cannot show the console")
+    assert lab.sockets() == []
+
+
+def said(process: subprocess.Popen[bytes]) -> str:
+    """What it wrote on standard error until it ended."""
+    return process.communicate(timeout=WAIT_S)[1].decode()
+
+
+@pytest.mark.parametrize("command", ["run", "attach"])
+def test_without_a_terminal_it_is_refused(lab: Lab, command: str) -> None:
+    file = lab.file("guide.yaml", scenes.guide())
+    process = lab.woz(*([command, str(file)] if command == "run" else [command]))
+    assert "needs a terminal" in said(process)
+    assert process.returncode == 2
+    assert lab.sockets() == []
+
+
+def test_attach_without_a_session(lab: Lab) -> None:
+    terminal = lab.terminal(["attach"])
+    assert terminal.wait_exit() == 1
+    terminal.wait_text("no session is running")
+    terminal = lab.terminal(["attach", "S99"])
+    assert terminal.wait_exit() == 1
+    terminal.wait_text("no session answers at")
+
+
+def test_a_broken_file_is_refused_with_every_error_and_its_place(lab: Lab) -> None:
+    text = scenes.guide().replace("play: nod", "play: nood").replace("drive: 5", "drive: far")
+    file = lab.file("guide.yaml", text)
+    terminal = lab.terminal(["run", str(file), *lab.session()], columns=200)
+    assert terminal.wait_exit() == 1
+    terminal.wait_for(lambda screen: "nood" in screen and "far" in screen)
+    for word in ("nood", "far}"):
+        line = next(n for n, row in enumerate(text.splitlines(), 1) if word in row)
+        assert f"guide.yaml:{line}:" in terminal.text
+    assert lab.processes() == []
+
+
+def test_a_second_robot_process_on_one_socket_is_refused(lab: Lab) -> None:
+    file = lab.file("guide.yaml", scenes.guide())
+    lab.host(file, "--session", "S01")
+    second = lab.woz("host", str(file), *lab.session("--session", "S01"))
+    words = said(second)
+    assert "already listens at" in words
+    assert "Traceback" not in words
+    assert second.returncode == 1
+    attached = lab.attach()
+    attached.send("h")
+    lab.log.wait("action.done")
+
+
+def test_a_socket_left_by_a_crash_is_replaced(lab: Lab) -> None:
+    file = lab.file("guide.yaml", scenes.guide())
+    host = lab.host(file, "--session", "S01")
+    lab.log.wait("driver.connected")
+    host.kill()
+    host.wait()
+    assert lab.socket().exists()
+    lab.host(file, "--session", "S01")
+    until(lambda: len(list(lab.recordings.glob("*S01*.jsonl"))) >= 4, "a second log")
+    lab.attach()

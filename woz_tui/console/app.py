@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import contextvars
 import functools
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -140,6 +141,7 @@ class Console(App[str]):
     def on_mount(self) -> None:
         """Begin to listen and to paint."""
         self._loop = asyncio.get_running_loop()
+        self._surroundings = contextvars.copy_context()  # where a dialog finds its app
         self.set_class(self.look.glyphs.ascii, "-ascii")
         self.set_class(self.no_color, "-plain")
         self.set_class(self.theme == SIXTEEN.name, "-sixteen")
@@ -178,7 +180,7 @@ class Console(App[str]):
     def _from_thread(self, callback: Callable[..., None], *args: object) -> None:
         if self._loop is not None:
             with contextlib.suppress(RuntimeError):  # the loop has closed: nothing to show
-                self._loop.call_soon_threadsafe(callback, *args)
+                self._loop.call_soon_threadsafe(callback, *args, context=self._surroundings)
 
     # -- painting -------------------------------------------------------------------------------
 
@@ -267,9 +269,9 @@ class Console(App[str]):
             self._stop_asked,
         )
         self._bar.paint(self.picture, self._frame(self._bar, now), bar)
-        width, height = self.size
-        sentence = SMALL.format(width, height)
-        self._small.show([((fit(f" {sentence}", width, self.look.glyphs.ellipsis), "warn"),)])
+        sentence = f" {SMALL.format(*self.size)}"
+        fitted = fit(sentence, self.size.width, self.look.glyphs.ellipsis)
+        self._small.show([((fitted, "warn"),)])
         if self.dialog is not None:
             self.dialog.refreshed()
 

@@ -16,6 +16,9 @@ from woz_tui.experiment.builtins import BUILTIN, Builtin
 
 #: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
 GC_THRESHOLDS = (50_000, 20, 100)
+#: How long a thread may keep the interpreter while another one waits for it, in seconds. Python's
+#: own 5 ms would be added to a stop several times over while the screen is being drawn.
+SWITCH_S = 0.0005
 
 
 @dataclass(frozen=True, slots=True)
@@ -73,10 +76,16 @@ def open_console(options: ScreenOptions) -> tuple[str, int]:
     )
     if options.restart is not None:
         app.restart = _restart(list(options.restart), app.call_from_thread, app.news)
-    gc.freeze()
-    gc.set_threshold(*GC_THRESHOLDS)
+    favour_keys()
     left = app.run()
     return left or "", app.return_code or 0
+
+
+def favour_keys() -> None:
+    """Tune the interpreter so that the screen's work gives way to the thread that reads keys."""
+    gc.freeze()
+    gc.set_threshold(*GC_THRESHOLDS)
+    sys.setswitchinterval(SWITCH_S)
 
 
 def _restart(

@@ -12,7 +12,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from woz_tui.core.messages import AnyMessage, Json
-from woz_tui.core.requests import AnyAnswer, AnyRequest
+from woz_tui.core.requests import AnyAnswer, AnyRequest, WhenBusy
 
 MESSAGES: Sequence[type[msgspec.Struct]] = typing.get_args(AnyMessage)
 REQUESTS: Sequence[type[msgspec.Struct]] = typing.get_args(AnyRequest)
@@ -34,6 +34,7 @@ _PLAIN: dict[Any, st.SearchStrategy[Any]] = {
     bool: st.booleans(),
     type(None): st.none(),
     Any: json,
+    WhenBusy: st.sampled_from(typing.get_args(WhenBusy)),
     msgspec.Raw: st.just(msgspec.Raw(b'{"kind":"marker","seq":1}')),
 }
 

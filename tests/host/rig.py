@@ -108,6 +108,7 @@ async def served(
     tmp_path: Path,
     settings: SessionSettings | None = None,
     load: Callable[[], Experiment] | None = None,
+    path: Path | None = None,
 ) -> AsyncIterator[Served]:
     """A host that serves until the block ends."""
     clock = RealClock()
@@ -123,7 +124,7 @@ async def served(
     )
     lines: list[m.AnyMessage] = []
     session.hub.listen(lines.append)
-    path = tmp_path / "s"
+    path = path or tmp_path / "s"
     host = Host(session, path, Desk(session, load or (lambda: made)), pulse_s=0.05)
     await session.open()
     host.listen(bind(path))

@@ -26,13 +26,18 @@ def run(arguments: argparse.Namespace) -> int:
     logging.basicConfig(
         stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(name)s %(message)s"
     )
-    who = identity(arguments)
-    options = process.HostOptions(
-        experiment=arguments.experiment,
-        identity=who,
-        name=arguments.name or who.session,
-        recordings=arguments.recordings,
-        spill=arguments.spill,
-        announce=arguments.announce,
-    )
-    return explained(lambda: process.run(options))
+
+    def serve() -> int:
+        who = identity(arguments)
+        return process.run(
+            process.HostOptions(
+                experiment=arguments.experiment,
+                identity=who,
+                name=arguments.name or who.session,
+                recordings=arguments.recordings,
+                spill=arguments.spill,
+                announce=arguments.announce,
+            )
+        )
+
+    return explained(serve)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import json
 import os
 import select
@@ -14,6 +15,8 @@ from pathlib import Path
 
 #: How long the robot process may take until it says where it listens, in seconds.
 START_WAIT_S = 30.0
+#: How long one that is not wanted any more may take to end by itself, in seconds.
+ABANDON_WAIT_S = 5.0
 
 
 class LaunchError(RuntimeError):
@@ -53,37 +56,51 @@ class Launch:
 
     def wait(self, seconds: float = START_WAIT_S) -> RobotProcess:
         """The process once it listens. Raises `LaunchError` with its own words if it does not."""
-        line = self._first_line(seconds)
-        try:
-            said = json.loads(line)
-        except ValueError:
-            self._process.kill()
-            self._process.wait()
+        said = self._announcement(seconds)
+        if said is None:
+            ended = self._process.poll() is not None
+            self.abandon()
             self._errors.seek(0)
             raise LaunchError(
                 self._errors.read().decode("utf-8", "replace").strip()
-                or f"the robot process ended with code {self._process.returncode} before it said"
-                " where it listens"
-            ) from None
+                or (
+                    f"the robot process ended with code {self._process.returncode} before it said"
+                    " where it listens"
+                    if ended
+                    else f"the robot process did not start within {seconds:g} s"
+                )
+            )
         return RobotProcess(
             Path(said["socket"]), Path(said["log"]), Path(said["host_log"]), self._process.pid
         )
 
-    def _first_line(self, seconds: float) -> bytes:
-        """What it announces; empty if it ends or stays silent."""
+    def abandon(self) -> None:
+        """End the process, if it has not ended by itself: in good order as far as it can."""
+        self._process.terminate()
+        try:
+            self._process.wait(ABANDON_WAIT_S)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+    def _announcement(self, seconds: float) -> dict[str, str] | None:
+        """What it announces; None if it ends or stays silent."""
         out = self._process.stdout
         assert out is not None
         until = time.monotonic() + seconds
-        line = b""
-        while b"\n" not in line:
-            ready, _, _ = select.select([out], [], [], max(0.0, until - time.monotonic()))
-            if not ready:
-                return b""
+        rest = b""
+        while select.select([out], [], [], max(0.0, until - time.monotonic()))[0]:
             chunk = os.read(out.fileno(), 4096)
             if not chunk:
-                return b""
-            line += chunk
-        return line
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    self._process.wait(ABANDON_WAIT_S)
+                return None
+            *lines, rest = (rest + chunk).split(b"\n")
+            for line in lines:
+                if line.startswith(b'{"socket"'):  # else a driver's library greets its users
+                    said: dict[str, str] = json.loads(line)
+                    return said
+        return None
 
 
 def host_arguments(

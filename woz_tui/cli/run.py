@@ -43,12 +43,15 @@ def _play(arguments: argparse.Namespace, experiment: Path) -> int:
     own_keys = builtins(arguments)
     command = _host_command(arguments, experiment)
     launch = Launch(command)
-    screen.load_modules()
     try:
+        screen.load_modules()
         robot = launch.wait()
     except LaunchError as error:
         print(error, file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        launch.abandon()
+        raise
     left, code = screen.open_console(
         screen.ScreenOptions(
             socket=robot.socket,

@@ -6,11 +6,17 @@ chooses, repeated in the `reply`. Unknown fields are refused, so that a misspelt
 
 from __future__ import annotations
 
+from typing import Literal
+
 import msgspec
 
 from woz_tui.core.messages import Json
 
 PROTOCOL = 1
+
+
+#: What becomes of a command whose lane is occupied; empty: what the experiment says.
+WhenBusy = Literal["", "queue", "replace", "refuse"]
 
 
 class Request(
@@ -53,7 +59,7 @@ class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="act
     key: str = ""
     age_us: int = 0
     stale: bool = False
-    when_busy: str = ""
+    when_busy: WhenBusy = ""
 
 
 class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"):
@@ -69,7 +75,7 @@ class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"
     key: str = ""
     age_us: int = 0
     stale: bool = False
-    when_busy: str = ""
+    when_busy: WhenBusy = ""
 
 
 class AskStop(Request, frozen=True, kw_only=True, omit_defaults=True, tag="stop"):

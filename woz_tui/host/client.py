@@ -46,6 +46,8 @@ class Client(asyncio.Protocol):
         self.role = ""
         self.beat_us = 0
         self.silent = False
+        #: Done when the connection has ended.
+        self.gone: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._hub = hub
         self._on_request = on_request
         self._on_gone = on_gone
@@ -72,6 +74,7 @@ class Client(asyncio.Protocol):
             self._hub.unsubscribe(self._subscription)
             self._subscription = None
         self._transport = None
+        self.gone.set_result(None)
         self._on_gone(self, self._why)
 
     def pause_writing(self) -> None:

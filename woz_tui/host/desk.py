@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable
 
 import msgspec
@@ -34,6 +35,8 @@ from woz_tui.session.preflight import preflight
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
 
+log = logging.getLogger(__name__)
+
 #: What somebody who only watches may ask for (the stop is open to all, see `server`).
 WATCHER_MAY = (AskPreflight, AskMarker, AskNote)
 
@@ -50,6 +53,7 @@ class Desk:
         self._session = session
         self._load = load
         self._tasks: set[asyncio.Task[None]] = set()
+        self._reading = asyncio.Lock()  # what was read last is what counts
         self.on_end: Callable[[str], None] = lambda reason: None
         self.on_panels: Callable[[], None] = lambda: None
 
@@ -146,27 +150,35 @@ class Desk:
 
     async def _later(self, client: Client, request: AskReload | AskPreflight) -> None:
         try:
-            if isinstance(request, AskReload):
-                data = await self._reload(request.dry_run)
-            else:
-                data = _plain(await preflight(self._session))
+            data = await self._data(request)
         except AskError as error:
-            client.send(Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint))
+            reply = Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint)
         except ExperimentError as error:
-            client.send(
-                Reply(
-                    ref=request.ref,
-                    ok=False,
-                    reason=f"the file has {len(error.problems)} error(s); nothing was changed",
-                    data=[str(problem) for problem in error.problems],
-                )
+            reply = Reply(
+                ref=request.ref,
+                ok=False,
+                reason=f"the file has {len(error.problems)} error(s); nothing was changed",
+                data=[str(problem) for problem in error.problems],
             )
+        except Exception as error:
+            # Whoever asked waits for an answer, also when a driver's package is broken.
+            log.exception("%s failed", type(request).__name__)
+            reply = Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
         else:
-            client.send(Reply(ref=request.ref, ok=True, data=data))
+            reply = Reply(ref=request.ref, ok=True, data=data)
+        client.send(reply)
+
+    async def _data(self, request: AskReload | AskPreflight) -> Json:
+        if isinstance(request, AskPreflight):
+            return _plain(await preflight(self._session))
+        async with self._reading:
+            return await self._reload(request.dry_run)
 
     async def _reload(self, dry_run: bool) -> Json:
         """Read in a thread: a network folder must not hold up the robot."""
         experiment = await asyncio.to_thread(self._load)
+        if self._session.ended:
+            raise AskError("the session is ending")
         difference = compare(self._session.experiment, experiment)
         if difference.drivers:
             raise AskError(

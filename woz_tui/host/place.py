@@ -9,6 +9,8 @@ from pathlib import Path
 
 #: Longest path that fits into a Unix socket's address.
 MAX_PATH = 107
+#: Consoles and programs that may wait to be let in.
+BACKLOG = 128
 
 
 class PlaceError(OSError):
@@ -49,9 +51,20 @@ def answers(path: Path) -> bool:
         with socket.socket(socket.AF_UNIX, socket.SOCK_STREAM) as probe:
             probe.settimeout(0.5)
             probe.connect(str(path))
+    except BlockingIOError:  # so many are waiting that the next one is turned away
+        return True
     except OSError:
         return False
     return True
+
+
+def inode(path: Path) -> tuple[int, int] | None:
+    """What tells the file at `path` from any other; None if there is none."""
+    try:
+        status = path.lstat()
+    except OSError:
+        return None
+    return status.st_dev, status.st_ino
 
 
 def running() -> list[Path]:
@@ -65,9 +78,13 @@ def running() -> list[Path]:
 def bind(path: Path) -> socket.socket:
     """A listening socket with mode 0600; a dead one's leftover is replaced.
 
-    Raises `PlaceError` if a living robot process has it.
+    Raises `PlaceError` if a living robot process has it, or if it is no socket, and `OSError` if
+    its folder is not there and cannot be made.
     """
+    path.parent.mkdir(mode=0o700, exist_ok=True)
     if path.exists():
+        if not path.is_socket():
+            raise PlaceError(f"{path} is there already and no socket; set WOZ_SOCKET elsewhere")
         if answers(path):
             raise PlaceError(
                 f"a robot process already listens at {path}; `woz attach` joins it, or choose"
@@ -75,15 +92,13 @@ def bind(path: Path) -> socket.socket:
             )
         path.unlink()
     listener = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
-    mask = os.umask(0o177)
     try:
         listener.bind(str(path))
+        path.chmod(0o600)  # nobody can connect before it listens
+        listener.listen(BACKLOG)
     except OSError as error:
         listener.close()
         raise PlaceError(f"no socket at {path}: {error.strerror}") from error
-    finally:
-        os.umask(mask)
-    listener.listen(16)
     listener.setblocking(False)
     return listener
 

@@ -10,6 +10,7 @@ import logging
 import os
 import signal
 import sys
+import threading
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -27,6 +28,9 @@ from woz_tui.session.session import Session
 
 #: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
 GC_THRESHOLDS = (50_000, 20, 100)
+#: How long the end of a session may take at most, and what is left of the process after it.
+CLOSE_LIMIT_S = 30.0
+EXIT_LIMIT_S = 3.0
 
 log = logging.getLogger(__name__)
 
@@ -69,6 +73,7 @@ def _check_identity(identity: Identity, experiment: Experiment) -> None:
 
 
 async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experiment) -> int:
+    signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
     clock = RealClock()
     path = socket_path(options.name)
     listener = bind(path)
@@ -92,29 +97,46 @@ async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experim
     host = Host(session, path, desk)
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
-    await session.open()
-    host.listen(listener)
-    if options.announce:
-        _announce(path, recorder)
-    gc.collect()
-    gc.freeze()
-    gc.set_threshold(*GC_THRESHOLDS)
-    reason = await host.serve()
-    await session.close(reason)
-    await host.close()
+    reason = "crashed"
+    try:
+        await session.open()
+        host.listen(listener)
+        if options.announce:
+            _announce(path, recorder)
+        gc.collect()
+        gc.freeze()
+        gc.set_threshold(*GC_THRESHOLDS)
+        reason = await host.serve()
+    finally:
+        _leave_within(CLOSE_LIMIT_S)
+        await session.close(reason)
+        await host.close()
+        _leave_within(EXIT_LIMIT_S)
     return 0
+
+
+def _leave_within(seconds: float) -> None:
+    """No driver keeps the process, neither by blocking the loop nor by a job that goes on."""
+
+    def leave() -> None:
+        log.error("a driver does not end; the process leaves without it")
+        os._exit(1)
+
+    timer = threading.Timer(seconds, leave)
+    timer.daemon = True
+    timer.start()
 
 
 def _announce(path: Path, recorder: Recorder) -> None:
     """Tell the parent, then let go of its pipes: the robot process outlives the terminal.
 
-    From here on standard error goes to a file beside the log.
+    From here on standard error goes to a file beside the log. A parent that has died in the
+    meantime is no other case than one that dies later.
     """
     own_log = recorder.path.with_suffix(".host.log")
-    print(  # noqa: T201 - the one line of this protocol
-        json.dumps({"socket": str(path), "log": str(recorder.path), "host_log": str(own_log)}),
-        flush=True,
-    )
+    said = {"socket": str(path), "log": str(recorder.path), "host_log": str(own_log)}
+    with contextlib.suppress(BrokenPipeError):
+        print(json.dumps(said), flush=True)  # noqa: T201 - the one line of this protocol
     with contextlib.suppress(OSError):
         file = os.open(own_log, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
         null = os.open(os.devnull, os.O_RDWR)

@@ -23,9 +23,9 @@ from woz_tui.core.requests import (
     Reply,
     Welcome,
 )
-from woz_tui.host.client import Client
+from woz_tui.host import place
+from woz_tui.host.client import LINGER_S, Client
 from woz_tui.host.desk import Desk
-from woz_tui.host.place import peer_uid
 from woz_tui.host.views import panel_views, variable_names, verb_names
 from woz_tui.session.session import Session
 
@@ -33,6 +33,7 @@ PULSE_S = 1.0
 #: Dead-man periods of silence after which a wizard's connection is given up altogether.
 SILENT_PERIODS = 5
 ROLES = ("wizard", "watcher", "program")
+STREAMS = ("everything", "actions", "nothing")
 
 log = logging.getLogger(__name__)
 
@@ -56,7 +57,8 @@ class Host:
         self._count = 0
         self._listener: socket.socket | None = None
         self._server: asyncio.Task[None] | None = None
-        self._timers: list[asyncio.TimerHandle] = []
+        self._file: tuple[int, int] | None = None
+        self._timer: asyncio.TimerHandle | None = None
         self._alone_us = 0
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         desk.on_end = self.end
@@ -67,9 +69,8 @@ class Host:
 
     def listen(self, listener: socket.socket) -> None:
         """Serve whoever connects to `listener`, a non-blocking Unix socket."""
-        self._listener = listener
         self._alone_us = self.session.hub.now()
-        self._server = asyncio.get_running_loop().create_task(self._accept(listener))
+        self._open_door(listener)
         self._pulse()
 
     async def serve(self) -> str:
@@ -82,37 +83,65 @@ class Host:
             self._over.set_result(reason)
 
     async def close(self) -> None:
-        """Close every connection and the socket; the log's last lines have been sent before."""
-        for timer in self._timers:
-            timer.cancel()
+        """Close the socket and every connection; who reads gets the log's last lines."""
+        if self._timer is not None:
+            self._timer.cancel()
+        self._close_door()
+        if self._file is not None and place.inode(self.path) == self._file:
+            self.path.unlink(missing_ok=True)
+        leaving = [client.gone for client in self._clients]
+        for client in self._clients:
+            client.close("session ended")
+        if leaving:
+            await asyncio.wait(leaving, timeout=2 * LINGER_S)
+
+    # -- the door ----------------------------------------------------------------------------
+
+    def _open_door(self, listener: socket.socket) -> None:
+        self._listener = listener
+        self._file = place.inode(self.path)
+        self._server = asyncio.get_running_loop().create_task(self._accept(listener))
+
+    def _close_door(self) -> None:
         if self._server is not None:
             self._server.cancel()
         if self._listener is not None:
             self._listener.close()
-        self.path.unlink(missing_ok=True)
-        for client in list(self._clients):
-            client.close("session ended")
-        await asyncio.sleep(0)
+
+    def _keep_door(self) -> None:
+        """Bind again when the socket's file is gone.
+
+        The runtime folder goes with the user's last login, such as a dropped SSH line, and is
+        there again with the next one, which is just when somebody wants to attach.
+        """
+        if place.inode(self.path) is not None:
+            return
+        try:
+            listener = place.bind(self.path)
+        except OSError:  # its folder is gone as well: with the next pulse, perhaps
+            return
+        self._close_door()
+        self._open_door(listener)
+        log.warning("the socket %s was gone and has been made again", self.path)
 
     async def _accept(self, listener: socket.socket) -> None:
         loop = asyncio.get_running_loop()
         while True:
             try:
                 connection, _ = await loop.sock_accept(listener)
+                await self._admit(connection)
             except OSError:
                 # Out of file descriptors, most likely: the session goes on, a newcomer waits.
                 log.exception("a connection could not be accepted")
                 await asyncio.sleep(1.0)
-                continue
-            if peer_uid(connection) not in {os.getuid(), 0}:
-                connection.close()
-                continue
-            self._count += 1
-            name = f"con{self._count}"
-            await loop.connect_accepted_socket(
-                lambda name=name: Client(name, self.session.hub, self._request, self._gone),  # type: ignore[misc]
-                connection,
-            )
+
+    async def _admit(self, connection: socket.socket) -> None:
+        if place.peer_uid(connection) not in {os.getuid(), 0}:
+            connection.close()
+            return
+        self._count += 1
+        client = Client(f"con{self._count}", self.session.hub, self._request, self._gone)
+        await asyncio.get_running_loop().connect_accepted_socket(lambda: client, connection)
 
     # -- clients -----------------------------------------------------------------------------
 
@@ -149,6 +178,10 @@ class Host:
         if hello.role not in ROLES or client.hello is not None:
             reason = "you said hello already" if client.hello else f"no role {hello.role!r}"
             client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(ROLES)))
+            return
+        if hello.stream not in STREAMS:
+            reason = f"no stream {hello.stream!r}"
+            client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(STREAMS)))
             return
         client.hello = hello
         client.role = self._role(client, hello)
@@ -240,6 +273,9 @@ class Host:
         self.session.bus.unwatched = reason
 
     def _pulse(self) -> None:
+        # First of all: whatever happens in one round, the dead man's switch goes on.
+        self._timer = asyncio.get_running_loop().call_later(self._pulse_s, self._pulse)
+        self._keep_door()
         now = self.session.hub.now()
         settings = self.session.experiment.session
         wizard = self.wizard
@@ -254,7 +290,6 @@ class Host:
             client.send(Pulse(t=now, dropped=client.dropped))
         if not self._clients and now - self._alone_us > settings.abandon_after * 1_000_000:
             self.end("abandoned")
-        self._timers = [asyncio.get_running_loop().call_later(self._pulse_s, self._pulse)]
 
 
 def _raw(lines: list[m.AnyMessage]) -> list[msgspec.Raw]:

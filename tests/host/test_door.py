@@ -1,0 +1,115 @@
+"""The socket's file: whose it is, and what happens when somebody takes it away."""
+
+from __future__ import annotations
+
+import shutil
+import socket
+from pathlib import Path
+
+import pytest
+
+from tests.host.rig import Peer, Served, served
+from woz_tui.experiment.shape import Experiment
+from woz_tui.host.place import PlaceError, answers, bind, inode
+from woz_tui.plugins import PluginError
+
+
+async def back(host: Served, peer: Peer) -> None:
+    """The socket is there again with the next pulse but one."""
+    for _ in range(2):
+        await peer.kind("pulse")
+    assert inode(host.path) is not None
+
+
+async def greeted(host: Served) -> None:
+    peer = await host.connect()
+    assert (await peer.hello())["title"] == "Made by hand"
+    peer.leave()
+
+
+async def test_a_socket_that_was_removed_is_there_again(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        before = await host.connect()
+        await before.hello()
+        host.path.unlink()
+        await back(host, before)
+        await greeted(host)
+        assert (await before.ask("marker"))["ok"]
+    assert not host.path.exists()
+
+
+async def test_a_logout_takes_the_folder_and_the_next_login_brings_it_back(tmp_path: Path) -> None:
+    runtime = tmp_path / "1000"
+    runtime.mkdir()
+    async with served(tmp_path, path=runtime / "woz" / "S01.sock") as host:
+        before = await host.connect()
+        await before.hello()
+        shutil.rmtree(runtime)
+        for _ in range(3):  # there is no place to bind at
+            await before.kind("pulse")
+        runtime.mkdir()
+        await back(host, before)
+        await greeted(host)
+
+
+async def test_a_socket_of_somebody_else_is_left_alone(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        host.path.unlink()
+        other = bind(host.path)
+    assert host.path.is_socket()
+    other.close()
+
+
+@pytest.mark.parametrize("kind", ["file", "folder"])
+def test_only_sockets_are_replaced(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "thesis"
+    path.write_text("all my work") if kind == "file" else path.mkdir()
+    with pytest.raises(PlaceError, match="no socket; set WOZ_SOCKET elsewhere"):
+        bind(path)
+    assert path.exists()
+
+
+def test_a_crowd_at_the_door_does_not_look_like_a_dead_process(tmp_path: Path) -> None:
+    path = tmp_path / "s"
+    with bind(path) as listener:
+        crowd = []
+        while True:
+            waiting = socket.socket(socket.AF_UNIX)
+            waiting.setblocking(False)
+            crowd.append(waiting)
+            try:
+                waiting.connect(str(path))
+            except BlockingIOError:
+                break
+        assert answers(path)
+        for waiting in crowd:
+            waiting.close()
+        assert listener.fileno() >= 0
+
+
+@pytest.mark.parametrize(
+    ("request_", "reason"),
+    [
+        ({"kind": "hello", "role": "program", "stream": "samples"}, "no stream 'samples'"),
+        ({"kind": "action", "action": "Hello", "when_busy": "Replace"}, "Invalid enum value"),
+    ],
+)
+async def test_misspelt_words_are_no_defaults(
+    tmp_path: Path, request_: dict[str, str], reason: str
+) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.say(**request_)
+        assert reason in (await peer.kind("reply"))["reason"]
+
+
+async def test_a_reload_that_fails_in_an_unforeseen_way_is_answered(tmp_path: Path) -> None:
+    def load() -> Experiment:
+        raise PluginError("the driver 'arm' cannot be loaded")
+
+    async with served(tmp_path, load=load) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        reply = await peer.ask("reload")
+        assert "'arm' cannot be loaded" in reply["reason"]
+        assert not reply["ok"]

@@ -99,6 +99,7 @@ def welcome(
     shown: list[r.PanelView] | None = None,
     role: str = "wizard",
     t: int = NOW,
+    settings: dict[str, m.Json] | None = None,
 ) -> r.Welcome:
     """The first message of a session with three drivers, two conditions and a script."""
     return r.Welcome(
@@ -122,7 +123,7 @@ def welcome(
         drivers=["head", "voice", "face", "range", "microphone"],
         state=raw(state if state is not None else healthy()),
         recent=raw(recent if recent is not None else []),
-        settings={"participant_pattern": "P\\d\\d"},
+        settings={"participant_pattern": "P\\d\\d", **(settings or {})},
     )
 
 

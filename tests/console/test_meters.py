@@ -117,8 +117,55 @@ def test_two_heads_keep_their_full_names() -> None:
 
 def test_unknown_sensors_get_a_line() -> None:
     shown = meters(scenes.reading(NOW, "temperature", 41.5, unit="C"))
-    assert "41.5 C" in shown
+    assert " temperat… 42 C " in shown
     assert "no sensor" in meters()
+
+
+def test_the_order_is_fixed_whatever_speaks_first() -> None:
+    readings = [
+        scenes.reading(NOW, "base.y", -0.001, unit="m"),
+        scenes.reading(NOW, "base.x", 0.388, unit="m"),
+        scenes.reading(NOW, "direction", -23.6, unit="deg"),
+        scenes.reading(NOW, "battery", 77, unit="%"),
+        *scenes.sensors(),
+    ]
+    shown = meters(*readings)
+    assert shown == meters(*reversed(readings))
+    names = [line.split()[0] for line in shown.splitlines()]
+    joints, others = ["pitch", "roll", "yaw"], ["battery", "base", "direction"]
+    assert names == ["distance", "loudness", "visitor", *joints, *others]
+    assert "base      x 0.39 m  y 0.00 m" in shown
+    assert "direction -24°" in shown
+
+
+def test_joints_keep_the_files_order_and_go_from_limit_to_limit() -> None:
+    picture = Picture()
+    first = scenes.welcome(settings={"joints": {"tilt": [-30, 40], "pan": [-90, 90], "bad": "x"}})
+    readings = [
+        scenes.reading(NOW, f"joint.{name}", value, unit="deg")
+        for name, value in (("arm", 0.0), ("pan", 40.0), ("tilt", 40.0))
+    ]
+    picture.take([first, *readings], 0)
+    rows = meter_rows(picture, FRAME)
+    assert [text([row]).split()[0] for row in rows] == ["tilt", "pan", "arm"]
+    tilt, pan, arm = (text([row]) for row in rows)
+    assert tilt.index("◆") > pan.index("◆") > arm.index("◆")
+    assert tilt.index("│") < arm.index("◆")
+
+
+def test_quiet_is_quiet_and_a_clipping_microphone_warns() -> None:
+    looks = {
+        look for _, look in meter_rows(pictured(scenes.reading(NOW, "loudness", 0.1)), FRAME)[0]
+    }
+    assert not looks & {"good", "run"}
+    (row,) = meter_rows(
+        pictured(
+            scenes.reading(NOW, "loudness", 0.9),
+            m.SensorChanged(sensor="loudness", state="clipping", t=NOW),
+        ),
+        FRAME,
+    )
+    assert row[-1][1] == "warn"
 
 
 @given(

@@ -6,13 +6,15 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.cells import cell_len
+from rich.color import Color, ColorSystem
+from textual.theme import Theme
 
 from tests.console import scenes
 from woz_tui.console.caps import Cap, caption
 from woz_tui.console.cells import Row, cut, fit, length, spread
 from woz_tui.console.columns import plan
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, glyphs_for
-from woz_tui.console.look import look_for
+from woz_tui.console.look import DARK, LIGHT, look_for
 from woz_tui.console.panels import Board, cap_width, panel_rows
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
@@ -160,8 +162,11 @@ def test_ascii_glyphs_are_ascii() -> None:
         ({"TERM": "xterm-256color", "COLORFGBG": "0;15"}, "UTF-8", False, "woz-light"),
         ({"TERM": "linux"}, "utf-8", True, "woz-16"),
         ({"TERM": "xterm", "NO_COLOR": "1"}, "utf-8", False, "woz-16"),
-        ({"TERM": "xterm"}, "latin-1", True, "woz-dark"),
-        ({"TERM": "xterm"}, "nonsense", True, "woz-dark"),
+        ({"TERM": "xterm"}, "latin-1", True, "woz-16"),
+        ({"TERM": "xterm", "COLORTERM": "truecolor"}, "nonsense", True, "woz-dark"),
+        ({"TERM": "screen"}, "utf-8", False, "woz-16"),
+        ({"TERM": "tmux-256color"}, "utf-8", False, "woz-dark"),
+        ({"TERM": "xterm-kitty"}, "utf-8", False, "woz-dark"),
         ({"TERM": "xterm", "WOZ_THEME": "light"}, "utf-8", False, "woz-light"),
     ],
 )
@@ -172,6 +177,24 @@ def test_the_look_follows_the_terminal(
     assert look.glyphs.ascii is ascii_only
     assert look.theme == theme
     assert glyphs_for(environ, encoding) == look.glyphs
+
+
+@pytest.mark.parametrize("theme", [DARK, LIGHT])
+def test_a_terminal_of_256_colours_shows_nearly_the_same_colours(theme: Theme) -> None:
+    shown = {name: str(value) for name, value in theme.variables.items() if "-" in name}
+    shown |= {
+        "background": str(theme.background),
+        "surface": str(theme.surface),
+        "panel": str(theme.panel),
+    }
+    for name, value in shown.items():
+        wanted = Color.parse(value)
+        given = wanted.downgrade(ColorSystem.EIGHT_BIT).get_truecolor()
+        assert wanted.triplet is not None
+        pairs = list(zip(wanted.triplet, given, strict=True))
+        assert max(abs(a - b) for a, b in pairs) <= 40, name
+        if name.endswith(("ground", "faint", "surface", "panel")) and max(wanted.triplet) < 100:
+            assert max(given) - min(given) <= 10 or max(wanted.triplet) - min(wanted.triplet) > 40
 
 
 # -- rows and columns as such ----------------------------------------------------------------------

@@ -34,7 +34,7 @@ class Glyphs:
     rule: str = "─"
     track: str = "┈"
     tick: str = "│"
-    bar: str = "█"
+    bar: str = "━"
     empty: str = "░"
     spot: str = "●"
     target: str = "◇"

@@ -2,6 +2,9 @@
 
 The hues follow the colour-blind-safe set of Okabe and Ito (2008): blue runs, bluish green is well,
 orange warns, vermilion fails; a glyph or a word says the same.
+
+Grounds and rules are nearly grey, so that a terminal of 256 colours finds a grey for them: with a
+little more colour the nearest of its 6 x 6 x 6 cube is black, teal or lavender.
 """
 
 from __future__ import annotations
@@ -15,11 +18,11 @@ from woz_tui.console.glyphs import Glyphs, glyphs_for
 
 _DARK = {
     "woz-muted": "#8c96a5",
-    "woz-faint": "#3b4450",
+    "woz-faint": "#444a52",
     "woz-strong": "#ffffff",
     "woz-title": "#9fc3e6",
     "woz-key": "#eef2f6",
-    "woz-key-ground": "#2b3440",
+    "woz-key-ground": "#303338",
     "woz-run": "#6cb8ff",
     "woz-fill": "#ffffff",
     "woz-fill-ground": "#1d4f7c",
@@ -30,7 +33,7 @@ _DARK = {
     "woz-alarm": "#ffffff",
     "woz-alarm-ground": "#b3261e",
     "woz-alarm-soft-ground": "#7c1d17",
-    "woz-flash": "#10141a",
+    "woz-flash": "#121417",
     "woz-flash-ground": "#ffd166",
 }
 _LIGHT = {
@@ -84,9 +87,9 @@ DARK = Theme(
     success="#45c490",
     accent="#6cb8ff",
     foreground="#d9dfe7",
-    background="#10141a",
-    surface="#161b22",
-    panel="#1d232c",
+    background="#121417",
+    surface="#1a1c20",
+    panel="#22252a",
     dark=True,
     variables=_DARK,
 )
@@ -101,7 +104,7 @@ LIGHT = Theme(
     foreground="#1d2329",
     background="#fcfcfb",
     surface="#f2f3f5",
-    panel="#e8ebef",
+    panel="#e9ebee",
     dark=False,
     variables=_LIGHT,
 )
@@ -133,8 +136,16 @@ class Look:
     theme: str = "woz-dark"
 
 
-def look_for(environ: Mapping[str, str], encoding: str, colours: int = 1 << 24) -> Look:
-    """What suits a terminal: `colours` is how many it has.
+def colours_of(environ: Mapping[str, str]) -> int:
+    """How many colours a terminal has, as far as its environment says: Textual goes by the same."""
+    if environ.get("COLORTERM", "").strip().lower() in ("truecolor", "24bit"):
+        return 1 << 24
+    kind = environ.get("TERM", "").strip().lower().rpartition("-")[2]
+    return 256 if kind in ("256color", "kitty") else 16
+
+
+def look_for(environ: Mapping[str, str], encoding: str, colours: int | None = None) -> Look:
+    """What suits a terminal: `colours` is how many it has, by default what it says itself.
 
     NO_COLOR and terminals of 16 colours get the terminal's own colours, so that nothing but its
     palette is used; `COLORFGBG`, where a terminal sets it, tells light ground from dark.
@@ -144,6 +155,7 @@ def look_for(environ: Mapping[str, str], encoding: str, colours: int = 1 << 24) 
     wanted = environ.get("WOZ_THEME", "")
     if wanted in ("dark", "light", "16"):
         return Look(glyphs, f"woz-{wanted}")
+    colours = colours_of(environ) if colours is None else colours
     if "NO_COLOR" in environ or environ.get("TERM", "") == "linux" or colours <= 16:
         return Look(glyphs, "woz-16")
     ground = environ.get("COLORFGBG", "").rpartition(";")[2]

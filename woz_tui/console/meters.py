@@ -1,4 +1,8 @@
-"""What the sensors say: distance, loudness, who is there, engagement, the robot's pose."""
+"""What the sensors say: distance, loudness, who is there, engagement, the robot's pose.
+
+The order is fixed, whatever comes first: what the wizard plays by stands on top, where the robot
+stands at the bottom.
+"""
 
 from __future__ import annotations
 
@@ -12,6 +16,8 @@ from woz_tui.console.figures import SILENCE_DB, decibels
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
+from woz_tui.console.pose import joint_rows, other_rows
+from woz_tui.console.rows import NAME, at, joined, labelled, named, old, ruler, track
 from woz_tui.core import messages as m
 
 #: Where Hall's intimate, personal and social spaces end, in metres (E. T. Hall, The Hidden
@@ -21,9 +27,7 @@ ZONES = ((0.45, "intimate"), (1.2, "personal"), (3.6, "social"))
 FARTHEST = 4.8
 #: Rows of meters at the most.
 MOST = 40
-#: Cells of the names at the left and the values at the right.
-NAME, VALUE = 10, 17
-#: Sensors with a place of their own; all others get a line each.
+#: Sensors with a place of their own.
 _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
 
@@ -33,62 +37,23 @@ def zone(metres: float) -> str:
 
 
 def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
-    """At most the frame's height; joints fold into one line of text where room is short."""
-    joints = _joints(picture)
+    """At most the frame's height; joints fold into text where room is short."""
     rows = [
         *_distance(picture, frame),
         *_loudness(picture, frame),
         *_verdicts(picture, frame),
         *_engagement(picture, frame),
-        *_others(picture, frame),
     ]
-    if joints:
-        room = frame.height - len(rows)
-        if room >= len(joints):
-            rows += [_joint(picture, name, shown, frame) for name, shown in joints.items()]
-        else:
-            rows += _folded(picture, joints, frame)
+    others = other_rows(picture, frame, _KNOWN)
+    rows += joint_rows(picture, frame, frame.height - len(rows) - len(others))
+    rows += others
     if not rows:
         rows = [((fit(" no sensor has said anything yet", frame.width), "muted"),)]
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def _joints(picture: Picture) -> dict[str, str]:
-    """Joints by their full name, with the short one where that is no other joint's."""
-    full = sorted(
-        {
-            name.partition(".")[2]
-            for name in picture.sensors
-            if name.startswith(("joint.", "setpoint."))
-        }
-    )
-    short = [name.rpartition(".")[2] for name in full]
-    return {
-        name: last if short.count(last) == 1 else name
-        for name, last in zip(full, short, strict=True)
-    }
-
-
-def _labelled(name: str, body: Row, value: str, look: str) -> Row:
-    return (
-        (f" {fit(name, NAME - 1)}", "muted"),
-        *body,
-        (f" {fit(value, VALUE - 2)} ", look),
-    )
-
-
-def _track(frame: Frame) -> int:
-    return max(5, frame.width - NAME - VALUE)
-
-
 def _stale(picture: Picture, sensor: SensorPicture, frame: Frame) -> bool:
     return picture.is_stale(sensor, frame.now)
-
-
-def _old(sensor: SensorPicture, frame: Frame) -> str:
-    age = max(0, frame.now - sensor.t) / 1e6
-    shown = f"{age:.0f} s" if age < 99.5 else f"{age / 60:.0f} min"
-    return f"{frame.glyphs.stale}{shown} old"
 
 
 # -- distance and loudness ----------------------------------------------------------------------
@@ -98,69 +63,42 @@ def _distance(picture: Picture, frame: Frame) -> list[Row]:
     sensor = picture.sensors.get("distance")
     if sensor is None:
         return []
-    glyphs, width = frame.glyphs, _track(frame)
-    ticks = {_at(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
+    glyphs, width = frame.glyphs, track(frame)
+    ticks = {at(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
     stale = _stale(picture, sensor, frame)
     if sensor.value is None:
-        text = _old(sensor, frame) if stale else "nothing seen"
-        return [_labelled("distance", _ruler(width, ticks, {}, glyphs), text, "stale")]
-    spot = {_at(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")}
+        text = old(sensor, frame) if stale else "nothing seen"
+        look = "stale" if stale else "muted"
+        return [labelled("distance", ruler(width, ticks, {}, glyphs), text, look)]
+    spot = {at(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")}
     text = f"{sensor.value:.2f} m {zone(sensor.value)}"
     if stale:
-        text = f"{sensor.value:.1f} m {_old(sensor, frame)}"
+        text = f"{sensor.value:.1f} m {old(sensor, frame)}"
     look = "stale" if stale else "plain"
-    return [_labelled("distance", _ruler(width, ticks, spot, glyphs), text, look)]
-
-
-def _at(share: float, width: int) -> int:
-    return min(width - 1, max(0, int(share * width)))
-
-
-def _ruler(
-    width: int, ticks: dict[int, str], spots: dict[int, tuple[str, str]], glyphs: Glyphs
-) -> Row:
-    """A line with ticks on it and spots on top of them."""
-    pieces: list[Piece] = []
-    for x in range(width):
-        text, look = spots.get(x, (ticks.get(x, glyphs.track), "faint"))
-        if pieces and pieces[-1][1] == look:
-            pieces[-1] = (pieces[-1][0] + text, look)
-        else:
-            pieces.append((text, look))
-    return tuple(pieces)
+    return [labelled("distance", ruler(width, ticks, spot, glyphs), text, look)]
 
 
 def _loudness(picture: Picture, frame: Frame) -> list[Row]:
+    """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
     sensor = picture.sensors.get("loudness")
     if sensor is None:
         return []
-    glyphs, width = frame.glyphs, _track(frame)
-    stale = _stale(picture, sensor, frame)
-    if sensor.value is None or stale:
+    glyphs, width = frame.glyphs, track(frame)
+    if sensor.value is None or _stale(picture, sensor, frame):
         empty: Row = ((glyphs.track * width, "faint"),)
-        return [_labelled("loudness", empty, _old(sensor, frame), "stale")]
+        return [labelled("loudness", empty, old(sensor, frame), "stale")]
     level = decibels(sensor.value)
     speaking = sensor.state == "speaking"
-    full = _at(1 - level / SILENCE_DB, width + 1)
+    full = at(1 - level / SILENCE_DB, width + 1)
     threshold = _threshold(picture)
-    at = None if threshold is None else _at(1 - decibels(threshold) / SILENCE_DB, width)
-    loud = "good" if speaking else "run"
-    pieces: list[Piece] = []
-    for x in range(width):
-        look = loud if x < full else "faint"
-        text = glyphs.bar if x < full else glyphs.track
-        if x == at:
-            text, look = glyphs.tick, "strong"
-        if pieces and pieces[-1][1] == look:
-            pieces[-1] = (pieces[-1][0] + text, look)
-        else:
-            pieces.append((text, look))
+    mark_at = None if threshold is None else at(1 - decibels(threshold) / SILENCE_DB, width)
+    loud = "good" if speaking else "muted"
+    cells = [(glyphs.bar, loud) if x < full else (glyphs.track, "faint") for x in range(width)]
+    if mark_at is not None:
+        cells[mark_at] = (glyphs.tick, "strong")
     mark = f"{glyphs.yes} voice" if speaking else clean(sensor.state)
-    return [
-        _labelled(
-            "loudness", tuple(pieces), f"{level:3.0f} dB {mark}", "good" if speaking else "plain"
-        )
-    ]
+    look = "good" if speaking else "warn" if sensor.state in ("clipping", "silent") else "plain"
+    return [labelled("loudness", joined(cells), f"{level:3.0f} dB {mark}", look)]
 
 
 def _threshold(picture: Picture) -> float | None:
@@ -189,7 +127,7 @@ def _verdicts(picture: Picture, frame: Frame) -> list[Row]:
         name = clean(who.text) or "unknown"
         look = "stale" if _stale(picture, who, frame) else "plain" if who.text else "muted"
         pieces.append((name, look))
-    return [((f" {fit('visitor', NAME - 1)}", "muted"), *pieces)] if pieces else []
+    return [(named("visitor"), *pieces)] if pieces else []
 
 
 def _verdict(sensor: SensorPicture, word: str, stale: bool, glyphs: Glyphs) -> Piece:
@@ -206,7 +144,7 @@ def _engagement(picture: Picture, frame: Frame) -> list[Row]:
         return []
     verdicts = "  ".join(_marked(changed, frame.glyphs))
     first: Row = (
-        (f" {fit('engaged', NAME - 1)}", "muted"),
+        named("engaged"),
         (clean(changed.now), "strong"),
     )
     if length(first) + cell_len(verdicts) + 2 <= frame.width:
@@ -223,64 +161,6 @@ def _marked(changed: m.EngagementChanged, glyphs: Glyphs) -> list[str]:
         elif isinstance(value, str):
             marked.append(clean(value))
     return marked
-
-
-# -- the robot's pose, and everything else ----------------------------------------------------
-
-
-def _joint(picture: Picture, name: str, shown: str, frame: Frame) -> Row:
-    """Where the joint is (full mark) and where it should be (hollow mark), in degrees."""
-    glyphs, width = frame.glyphs, _track(frame)
-    present, wanted = picture.sensors.get(f"joint.{name}"), picture.sensors.get(f"setpoint.{name}")
-    values = [s.value for s in (present, wanted) if s is not None and s.value is not None]
-    half = 90.0 if all(abs(value) <= 90 for value in values) else 180.0
-    spots: dict[int, tuple[str, str]] = {}
-    stale = present is not None and _stale(picture, present, frame)
-    look = "stale" if stale else "plain"
-    texts = []
-    if present is not None and present.value is not None:
-        texts.append(f"{present.value:4.0f}{glyphs.degrees}")
-    if wanted is not None and wanted.value is not None:
-        spots[_at((wanted.value + half) / (2 * half), width)] = (glyphs.target, "run")
-        if present is None or present.value is None or abs(wanted.value - present.value) >= 1:
-            texts.append(f"{glyphs.next} {wanted.value:.0f}{glyphs.degrees}")
-    if present is not None and present.value is not None:
-        at = _at((present.value + half) / (2 * half), width)
-        spots[at] = (glyphs.position, "stale" if stale else "strong")
-    text = _old(present, frame) if stale and present is not None else " ".join(texts)
-    return _labelled(shown, _ruler(width, {width // 2: glyphs.tick}, spots, glyphs), text, look)
-
-
-def _folded(picture: Picture, joints: dict[str, str], frame: Frame) -> list[Row]:
-    """All joints as text, in as many lines as are left, at least one."""
-    row: list[Piece] = [(" ", "plain")]
-    for name, short in joints.items():
-        sensor = picture.sensors.get(f"joint.{name}") or picture.sensors[f"setpoint.{name}"]
-        stale = _stale(picture, sensor, frame)
-        value = "?" if sensor.value is None else f"{sensor.value:.0f}{frame.glyphs.degrees}"
-        mark = frame.glyphs.stale if stale else ""
-        row.append((f"{short} ", "muted"))
-        row.append((f"{mark}{value:<5}", "stale" if stale else "plain"))
-    return [tuple(row)]
-
-
-def _others(picture: Picture, frame: Frame) -> list[Row]:
-    rows: list[Row] = []
-    for name, sensor in sorted(picture.sensors.items()):
-        if name in _KNOWN or name.startswith(("joint.", "setpoint.", "loudness.")):
-            continue
-        stale = _stale(picture, sensor, frame)
-        number = "" if sensor.value is None else f"{sensor.value:.4g} {sensor.unit}".strip()
-        text = " ".join(part for part in (clean(sensor.text), number) if part) or "nothing"
-        state = _old(sensor, frame) if stale else clean(sensor.state)
-        room = max(1, frame.width - NAME - cell_len(state) - 2)
-        row: Row = (
-            (f" {fit(name, NAME - 1)}", "muted"),
-            (fit(text, room), "stale" if stale else "plain"),
-            (f" {state} ", "stale" if stale else "muted"),
-        )
-        rows.append(row)
-    return rows
 
 
 class Meters(Cells):

@@ -1,0 +1,177 @@
+"""The robot's pose, and sensors that have no place of their own among the meters."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.cells import cell_len
+
+from woz_tui.console.cells import Piece, Row, clean, fit, length
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.parts import SensorPicture
+from woz_tui.console.picture import Picture
+from woz_tui.console.rows import NAME, at, labelled, named, old, ruler, track
+
+#: What one degree of freedom publishes under `<kind>.<name>` and a joint's row shows.
+_JOINT = ("joint.", "setpoint.")
+#: Digits behind the point by unit, so that a value does not change its width.
+_DIGITS = {"m": 2, "deg": 0, "C": 0, "V": 1, "%": 0}
+#: Half of a joint's range where nobody has told its limits, in degrees.
+_HALF, _WHOLE = 90.0, 180.0
+#: Said last: where the robot stands, and from where it hears.
+_LAST = ("direction", "base")
+
+
+def joint_rows(picture: Picture, frame: Frame, room: int) -> list[Row]:
+    """A row for each joint, or if they do not fit into `room`, all of them as text."""
+    joints = _joints(picture)
+    if not joints:
+        return []
+    if len(joints) <= room:
+        return [_joint(picture, name, shown, frame) for name, shown in joints.items()]
+    return _folded(picture, joints, frame, max(1, room))
+
+
+def _joints(picture: Picture) -> dict[str, str]:
+    """Joints by their full name, with the short one where that is no other joint's.
+
+    In the robot file's order; those that it does not tell come last, by name.
+    """
+    known = {
+        name.partition(".")[2]: None for name in sorted(picture.sensors) if name.startswith(_JOINT)
+    }
+    told = [name for name in _limits(picture) if name in known]
+    full = list(dict.fromkeys((*told, *known)))
+    short = [name.rpartition(".")[2] for name in full]
+    return {
+        name: last if short.count(last) == 1 else name
+        for name, last in zip(full, short, strict=True)
+    }
+
+
+def _limits(picture: Picture) -> dict[str, tuple[float, float]]:
+    """Joint -> lowest and highest angle in degrees, as far as the host has told."""
+    told = picture.settings.get("joints")
+    limits = {}
+    if isinstance(told, dict):
+        for name, pair in told.items():
+            match pair:
+                case [int() | float() as low, int() | float() as high] if low < high:
+                    limits[name] = (float(low), float(high))
+    return limits
+
+
+def _joint(picture: Picture, name: str, shown: str, frame: Frame) -> Row:
+    """Where the joint is (full mark) and where it should be (hollow mark) between its limits."""
+    glyphs, width = frame.glyphs, track(frame)
+    present, wanted = picture.sensors.get(f"joint.{name}"), picture.sensors.get(f"setpoint.{name}")
+    here = present.value if present is not None else None
+    there = wanted.value if wanted is not None else None
+    low, high = _range(_limits(picture).get(name), here, there)
+    stale = present is not None and picture.is_stale(present, frame.now)
+    spots: dict[int, tuple[str, str]] = {}
+    texts = []
+    if here is not None:
+        texts.append(f"{here:4.0f}{glyphs.degrees}")
+    if there is not None:
+        spots[at((there - low) / (high - low), width)] = (glyphs.target, "run")
+        if here is None or abs(there - here) >= 1:
+            texts.append(f"{glyphs.next} {there:.0f}{glyphs.degrees}")
+    if here is not None:
+        spots[at((here - low) / (high - low), width)] = (
+            glyphs.position,
+            "stale" if stale else "strong",
+        )
+    ticks = {at(-low / (high - low), width): glyphs.tick} if low < 0 < high else {}
+    text = old(present, frame) if stale and present is not None else " ".join(texts)
+    return labelled(shown, ruler(width, ticks, spots, glyphs), text, "stale" if stale else "plain")
+
+
+def _range(
+    limits: tuple[float, float] | None, here: float | None, there: float | None
+) -> tuple[float, float]:
+    """From where to where a joint's row goes: its limits, or what its values need."""
+    if limits is not None:
+        return limits
+    values = [value for value in (here, there) if value is not None]
+    half = _HALF if all(abs(value) <= _HALF for value in values) else _WHOLE
+    return -half, half
+
+
+def _folded(picture: Picture, joints: dict[str, str], frame: Frame, room: int) -> list[Row]:
+    """All joints as text, on as many lines as there is room for."""
+    pieces = []
+    for name, short in joints.items():
+        sensor = picture.sensors.get(f"joint.{name}") or picture.sensors[f"setpoint.{name}"]
+        value = "?" if sensor.value is None else f"{sensor.value:.0f}{frame.glyphs.degrees}"
+        pieces.append(_member(short, f"{value:<5}", picture.is_stale(sensor, frame.now), frame))
+    return _wrapped(named("pose"), pieces, frame, room)
+
+
+def _member(name: str, value: str, stale: bool, frame: Frame) -> Row:
+    mark = frame.glyphs.stale if stale else ""
+    return ((f"{clean(name)} ", "muted"), (f"{mark}{value} ", "stale" if stale else "plain"))
+
+
+def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> list[Row]:
+    """Members behind `front`, on at most `room` lines."""
+    rows: list[Row] = []
+    row: Row = (front,)
+    for member in members:
+        if length(row) + length(member) > frame.width and len(row) > 1 and len(rows) + 1 < room:
+            rows.append(row)
+            row = (named(""),)
+        row += member
+    return [*rows, row]
+
+
+# -- everything else ----------------------------------------------------------------------------
+
+
+def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row]:
+    """Sensors that are not `known` and no joint: one a line, those with a common first name
+    (`base.x`, `base.y`) together on one.
+    """
+    groups: dict[str, list[SensorPicture]] = {}
+    for name, sensor in sorted(picture.sensors.items()):
+        if name not in known and not name.startswith((*_JOINT, "loudness.")):
+            groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
+    names = sorted(groups, key=lambda name: (name in _LAST, name))
+    return [_group(name, groups[name], picture, frame) for name in names]
+
+
+def _group(name: str, sensors: list[SensorPicture], picture: Picture, frame: Frame) -> Row:
+    if len(sensors) == 1:
+        return _alone(sensors[0], picture, frame)
+    row: Row = (named(name),)
+    for sensor in sensors:
+        stale = picture.is_stale(sensor, frame.now)
+        last = sensor.name.rpartition(".")[2]
+        row += _member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame)
+    return row
+
+
+def _alone(sensor: SensorPicture, picture: Picture, frame: Frame) -> Row:
+    stale = picture.is_stale(sensor, frame.now)
+    parts = (clean(sensor.text), figure(sensor, frame.glyphs))
+    text = " ".join(part for part in parts if part) or "nothing"
+    state = old(sensor, frame) if stale else clean(sensor.state)
+    room = max(1, frame.width - NAME - cell_len(state) - 2)
+    return (
+        named(sensor.name),
+        (fit(text, room), "stale" if stale else "plain"),
+        (f" {state} ", "stale" if stale else "muted"),
+    )
+
+
+def figure(sensor: SensorPicture, glyphs: Glyphs) -> str:
+    """A sensor's value with its unit, always equally many digits behind the point."""
+    if sensor.value is None:
+        return "" if sensor.text else glyphs.dash
+    digits = _DIGITS.get(sensor.unit)
+    shown = f"{sensor.value:.4g}" if digits is None else f"{sensor.value:.{digits}f}"
+    if shown.startswith("-") and not shown.strip("-0."):
+        shown = shown[1:]  # no minus before a zero
+    if sensor.unit == "deg":
+        return f"{shown}{glyphs.degrees}"
+    return f"{shown} {clean(sensor.unit)}".strip()

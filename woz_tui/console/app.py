@@ -6,6 +6,7 @@ import asyncio
 import contextlib
 import contextvars
 import functools
+import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -253,6 +254,13 @@ class Console(App[str]):
         if self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
 
+    def terminal_found(self, terminal: Terminal) -> None:
+        """The terminal has answered what it can send: keys that arrive now need no reserve."""
+        if terminal != self.terminal:
+            self.terminal = terminal
+            self._adopt()
+            self.paint()
+
     def _show(self, now: int) -> None:
         self._status.paint(
             self.picture,
@@ -269,9 +277,8 @@ class Console(App[str]):
             self._stop_asked,
         )
         self._bar.paint(self.picture, self._frame(self._bar, now), bar)
-        sentence = f" {SMALL.format(*self.size)}"
-        fitted = fit(sentence, self.size.width, self.look.glyphs.ellipsis)
-        self._small.show([((fitted, "warn"),)])
+        sentence, width = f" {SMALL.format(*self.size)}", self.size.width
+        self._small.show([((fit(sentence, width, self.look.glyphs.ellipsis), "warn"),)])
         if self.dialog is not None:
             self.dialog.refreshed()
 
@@ -351,7 +358,7 @@ class Console(App[str]):
             return True
         if self.dialog is not None:
             return self._key_in_dialog(chord)
-        if self.keyboard.press(chord):
+        if self.keyboard.press(chord, age_us=_age_us(event)):
             return True
         name = self.keymap.builtin_table.get(chord)
         if name is None:
@@ -399,3 +406,8 @@ class Console(App[str]):
             self.pop_screen()
         self.keyboard.free = self.dialog is None
         self.paint()
+
+
+def _age_us(event: events.Event) -> int:
+    """How long an event has waited for the screen, in microseconds."""
+    return max(0, round((time.monotonic() - event.time) * 1_000_000))

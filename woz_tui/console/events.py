@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import zip_longest
 
 from rich.cells import cell_len
 
@@ -11,6 +12,10 @@ from woz_tui.console.figures import elapsed, seconds
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
 from woz_tui.console.sentences import Event
+
+#: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
+#: at every painting; nobody reads that, and it would fill a slow line to the terminal.
+BURST_ROWS, ROWS_S = 400, 100
 
 #: Colour and glyph of each kind of line; the glyph alone tells them apart.
 LOOK = {
@@ -83,7 +88,24 @@ def _under_way(event: Event, picture: Picture, frame: Frame) -> Piece:
 class Events(Cells):
     """The list of events."""
 
+    _shape = (0, 0)
+    _budget = float(BURST_ROWS)
+    _painted_us = 0
+
     def paint(self, picture: Picture, frame: Frame) -> None:
-        """Show a heading and the newest events."""
+        """Show a heading and the newest events; in a flood of them not every time."""
         inner = replace(frame, height=frame.height - 1)
-        self.show([heading("Events", frame), *event_rows(picture, inner)])
+        rows = [heading("Events", frame), *event_rows(picture, inner)]
+        if self._affords(rows, frame):
+            self.show(rows)
+
+    def _affords(self, rows: list[Row], frame: Frame) -> bool:
+        """Whether so many rows may change now; a new size is always drawn."""
+        passed_us = max(0, frame.now - self._painted_us)
+        self._painted_us = frame.now
+        self._budget = min(BURST_ROWS, self._budget + passed_us * ROWS_S / 1e6)
+        shape, self._shape = self._shape, (frame.width, frame.height)
+        if self._budget <= 0 and shape == self._shape:
+            return False
+        self._budget -= sum(old != new for old, new in zip_longest(self.rows, rows))
+        return True

@@ -1,0 +1,49 @@
+"""A flood of log lines does not flood the line to the terminal."""
+
+from __future__ import annotations
+
+from tests.console import scenes
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.app import BEAT
+from woz_tui.console.events import BURST_ROWS, ROWS_S
+from woz_tui.core import messages as m
+
+SIZE = (160, 50)
+
+
+async def rows_repainted(seat: Sitting, seconds: float) -> int:
+    """How many rows of the list change while every beat brings a screenful of lines."""
+    changed = 0
+    for beat in range(round(seconds / BEAT)):
+        before = seat.text("Events").splitlines()
+        lines = [m.Notice(level="info", text=f"{beat}.{n}", t=scenes.NOW) for n in range(SIZE[1])]
+        await seat.tell_quietly(*lines)
+        await seat.pass_time(BEAT)
+        after = seat.text("Events").splitlines()
+        changed += sum(old != new for old, new in zip(before, after, strict=False))
+    return changed
+
+
+async def test_a_flood_repaints_a_bounded_number_of_rows() -> None:
+    async with sitting(size=SIZE) as seat:
+        seconds = 8.0
+        changed = await rows_repainted(seat, seconds)
+        assert BURST_ROWS / 2 < changed <= BURST_ROWS + ROWS_S * seconds + SIZE[1]
+
+
+async def test_after_the_flood_the_last_line_is_shown() -> None:
+    async with sitting(size=SIZE) as seat:
+        await rows_repainted(seat, 5.0)
+        await seat.tell_quietly(m.Notice(level="info", text="the last line", t=scenes.NOW))
+        await seat.pass_time(1.0)
+        assert "the last line" in seat.text("Events")
+
+
+async def test_a_new_size_is_drawn_in_the_flood_too() -> None:
+    async with sitting(size=SIZE) as seat:
+        await rows_repainted(seat, 5.0)
+        await seat.pilot.resize_terminal(120, 40)
+        await seat.tell_quietly(m.Notice(level="info", text="the last line", t=scenes.NOW))
+        await seat.pass_time(0.0)
+        assert len(seat.text("Events").splitlines()[0]) < SIZE[0]
+        assert "the last line" in seat.text("Events")

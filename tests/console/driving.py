@@ -8,6 +8,8 @@ from contextlib import asynccontextmanager
 from dataclasses import dataclass
 from typing import Any
 
+from textual.events import Key
+from textual.keys import _character_to_key, key_to_character
 from textual.pilot import Pilot
 
 from tests.console import scenes
@@ -43,12 +45,21 @@ class Sitting:
                 raise AssertionError(f"never came true: {what or condition}")
             await self.pilot.pause(0.01)
 
+    async def settle(self) -> None:
+        """Let every widget work through what it has been sent.
+
+        Unlike the pilot's own `press` and `pause` this does not wait for an idle processor, which
+        takes a tenth of a second for each key, and much longer on a busy machine.
+        """
+        for _ in range(3):
+            await self.pilot.pause(0)
+
     async def tell(self, *messages: Incoming) -> None:
         """Let the feed deliver from another thread; painted when this returns."""
         await asyncio.to_thread(self.feed.deliver, *messages)
-        await self.pilot.pause()
+        await self.settle()
         self.console.paint()
-        await self.pilot.pause()
+        await self.settle()
 
     async def tell_quietly(self, *messages: Incoming) -> None:
         """Let the feed deliver; painted when the console thinks fit."""
@@ -56,10 +67,12 @@ class Sitting:
 
     async def press(self, *keys: str) -> None:
         """Press keys, and let everything that follows happen."""
-        await self.pilot.press(*keys)
-        await self.pilot.pause()
+        for key in keys:
+            name = _character_to_key(key) if len(key) == 1 else key
+            self.console.post_message(Key(name, key_to_character(name)))
+            await self.settle()
         self.console.paint()
-        await self.pilot.pause()
+        await self.settle()
 
     async def type(self, text: str) -> None:
         """Type text."""
@@ -69,7 +82,7 @@ class Sitting:
         """Let the local clock go on."""
         self.clock.advance(seconds)
         self.console.paint()
-        await self.pilot.pause()
+        await self.settle()
 
     def drawn(self) -> str:
         """Every cell as text; while a dialog is open, only the dialog's."""
@@ -96,7 +109,8 @@ async def sitting(
     clock = ManualClock()
     console = Console(feed, Keyboard(feed, clock), clock=clock, **options)
     async with console.run_test(size=size) as pilot:
-        await pilot.pause()
+        seat = Sitting(console, feed, pilot, clock)
+        await seat.settle()
         console.paint()
-        await pilot.pause()
-        yield Sitting(console, feed, pilot, clock)
+        await seat.settle()
+        yield seat

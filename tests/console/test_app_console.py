@@ -5,6 +5,7 @@ import subprocess
 import sys
 
 import pytest
+from textual import events
 
 from tests.console import scenes
 from tests.console.driving import sitting
@@ -13,6 +14,7 @@ from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.experiment.terminals import KITTY
 
 NOW = scenes.NOW
 
@@ -304,3 +306,23 @@ def test_the_console_loads_neither_numpy_nor_any_dialog() -> None:
     )
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
+
+
+async def test_a_terminal_that_tells_more_keys_apart_is_bound_anew() -> None:
+    async with sitting(size=(160, 50)) as seat:
+        assert "^1" not in seat.text("Panels")
+        await seat.press("tab")
+        seat.console.terminal_found(KITTY)
+        assert "^1" in seat.text("Panels")
+        assert "▸ Gestures" in seat.text("Panels")
+
+
+async def test_a_press_tells_how_long_it_waited_for_the_screen() -> None:
+    async with sitting() as seat:
+        key = events.Key("h", "h")
+        key.time -= 0.25
+        seat.console.post_message(key)
+        await seat.until(lambda: seat.feed.last(r.AskAction) is not None)
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.age_us >= 250_000

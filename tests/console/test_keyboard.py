@@ -16,7 +16,7 @@ from woz_tui.core.requests import (
     AskStop,
     AskVerb,
 )
-from woz_tui.experiment.keys import BUILTIN
+from woz_tui.experiment.builtins import BUILTIN
 
 TABLE = {"h": "Hello", "f1": "Happy", "c r": "Circle", "c s": "Square", "x": "Exit", "r": "Red"}
 
@@ -144,7 +144,8 @@ def test_own_keys_that_need_no_dialog(rig: Rig) -> None:
     for chord in ("space", ".", "backspace", "ctrl+r"):
         assert rig.keyboard.press(chord)
 
-    assert rig.feed.asked == [AskScript(), AskMarker(), AskMistake(), AskRelease(source="key")]
+    script = AskScript(key="space")
+    assert rig.feed.asked == [script, AskMarker(), AskMistake(), AskRelease(source="key")]
     assert all(action == "" for _, action, _ in rig.pressed)
 
 
@@ -200,7 +201,20 @@ def test_a_stale_action_is_asked_for_as_stale_and_listed(rig: Rig) -> None:
     assert rig.pressed == []
 
 
-@pytest.mark.parametrize("chord", ["space", "ctrl+r", "up", "c", "/", "q"])
+def test_a_stale_step_of_the_script_and_a_stale_arrow_are_in_the_log_too(rig: Rig) -> None:
+    rig.keyboard.verbs = {"head": ["nudge"]}
+
+    assert rig.keyboard.arrive("space", age_us=5, stale=True)
+    assert rig.keyboard.arrive("up", stale=True)
+    script, nudge = rig.feed.asked
+    assert script == AskScript(key="space", age_us=5, stale=True)
+    assert isinstance(nudge, AskVerb)
+    assert (nudge.verb, nudge.stale) == ("nudge", True)
+    assert rig.stale == [("space", "script_next", 1), ("up", "head_up", 2)]
+    assert rig.pressed == []
+
+
+@pytest.mark.parametrize("chord", ["ctrl+r", ".", "c", "/", "q"])
 def test_other_stale_keys_are_listed_and_do_nothing(rig: Rig, chord: str) -> None:
     rig.keyboard.verbs = {"head": ["nudge"]}
 

@@ -7,10 +7,13 @@ from textual.widgets import Input, OptionList
 from tests.console import scenes
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.screens.preflight import kind_finding, line_finding
 from woz_tui.console.screens.say import complete
 from woz_tui.console.screens.start import wrong_code, wrong_trial
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.driver import Finding
+from woz_tui.experiment.terminals import KITTY
 
 NOW = scenes.NOW
 SIZES = [(80, 24), (160, 50), (60, 20)]
@@ -37,7 +40,7 @@ def busy() -> r.Welcome:
 async def opened(seat: Sitting, name: str) -> None:
     await seat.press(OPENERS[name])
     await seat.until(lambda: type(seat.console.dialog).__name__ == name, name)
-    await seat.pilot.pause()
+    await seat.settle()
 
 
 #: What Textual's names of keys stand for.
@@ -357,6 +360,8 @@ async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
         await opened(seat, "PreflightDialog")
         await seat.until(lambda: "1 to mend" in seat.drawn())
         drawn = seat.drawn()
+        assert "line" in drawn
+        assert "plain: some chords" in drawn
         assert "✓ head" in drawn
         assert "✗ disk" in drawn
         assert "make room" in drawn
@@ -364,6 +369,13 @@ async def test_preflight_lists_findings_with_remedies_and_runs_again() -> None:
         findings[1] = {"level": "ok", "subject": "disk", "text": "9 GB free"}
         await seat.press("enter")
         await seat.until(lambda: "everything is ready" in seat.drawn())
+
+
+def test_preflight_judges_the_line() -> None:
+    assert line_finding(23_000) == Finding("ok", "line", "23 ms there and back")
+    assert line_finding(400_000).level == "warning"
+    assert line_finding(None).level == "info"
+    assert kind_finding(KITTY).level == "ok"
 
 
 async def test_preflight_says_why_it_could_not_check() -> None:
@@ -433,7 +445,7 @@ async def test_a_lost_robot_process_says_so_and_offers_a_restart() -> None:
     async with sitting(restart=lambda: restarted.append(1)) as seat:
         seat.feed.cut("the robot process closed the connection")
         await seat.until(lambda: seat.console.dialog is not None)
-        await seat.pilot.pause()
+        await seat.settle()
         drawn = seat.drawn()
         assert "The robot process is gone" in drawn
         assert "closed the connection" in drawn

@@ -29,7 +29,7 @@ from woz_tui.console.panels import Panels
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.status import Line, Status
-from woz_tui.console.stopbar import Bar, News, StopBar
+from woz_tui.console.stopbar import HINTS, Bar, News, StopBar
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.requests import AskRelease, Reply, Welcome
 from woz_tui.experiment.builtins import BUILTIN, Builtin
@@ -47,19 +47,6 @@ NEWS_S = 8.0
 #: Seconds a pressed key cap stays lit.
 FLASH_S = 0.25
 SMALL = "{0} x {1} is small: meters and events need 80 x 24. Keys and stop work as ever."
-#: Keys named on the lowest line, as far as there is room: id and word.
-HINTS = (
-    ("stop", "stop"),
-    ("script_next", "script"),
-    ("say", "say"),
-    ("find", "find"),
-    ("help", "keys"),
-    ("marker", "mark"),
-    ("note", "note"),
-    ("mistake_last", "mistake"),
-    ("panel_next", "panel"),
-    ("leave", "leave"),
-)
 
 
 class Console(App[str]):

@@ -14,7 +14,8 @@ Incoming = AnyMessage | AnyAnswer | dict[str, Any]
 #: Called from the feed's own thread with everything that arrived together, oldest first.
 OnMessages = Callable[[list[Incoming]], None]
 
-#: Called once, from the feed's own thread, with the reason in words.
+#: Called from the feed's own thread with the reason in words, each time the connection is lost: a
+#: feed that comes back by itself may lose it again.
 OnLost = Callable[[str], None]
 
 

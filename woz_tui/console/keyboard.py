@@ -24,7 +24,8 @@ from woz_tui.core.requests import (
     AskStop,
     AskVerb,
 )
-from woz_tui.experiment.keys import BUILTIN, STOPS
+from woz_tui.experiment.builtins import BUILTIN
+from woz_tui.experiment.terminals import STOPS
 
 #: The second key of a sequence must follow within this time, in seconds.
 SEQUENCE_S = 1.0
@@ -61,7 +62,8 @@ class Keyboard:
         #: The verbs that each driver offers, from the welcome: arrows work only where one moves.
         self.verbs: Mapping[str, Collection[str]] = {}
         self.on_pressed: OnPress = _ignore
-        #: A press too old to be played. Actions are logged as refused, under the given `ref`.
+        #: A press too old to be played. What would have moved the robot is logged as refused,
+        #: under the given `ref`.
         self.on_stale: OnPress = _ignore
         #: The first key of a sequence, while it waits for the second; then empty again.
         self.on_prefix: Callable[[str], None] = lambda prefix: None
@@ -149,7 +151,8 @@ class Keyboard:
     def press(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
         """A key was pressed `age_us` ago; True if it has been dealt with here.
 
-        A `stale` press plays nothing: an action is logged as refused, all are told to `on_stale`.
+        A `stale` press plays nothing: what would have moved the robot is logged as refused, and
+        all are told to `on_stale`.
         A press that the screen got before a stop and offers after it plays nothing either.
         """
         if self._void:
@@ -228,16 +231,18 @@ class Keyboard:
 
     def _builtin(self, chord: str, age_us: int, stale: bool) -> bool:
         name = self._builtins.get(chord, "")
-        request = self._request(name, chord, age_us)
+        request = self._request(name, chord, age_us, stale)
         if request is None:
             return False
-        if stale:
-            self.on_stale(chord, name, 0)
-        else:
+        if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
+        elif isinstance(request, AskScript | AskVerb):  # to be found in the log as refused
+            self.on_stale(chord, name, self.feed.ask(request))
+        else:
+            self.on_stale(chord, name, 0)
         return True
 
-    def _request(self, name: str, chord: str, age_us: int) -> AnyRequest | None:
+    def _request(self, name: str, chord: str, age_us: int, stale: bool) -> AnyRequest | None:
         if name in self._steps:
             verb, args = self._steps[name]
             if not any(verb in offered for offered in self.verbs.values()):
@@ -248,16 +253,18 @@ class Keyboard:
                 source="key",
                 key=chord,
                 age_us=age_us,
+                stale=stale,
                 # A key held down moves on smoothly and leaves no steps behind when let go.
                 when_busy="replace",
             )
+        if name == "script_next":
+            return AskScript(key=chord, age_us=age_us, stale=stale)
         make = _SIMPLE.get(name)
         return make() if make is not None else None
 
 
 _SIMPLE: Mapping[str, Callable[[], AnyRequest]] = {
     "release": lambda: AskRelease(source="key"),
-    "script_next": AskScript,
     "marker": AskMarker,
     "mistake_last": AskMistake,
 }

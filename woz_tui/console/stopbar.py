@@ -13,6 +13,20 @@ from woz_tui.console.parts import StopPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.script import script_row
 
+#: Keys named on the lowest line, as far as there is room: id and word.
+HINTS = (
+    ("stop", "stop"),
+    ("script_next", "script"),
+    ("say", "say"),
+    ("find", "find"),
+    ("help", "keys"),
+    ("marker", "mark"),
+    ("note", "note"),
+    ("mistake_last", "mistake"),
+    ("panel_next", "panel"),
+    ("leave", "leave"),
+)
+
 
 @dataclass(frozen=True, slots=True)
 class News:

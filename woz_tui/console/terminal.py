@@ -33,7 +33,7 @@ from woz_tui.console.output import Output
 from woz_tui.console.scanner import Scanner
 from woz_tui.console.tokens import Key, Paste, Raw, Reply, Stop, Token
 from woz_tui.core.clock import RealClock
-from woz_tui.experiment.keys import KITTY, PLAIN, Terminal, detected
+from woz_tui.experiment.terminals import KITTY, PLAIN, Terminal, detected
 
 #: The reading thread looks around at least this often, in seconds.
 TICK_S = 0.5
@@ -52,7 +52,7 @@ _RESTORE = (
 
 
 class Played(Protocol):
-    """What the driver needs of the app: `keyboard`, and if it likes, `terminal_found`."""
+    """What the driver needs of the app: its `keyboard`, and if it likes, `terminal_found`."""
 
     keyboard: Keyboard
 
@@ -61,7 +61,7 @@ class WizardDriver(LinuxDriver):
     """Reads keys in a thread of its own and sends what they stand for from there.
 
     The app gives its `keyboard`. If it has a method `terminal_found(terminal)`, that is called in
-    the app's thread with the `experiment.keys.Terminal` that answered.
+    the app's thread with the `experiment.terminals.Terminal` that answered.
     """
 
     def __init__(self, app: App[Any], **options: Any) -> None:

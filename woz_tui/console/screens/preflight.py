@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import os
 from collections.abc import Mapping
 from typing import ClassVar
 
@@ -11,7 +13,11 @@ from woz_tui.console.caps import Cap
 from woz_tui.console.cells import Row
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Report
+from woz_tui.console.status import SLOW_LINE_US
+from woz_tui.core.driver import Finding
+from woz_tui.core.machine.terminal import environment, multiplexers
 from woz_tui.core.requests import AskPreflight, Reply
+from woz_tui.experiment.terminals import Terminal
 
 _LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
 _SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}
@@ -45,6 +51,29 @@ def key_findings(picture: Picture, caps: Mapping[str, Cap]) -> list[tuple[str, s
     return findings or [("ok", "keys", "all keys of the file reach the robot", "")]
 
 
+def line_finding(round_trip_us: int | None) -> Finding:
+    """How long a key is on its way from the wizard's terminal, and back."""
+    if round_trip_us is None:
+        text = "the terminal has not answered yet, so nobody knows how late keys arrive"
+        return Finding("info", "line", text, "check again")
+    text = f"{round_trip_us / 1000:.0f} ms there and back"
+    if round_trip_us < SLOW_LINE_US:
+        return Finding("ok", "line", text)
+    return Finding("warning", "line", text, "use a cable or a nearer access point")
+
+
+def kind_finding(terminal: Terminal) -> Finding:
+    """Which keys the terminal can tell apart."""
+    if terminal.kitty:
+        return Finding("ok", "keyboard", "tells all keys apart (kitty keyboard protocol)")
+    return Finding("info", "keyboard", "plain: some chords are sent as other keys; ? lists them")
+
+
+def terminal_findings(environ: Mapping[str, str]) -> list[Finding]:
+    """What stands between the wizard's keys and the console. May ask tmux; not for the loop."""
+    return [*environment(environ), *multiplexers(environ)]
+
+
 class PreflightDialog(Report):
     """The robot side's checks and the console's own; enter runs them again."""
 
@@ -56,20 +85,40 @@ class PreflightDialog(Report):
     def __init__(self) -> None:
         super().__init__()
         self._findings: list[tuple[str, str, str, str]] = []
-        self._said = "checking ..."
+        self._said = ""
+        self._reply: Reply | None = None
+        self._terminal: list[Finding] | None = None
 
     def on_mount(self) -> None:
         """Ask at once."""
         self.action_check()
 
     def action_check(self) -> None:
-        """Ask the robot process."""
-        self._findings, self._said = [], "checking ..."
+        """Ask the robot process, and look at the terminal meanwhile."""
+        self._findings, self._said = [], f"checking {self.glyphs.ellipsis}"
+        self._reply = self._terminal = None
         self.renew()
         self.desk.ask(AskPreflight(), self._answered)
+        self.run_worker(self._look(), exclusive=True)
+
+    async def _look(self) -> None:
+        self._terminal = await asyncio.to_thread(terminal_findings, os.environ)
+        self._conclude()
 
     def _answered(self, reply: Reply) -> None:
+        self._reply = reply
+        self._conclude()
+
+    def _conclude(self) -> None:
+        """Show everything at once, when both have answered."""
+        reply, terminal = self._reply, self._terminal
+        if reply is None or terminal is None:
+            return
         self._findings = finding_rows(reply.data) if reply.ok else []
+        self._findings += [
+            (found.level, found.subject, found.text, found.remedy)
+            for found in (*terminal, *self._own())
+        ]
         self._findings += key_findings(self.picture, self.console_app.caps)
         errors = sum(level == "error" for level, *_ in self._findings)
         warnings = sum(level == "warning" for level, *_ in self._findings)
@@ -80,6 +129,10 @@ class PreflightDialog(Report):
         else:
             self._said = "everything is ready"
         self.renew()
+
+    def _own(self) -> tuple[Finding, ...]:
+        app = self.console_app
+        return (line_finding(app.feed.round_trip_us), kind_finding(app.terminal))
 
     def lines(self) -> list[Row]:
         """The verdict, then every finding."""

@@ -9,7 +9,6 @@ import json
 import logging
 import os
 import signal
-import sys
 import threading
 from dataclasses import dataclass
 from pathlib import Path
@@ -135,13 +134,15 @@ def _announce(path: Path, recorder: Recorder) -> None:
     """
     own_log = recorder.path.with_suffix(".host.log")
     said = {"socket": str(path), "log": str(recorder.path), "host_log": str(own_log)}
-    with contextlib.suppress(BrokenPipeError):
-        print(json.dumps(said), flush=True)  # noqa: T201 - the one line of this protocol
+    file = -1
     with contextlib.suppress(OSError):
         file = os.open(own_log, os.O_WRONLY | os.O_CREAT | os.O_APPEND | os.O_CLOEXEC, 0o600)
-        null = os.open(os.devnull, os.O_RDWR)
-        os.dup2(null, sys.stdin.fileno())
-        os.dup2(file, sys.stdout.fileno())
-        os.dup2(file, sys.stderr.fileno())
-        os.close(null)
+    with contextlib.suppress(BrokenPipeError):
+        print(json.dumps(said), flush=True)  # noqa: T201 - the one line of this protocol
+    null = os.open(os.devnull, os.O_RDWR)
+    os.dup2(null, 0)
+    for number in (1, 2):
+        os.dup2(file if file >= 0 else null, number)
+    os.close(null)
+    if file >= 0:
         os.close(file)

@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
+import logging
 import threading
+from collections import deque
 from pathlib import Path
 
 from woz_tui.core.clock import Clock
@@ -30,6 +33,14 @@ _HEALTH: dict[Health, type[DriverHealth]] = {
 }
 
 
+#: Messages from a driver's threads that may wait; a driver that says more loses the surplus.
+CAPACITY = 1000
+#: How many of them are published before the loop has another turn.
+A_TURN = 50
+
+log = logging.getLogger(__name__)
+
+
 class DriverOutlet:
     """`core.driver.Outlet` for one driver; repeats of a state are swallowed here."""
 
@@ -43,6 +54,9 @@ class DriverOutlet:
         self._health: tuple[Health, str] | None = None
         self._sensors: dict[str, str] = {}
         self._mode = ""
+        self._waiting: deque[Message] = deque()
+        self._due = False
+        self._dropped = 0
 
     @property
     def clock(self) -> Clock:
@@ -92,5 +106,24 @@ class DriverOutlet:
     def _publish(self, message: Message) -> None:
         if threading.get_ident() == self._thread:
             self._hub.publish(message)
-        elif not self._loop.is_closed():
-            self._loop.call_soon_threadsafe(self._hub.publish, message)
+            return
+        if len(self._waiting) >= CAPACITY and not isinstance(message, DriverHealth):
+            self._dropped += 1
+            return
+        self._waiting.append(message)
+        with contextlib.suppress(RuntimeError):  # the loop has closed: the session is over
+            if not self._due:
+                self._due = True
+                self._loop.call_soon_threadsafe(self._deliver)
+
+    def _deliver(self) -> None:
+        """Publish what threads have said, a part of it at a time: others have their turns too."""
+        self._due = False
+        for _ in range(min(len(self._waiting), A_TURN)):
+            self._hub.publish(self._waiting.popleft())
+        if self._waiting and not self._due:
+            self._due = True
+            self._loop.call_soon(self._deliver)
+        elif self._dropped:
+            dropped, self._dropped = self._dropped, 0
+            log.warning("%s says more than can be heard: %d left out", self._driver, dropped)

@@ -18,6 +18,7 @@ from woz_tui.core.clock import Clock, timestamp
 from woz_tui.core.driver import Driver, Performer
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Call, Experiment, Place
+from woz_tui.plugins import PluginError
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.crew import Crew
 from woz_tui.session.identity import AskError, Identity
@@ -118,7 +119,13 @@ class Session:
         folder = self.experiment.path.parent
         for spec in self.experiment.drivers:
             outlet = DriverOutlet(spec.name, self.hub, self.clock, folder)
-            self.drivers[spec.name] = self.catalogue[spec.type](spec.name, spec.settings, outlet)
+            try:
+                driver = self.catalogue[spec.type](spec.name, spec.settings, outlet)
+            except (Exception, SystemExit) as error:
+                raise PluginError(
+                    f"the driver {spec.name!r} cannot be made: {type(error).__name__}: {error}"
+                ) from error
+            self.drivers[spec.name] = driver
         for panel in self.experiment.panels:
             if panel.locked:
                 self.locked[panel.title] = True

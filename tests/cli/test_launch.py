@@ -1,0 +1,148 @@
+"""Starting the robot process from the command line, and what is told when it does not start."""
+
+from __future__ import annotations
+
+import os
+import signal
+from collections.abc import Iterator
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.terminal import ROOT
+from tests.host.rude import installed
+from woz_tui.cli import main
+from woz_tui.cli.launch import Launch, LaunchError, host_arguments
+from woz_tui.cli.options import next_session
+from woz_tui.host import place
+
+
+@pytest.fixture(autouse=True)
+def _own_world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}:{ROOT}")
+    monkeypatch.setenv("WOZ_SOCKET", str(tmp_path / "s"))
+
+
+@pytest.fixture
+def started() -> Iterator[list[Launch]]:
+    """Robot processes that are gone when the test ends."""
+    launches: list[Launch] = []
+    yield launches
+    for launch in launches:
+        launch.abandon()
+
+
+def launch(folder: Path, rudeness: str = "", **codes: str) -> Launch:
+    return Launch(
+        host_arguments(
+            installed(folder, rudeness),
+            recordings=folder / "rec",
+            spill=None,
+            name="",
+            codes={"session": "S03", **codes},
+        )
+    )
+
+
+@pytest.mark.parametrize("rudeness", ["", "greets"])
+def test_it_says_where_it_listens_whatever_a_library_prints(
+    tmp_path: Path, started: list[Launch], rudeness: str
+) -> None:
+    started.append(launch(tmp_path, rudeness))
+    robot = started[0].wait()
+    assert place.answers(robot.socket)
+    assert robot.log.parent == tmp_path / "rec"
+    assert robot.host_log.exists()
+    os.kill(robot.pid, 0)
+
+
+def test_it_does_not_belong_to_the_terminal(tmp_path: Path, started: list[Launch]) -> None:
+    started.append(launch(tmp_path))
+    robot = started[0].wait()
+    assert os.getsid(robot.pid) != os.getsid(0)
+    os.kill(robot.pid, signal.SIGHUP)
+    assert place.answers(robot.socket)
+
+
+@pytest.mark.parametrize(
+    ("rudeness", "codes", "told"),
+    [
+        ("raises", {}, "woz: the driver 'voice' cannot be made: LookupError: no such thing"),
+        ("exits", {}, "woz: the driver 'voice' cannot be made: SystemExit: 7"),
+        ("", {"participant": "Jane Doe"}, "woz: 'Jane Doe' is no participant code"),
+        ("", {"participant": "P01\n"}, "is no participant code (1 to 16 letters and digits"),
+        ("", {"session": "../x"}, "woz: '../x' is no session code"),
+    ],
+)
+def test_why_it_did_not_start_is_told_in_its_own_words(
+    tmp_path: Path, rudeness: str, codes: dict[str, str], told: str
+) -> None:
+    with pytest.raises(LaunchError) as error:
+        launch(tmp_path, rudeness, **codes).wait()
+    assert told in str(error.value)
+    assert "Traceback" not in str(error.value)
+    assert not list((tmp_path / "rec").glob("*.jsonl")) or rudeness
+
+
+def test_one_that_takes_too_long_is_ended_and_said_so(tmp_path: Path) -> None:
+    starting = launch(tmp_path)
+    with pytest.raises(LaunchError, match="did not start within 0 s"):
+        starting.wait(seconds=0)
+
+
+def test_a_second_one_at_the_same_socket_is_refused(tmp_path: Path, started: list[Launch]) -> None:
+    started.append(launch(tmp_path))
+    robot = started[0].wait()
+    second = Launch([str(tmp_path / "rude.yaml"), "--recordings", str(tmp_path / "rec")])
+    with pytest.raises(LaunchError, match="a robot process already listens at"):
+        second.wait()
+    assert place.answers(robot.socket)
+
+
+# -- what is told without starting anything --------------------------------------------------
+
+
+def test_a_file_that_is_not_there_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["host", str(tmp_path / "none.yaml")]) == 1
+    assert "none.yaml:1:1" in capsys.readouterr().err
+
+
+def test_a_socket_folder_of_somebody_else_is_told_in_a_sentence(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.delenv("WOZ_SOCKET")
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    (tmp_path / "woz").symlink_to(tmp_path / "elsewhere")
+    assert main(["host", str(tmp_path / "none.yaml")]) == 1
+    assert "woz: " in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("command", [["run", "x.yaml"], ["attach"], ["demo"]])
+def test_a_console_needs_a_terminal(
+    command: list[str], monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with Path(os.devnull).open() as nothing:
+        monkeypatch.setattr("sys.stdin", nothing)
+        assert main(command) == 2
+    assert capsys.readouterr().err.startswith("woz: ")
+
+
+def test_session_codes_count_on_from_logs_and_from_sessions_that_run(tmp_path: Path) -> None:
+    assert next_session(tmp_path / "none") == "S01"
+    for name in ("2026-03-01T10-00-00_P01_S04.jsonl", "2026-03-01T10-00-00_P01_S09-2.jsonl", "x"):
+        (tmp_path / name).touch()
+    assert next_session(tmp_path) == "S10"
+    assert next_session(tmp_path, [Path("/run/woz/S12.sock"), Path("/run/woz/mine.sock")]) == "S13"
+
+
+def test_empty_codes_are_left_out_of_the_command_line(tmp_path: Path) -> None:
+    words = host_arguments(
+        tmp_path / "x.yaml",
+        recordings=tmp_path,
+        spill=tmp_path / "spill",
+        name="lab",
+        codes={"session": "S01", "participant": ""},
+    )
+    assert words[3:] == ["--spill", str(tmp_path / "spill"), "--name", "lab", "--session", "S01"]

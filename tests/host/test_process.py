@@ -1,0 +1,164 @@
+"""The robot process as a process: signals, ends, and drivers that stand in its way."""
+
+from __future__ import annotations
+
+import contextlib
+import json
+import os
+import signal
+import socket
+import subprocess
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.fakes.terminal import ROOT
+from tests.host.rude import installed
+
+WAIT_S = 60.0
+#: `woz`, with less patience at the end of a session.
+WOZ = """
+from woz_tui.cli import main
+from woz_tui.host import process
+process.CLOSE_LIMIT_S, process.EXIT_LIMIT_S = 3.0, 1.0
+raise SystemExit(main())
+"""
+
+
+class RobotProcess:
+    """`woz host` on a rude driver."""
+
+    def __init__(self, folder: Path, rudeness: str, announce: bool = True) -> None:
+        self.folder = folder
+        experiment = installed(folder, rudeness)
+        self.socket = folder / "s"
+        words = ["host", str(experiment), "--recordings", str(folder / "rec")]
+        self.process = subprocess.Popen(
+            [sys.executable, "-c", WOZ, *words, *(["--announce"] if announce else [])],
+            env={
+                **os.environ,
+                "PYTHONPATH": f"{folder}:{ROOT}",
+                "WOZ_SOCKET": str(self.socket),
+            },
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+        )
+
+    def announced(self) -> dict[str, Any]:
+        """What it says once it listens."""
+        assert self.process.stdout is not None
+        for line in self.process.stdout:
+            if line.startswith(b'{"socket"'):
+                said: dict[str, Any] = json.loads(line)
+                return said
+        raise AssertionError("it ended before it listened")
+
+    def ask(self, *lines: str) -> list[dict[str, Any]]:
+        """Say hello and these lines; as many answers."""
+        with socket.socket(socket.AF_UNIX) as peer:
+            peer.settimeout(WAIT_S)
+            peer.connect(str(self.socket))
+            stream = peer.makefile("rwb")
+            stream.write(b'{"kind":"hello","role":"program","stream":"nothing"}\n')
+            stream.write("".join(f"{line}\n" for line in lines).encode())
+            stream.flush()
+            return [json.loads(stream.readline()) for _ in range(len(lines) + 1)]
+
+    def ended(self) -> int:
+        return self.process.wait(WAIT_S)
+
+    def log(self) -> list[dict[str, Any]]:
+        """The lines of its log."""
+        (path,) = (
+            path
+            for path in (self.folder / "rec").glob("*.jsonl")
+            if not path.name.endswith(".samples.jsonl")
+        )
+        return [json.loads(line) for line in path.read_text().splitlines()]
+
+
+@contextlib.contextmanager
+def robot(folder: Path, rudeness: str = "", announce: bool = True) -> Iterator[RobotProcess]:
+    """A robot process that is gone when the block ends."""
+    started = RobotProcess(folder, rudeness, announce)
+    try:
+        yield started
+    finally:
+        started.process.kill()
+        started.process.wait()
+        for pipe in (started.process.stdout, started.process.stderr):
+            assert pipe is not None
+            pipe.close()
+
+
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGINT])
+def test_a_signal_ends_the_session_in_order(tmp_path: Path, number: int) -> None:
+    with robot(tmp_path) as host:
+        host.announced()
+        host.process.send_signal(number)
+        assert host.ended() == 0
+        assert (host.log()[-1]["kind"], host.log()[-1]["reason"]) == ("session.end", "terminated")
+        assert not host.socket.exists()
+
+
+def test_a_closed_terminal_does_not_end_the_session(tmp_path: Path) -> None:
+    with robot(tmp_path) as host:
+        host.announced()
+        host.process.send_signal(signal.SIGHUP)
+        assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
+        assert host.ended() == 0
+        assert host.log()[-1]["reason"] == "enough"
+
+
+@pytest.mark.parametrize("rudeness", ["deaf", "leaves a thread"])
+def test_no_job_and_no_thread_keeps_the_process(tmp_path: Path, rudeness: str) -> None:
+    with robot(tmp_path, rudeness) as host:
+        host.announced()
+        answers = host.ask(
+            '{"kind":"action","ref":1,"action":"Hello"}', '{"kind":"end","ref":2,"reason":"enough"}'
+        )
+        assert [answer.get("ok", True) for answer in answers] == [True] * 3
+        host.ended()
+        assert host.log()[-1]["reason"] == "enough"
+
+
+def test_a_driver_that_blocks_the_end_does_not_keep_the_process(tmp_path: Path) -> None:
+    with robot(tmp_path, "blocks") as host:
+        log = Path(host.announced()["host_log"])
+        host.process.send_signal(signal.SIGTERM)
+        assert host.ended() == 1
+        assert "a driver does not end" in log.read_text()
+
+
+def test_a_driver_that_never_falls_silent_neither_holds_up_the_stop_nor_the_end(
+    tmp_path: Path,
+) -> None:
+    with robot(tmp_path, "talks on") as host:
+        host.announced()
+        assert host.ask('{"kind":"stop","ref":1}')[-1]["ok"]
+        host.process.send_signal(signal.SIGTERM)
+        host.ended()
+        assert host.log()[-1]["kind"] == "session.end"
+
+
+def test_a_parent_that_is_gone_before_the_start_is_over_costs_nothing(tmp_path: Path) -> None:
+    with robot(tmp_path) as host:
+        assert host.process.stdout is not None
+        host.process.stdout.close()
+        while not host.socket.exists():
+            assert host.process.poll() is None
+        assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
+        assert host.ended() == 0
+        assert host.log()[-1]["reason"] == "enough"
+
+
+def test_a_driver_that_cannot_be_made_is_named(tmp_path: Path) -> None:
+    with robot(tmp_path, "raises") as host:
+        assert host.ended() == 1
+        assert host.process.stderr is not None
+        told = host.process.stderr.read().decode()
+        assert told == "woz: the driver 'voice' cannot be made: LookupError: no such thing\n"

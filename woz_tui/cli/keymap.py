@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from woz_tui.experiment.builtins import BUILTIN, Builtin
-from woz_tui.experiment.keys import load_keymap
 
 
 def add_keymap(parser: argparse.ArgumentParser) -> None:
@@ -23,11 +22,14 @@ def add_keymap(parser: argparse.ArgumentParser) -> None:
 
 def builtins(arguments: argparse.Namespace) -> Sequence[Builtin]:
     """The console's keys, moved as the file says. Raises `ExperimentError` for a wrong file."""
-    given: Path | None = arguments.keymap
-    if given is not None:
-        return load_keymap(given)
-    usual = _config() / "woz" / "keymap.yaml"
-    return load_keymap(usual) if usual.exists() else BUILTIN
+    file: Path | None = arguments.keymap
+    if file is None:
+        file = _config() / "woz" / "keymap.yaml"
+        if not file.exists():
+            return BUILTIN
+    from woz_tui.experiment.keys import load_keymap  # noqa: PLC0415 - few wizards have a file
+
+    return load_keymap(file)
 
 
 def _config() -> Path:

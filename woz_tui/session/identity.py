@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import re
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
-from woz_tui.experiment.shape import Experiment
+if TYPE_CHECKING:
+    from woz_tui.experiment.shape import Experiment
 
 CODE = re.compile(r"[A-Za-z0-9]{1,16}")
 

@@ -435,6 +435,9 @@ async def test_ending_the_session() -> None:
     async with sitting() as seat:
         await opened(seat, "LeaveDialog")
         await seat.press("down", "down", "enter")
+        await seat.until(lambda: "takes its rest pose" in seat.drawn())
+        assert seat.console.is_running, "the stop is needed until the robot rests"
+        seat.feed.cut("the session has ended")
         await seat.until(lambda: seat.console.return_value is not None)
     assert seat.console.return_value == "ended"
     assert seat.feed.last(r.AskEnd) is not None

@@ -34,8 +34,9 @@ _SINGLE = (
     *string.ascii_letters,
     *string.digits,
     *"!\"#$%&'()*+,-./:;<=>?@\\]^_`{|}~ é",
-    # ctrl+letters, tab, enter, backspace; not ctrl+c, which is a stop of its own
-    *(chr(code) for code in range(1, 27) if code != 3),
+    # ctrl+letters, tab, enter, backspace; not ctrl+c, which is a stop of its own, nor ctrl+z:
+    # what comes while it suspends is not the console's
+    *(chr(code) for code in range(1, 26) if code != 3),
     "\x7f",
 )
 _SEQUENCES = (

@@ -107,6 +107,32 @@ def test_frozen_and_thawed(lab: Lab, terminal: FakeTerminal) -> None:
     terminal.wait_text("▶ Far away")
 
 
+def test_a_watcher_cannot_end_the_session_and_is_told_when_it_has_ended(
+    lab: Lab, terminal: FakeTerminal
+) -> None:
+    log = lab.log
+    second = lab.attach("--watch")
+    end_session(second)
+    second.wait_text("you are watching")
+    end_session(terminal)
+    assert terminal.wait_exit() == 0
+    (end,) = log.lines("session.end")
+    assert end.fields["reason"] == "wizard"
+    said = ("─ The session has ended ─", "session over", "enter shows where its log is")
+    second.wait_for(lambda text: all(words in text for words in said))
+    second.send("\x1b[B")
+    second.send("\r")
+    assert second.wait_exit() == 0
+
+
+def end_session(terminal: FakeTerminal) -> None:
+    """Through the dialog."""
+    terminal.send("\x11")
+    terminal.wait_text("─ Leave ─")
+    for key in ("\x1b[B", "\x1b[B", "\r"):
+        terminal.send(key)
+
+
 def test_a_second_console_watches_and_a_third_takes_over(lab: Lab, terminal: FakeTerminal) -> None:
     log = lab.log
     second = lab.attach()

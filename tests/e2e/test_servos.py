@@ -106,7 +106,8 @@ def test_leaving_takes_the_rest_pose_and_switches_the_torque_off(
     terminal.send("\x1b[B")
     terminal.send("\r")
     assert terminal.wait_exit() == 0
-    assert log.wait("session.end").fields["reason"] == "wizard"
+    (end,) = log.lines("session.end")
+    assert end.fields["reason"] == "wizard"
     servos.wait_goal(12, 15.0)
     last = {note.id: note.value for note in servos.journal if note.address == TORQUE}
     assert last == {11: 0, 12: 0, 13: 0}

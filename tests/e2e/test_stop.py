@@ -25,6 +25,7 @@ def test_with_every_key_behind_it(stopping: Stopping) -> None:
         stopping.press("\x1b" + key)
     stopping.back()
     stopping.release()
+    stopping.press("\x1b\x1a")
 
 
 def test_with_keys_behind_it_in_every_dialog(stopping: Stopping) -> None:

@@ -26,6 +26,7 @@ class Desk:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._waiting: dict[int, OnReply] = {}
+        self._ending = False
         self.drafts: dict[str, str] = {}
         self.said: list[str] = []
 
@@ -45,6 +46,8 @@ class Desk:
         waiting, self._waiting = self._waiting, {}
         for ref, on_reply in waiting.items():
             on_reply(r.Reply(ref=ref, ok=False, reason="the robot process is gone"))
+        if self._ending:
+            self._console.exit("ended")
 
     def _refusal(self, reply: r.Reply) -> None:
         if not reply.ok:
@@ -61,9 +64,18 @@ class Desk:
         self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key="/"))
 
     def end_session(self) -> None:
-        """End the session; the console goes when the robot process has answered."""
-        self.ask(r.AskEnd(reason="wizard"), lambda reply: self._console.exit("ended"))
-        self._console.news("ending the session: the robot takes its rest pose", "warn")
+        """End the session; the console goes when the robot process has gone.
+
+        Until then the robot may move to its rest pose, and the stop is still needed.
+        """
+        self.ask(r.AskEnd(reason="wizard"), self._end_answered)
+
+    def _end_answered(self, reply: r.Reply) -> None:
+        self._ending = reply.ok
+        if reply.ok:
+            self._console.news("ending the session: the robot takes its rest pose", "warn")
+        else:
+            self._refusal(reply)
 
     # -- keys -------------------------------------------------------------------------------
 
@@ -147,9 +159,10 @@ class Desk:
 
     def open_lost(self) -> None:
         """The robot process is gone: say so and offer what can be done."""
-        from woz_tui.console.screens.lost import LostDialog  # noqa: PLC0415
+        from woz_tui.console.screens.lost import EndedDialog, LostDialog  # noqa: PLC0415
 
-        self._open(LostDialog())
+        if not self._ending:
+            self._open(EndedDialog() if self._console.picture.ended else LostDialog())
 
     def close_lost(self) -> None:
         """The robot process is back: nothing to choose any more."""

@@ -67,10 +67,10 @@ def _session(picture: Picture, glyphs: Glyphs, now: int) -> list[Row]:
 
 
 def _recorder(picture: Picture, glyphs: Glyphs) -> Row:
-    if picture.lost:
-        return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
     if picture.ended:
         return (("session over", "muted"),)
+    if picture.lost:
+        return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
     lag = millis(picture.recorder.lag_us)
     levels: dict[str, Row] = {
         "ok": ((f"{glyphs.yes} REC", "good"), (f" {lag:>6}", "muted")),

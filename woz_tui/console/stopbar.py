@@ -55,6 +55,9 @@ class Bar:
 def bar_rows(picture: Picture, frame: Frame, bar: Bar) -> list[Row]:
     """Two rows of the frame's width."""
     glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
+    if picture.ended and picture.lost and asked_us is None:
+        over, where = " The session has ended.", " enter shows where its log is"
+        return [((fit(over, width), "strong"),), ((fit(where, width), "muted"),)]
     if picture.lost and (asked_us is not None or picture.stop is not None):
         return _undelivered(glyphs, width)
     if picture.lost:

@@ -1,4 +1,4 @@
-"""The robot process is gone."""
+"""The robot process is gone: it was lost, or somebody has ended the session."""
 
 from __future__ import annotations
 
@@ -41,3 +41,27 @@ class LostDialog(Choice):
             restart()
         elif index == 2:
             self.console_app.exit("lost")
+
+
+class EndedDialog(Choice):
+    """Somebody else has ended the session: nothing was lost, and nothing is to be done."""
+
+    heading = "The session has ended"
+    hint = "↑↓ choose · enter"
+
+    def lines(self) -> list[Row]:
+        """Why, and where the log is."""
+        return [
+            ((f"It was ended: {self.picture.ended}.", "plain"),),
+            (("The log is finished:", "plain"),),
+            ((self.picture.log, "strong"),),
+        ]
+
+    def choices(self) -> Sequence[Content]:
+        """Look on, or leave."""
+        return [Content("Stay and read the screen"), Content("Leave the console")]
+
+    def chose(self, index: int) -> None:
+        """Carry it out."""
+        if index == 1:
+            self.console_app.exit("ended")

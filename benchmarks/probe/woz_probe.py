@@ -26,7 +26,7 @@ LINES_EACH = 10
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class ProbeSettings:
     """Where to write, and whether to be busy."""
 
     journal: Annotated[str, Doc("file for the calls")]
@@ -36,10 +36,10 @@ class Settings:
 class Probe:
     """See the module's text."""
 
-    Settings: ClassVar[type] = Settings
+    Settings: ClassVar[type] = ProbeSettings
     summary: ClassVar[str] = "writes down when it is called"
 
-    def __init__(self, name: str, settings: Settings, outlet: Outlet) -> None:
+    def __init__(self, name: str, settings: ProbeSettings, outlet: Outlet) -> None:
         self._settings = settings
         self._outlet = outlet
         self._journal = os.open(settings.journal, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)

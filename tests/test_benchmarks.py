@@ -1,0 +1,62 @@
+"""The benchmarks run, in a reduced form, and print their tables; their figures are not judged."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+from benchmarks.figures import Spread, verdict
+from benchmarks.sessions import Entry, matched
+
+ROOT = Path(__file__).parents[1]
+#: Script -> what must stand in its tables.
+TABLES = {
+    "key_latency.py": ("idle: key to perform", "load: key to perform", "50 Hz loop"),
+    "stop_latency.py": ("idle: escape + key", "asleep: ctrl+c", "spinning: escape"),
+    "screen_bytes.py": ("calm 80x24", "demo 80x24", "load 80x24"),
+    "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
+}
+
+
+@pytest.mark.parametrize("script", TABLES)
+def test_a_quick_run_prints_its_tables(script: str) -> None:
+    done = subprocess.run(
+        [sys.executable, f"benchmarks/{script}", "--quick"],
+        cwd=ROOT,
+        env={**os.environ, "PYTHONPATH": ""},
+        capture_output=True,
+        text=True,
+        timeout=110,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    for line in TABLES[script]:
+        assert line in done.stdout
+    assert f"{os.cpu_count()} cores" in done.stdout
+
+
+def test_a_note_belongs_to_the_last_press_before_it() -> None:
+    presses = [Entry(1_000_000, "a"), Entry(2_000_000, "b"), Entry(5_000_000, "a")]
+    notes = [Entry(2_500_000, "a"), Entry(9_000_000, "a"), Entry(500_000, "b")]
+    took, lost = matched(presses, notes)
+    assert sorted(took) == [1.5, 4.0]
+    assert lost == 1
+
+
+def test_a_lost_press_does_not_take_the_next_ones_note() -> None:
+    presses = [Entry(1_000_000, "stop"), Entry(2_000_000, "stop")]
+    assert matched(presses, [Entry(2_100_000, "stop")]) == ([0.1], 1)
+
+
+def test_spreads_and_verdicts() -> None:
+    spread = Spread.of([float(value) for value in range(100)])
+    assert (spread.count, spread.p50, spread.p99, spread.worst) == (100, 50.0, 99.0, 99.0)
+    assert spread.over(Spread(1, 25.0, 33.0, 33.0)) == (2.0, 3.0)
+    assert verdict(1.0, 1.0) == "met"
+    assert verdict(1.1, 1.0) == "MISSED"
+    with pytest.raises(RuntimeError):
+        Spread.of([])

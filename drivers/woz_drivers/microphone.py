@@ -27,6 +27,8 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
 SENSOR = "loudness"
+#: RMS above which sound counts as speech, published at the start and when it is learned anew.
+THRESHOLD = "loudness.threshold"
 
 #: Pauses before a dead command is started again, in seconds: doubled each time up to the limit,
 #: back to the first after it has run well for a while.
@@ -48,9 +50,10 @@ _CHECK = "try its command in a terminal; `woz doctor` lists the devices"
 class Microphone:
     """One sound source.
 
-    Publishes `loudness` (RMS, 0 to 1 of full scale) and moves its state between quiet, speaking,
-    clipping (speaking, too loud for the converter), silent (only zeros come) and stale (nothing
-    comes). Time is counted in blocks of sound, so a busy machine delays values but drops none.
+    Publishes `loudness` and `loudness.threshold` (RMS, 0 to 1 of full scale) and moves the state of
+    the first between quiet, speaking, clipping (speaking, too loud for the converter), silent (only
+    zeros come) and stale (nothing comes). Time is counted in blocks of sound, so a busy machine
+    delays values but drops none.
     """
 
     Settings: ClassVar[type] = MicrophoneSettings
@@ -80,8 +83,8 @@ class Microphone:
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """The loudness."""
-        return (SENSOR,)
+        """The loudness, and the threshold of speech on the same scale."""
+        return (SENSOR, THRESHOLD)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -92,6 +95,7 @@ class Microphone:
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
         self._outlet.health(Health.CONNECTING, "starting the microphone's command")
+        self._outlet.reading(THRESHOLD, self._speaking.threshold)
         self._task = asyncio.create_task(self._keep_listening())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -255,6 +259,7 @@ class Microphone:
         k = self._settings.sensitivity
         threshold = room.threshold(k)
         self._speaking.threshold = threshold
+        self._outlet.reading(THRESHOLD, threshold)
         self._outlet.notice(
             "info",
             f"speech is now louder than {threshold:.4f}"

@@ -126,6 +126,7 @@ async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedMicrophon
         "seconds": pytest.approx(0.4),
     }
     assert "threshold: 0.1000" in heard.all(Notice)[0].remedy
+    assert heard.values("loudness.threshold") == pytest.approx([0.02, 0.1], rel=1e-3)
     pipe.send(square(0.2, 0.07))
     await heard.state("loudness", "quiet")
     pipe.send(square(0.2, 0.12))
@@ -252,7 +253,7 @@ async def test_sound_faster_than_real_time_is_slowed_down(begin: Begin) -> None:
 async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedMicrophone) -> None:
     microphone, _ = await begin(pipe.command)
     assert [verb.name for verb in Microphone.verbs(None)] == ["listen_room"]
-    assert Microphone.sensors(None) == ("loudness",)
+    assert Microphone.sensors(None) == ("loudness", "loudness.threshold")
     with pytest.raises(Rejected):
         await microphone.perform(Ordered("say", {"text": "x"}))
     await microphone.stop(Scope.ALL)

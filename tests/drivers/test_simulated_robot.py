@@ -273,6 +273,7 @@ async def test_the_same_seed_and_the_same_wizard_give_the_same_readings(tmp_path
     assert {"presence", "gaze", "identity", "distance", "loudness", "direction"} <= {
         sensor for sensor, _, _ in first
     }
+    assert [value for sensor, value, _ in first if sensor == "loudness.threshold"] == [0.027]
 
 
 async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:

@@ -230,3 +230,23 @@ def test_the_socket_is_private_and_a_dead_one_is_replaced(tmp_path: Path) -> Non
         with pytest.raises(PlaceError, match="already listens"):
             bind(path)
         assert listener.fileno() >= 0
+
+
+async def test_a_verb_has_its_variables_filled_in(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello()
+        reply = await peer.ask("verb", verb="say", args={"text": "Hello {participant} {{x}}"})
+        assert reply["ok"]
+        await peer.kind("command.done")
+        assert host.puppet().calls[-1] == ("say", {"text": "Hello P07 {x}"})
+        refused = await peer.ask("verb", verb="say", args={"text": "Hello {nobody}"})
+        assert not refused["ok"]
+        assert "{nobody} has no value yet" in refused["reason"]
+        assert "braces" in refused["hint"]
+
+
+async def test_the_welcome_tells_the_joints_limits(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        assert (await peer.hello())["settings"]["joints"] == {"pan": [-90.0, 60.0]}

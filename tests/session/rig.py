@@ -22,6 +22,7 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
+from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import (
     Action,
@@ -65,6 +66,10 @@ class Puppet:
             Verb("play", "", (Argument("move", "text"),), lane="body"),
             Verb("drive", "", (Argument("x", "number"),), lane="base", drives=True),
         )
+
+    @classmethod
+    def joints(cls, settings: Any) -> Mapping[str, Range]:
+        return {"pan": Range(-90, 60, "degrees"), "wheel": Range()}
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:

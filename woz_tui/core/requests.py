@@ -65,6 +65,8 @@ class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="act
 class AskVerb(Request, frozen=True, kw_only=True, omit_defaults=True, tag="verb"):
     """Send one verb with its arguments; `on` names the driver where several offer it.
 
+    Variables in braces (`{participant}`) are filled in, in arguments that are texts.
+
     `key`, `age_us` and `stale` as for an action.
     """
 
@@ -233,6 +235,8 @@ class Welcome(
     driver, stop if pressed, commands and actions not yet ended, last reading of each sensor,
     recorder state, script position, locks); a client treats them like any other. `recent` is the
     tail of the log, oldest first, for the console's list. `seq` is the last one contained.
+    `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
+    -> [lowest, highest angle] in degrees, for those whose driver tells them.
     """
 
     protocol: int

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import msgspec
 
@@ -34,6 +34,7 @@ from woz_tui.session.identity import AskError
 from woz_tui.session.preflight import preflight
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
+from woz_tui.session.variables import MissingError, filled
 
 log = logging.getLogger(__name__)
 
@@ -130,13 +131,21 @@ class Desk:
         )
 
     def _verb(self, client: Client, request: AskVerb) -> str:
+        """Send it with its variables filled in, as in the experiment file."""
+        stale = self._stale(request.age_us, request.stale)
+        args = request.args
+        if not stale:
+            try:
+                args = _filled(args, self._session.values())
+            except MissingError as error:
+                raise AskError(str(error), "write {{ and }} for braces that are meant") from error
         return self._session.send(
             request.verb,
-            request.args,
+            args,
             request.on,
             Origin(request.source, request.key, client.name),
             when_busy=request.when_busy,
-            stale=self._stale(request.age_us, request.stale),
+            stale=stale,
         )
 
     def _stale(self, age_us: int, stale: bool = False) -> str:
@@ -195,3 +204,8 @@ class Desk:
 def _plain(findings: list[Finding]) -> Json:
     plain: Json = msgspec.to_builtins(findings)
     return plain
+
+
+def _filled(args: Mapping[str, Json], values: Mapping[str, str]) -> dict[str, Json]:
+    """Variables replaced in arguments that are texts; what is inside lists and mappings stays."""
+    return {name: filled(a, values) if isinstance(a, str) else a for name, a in args.items()}

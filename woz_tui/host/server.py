@@ -26,7 +26,7 @@ from woz_tui.core.requests import (
 from woz_tui.host import place
 from woz_tui.host.client import LINGER_S, Client
 from woz_tui.host.desk import Desk
-from woz_tui.host.views import panel_views, variable_names, verb_names
+from woz_tui.host.views import joint_limits, panel_views, variable_names, verb_names
 from woz_tui.session.session import Session
 
 PULSE_S = 1.0
@@ -229,6 +229,7 @@ class Host:
                 "stale_after": experiment.session.stale_after,
                 "dead_man": experiment.session.dead_man,
                 "participant_pattern": experiment.participant_pattern,
+                "joints": joint_limits(session),
             },
         )
 

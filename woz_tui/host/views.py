@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
 from woz_tui.core.requests import ActionView, PanelView
 from woz_tui.experiment.shape import Action, Call, Experiment, Together
 from woz_tui.session.session import Session
@@ -48,3 +50,16 @@ def verb_names(experiment: Experiment) -> dict[str, list[str]]:
 def variable_names(session: Session) -> list[str]:
     """What may stand in braces in an utterance."""
     return sorted(session.values())
+
+
+def joint_limits(session: Session) -> dict[str, Json]:
+    """Lowest and highest angle of each joint in degrees, as far as its driver's class tells."""
+    limits: dict[str, Json] = {}
+    for spec in session.experiment.drivers:
+        tell = getattr(session.catalogue.get(spec.type), "joints", None)
+        if callable(tell):
+            found: Mapping[str, Range] = tell(spec.settings)
+            for name, span in found.items():
+                if span.low is not None and span.high is not None:
+                    limits[name] = [float(span.low), float(span.high)]
+    return limits

@@ -15,7 +15,7 @@ from woz_drivers.simulated.moves import roles
 from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.performance import Performance
 from woz_drivers.simulated.publishing import Publisher
-from woz_drivers.simulated.visitor import Visitor
+from woz_drivers.simulated.visitor import THRESHOLD, Visitor
 from woz_tui.core.driver import (
     DriverError,
     Finding,
@@ -135,6 +135,8 @@ class SimulatedRobot:
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
         self._outlet.health(Health.CONNECTING, "simulated hardware")
         self._tell_health(now)
+        if self._visitor is not None:
+            self._outlet.reading("loudness.threshold", THRESHOLD)
         self._life = asyncio.create_task(self._live(), name=f"{self._name} simulated")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -202,6 +204,8 @@ class SimulatedRobot:
         if self._gone(now) is None:
             self._publisher.body(self._body, now)
             self._publisher.samples({sample.sensor: sample for sample in samples}, now)
+            if self._visitor is not None:
+                self._outlet.sensor("loudness", "speaking" if self._visitor.talking else "quiet")
 
     def _tell_health(self, now: float) -> None:
         gone = self._gone(now)

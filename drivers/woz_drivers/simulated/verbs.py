@@ -22,7 +22,8 @@ def offered(settings: Settings) -> tuple[Verb, ...]:
 def sensors(settings: Settings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
-    return (*joints, "base.x", "base.y", "base.heading", *(SENSORS if settings.visitor else ()))
+    seen = (*SENSORS, "loudness.threshold") if settings.visitor else ()
+    return (*joints, "base.x", "base.y", "base.heading", *seen)
 
 
 def lanes(settings: Settings) -> tuple[str, ...]:

@@ -227,6 +227,14 @@ def _end(process: subprocess.Popen[bytes]) -> None:
             pipe.close()
 
 
+def end_session(terminal: FakeTerminal) -> None:
+    """The last choice of the dialog for leaving."""
+    terminal.send("\x11")
+    terminal.wait_text("─ Leave ─")
+    for key in ("\x1b[B", "\x1b[B", "\r"):
+        terminal.send(key)
+
+
 @contextlib.contextmanager
 def stopped(process: psutil.Process) -> Iterator[None]:
     """Nothing of `process` runs inside; it is continued whatever happens."""

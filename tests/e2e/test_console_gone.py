@@ -9,7 +9,7 @@ import psutil
 import pytest
 
 from tests.e2e import scenes
-from tests.e2e.lab import Lab, Log, stopped, until
+from tests.e2e.lab import Lab, Log, end_session, stopped, until
 from tests.fakes.terminal import FakeTerminal
 
 
@@ -123,14 +123,6 @@ def test_a_watcher_cannot_end_the_session_and_is_told_when_it_has_ended(
     second.send("\x1b[B")
     second.send("\r")
     assert second.wait_exit() == 0
-
-
-def end_session(terminal: FakeTerminal) -> None:
-    """Through the dialog."""
-    terminal.send("\x11")
-    terminal.wait_text("─ Leave ─")
-    for key in ("\x1b[B", "\x1b[B", "\r"):
-        terminal.send(key)
 
 
 def test_a_second_console_watches_and_a_third_takes_over(lab: Lab, terminal: FakeTerminal) -> None:

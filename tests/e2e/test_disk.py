@@ -5,7 +5,7 @@ from __future__ import annotations
 import resource
 
 from tests.e2e import scenes
-from tests.e2e.lab import Lab, until
+from tests.e2e.lab import Lab, end_session, until
 from woz_tui.record import log
 
 FREE = (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
@@ -43,13 +43,8 @@ def test_full_disk(lab: Lab) -> None:
     told("stop.released")
     terminal.send("h")
     told("action.done", 4)
-    terminal.send("\x11")
-    terminal.wait_text("─ Leave ─")
-    terminal.send("\x1b[B")
-    terminal.send("\x1b[B")
-    terminal.send("\r")
+    end_session(terminal)
     assert terminal.wait_exit() == 0
-    told("session.end")
 
     lines = everything()
     assert [line.seq for line in lines] == list(range(len(lines)))

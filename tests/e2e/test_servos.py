@@ -8,7 +8,7 @@ import sys
 import pytest
 
 from tests.e2e import scenes
-from tests.e2e.lab import Lab, Log, until
+from tests.e2e.lab import Lab, Log, end_session, until
 from tests.e2e.servos import TORQUE, Servos
 from tests.fakes.rangefinder import PluggedSensor, maxbotix
 from tests.fakes.sound import PipedMicrophone, square
@@ -100,11 +100,7 @@ def test_leaving_takes_the_rest_pose_and_switches_the_torque_off(
 ) -> None:
     log = lab.log
     torque_on(terminal, log)
-    terminal.send("\x11")
-    terminal.wait_text("End the session")
-    terminal.send("\x1b[B")
-    terminal.send("\x1b[B")
-    terminal.send("\r")
+    end_session(terminal)
     assert terminal.wait_exit() == 0
     (end,) = log.lines("session.end")
     assert end.fields["reason"] == "wizard"
@@ -113,6 +109,26 @@ def test_leaving_takes_the_rest_pose_and_switches_the_torque_off(
     assert last == {11: 0, 12: 0, 13: 0}
     servos.assert_harmless()
     until(lambda: not lab.sockets(), "the socket's end")
+
+
+def test_the_stop_works_while_the_robot_takes_its_rest_pose(lab: Lab, servos: Servos) -> None:
+    text = scenes.head(servos.port).replace("rest_speed: 120", "rest_speed: 3")
+    terminal = lab.run(lab.file("bench.yaml", text))
+    log = lab.log
+    log.wait("driver.connected")
+    torque_on(terminal, log)
+    begin = len(servos.journal)
+    end_session(terminal)
+    terminal.wait_text("the robot takes its rest pose")
+    servos.wait_goal(12, -3.0, skip=begin)
+    terminal.send("\x1b")
+    log.wait("stop.pressed")
+    assert terminal.wait_exit() == 0
+    (end,) = log.lines("session.end")
+    assert end.seq > log.lines("stop.pressed")[0].seq
+    assert max(note.degrees for note in servos.goals(12)) < 14, "it went on to its rest pose"
+    assert {n.id: n.value for n in servos.journal if n.address == TORQUE} == {11: 0, 12: 0, 13: 0}
+    servos.assert_harmless()
 
 
 def test_a_cable_pulled_in_mid_move_and_put_back(

@@ -9,6 +9,7 @@ import signal
 import socket
 import subprocess
 import sys
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +18,7 @@ import pytest
 
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
+from woz_tui.host.place import answers
 
 WAIT_S = 60.0
 #: `woz`, with less patience at the end of a session.
@@ -26,18 +28,21 @@ from woz_tui.host import process
 process.CLOSE_LIMIT_S, process.EXIT_LIMIT_S = 3.0, 1.0
 raise SystemExit(main())
 """
+#: Starts a program without standard input, output and error.
+CLOSED = ("sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh")
 
 
 class RobotProcess:
     """`woz host` on a rude driver."""
 
-    def __init__(self, folder: Path, rudeness: str, announce: bool = True) -> None:
+    def __init__(self, folder: Path, rudeness: str, closed: bool = False) -> None:
         self.folder = folder
         experiment = installed(folder, rudeness)
         self.socket = folder / "s"
         words = ["host", str(experiment), "--recordings", str(folder / "rec")]
+        words += [] if closed else ["--announce"]
         self.process = subprocess.Popen(
-            [sys.executable, "-c", WOZ, *words, *(["--announce"] if announce else [])],
+            [*(CLOSED if closed else ()), sys.executable, "-c", WOZ, *words],
             env={
                 **os.environ,
                 "PYTHONPATH": f"{folder}:{ROOT}",
@@ -56,6 +61,12 @@ class RobotProcess:
                 said: dict[str, Any] = json.loads(line)
                 return said
         raise AssertionError("it ended before it listened")
+
+    def listening(self) -> None:
+        """Wait until it can be connected to."""
+        while not answers(self.socket):
+            assert self.process.poll() is None
+            time.sleep(0.02)
 
     def ask(self, *lines: str) -> list[dict[str, Any]]:
         """Say hello and these lines; as many answers."""
@@ -82,9 +93,9 @@ class RobotProcess:
 
 
 @contextlib.contextmanager
-def robot(folder: Path, rudeness: str = "", announce: bool = True) -> Iterator[RobotProcess]:
+def robot(folder: Path, rudeness: str = "", closed: bool = False) -> Iterator[RobotProcess]:
     """A robot process that is gone when the block ends."""
-    started = RobotProcess(folder, rudeness, announce)
+    started = RobotProcess(folder, rudeness, closed)
     try:
         yield started
     finally:
@@ -149,8 +160,7 @@ def test_a_parent_that_is_gone_before_the_start_is_over_costs_nothing(tmp_path: 
     with robot(tmp_path) as host:
         assert host.process.stdout is not None
         host.process.stdout.close()
-        while not host.socket.exists():
-            assert host.process.poll() is None
+        host.listening()
         assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
         assert host.ended() == 0
         assert host.log()[-1]["reason"] == "enough"
@@ -162,3 +172,12 @@ def test_a_driver_that_cannot_be_made_is_named(tmp_path: Path) -> None:
         assert host.process.stderr is not None
         told = host.process.stderr.read().decode()
         assert told == "woz: the driver 'voice' cannot be made: LookupError: no such thing\n"
+
+
+def test_closed_standard_streams_are_no_place_for_a_log_or_a_socket(tmp_path: Path) -> None:
+    with robot(tmp_path, closed=True) as host:
+        host.listening()
+        numbers = Path(f"/proc/{host.process.pid}/fd")
+        assert {str((numbers / name).readlink()) for name in "012"} == {os.devnull}
+        assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
+        assert host.ended() == 0

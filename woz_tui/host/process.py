@@ -56,10 +56,20 @@ def run(options: HostOptions) -> int:
     Raises `ExperimentError`, `PlaceError`, `PluginError`, `AskError` or `OSError` before anything
     has begun; afterwards everything is handled here.
     """
+    _fill_standard_streams()
     catalogue = installed()
     experiment = load(options.experiment, catalogue)
     _check_identity(options.identity, experiment)
     return asyncio.run(_serve(options, catalogue, experiment))
+
+
+def _fill_standard_streams() -> None:
+    """Where they were closed, the log or a socket would take their numbers, and get what a child
+    process has to say.
+    """
+    while (number := os.open(os.devnull, os.O_RDWR)) <= 2:
+        os.set_inheritable(number, True)
+    os.close(number)
 
 
 def _check_identity(identity: Identity, experiment: Experiment) -> None:

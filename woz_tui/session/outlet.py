@@ -7,6 +7,7 @@ import contextlib
 import logging
 import threading
 from collections import deque
+from collections.abc import Mapping
 from pathlib import Path
 
 from woz_tui.core.clock import Clock
@@ -42,10 +43,22 @@ log = logging.getLogger(__name__)
 
 
 class DriverOutlet:
-    """`core.driver.Outlet` for one driver; repeats of a state are swallowed here."""
+    """`core.driver.Outlet` for one driver; repeats of a state are swallowed here.
 
-    def __init__(self, driver: str, hub: Hub, clock: Clock, folder: Path) -> None:
+    `names` are the names under which its sensors are published, where they differ from its own.
+    """
+
+    def __init__(
+        self,
+        driver: str,
+        hub: Hub,
+        clock: Clock,
+        folder: Path,
+        *,
+        names: Mapping[str, str] | None = None,
+    ) -> None:
         self._driver = driver
+        self._names = names or {}
         self._hub = hub
         self._clock = clock
         self._folder = folder
@@ -78,14 +91,16 @@ class DriverOutlet:
         raw: float | None = None,
     ) -> None:
         """Publish a sample."""
-        self._publish(reading(sensor, value, text=text, driver=self._driver, unit=unit, raw=raw))
+        name = self._names.get(sensor, sensor)
+        self._publish(reading(name, value, text=text, driver=self._driver, unit=unit, raw=raw))
 
     def sensor(self, sensor: str, state: str, why: str = "") -> None:
         """Publish a sensor's change of state."""
         was = self._sensors.get(sensor, "")
         if was != state:
             self._sensors[sensor] = state
-            self._publish(SensorChanged(sensor=sensor, state=state, was=was, why=why))
+            name = self._names.get(sensor, sensor)
+            self._publish(SensorChanged(sensor=name, state=state, was=was, why=why))
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         """Publish the driver's change of health."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Finding
 from woz_tui.core.machine import storage, timekeeping
+from woz_tui.session.sensors import published_names
 from woz_tui.session.session import Session
 
 #: A sensor that has said nothing for longer than this is silent (microseconds).
@@ -55,11 +56,13 @@ def _sensors(session: Session) -> list[Finding]:
         for message in session.standing.state()
         if isinstance(message, m.Reading)
     }
-    expected = [sensor for spec in session.experiment.drivers for sensor in spec.sensors]
+    published = published_names(session.experiment.drivers)
+    # Joints and their like, which have a dot in their names, have their driver's own line.
+    expected = [
+        name for names in published.values() for sensor, name in names.items() if "." not in sensor
+    ]
     findings = []
-    for sensor in dict.fromkeys(expected):
-        if "." in sensor:  # joints and their like have their driver's own line
-            continue
+    for sensor in expected:
         message = last.get(sensor)
         if message is None:
             findings.append(Finding("warning", sensor, "no value yet"))
@@ -71,7 +74,7 @@ def _sensors(session: Session) -> list[Finding]:
 
 
 def _in_words(message: m.Reading) -> str:
-    if message.sensor == "identity":
+    if message.sensor.endswith("identity"):
         return message.text or "nobody known"
     if message.value is None:
         return "nothing measured"

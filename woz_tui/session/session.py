@@ -24,6 +24,7 @@ from woz_tui.session.crew import Crew
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.outlet import DriverOutlet
 from woz_tui.session.runner import Origin, Runner
+from woz_tui.session.sensors import published_names
 from woz_tui.session.standing import Standing
 from woz_tui.session.utterances import utterances
 from woz_tui.session.verbs import SESSION, VERBS, SessionVerbs
@@ -117,8 +118,9 @@ class Session:
 
     def _make_drivers(self) -> None:
         folder = self.experiment.path.parent
+        names = published_names(self.experiment.drivers)
         for spec in self.experiment.drivers:
-            outlet = DriverOutlet(spec.name, self.hub, self.clock, folder)
+            outlet = DriverOutlet(spec.name, self.hub, self.clock, folder, names=names[spec.name])
             try:
                 driver = self.catalogue[spec.type](spec.name, spec.settings, outlet)
             except (Exception, SystemExit) as error:

@@ -1,0 +1,52 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import HERE, Nothing, Stage
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import DriverSpec
+from woz_tui.session.sensors import published_names
+
+
+def spec(name: str, *sensors: str) -> DriverSpec:
+    return DriverSpec(name, "puppet", Nothing(), (), sensors, HERE)
+
+
+def test_a_name_that_one_driver_has_stays_as_it_is() -> None:
+    names = published_names([spec("head", "joint.pan"), spec("sonar", "distance")])
+    assert names == {"head": {"joint.pan": "joint.pan"}, "sonar": {"distance": "distance"}}
+
+
+def test_shared_names_say_whose_they_are() -> None:
+    two = published_names([spec("left.head", "joint.pan", "load"), spec("right.head", "joint.pan")])
+    assert two["left.head"] == {"joint.pan": "left.joint.pan", "load": "load"}
+    assert two["right.head"] == {"joint.pan": "right.joint.pan"}
+    one = published_names([spec("front", "distance"), spec("back", "distance")])
+    assert [one[name]["distance"] for name in one] == ["front.distance", "back.distance"]
+    both = published_names([spec("left.a", "distance"), spec("left.b", "distance")])
+    assert [both[name]["distance"] for name in both] == ["left.a.distance", "left.b.distance"]
+
+
+def test_two_robots_do_not_overwrite_each_other(tmp_path: Path) -> None:
+    async def go() -> list[str]:
+        stage = Stage(tmp_path, ("left.robot", "right.robot"))
+        await stage.session.open()
+        for name in ("left.robot", "right.robot"):
+            outlet = stage.puppet(name).outlet
+            outlet.reading("distance", 1.0)
+            outlet.sensor("distance", "stale")
+        held = stage.session.standing.state()
+        await stage.session.close("test")
+        return [
+            f"{type(line).__name__} {line.sensor}"
+            for line in held
+            if isinstance(line, m.Reading | m.SensorChanged)
+        ]
+
+    assert run_virtual(go()) == [
+        "Reading left.distance",
+        "SensorChanged left.distance",
+        "Reading right.distance",
+        "SensorChanged right.distance",
+    ]

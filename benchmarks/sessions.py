@@ -217,7 +217,8 @@ class Bench:
 
     def environ(self) -> dict[str, str]:
         """Finds the probe driver and keeps sockets out of the way."""
-        return {"PYTHONPATH": str(HERE / "probe"), "WOZ_SOCKET": str(self.folder / "s")}
+        path = [str(HERE / "probe"), *filter(None, [os.environ.get("PYTHONPATH")])]
+        return {"PYTHONPATH": os.pathsep.join(path), "WOZ_SOCKET": str(self.folder / "s")}
 
     def options(self) -> list[str]:
         """Of `woz run`, `woz host` and `woz demo`."""

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 import argparse
+import functools
 import random
 import sys
 import threading
@@ -13,6 +14,7 @@ from dataclasses import dataclass, field
 
 from tests.e2e.lab import Lab, Log, until
 from tests.e2e.program import Program
+from woz_tui.host.place import answers
 
 EXPERIMENT = """\
 title: Crashes
@@ -51,7 +53,7 @@ def run(lab: Lab, rounds: int, seed: int) -> Found:
             "host", str(experiment), "--recordings", str(lab.recordings), "--session", f"S{number}"
         )
         path = lab.runtime / "woz" / f"S{number}.sock"
-        until(path.exists, "a socket")
+        until(functools.partial(answers, path), "a robot process")
         acknowledged: list[str] = []
         with Program(path) as program:
             killer = threading.Timer(dice.uniform(0.0, LIFE_S), process.kill)

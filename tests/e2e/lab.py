@@ -22,6 +22,7 @@ from typing import Any
 import psutil
 
 from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
+from woz_tui.host.place import answers
 from woz_tui.record import log
 
 #: Between two looks at a file or a process, in seconds.
@@ -108,7 +109,7 @@ class Lab:
     def host(self, experiment: Path, *words: str) -> subprocess.Popen[bytes]:
         """`woz host`, as soon as it listens."""
         process = self.woz("host", str(experiment), *self.session(*words))
-        until(lambda: process.poll() is not None or self.sockets(), "a socket")
+        until(lambda: process.poll() is not None or any(map(answers, self.sockets())), "a host")
         return process
 
     def woz(self, *words: str, **options: Any) -> subprocess.Popen[bytes]:

@@ -10,7 +10,6 @@ from typing import Any
 from tests.e2e.lab import Lab, Log, until
 from tests.e2e.scenes import JOINTS
 from tests.fakes.servo_motor import KINDS
-from tests.fakes.terminal import ROOT  # noqa: F401 - the emulator runs from there
 
 GOAL, TORQUE, PRESENT_LAG = 116, 64, 2
 KIND = "XL330-M288"
@@ -68,6 +67,7 @@ class Servos:
     def witness(self, log: Log) -> None:
         """From now on the journal says how much of the log was there at each write."""
         self.order(f"witness {log.path}")
+        until(lambda: any(note.event == "witness" for note in self.journal), "the witness")
 
     @property
     def journal(self) -> list[Note]:

@@ -24,7 +24,7 @@ The journal has one JSON object a line, flushed at once, `t_ns` being CLOCK_MONO
     {"t_ns": 123, "event": "write", "id": 11, "address": 116, "data": [0, 8, 0, 0], "value": 2048,
      "error": 0, "position": 2047.5}
     {"t_ns": 124, "event": "watchdog", "id": 11, "position": 2050.0}
-    {"t_ns": 125, "event": "reboot" | "pulled" | "plugged", ...}
+    {"t_ns": 125, "event": "reboot" | "pulled" | "plugged" | "witness", ...}
 
 `write` stands for every register write that arrived for a servo (write, sync write, action), also
 for those it refused (`error` not 0). `position` is where the motor stood, in counts. With a witness
@@ -104,8 +104,7 @@ class ServoBus:
         self.servos = {number: Motor(number, kind) for number, kind in kinds.items()}
         self.protocol = KINDS[next(iter(kinds.values()), model)][0]
         self.faults = Faults()
-        #: A file whose size is noted with every write that arrives.
-        self.witness: Path | None = None
+        self._witness: Path | None = None
         self.writes: list[Write] = []
         self.instructions: list[Instruction] = []
         self._journal = journal.open("a", encoding="ascii") if journal is not None else None
@@ -163,6 +162,12 @@ class ServoBus:
             fresh.symlink_to(os.ttyname(self._slave))
             fresh.replace(self.link)
             self._note("plugged")
+
+    def watch(self, witness: Path) -> None:
+        """Note the size of a file with every write that arrives from now on."""
+        with self._lock:
+            self._witness = witness
+            self._note("witness", path=str(witness))
 
     def goals(self, number: int) -> list[int]:
         """Every goal position that arrived for a servo and was taken, oldest first."""
@@ -323,7 +328,7 @@ class ServoBus:
                     self._say(motor, 0, bytes(motor.memory[address : address + size]))
 
     def _write(self, motor: Motor, address: int, data: bytes) -> int:
-        witnessed = {"witness": self.witness.stat().st_size} if self.witness is not None else {}
+        witnessed = {"witness": self._witness.stat().st_size} if self._witness is not None else {}
         error = motor.write(address, data)
         write = Write(
             time.monotonic_ns(), motor.number, address, bytes(data), error, motor.position

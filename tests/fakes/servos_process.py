@@ -35,7 +35,7 @@ def order(bus: ServoBus, line: str) -> None:
         elif word == "slow":
             bus.faults.slow = float(rest)
         elif word == "witness":
-            bus.witness = Path(rest)
+            bus.watch(Path(rest))
         elif word:
             sys.stderr.write(f"unknown order: {line}\n")
     except (KeyError, ValueError) as error:

@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING, ClassVar
 
 from textual import events
 from textual.app import App, ComposeResult
-from textual.containers import Container
 from textual.driver import Driver
 
 from woz_tui.console.caps import Cap, cap_of, key_name
@@ -23,11 +22,13 @@ from woz_tui.console.desk import Desk
 from woz_tui.console.events import Events
 from woz_tui.console.feed import Feed, Incoming
 from woz_tui.console.glyphs import UNICODE, Frame
+from woz_tui.console.layout import LEAST, WHOLE, Body, Needs
 from woz_tui.console.look import SIXTEEN, THEMES, Look
 from woz_tui.console.meters import Meters
 from woz_tui.console.panels import Panels
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.script import Script
 from woz_tui.console.status import Line, Status
 from woz_tui.console.stopbar import HINTS, Bar, News, StopBar
 from woz_tui.core.clock import Clock, RealClock
@@ -112,19 +113,19 @@ class Console(App[str]):
         self._stop_asked: int | None = None
         self._painted = 0
         self._loop: asyncio.AbstractEventLoop | None = None
+        self._status, self._bar, self._small = Status(), StopBar(), Cells(id="small")
+        self._panels, self._meters, self._events = Panels(), Meters(), Events()
+        self._script, self._body = Script(), Body()
 
     # -- putting together ---------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
         """Status on top, panels, meters and events, script, stop bar."""
-        yield Status()
-        with Container(id="body"):
-            yield Panels()
-            with Container(id="side"):
-                yield Meters()
-                yield Events()
-        yield Cells(id="small")
-        yield StopBar()
+        yield self._status
+        with self._body:
+            yield from (self._panels, self._meters, self._events, self._script)
+        yield self._small
+        yield self._bar
 
     def on_mount(self) -> None:
         """Begin to listen and to paint."""
@@ -133,10 +134,6 @@ class Console(App[str]):
         self.set_class(self.look.glyphs.ascii, "-ascii")
         self.set_class(self.no_color, "-plain")
         self.set_class(self.theme == SIXTEEN.name, "-sixteen")
-        self._status, self._panels = self.query_one(Status), self.query_one(Panels)
-        self._meters, self._events = self.query_one(Meters), self.query_one(Events)
-        self._bar = self.query_one(StopBar)
-        self._small = self.query_one("#small", Cells)
         self.keyboard.on_pressed = self._elsewhere(self._pressed)
         self.keyboard.on_stale = self._elsewhere(self._stale)
         self.keyboard.on_prefix = self._elsewhere(self._prefix)
@@ -216,6 +213,7 @@ class Console(App[str]):
                 self.desk.open_lost()
         if self.picture.stop is not None:
             self._stop_asked = None
+            self._news_until = 1  # what was refused meanwhile need not be told after the release
         if self.picture.edition != self._edition:
             self._edition = self.picture.edition
             self._adopt()
@@ -254,7 +252,7 @@ class Console(App[str]):
             self._frame(self._status, now),
             Line(self.feed.line_ok, self.feed.round_trip_us, self._key("failures")),
         )
-        for widget in (self._panels, self._meters, self._events):
+        for widget in (self._panels, self._meters, self._events, self._script):
             widget.paint(self.picture, self._frame(widget, now))
         bar = Bar(
             self._news,
@@ -282,12 +280,12 @@ class Console(App[str]):
 
     def _measure(self) -> None:
         """Choose what fits: everything, no side, or a sentence and the stop."""
-        width, height = self.size
-        base = self.screen_stack[0]
-        base.set_class(width >= 120 and height >= 24, "-wide")
-        base.set_class(height >= 32, "-tall")
-        base.set_class(width < 80 or height < 24, "-small")
-        base.set_class(width < 50 or height < 12, "-tiny")
+        (width, height), base = self.size, self.screen_stack[0]
+        base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
+        base.set_class(width < LEAST.width or height < LEAST.height, "-tiny")
+        needs = Needs(self._panels.needs(self.picture, self.look.glyphs), self._meters.needs)
+        if self._body.lay_out(self.size, needs):
+            self.call_after_refresh(self.paint)
 
     def on_resize(self) -> None:
         """Paint once the new sizes are known."""

@@ -17,6 +17,9 @@ from woz_tui.console.sentences import Event
 #: at every painting; nobody reads that, and it would fill a slow line to the terminal.
 BURST_ROWS, ROWS_S = 400, 100
 
+#: What takes less has no length worth a figure, in microseconds.
+BRIEF_US = 50_000
+
 #: Colour and glyph of each kind of line; the glyph alone tells them apart.
 LOOK = {
     "running": "run",
@@ -58,6 +61,8 @@ def event_row(event: Event, picture: Picture, frame: Frame) -> Row:
     back = _back(event, picture, frame)
     room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
     text = glyphs.plain(clean(event.text))
+    if event.times > 1:
+        text += f" x {event.times}"
     detail = glyphs.plain(clean(event.detail))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
     body: Row = ((text, tone), (f"  {detail}" if detail else "", "muted"))
@@ -67,8 +72,9 @@ def event_row(event: Event, picture: Picture, frame: Frame) -> Row:
 def _back(event: Event, picture: Picture, frame: Frame) -> Piece:
     if event.mistake:
         return (" mistake ", "warn")
-    if event.took_us is not None and event.mark != "refused":
-        return (f" {seconds(event.took_us)} ", "muted")
+    if event.took_us is not None:
+        told = event.took_us >= BRIEF_US and event.mark not in ("refused", "failed")
+        return (f" {seconds(event.took_us)} " if told else " ", "muted")
     if event.mark == "running":
         return _under_way(event, picture, frame)
     return (" ", "plain")

@@ -9,7 +9,6 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rich.cells import cell_len
-from textual.geometry import Size
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, length
 from woz_tui.console.figures import SILENCE_DB, decibels
@@ -166,16 +165,14 @@ def _marked(changed: m.EngagementChanged, glyphs: Glyphs) -> list[str]:
 class Meters(Cells):
     """The meters."""
 
+    #: Lines they would like to have; never less than before, so that nothing jumps back.
+    needs = 1
+
     def paint(self, picture: Picture, frame: Frame) -> None:
         """Show a heading, and what the sensors said last."""
-        tall = self.styles.height is not None and self.styles.height.is_auto
-        inner = replace(frame, height=MOST if tall else frame.height - 1)
-        rows = [heading("Sensors", frame), *meter_rows(picture, inner)]
-        grown = len(rows) != len(self.rows)
-        self.show(rows)
-        if tall and grown:
-            self.refresh(layout=True)
-
-    def get_content_height(self, container: Size, viewport: Size, width: int) -> int:
-        """Where there is room, as high as its rows."""
-        return max(1, len(self.rows))
+        inner = replace(frame, height=MOST)
+        rows = meter_rows(picture, inner)
+        self.needs = max(self.needs, len(rows) + 1)
+        if len(rows) > frame.height - 1:
+            rows = meter_rows(picture, replace(frame, height=frame.height - 1))
+        self.show([heading("Sensors", frame), *rows])

@@ -14,10 +14,12 @@ from woz_tui.console.columns import GUTTER, Plan, Slot, plan
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import Standing, State
 from woz_tui.console.picture import Picture
-from woz_tui.core.requests import ActionView
+from woz_tui.core.requests import ActionView, PanelView
 
 #: Key caps are at least and at most this wide, with a blank at each side.
 CAP_LEAST, CAP_MOST = 3, 8
+#: Lines that panels get at most on a roomy screen, where events stand beneath them.
+MOST = 32
 
 _LOOK = {
     State.READY: "plain",
@@ -92,8 +94,16 @@ def _slot(picture: Picture, slot: Slot, frame: Frame, board: Board, cap: int) ->
     look = "muted" if dim and standing.state is State.READY else _LOOK[standing.state]
     key = caption(board.caps.get(slot.action.name, Cap(slot.action.key)), frame.glyphs)
     keylook = "flash" if board.pressed == slot.action.name else "key" if key else "plain"
-    body = _body(slot.action, standing, look, frame.width - cap - 1, frame.glyphs)
+    word = "" if _said_above(picture, panel, standing.state) else _word(standing)
+    body = _body(slot.action, standing, (word, look), frame.width - cap - 1, frame.glyphs)
     return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
+
+
+def _said_above(picture: Picture, panel: PanelView, state: State) -> bool:
+    """Whether the title or the status line has the word that would stand on every line here."""
+    if state is State.LOCKED:
+        return picture.is_locked(panel)
+    return state is State.UNREACHABLE and len(picture.drivers) == 1
 
 
 def _title(picture: Picture, slot: Slot, frame: Frame, chosen: bool) -> Row:
@@ -120,12 +130,12 @@ def _centred(text: str, width: int, ellipsis: str) -> str:
 
 
 def _body(
-    action: ActionView, standing: Standing, look: str, room: int, glyphs: Glyphs
+    action: ActionView, standing: Standing, said: Piece, room: int, glyphs: Glyphs
 ) -> tuple[Piece, ...]:
     """Glyph, label and word; while it runs, the ground behind them is the time left."""
+    word, look = said
     glyph = " " if standing.state is State.READY else str(getattr(glyphs, standing.state.value))
     label = clean(action.label)
-    word = _word(standing)
     spare = room - 2 - cell_len(label)
     if standing.state is State.RUNNING:
         shown = f"{word} " if word else ""
@@ -159,6 +169,8 @@ class Panels(Cells):
         self.board = Board({})
         self._arranged: Plan | None = None
         self._arranged_for: tuple[int, int, int, int] = (-1, -1, -1, -1)
+        self._needed = 1
+        self._needed_for: tuple[int, int, int, int] = (-1, -1, -1, -1)
 
     def paint(self, picture: Picture, frame: Frame) -> None:
         """Show the picture's panels as they stand."""
@@ -178,6 +190,15 @@ class Panels(Cells):
             if self._arranged.pages > 1:  # the last line tells the page
                 self._arranged = plan(picture.panels, frame.width, frame.height - 1, cap)
         return self._arranged
+
+    def needs(self, picture: Picture, glyphs: Glyphs) -> int:
+        """Lines in which all panels find room on one page of this width, as far as they do."""
+        wanted = (picture.edition, self.size.width, MOST, cap_width(picture, self.board, glyphs))
+        if wanted != self._needed_for:
+            self._needed_for = wanted
+            found = plan(picture.panels, *wanted[1:])
+            self._needed = 1 + max((slot.row for slot in found.slots), default=0)
+        return self._needed
 
     def walk(self, picture: Picture, by: int) -> None:
         """Choose the next panel, or with a negative `by` the one before."""

@@ -169,7 +169,7 @@ class Picture:
                     event.end(outcome)
                     return
         told = event_of(message, self)
-        if told is not None:
+        if told is not None and not (self.events and self.events[-1].again(told)):
             self.events.append(told)
 
     # -- reading ----------------------------------------------------------------------------
@@ -178,6 +178,13 @@ class Picture:
         """The label of the action called `name`, or the name itself."""
         action = self.action(name)
         return action.label if action is not None else name
+
+    def filled(self, words: str) -> str:
+        """An utterance with the variables whose values the console knows."""
+        for name, value in (("participant", self.participant), ("condition", self.condition)):
+            if value:
+                words = words.replace(f"{{{name}}}", value)
+        return words
 
     def action(self, name: str) -> r.ActionView | None:
         """The action called `name`, or None."""

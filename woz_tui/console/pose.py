@@ -104,13 +104,13 @@ def _folded(picture: Picture, joints: dict[str, str], frame: Frame, room: int) -
     for name, short in joints.items():
         sensor = picture.sensors.get(f"joint.{name}") or picture.sensors[f"setpoint.{name}"]
         value = "?" if sensor.value is None else f"{sensor.value:.0f}{frame.glyphs.degrees}"
-        pieces.append(_member(short, f"{value:<5}", picture.is_stale(sensor, frame.now), frame))
+        pieces.append(_member(short, f"{value:<4}", picture.is_stale(sensor, frame.now), frame))
     return _wrapped(named("pose"), pieces, frame, room)
 
 
 def _member(name: str, value: str, stale: bool, frame: Frame) -> Row:
     mark = frame.glyphs.stale if stale else ""
-    return ((f"{clean(name)} ", "muted"), (f"{mark}{value} ", "stale" if stale else "plain"))
+    return ((f"{clean(name)} ", "muted"), (f"{mark}{value}", "stale" if stale else "plain"))
 
 
 def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> list[Row]:
@@ -118,10 +118,10 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> l
     rows: list[Row] = []
     row: Row = (front,)
     for member in members:
-        if length(row) + length(member) > frame.width and len(row) > 1 and len(rows) + 1 < room:
+        if length(row) + length(member) >= frame.width and len(row) > 1 and len(rows) + 1 < room:
             rows.append(row)
             row = (named(""),)
-        row += member
+        row += ((" ", "plain"), *member) if len(row) > 1 else member
     return [*rows, row]
 
 
@@ -143,12 +143,12 @@ def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row
 def _group(name: str, sensors: list[SensorPicture], picture: Picture, frame: Frame) -> Row:
     if len(sensors) == 1:
         return _alone(sensors[0], picture, frame)
-    row: Row = (named(name),)
+    members = []
     for sensor in sensors:
         stale = picture.is_stale(sensor, frame.now)
         last = sensor.name.rpartition(".")[2]
-        row += _member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame)
-    return row
+        members.append(_member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame))
+    return _wrapped(named(name), members, frame, 1)[0]
 
 
 def _alone(sensor: SensorPicture, picture: Picture, frame: Frame) -> Row:

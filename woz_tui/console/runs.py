@@ -88,12 +88,17 @@ class Run:
 
 
 def words(command: m.Command) -> str:
-    """A command in a few words: what is said, or the verb with its main argument."""
+    """A command in a few words: what is said, or the verb with what it is given."""
     text = command.args.get("text")
     if isinstance(text, str) and text:
         return f"“{text}”"
-    main = next((value for value in command.args.values() if isinstance(value, str)), "")
-    return f"{command.verb} {main}".strip()
+    parts = [command.verb]
+    for name, value in command.args.items():
+        if isinstance(value, str):
+            parts.append(value)
+        elif isinstance(value, int | float) and value:
+            parts.append(f"{name} {value:g}")
+    return " ".join(part for part in parts if part)
 
 
 def outcome_of(message: m.Message) -> Outcome | None:

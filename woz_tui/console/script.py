@@ -1,10 +1,13 @@
-"""The line of the script."""
+"""The script: one line of it above the hints; on a roomy screen all of it with its words."""
 
 from __future__ import annotations
 
+import textwrap
+from dataclasses import replace
+
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Row, clean, cut, fit
+from woz_tui.console.cells import Cells, Row, clean, cut, fit, heading
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
 
@@ -26,3 +29,59 @@ def script_row(picture: Picture, frame: Frame, key: str) -> Row:
         for name in later:
             body += ((f"  {glyphs.next} {clean(picture.label(name))}", "muted"),)
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), (right, "muted"))
+
+
+#: Lines of the script that stay above the next one where not all have room.
+BEFORE = 1
+#: Lines an entry's words get at most.
+WORDS = 2
+#: Cells that words are indented by.
+INDENT = 5
+
+
+def script_rows(picture: Picture, frame: Frame) -> list[Row]:
+    """Every line of the script with what is said; what has been played is quiet.
+
+    Where not all of it has room it begins shortly before the next line.
+    """
+    entries = [_entry(picture, index, frame) for index in range(len(picture.script))]
+    first = 0
+    if sum(map(len, entries)) > frame.height:
+        last = len(entries)
+        while last and sum(map(len, entries[last - 1 :])) <= frame.height:
+            last -= 1
+        first = min(max(0, picture.position - BEFORE), last)
+    rows = [row for entry in entries[first:] for row in entry]
+    return rows[: frame.height]
+
+
+def _entry(picture: Picture, index: int, frame: Frame) -> list[Row]:
+    glyphs, name = frame.glyphs, picture.script[index]
+    played, following = index < picture.position, index == picture.position
+    mark = glyphs.here if following else glyphs.done if played else " "
+    look = "strong" if following else "muted" if played else "plain"
+    label = clean(picture.label(name))
+    rows: list[Row] = [((f" {mark} {label}", look),)]
+    action = picture.action(name)
+    words = " ".join(action.utterances) if action is not None else ""
+    rows += [
+        ((" " * INDENT, "plain"), (line, "faint" if played else "muted"))
+        for line in _wrapped(picture.filled(clean(words)), frame)
+    ]
+    return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
+
+
+def _wrapped(words: str, frame: Frame) -> list[str]:
+    room = max(10, frame.width - INDENT - 1)
+    return textwrap.wrap(words, room, max_lines=WORDS, placeholder=f" {frame.glyphs.ellipsis}")
+
+
+class Script(Cells):
+    """The whole script."""
+
+    def paint(self, picture: Picture, frame: Frame) -> None:
+        """Show a heading and the lines."""
+        if not self.display:
+            return
+        inner = replace(frame, height=frame.height - 1)
+        self.show([heading("Script", frame), *script_rows(picture, inner)])

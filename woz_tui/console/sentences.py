@@ -38,6 +38,17 @@ class Event:
     action: str = ""
     took_us: int | None = None
     mistake: bool = False
+    times: int = 1
+
+    def again(self, other: Event) -> bool:
+        """Take in the same command sent once more, so that a held arrow is one line."""
+        same = bool(self.run) and self.text == other.text and not self.mistake
+        moved = not self.action and not other.action and not self.text.startswith("“")
+        if not (same and moved and self.mark in ("running", "done", "stopped")):
+            return False
+        self.t, self.mark, self.run, self.took_us = other.t, other.mark, other.run, None
+        self.times += 1
+        return True
 
     def end(self, outcome: Outcome) -> None:
         """Put the outcome behind what was begun."""

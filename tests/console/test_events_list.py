@@ -1,0 +1,57 @@
+from __future__ import annotations
+
+from tests.console import scenes
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+
+NOW = scenes.NOW
+
+
+def welcomed() -> Picture:
+    picture = Picture()
+    picture.take([scenes.welcome()], 0)
+    return picture
+
+
+def test_an_arrow_that_is_held_down_is_one_line() -> None:
+    picture = welcomed()
+    before = len(picture.events)
+    for number in range(5):
+        picture.take(
+            [
+                m.Command(
+                    command=f"c{number}", verb="nudge", args={"pitch": -5.0}, source="key", t=NOW
+                ),
+                m.Done(
+                    command=f"c{number}",
+                    driver="head",
+                    sent={},
+                    latency_us=1,
+                    duration_us=2,
+                    t=NOW + 400,
+                ),
+            ],
+            0,
+        )
+    picture.take([m.Command(command="d", verb="nudge", args={"yaw": 5}, source="key", t=NOW)], 0)
+    first, second = list(picture.events)[before:]
+    assert (first.text, first.times, first.run, first.mark) == ("nudge pitch -5", 5, "c4", "done")
+    assert (second.text, second.times) == ("nudge yaw 5", 1)
+
+
+def test_utterances_and_failures_keep_a_line_each() -> None:
+    picture = welcomed()
+    before = len(picture.events)
+    for number in range(2):
+        say: dict[str, m.Json] = {"text": "Yes."}
+        said = m.Command(command=f"s{number}", verb="say", args=say, source="key", t=1)
+        picture.take([said], 0)
+    for number in range(2):
+        picture.take(
+            [
+                m.Command(command=f"f{number}", verb="drive", args={}, source="key", t=NOW),
+                m.Failed(command=f"f{number}", driver="base", reason="stuck", t=NOW),
+            ],
+            0,
+        )
+    assert len(picture.events) - before == 4

@@ -1,0 +1,80 @@
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from textual.geometry import Size
+
+from tests.console import scenes
+from tests.console.driving import sitting
+from woz_tui.console.cells import length
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.layout import BARS, Needs, shape, upper
+from woz_tui.console.picture import Picture
+from woz_tui.console.script import script_rows
+from woz_tui.core import messages as m
+
+NOW = scenes.NOW
+
+
+@pytest.mark.parametrize(
+    ("size", "name"),
+    [
+        ((80, 24), "narrow"),
+        ((119, 60), "narrow"),
+        ((120, 24), "wide"),
+        ((160, 39), "wide"),
+        ((160, 50), "roomy"),
+    ],
+)
+def test_the_shape_follows_the_screen(size: tuple[int, int], name: str) -> None:
+    assert shape(Size(*size)) == name
+
+
+@given(st.integers(1, 300), st.integers(8, 200), st.integers(1, 90), st.integers(1, 90))
+def test_the_upper_row_leaves_room_below(width: int, height: int, panels: int, meters: int) -> None:
+    lines = upper(Size(width, height), Needs(panels, meters))
+    assert lines >= 3
+    if height >= 24:
+        assert height - BARS - lines >= 7
+
+
+async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_words() -> None:
+    first = scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()], recent=scenes.history())
+    async with sitting(first, size=(160, 50)) as seat:
+        assert "head: servo 2 (pitch) overloaded" in seat.text("Events")
+        assert "Hello P07, nice to see you." in seat.text("Script")
+        places = [seat.console.query_one(name).region for name in ("Panels", "Meters", "Events")]
+        await seat.tell(scenes.reading(NOW, "temperature", 40.0))
+        await seat.tell(m.StopPressed(source="key", t=NOW))
+        assert places == [
+            seat.console.query_one(name).region for name in ("Panels", "Meters", "Events")
+        ]
+        await seat.pilot.resize_terminal(100, 30)
+        await seat.settle()
+        assert not seat.console.query_one("Script").display
+
+
+def scripted(position: int, height: int) -> list[str]:
+    picture = Picture()
+    picture.take([scenes.welcome(state=[scenes.start()])], 0)
+    picture.take([m.ScriptMoved(position=position, t=NOW)], 0)
+    rows = script_rows(picture, Frame(40, height, NOW))
+    assert len(rows) <= height
+    assert all(length(row) == 40 for row in rows)
+    return ["".join(text for text, _ in row).rstrip() for row in rows]
+
+
+def test_the_script_marks_what_was_played_and_what_is_next() -> None:
+    shown = scripted(1, 30)
+    assert shown[0] == " ✓ Hello"
+    assert " ▸ Welcome" in shown
+    assert shown[-1] == "     Goodbye, and thank you for coming."
+
+
+@pytest.mark.parametrize("position", range(7))
+def test_the_next_line_of_the_script_is_always_in_sight(position: int) -> None:
+    shown = scripted(position, 5)
+    assert 4 <= len(shown) <= 5
+    if position < 6:
+        assert any(line.startswith(" ▸") for line in shown)

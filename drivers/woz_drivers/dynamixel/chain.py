@@ -136,18 +136,34 @@ class Chain:
         return accepted
 
     def drop(self, move: Move) -> None:
-        """End a movement where it is: its setpoints stay."""
+        """End a movement where it is: its setpoints stay. One that has ended changes nothing."""
+        if move not in self._moves:
+            return  # its joints may follow somebody else by now
         for name in move.joints:
             self.servos[name].hold()
         self._finish(move)
 
     def freeze(self) -> None:
-        """Every joint stays where it is at this moment: what the stop asks for."""
+        """Every joint stays where it is at this moment: what the stop asks for.
+
+        `DriverError` names servos that held when they fell silent: the others stand, these may not.
+        """
         self._read()
         for servo in self.servos.values():
             servo.settle()
         self.fail_all(DriverError("stopped where it was"))
         self._write(everything=True)
+        self._next_refresh = 0.0  # nobody answers this write; the next tick repeats it
+        unknown = [
+            servo.label
+            for servo in self.servos.values()
+            if servo.torque and servo.standing is not Standing.READY
+        ]
+        if unknown:
+            raise DriverError(
+                f"nobody knows whether {', '.join(unknown)} stands still",
+                "switch the power off if it moves",
+            )
 
     def set_torque(self, names: Iterable[str], on: bool) -> dict[str, str]:
         """Switch joints; returns what went wrong, by joint."""
@@ -244,7 +260,7 @@ class Chain:
             servo = self.servos[name]
             goal = move.plan.tracks[name].goal
             if now - servo.track_began < move.plan.duration or (
-                servo.moves and abs(servo.setpoint - goal) > ARRIVED and _reachable(servo, goal)
+                servo.moves and abs(servo.setpoint - goal) > ARRIVED
             ):
                 return False
         return True
@@ -337,7 +353,3 @@ class Chain:
         detail = "; ".join(f"{name} {why}" for name, why in sorted(left_out.items()))
         remedies = [self.servos[name].remedy for name in sorted(left_out)]
         return DriverError(detail, next((text for text in remedies if text), ""))
-
-
-def _reachable(servo: Servo, goal: float) -> bool:
-    return servo.limits.low <= goal <= servo.limits.high

@@ -12,7 +12,7 @@ from woz_drivers.dynamixel.chain import Chain, Move
 from woz_drivers.dynamixel.doctor import examine
 from woz_drivers.dynamixel.loop import Action, ServoLoop
 from woz_drivers.dynamixel.motion import Keyframe, Plan
-from woz_drivers.dynamixel.servo import Standing
+from woz_drivers.dynamixel.servo import Servo, Standing
 from woz_drivers.dynamixel.settings import Settings as ServoSettings
 from woz_tui.core.driver import (
     DriverError,
@@ -96,7 +96,8 @@ class DynamixelServos:
     async def stop(self, scope: Scope) -> None:
         """Hold every joint where it is now.
 
-        `Lost` if the line is gone and joints were held when it went: then nobody knows.
+        `Lost` if the line is gone and joints were held when it went, `DriverError` if only some
+        of them fell silent: then nobody knows.
         """
         if scope is Scope.DRIVE:
             return
@@ -243,7 +244,8 @@ class DynamixelServos:
         names = list(self.settings.joints)
 
         def limp(chain: Chain, _now: float) -> None:
-            held = [name for name in names if chain.servos[name].torque]
+            # Those believed limp as well: the answer to `torque: on` may have been lost.
+            held = [name for name in names if _may_hold(chain.servos[name])]
             failed = chain.set_torque(held, on=False)
             if failed:
                 text = "; ".join(f"{name} {why}" for name, why in failed.items())
@@ -255,6 +257,10 @@ class DynamixelServos:
         if not self._started:
             raise Lost("the servo driver is not open")
         return await asyncio.wrap_future(self.loop.ask(action))
+
+
+def _may_hold(servo: Servo) -> bool:
+    return servo.torque or servo.standing is Standing.READY
 
 
 def _sent(plan: Plan, move: Move) -> dict[str, Any]:

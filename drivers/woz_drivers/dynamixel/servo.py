@@ -15,6 +15,9 @@ from woz_tui.core.driver import DriverError
 
 #: Reads that must fail in a row before a servo counts as silent: noise costs one, a cable all.
 MISSES = 3
+#: A servo this far beyond its own limits, in degrees of the joint, is still taken to its limit
+#: when its torque goes on: gears have play, and the limit may be the joint's mechanical stop.
+HOLDABLE = 2.0
 
 
 class Standing(enum.Enum):
@@ -107,6 +110,12 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
         raise SilentError()
     model = _model(servo.joint, settings.protocol, number)
     table = model.table
+    # Before anything is judged: a servo found turning like a wheel must not go on doing so.
+    torque = _need(wire.number(servo.joint.id, table.torque)) != 0
+    keep = torque and servo.torque and not fresh
+    if torque and not keep:
+        _must(wire, servo.joint.id, table, table.torque, 0)
+        servo.torque = False
     extended = _mode(wire, servo.joint.id, table)
     servo_limits = None if extended else _servo_limits(wire, servo.joint.id, model)
     calibration = calibrate(servo.joint, model, servo_limits)
@@ -116,10 +125,6 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
             " itself allows",
             "correct zero, min and max, or the position limits stored in the servo",
         )
-    torque = _need(wire.number(servo.joint.id, table.torque)) != 0
-    keep = torque and servo.torque and not fresh
-    if torque and not keep:
-        _must(wire, servo.joint.id, table, table.torque, 0)
     _prepare(wire, servo, settings, calibration)
     raw = _need(wire.number(servo.joint.id, table.present))
     servo.model, servo.calibration = model, calibration
@@ -197,16 +202,22 @@ def rearm(wire: Wire, servo: int, table: Table, milliseconds: int) -> None:
     """Clear the bus watchdog, which also takes it out of its error, and set it again."""
     assert table.watchdog is not None
     _must(wire, servo, table, table.watchdog, 0)
-    units = min(milliseconds // tables.WATCHDOG_UNIT_MS, tables.WATCHDOG_MAX)
+    units = watchdog_units(milliseconds)
     if units:
         _must(wire, servo, table, table.watchdog, units)
+
+
+def watchdog_units(milliseconds: int) -> int:
+    """What the bus watchdog reads when it is set to so many milliseconds; 0: off."""
+    return min(milliseconds // tables.WATCHDOG_UNIT_MS, tables.WATCHDOG_MAX)
 
 
 def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
     """Let a servo hold the pose it is in now. Raises `SilentError` or `UnfitError`.
 
     The goal is written first, and it is the present pose: neither the servo's last goal nor ours
-    can make it jump.
+    can make it jump. A pose that the servo does not take as a goal (it was turned by hand beyond
+    its own limits) cannot be held, so there the joint stays limp.
     """
     calibration = servo.calibration
     assert calibration is not None
@@ -214,9 +225,16 @@ def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
     raw = _need(wire.number(number, table.present))
     servo.present = calibration.degrees(raw)
     servo.settle()
+    servo.written = min(max(raw, calibration.low_raw), calibration.high_raw)
+    beyond = abs(servo.present - calibration.degrees(servo.written))
+    if beyond > HOLDABLE:
+        raise UnfitError(
+            f"stands {beyond:.0f} degrees beyond what the servo itself allows:"
+            " turn it back by hand first",
+            "turn it back by hand, then `torque: on`",
+        )
     if table.watchdog is not None:
         rearm(wire, number, table, settings.watchdog)
-    servo.written = min(max(raw, calibration.low_raw), calibration.high_raw)
     _must(wire, number, table, table.goal, servo.written)
     _must(wire, number, table, table.torque, 1)
     servo.torque = True

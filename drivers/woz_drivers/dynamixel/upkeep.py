@@ -121,21 +121,26 @@ class Upkeep:
         self._outlet.notice("error", f"{servo.label} {why}", _remedy(servo))
 
     def _watchdog(self, servo: Servo, value: int) -> None:
-        if value != tables.WATCHDOG_BITTEN:
+        """Clear it if it bit; set it again also where that was cut short the last time."""
+        if value == servos.watchdog_units(self._settings.watchdog):
             return
         assert servo.model is not None
-        assert servo.calibration is not None
-        self._let_go(servo, "stopped by itself: its bus watchdog bit")
+        bitten = value == tables.WATCHDOG_BITTEN
+        if bitten:
+            self._let_go(servo, "stopped by itself: its bus watchdog bit")
         try:
             servos.rearm(self._wire, servo.joint.id, servo.model.table, self._settings.watchdog)
         except (SilentError, UnfitError):
             return  # the next round finds it again
-        servo.written = None
-        self._outlet.notice(
-            "warning",
-            f"{servo.label} stopped by itself: it heard nothing for {self._settings.watchdog} ms",
-            "the computer was too busy; close other programs, or raise `watchdog`",
-        )
+        finally:
+            servo.written = None
+        if bitten:
+            self._outlet.notice(
+                "warning",
+                f"{servo.label} stopped by itself: it heard nothing for"
+                f" {self._settings.watchdog} ms",
+                "the computer was too busy; close other programs, or raise `watchdog`",
+            )
 
     # -- heat, load, voltage -------------------------------------------------------------------
 

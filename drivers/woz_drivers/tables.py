@@ -49,6 +49,7 @@ class Table:
 
     name: str
     protocol: int
+    firmware: Register
     return_delay: Register
     low_limit: Register
     high_limit: Register
@@ -60,6 +61,7 @@ class Table:
     voltage: Register
     temperature: Register
     operating_mode: Register | None = None
+    homing_offset: Register | None = None
     drive_mode: Register | None = None
     alarm: Register | None = None
     watchdog: Register | None = None
@@ -113,9 +115,11 @@ class Model:
 X_SERIES = Table(
     name="X",
     protocol=2,
+    firmware=Register(6, 1),
     return_delay=Register(9, 1),
     drive_mode=Register(10, 1),
     operating_mode=Register(11, 1),
+    homing_offset=Register(20, 4, signed=True),
     high_limit=Register(48, 4, signed=True),
     low_limit=Register(52, 4, signed=True),
     torque=Register(64, 1),
@@ -132,6 +136,7 @@ X_SERIES = Table(
 PROTOCOL_1 = Table(
     name="MX/RX/AX, protocol 1",
     protocol=1,
+    firmware=Register(2, 1),
     return_delay=Register(5, 1),
     low_limit=Register(6, 2),
     high_limit=Register(8, 2),

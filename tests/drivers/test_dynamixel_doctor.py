@@ -53,6 +53,34 @@ async def test_what_is_wrong_is_named(tmp_path: Path) -> None:
         assert all(one.remedy for one in findings if one.level == "error")
 
 
+async def test_servos_that_may_not_heed_their_watchdog_are_named(tmp_path: Path) -> None:
+    ids = {11: "XL330-M288", 12: "XC330-T288", 13: "XM430-W350"}
+    with ServoBus(ids, tmp_path / "servos") as bus:
+        bus.servo(11).put(6, 1, 51)
+        bus.servo(12).put(6, 1, 45)
+        bus.servo(13).put(6, 1, 45)
+        findings = await examined(bus.link, watchdog=500)
+        assert "5.0 V, firmware 51" in said(findings, "info")
+        pan, tilt = (one for one in findings if one.level == "warning")
+        assert pan.subject == "pan (id 11)" and "may not stop when" in pan.text
+        assert "older" not in pan.text and "update" in pan.remedy
+        assert tilt.subject == "tilt (id 12)" and "older ones do is not known" in tilt.text
+        bus.servo(11).put(6, 1, 52)
+        bus.servo(12).put(6, 1, 52)
+        assert said(await examined(bus.link, watchdog=500), "warning") == ""
+
+
+async def test_several_turns_with_a_homing_offset_are_named(tmp_path: Path) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
+        bus.servo(11).put(20, 4, -300)
+        bus.servo(12).put(20, 4, -300)
+        bus.servo(12).put(11, 1, 4)
+        (warning,) = [
+            one for one in await examined(bus.link, watchdog=500) if one.level == "warning"
+        ]
+        assert warning.subject == "tilt (id 12)" and "homing offset (-300)" in warning.text
+
+
 async def test_wrong_baud_is_found(tmp_path: Path) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos", baud=57_600) as bus:
         findings = await examined(bus.link, reply_timeout=60.0)

@@ -14,6 +14,11 @@ from woz_tui.core.driver import Finding, Lost
 USUAL_BAUDS = (57_600, 1_000_000, 115_200, 2_000_000, 3_000_000, 4_000_000)
 #: An FTDI adapter passes bytes on after this time unless told otherwise, in milliseconds.
 SLOW_LATENCY_MS = 2.0
+#: Servos of size 330 with firmware 51 were seen to turn on after their bus watchdog had tripped
+#: (ROBOTIS forum, thread 4814, "Watchdog of XC330-T288-T does not stop motor"; the maker confirmed
+#: it for all models of that size). Nothing is published about older versions.
+DOUBTED_SIZE = ("XL330", "XC330")
+DOUBTED_FIRMWARE = 51
 
 
 def examine(settings: Settings) -> list[Finding]:
@@ -122,17 +127,23 @@ def _joint(
         )
     else:
         yield Finding("ok", subject, f"is a {model.name}")
-    yield from _condition(wire, subject, joint, model)
+    yield from _condition(wire, settings, subject, joint, model)
 
 
-def _condition(wire: Wire, subject: str, joint: Joint, model: tables.Model) -> Iterator[Finding]:
+def _condition(
+    wire: Wire, settings: Settings, subject: str, joint: Joint, model: tables.Model
+) -> Iterator[Finding]:
     table = model.table
     voltage = wire.read(joint.id, table.voltage)
     if voltage is None:
         yield Finding("error", subject, "stopped answering", "check its cable")
         return
     volts = table.voltage.decode(voltage.data) * tables.VOLT
-    yield Finding("info", subject, f"{volts:.1f} V")
+    firmware = wire.number(joint.id, table.firmware)
+    version = "unknown" if firmware is None else str(firmware)
+    yield Finding("info", subject, f"{volts:.1f} V, firmware {version}")
+    if settings.watchdog and table.watchdog is not None:
+        yield from _watchdog_doubts(wire, subject, joint, model, firmware)
     bits = voltage.error if table.alarm is None else wire.number(joint.id, table.alarm) or 0
     for alarm in tables.alarms(table, bits):
         yield Finding("error", subject, f"alarm: {alarm}", "let it cool, then restart it")
@@ -143,6 +154,38 @@ def _condition(wire: Wire, subject: str, joint: Joint, model: tables.Model) -> I
             subject,
             f"waits {delay * 2} us before it answers",
             "set `return_delay: 0` to have it answer at once",
+        )
+
+
+def _watchdog_doubts(
+    wire: Wire, subject: str, joint: Joint, model: tables.Model, firmware: int | None
+) -> Iterator[Finding]:
+    """Reasons not to trust the bus watchdog of this servo."""
+    try_it = "then pull the adapter during a slow move and see that the joint stops"
+    if (
+        model.name.startswith(DOUBTED_SIZE)
+        and firmware is not None
+        and firmware <= DOUBTED_FIRMWARE
+    ):
+        known = "" if firmware == DOUBTED_FIRMWARE else "; whether older ones do is not known"
+        yield Finding(
+            "warning",
+            subject,
+            f"may not stop when its bus watchdog trips: servos of this size with firmware"
+            f" {DOUBTED_FIRMWARE} did not (ROBOTIS forum, thread 4814){known}",
+            f"update its firmware with the maker's tool, {try_it}",
+        )
+    mode, offset = (
+        wire.number(joint.id, register) if register is not None else None
+        for register in (model.table.operating_mode, model.table.homing_offset)
+    )
+    if mode in tables.EXTENDED_MODES and offset:
+        yield Finding(
+            "warning",
+            subject,
+            f"counts several turns with a homing offset ({offset}): such servos were seen to begin"
+            " to move when their bus watchdog tripped (DynamixelSDK issue 584)",
+            f"set Homing Offset (20) to 0 and use `zero`, or update its firmware; {try_it}",
         )
 
 

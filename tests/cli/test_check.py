@@ -46,8 +46,8 @@ def test_errors_go_to_stderr_and_the_code_is_1(
     printed = capsys.readouterr()
     assert printed.out == ""
     lines = printed.err.splitlines()
-    assert lines[1].endswith("lable: unknown; did you mean 'label'?")
-    assert lines[-1] == f"{tmp_path / 'e.yaml'}: 2 errors"
+    assert lines[0].endswith("lable: unknown; did you mean 'label'?")
+    assert lines[-1] == f"{tmp_path / 'e.yaml'}: 1 error"
 
 
 def test_the_table_says_what_each_key_does(

@@ -13,7 +13,7 @@ from woz_tui.core.driver import Argument, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.arguments import Setting, read_argument
 from woz_tui.experiment.nodes import Items, Scalar, Table
-from woz_tui.experiment.report import listed, quoted
+from woz_tui.experiment.report import join, listed, quoted
 from woz_tui.experiment.robot import Offer, Robots
 from woz_tui.experiment.shape import Call, Together
 from woz_tui.experiment.spot import Spot, read_text
@@ -187,9 +187,8 @@ class CallReader:
             return
         arguments = [name for verb in self._vocabulary.names for name in self._arguments_of(verb)]
         near = [name for arguments_of in takes.values() for name in arguments_of]
-        guess = entry.report.hint(name, [*others, *near, *self._vocabulary.names, *arguments])
-        guess = guess or f"; verbs are {listed(self._vocabulary.names)}"
-        entry.error(f"unknown{guess}")
+        verbs = self._vocabulary.names
+        entry.unknown([*others, *near, *verbs, *arguments], "verbs are", verbs)
 
     def _same_lane(
         self,
@@ -243,7 +242,8 @@ class _Arguments:
                 args[argument.name] = read_argument(given[argument.name], argument, self._setting)
             elif argument.required:
                 what = f" ({argument.summary})" if argument.summary else ""
-                self._spot.error(f"needs {argument.name!r}{what}")
+                spot, absent = self._spot, join(self._spot.path, argument.name)
+                spot.report.missing(spot.place, spot.path, f"needs {argument.name!r}{what}", absent)
         return args
 
     def _under(self) -> dict[str, Spot]:

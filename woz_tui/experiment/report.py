@@ -22,6 +22,9 @@ class Report:
         self._problems: dict[Problem, None] = {}
         self._files: dict[str, int] = {}
         self._places: dict[tuple[str, str], Place] = {}
+        #: Problems that say what is missing, by file and path of it; and what was there, misspelt.
+        self._missing: dict[Problem, tuple[str, str]] = {}
+        self._misspelt: set[tuple[str, str]] = set()
 
     def file(self, name: str) -> None:
         """Files are reported in the order in which they were read."""
@@ -46,7 +49,15 @@ class Report:
 
     def error(self, place: Place, path: str, message: str) -> None:
         """One more reason why the file cannot be used."""
-        self._add(Problem(place, _on_one_line(path) or "file", _on_one_line(message)))
+        self._add_error(place, path, message)
+
+    def missing(self, place: Place, path: str, message: str, absent: str) -> None:
+        """Like `error`; not shown if `absent`, the path of what is missing, is there misspelt."""
+        self._missing[self._add_error(place, path, message)] = (place.file, absent)
+
+    def misspelt(self, file: str, path: str) -> None:
+        """`path` is there after all under a name near to its own, which is reported as such."""
+        self._misspelt.add((file, path))
 
     def warning(self, place: Place, path: str, message: str) -> None:
         """Something that works but is probably not meant."""
@@ -56,7 +67,11 @@ class Report:
     @property
     def errors(self) -> list[Problem]:
         """Every error so far, sorted by place."""
-        return self._sorted(warning=False)
+        return [
+            problem
+            for problem in self._sorted(warning=False)
+            if self._missing.get(problem) not in self._misspelt
+        ]
 
     @property
     def warnings(self) -> list[Problem]:
@@ -64,8 +79,30 @@ class Report:
         return self._sorted(warning=True)
 
     def hint(self, wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
-        """`hint`, as long as anybody will read it: looking for near words takes its time."""
-        return "" if len(self._problems) > MAX_PROBLEMS else hint(wrong, known, or_list=or_list)
+        """`; did you mean 'x'?` for the nearest known word.
+
+        Without a near one `; <or_list>: a, b, c`, if `or_list` is given.
+        """
+        words = list(known)
+        near = self.nearest(wrong, words)
+        if near is not None:
+            return f"; did you mean {near!r}?"
+        return self.choices(or_list, words) if or_list else ""
+
+    def choices(self, what: str, words: Iterable[str]) -> str:
+        """`; <what>: a, b, c`, as long as anybody will read it."""
+        shown = "" if self._hopeless else listed(words)
+        return f"; {what}: {shown}" if shown else ""
+
+    def nearest(self, wrong: str, known: Iterable[str]) -> str | None:
+        """The known word that was probably meant, as long as anybody will read it: looking for
+        near words takes its time.
+        """
+        return None if self._hopeless else nearest(wrong, known)
+
+    @property
+    def _hopeless(self) -> bool:
+        return len(self._problems) > MAX_PROBLEMS
 
     def fail(self) -> None:
         """Raise `ExperimentError` if there was any error."""
@@ -76,6 +113,11 @@ class Report:
             errors = [*errors[:MAX_PROBLEMS], Problem(last.place, last.path, rest)]
         if errors:
             raise ExperimentError(errors)
+
+    def _add_error(self, place: Place, path: str, message: str) -> Problem:
+        problem = Problem(place, _on_one_line(path) or "file", _on_one_line(message))
+        self._add(problem)
+        return problem
 
     def _add(self, problem: Problem) -> None:
         self._problems.setdefault(problem)
@@ -102,17 +144,18 @@ def join(path: str, name: str) -> str:
     return f"{path}.{name}" if path else name
 
 
-def hint(wrong: str, known: Iterable[str], *, or_list: str = "") -> str:
-    """`; did you mean 'x'?` for the nearest known word.
+def hint(wrong: str, known: Iterable[str]) -> str:
+    """`; did you mean 'x'?` for the nearest known word, or nothing."""
+    near = nearest(wrong, known)
+    return "" if near is None else f"; did you mean {near!r}?"
 
-    Without a near one `; <or_list>: a, b, c`, if `or_list` is given.
-    """
+
+def nearest(wrong: str, known: Iterable[str]) -> str | None:
+    """The known word that was probably meant, if one is near enough."""
     words = list(dict.fromkeys(known))
     folded = {word.casefold(): word for word in reversed(words[:MAX_COMPARED])}
     near = difflib.get_close_matches(wrong.casefold()[:80], folded, n=1, cutoff=0.6)
-    if near:
-        return f"; did you mean {folded[near[0]]!r}?"
-    return f"; {or_list}: {listed(words)}" if or_list and words else ""
+    return folded[near[0]] if near else None
 
 
 def listed(words: Iterable[str]) -> str:

@@ -80,10 +80,20 @@ class Spot:
         self.report.put(path, place)
         return Spot(node, path, place, self.report)
 
-    def unknown(self, known: Iterable[str], what: str = "known here") -> None:
-        """This entry's name means nothing here."""
-        name = self.path.rpartition(".")[2]
-        self.error(f"unknown{self.report.hint(name, known, or_list=what)}")
+    def unknown(
+        self, known: Iterable[str], what: str = "known here", listing: Iterable[str] | None = None
+    ) -> None:
+        """This entry's name means nothing here. Without a `known` one near to it, those of
+        `listing` (by default `known`) are named.
+        """
+        words = list(known)
+        parent, _, name = self.path.rpartition(".")
+        near = self.report.nearest(name, words)
+        if near is None:
+            self.error(f"unknown{self.report.choices(what, words if listing is None else listing)}")
+            return
+        self.report.misspelt(self.place.file, join(parent, near))
+        self.error(f"unknown; did you mean {near!r}?")
 
 
 def read_text(spot: Spot, expected: str = "text") -> str | None:
@@ -167,5 +177,6 @@ def missing(table: Mapping[str, Spot], name: str, parent: Spot, why: str = "") -
     spot = table.get(name)
     if spot is None:
         because = f" ({why})" if why else ""
-        parent.report.error(parent.place, join(parent.path, name), f"is missing{because}")
+        path = join(parent.path, name)
+        parent.report.missing(parent.place, path, f"is missing{because}", path)
     return spot

@@ -91,12 +91,7 @@ class SerialLine:
         """Send `data`, in order, without waiting. Raises `Lost` if the port is not open or the
         device has stopped reading.
         """
-        if self._serial is None:
-            trouble = self._trouble
-            raise Lost(
-                trouble.what if trouble else f"{self.port} is not open yet",
-                trouble.remedy if trouble else "",
-            )
+        self._need_port()
         if len(self._unsent) + len(data) > MAX_UNSENT:
             raise Lost(
                 f"{self.port} takes no more data: {len(self._unsent)} bytes are waiting",
@@ -104,6 +99,14 @@ class SerialLine:
             )
         self._unsent += data
         self._send()
+        self._need_port()
+
+    def _need_port(self) -> None:
+        if self._serial is not None:
+            return
+        if self._trouble is None:
+            raise Lost(f"{self.port} is not open yet")
+        raise Lost(self._trouble.what, self._trouble.remedy)
 
     # -- opening and losing --------------------------------------------------------------------
 
@@ -112,7 +115,7 @@ class SerialLine:
             try:
                 opened = open_port(self.port, self._baud)
             except (*LOSSES, ValueError) as error:
-                self._tell(explain(self.port, self._baud, error))
+                self._tell(await asyncio.to_thread(explain, self.port, self._baud, error))
             else:
                 self._attach(opened)
                 await self._gone.wait()
@@ -199,23 +202,44 @@ def explain(port: str, baud: int, error: Exception, by_id: Path = BY_ID) -> Trou
     """Why `port` could not be opened, and what to do; `by_id` is where the system lists ports."""
     match getattr(error, "errno", None):
         case errno.ENOENT | errno.ENXIO | errno.ENODEV:
-            return Trouble(f"{port} is not there", f"plug it in; {_present(by_id)}")
+            return Trouble(f"{port} is not there", f"plug the adapter in; {_present(by_id)}")
         case errno.EACCES | errno.EPERM:
             return Trouble(
                 f"no permission to open {port}",
                 f"sudo usermod -aG {_group(port)} $USER, then log out and in again",
             )
         case errno.EBUSY | errno.EAGAIN:
-            return Trouble(
-                f"{port} is in use by another program",
-                f"see which one with: fuser -v {port} (ModemManager is a frequent one:"
-                " sudo systemctl disable --now ModemManager)",
-            )
+            return _occupied(port)
     if isinstance(error, ValueError):
         return Trouble(f"{port} cannot run at {baud} baud", "set the rate the device is built for")
     if _is_no_terminal(port):
         return Trouble(f"{port} is not a serial port", _present(by_id))
     return Trouble(f"{port} cannot be opened: {reason_of(error)}", _present(by_id))
+
+
+def _occupied(port: str) -> Trouble:
+    others = holders(port)
+    if others:
+        return Trouble(f"{port} is in use by {', '.join(others)}", "end the other program")
+    return Trouble(
+        f"{port} is in use by another program",
+        f"end it; see which one with: sudo fuser -v {port} (ModemManager is a frequent one:"
+        " sudo systemctl disable --now ModemManager)",
+    )
+
+
+def holders(port: str) -> list[str]:
+    """Programs that hold the device open, as `name (pid)`; only those this user may look at."""
+    target = str(Path(port).resolve())
+    found = []
+    for process in Path("/proc").glob("[0-9]*"):
+        try:
+            if any(str(link.readlink()) == target for link in (process / "fd").iterdir()):
+                name = (process / "comm").read_text("utf-8", "replace").strip()
+                found.append(f"{name} ({process.name})")
+        except OSError:
+            continue
+    return found
 
 
 def reason_of(error: Exception) -> str:
@@ -228,16 +252,19 @@ def reason_of(error: Exception) -> str:
 
 
 def present_ports(by_id: Path = BY_ID) -> list[str]:
-    """Paths of the serial devices that are plugged in now, by their lasting names."""
+    """Paths of the serial devices that are plugged in now, by their lasting names if they have
+    any.
+    """
     with contextlib.suppress(OSError):
         return sorted(str(entry) for entry in by_id.iterdir())
-    return []
+    usual = ("ttyUSB*", "ttyACM*")
+    return sorted(str(path) for kind in usual for path in Path("/dev").glob(kind))
 
 
 def _present(by_id: Path) -> str:
     ports = present_ports(by_id)
     if not ports:
-        return f"no serial device is plugged in now ({by_id} is empty)"
+        return "no serial device is plugged in now"
     return "plugged in now: " + ", ".join(ports)
 
 

@@ -87,8 +87,9 @@ async def test_an_occupied_port_is_named_and_taken_when_it_is_free(
     fcntl.flock(other, fcntl.LOCK_EX)
     watched.line.start()
     busy = await watched.trouble()
-    assert busy.what == f"{tmp_path}/port is in use by another program"
-    assert "fuser" in busy.remedy
+    assert busy.what.startswith(f"{tmp_path}/port is in use by ")
+    assert busy.what.endswith(f"({os.getpid()})")
+    assert busy.remedy == "end the other program"
     os.close(other)
     assert await watched.next() == "open"
     with pytest.raises(serial.SerialException):
@@ -143,6 +144,18 @@ async def test_writing_to_a_missing_port_is_lost_with_the_remedy(watched: Watche
     assert raised.value.remedy
 
 
+async def test_writing_to_a_line_that_has_just_broken_is_lost(
+    watched: Watched, tmp_path: Path
+) -> None:
+    sensor = PluggedSensor(tmp_path / "port")
+    watched.line.start()
+    assert await watched.next() == "open"
+    sensor.unplug()
+    with pytest.raises(Lost, match="was lost") as raised:
+        watched.line.write(b"x")
+    assert raised.value.remedy
+
+
 async def test_closing_lets_go_of_the_port(watched: Watched, tmp_path: Path) -> None:
     sensor = PluggedSensor(tmp_path / "port")
     watched.line.start()
@@ -151,6 +164,21 @@ async def test_closing_lets_go_of_the_port(watched: Watched, tmp_path: Path) -> 
     assert not watched.line.connected
     serial.Serial(str(tmp_path / "port"), exclusive=True).close()
     sensor.unplug()
+
+
+@pytest.mark.parametrize(
+    ("code", "what", "remedy"),
+    [
+        (errno.ENOENT, "is not there", "plug the adapter in"),
+        (errno.EACCES, "no permission", "usermod -aG dialout"),
+        (errno.EBUSY, "is in use by another program", "fuser"),
+        (errno.EIO, "cannot be opened: Input/output error", "plugged in"),
+    ],
+)
+def test_every_refusal_has_a_remedy(code: int, what: str, remedy: str) -> None:
+    trouble = explain("/dev/ttyUSB9", 9600, OSError(code, os.strerror(code)))
+    assert what in trouble.what and "/dev/ttyUSB9" in trouble.what
+    assert remedy in trouble.remedy
 
 
 def test_no_permission_names_the_group() -> None:

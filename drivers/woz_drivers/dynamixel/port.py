@@ -11,7 +11,6 @@ import contextlib
 import errno
 import os
 import select
-import termios
 import time
 from collections.abc import Callable
 from pathlib import Path
@@ -20,6 +19,7 @@ from typing import TypeVar
 import serial
 from dynamixel_sdk import PortHandler
 
+from woz_drivers.serial_line import LOSSES, explain, reason_of
 from woz_tui.core.driver import Lost
 
 #: Longest sleep in one wait for bytes, in milliseconds.
@@ -30,8 +30,6 @@ LATENCY_MS = 2.0
 BABBLE_MS = 50.0
 #: USB serial adapters as the kernel knows them.
 SERIAL_DEVICES = Path("/sys/bus/usb-serial/devices")
-#: Everything that a pulled cable or a dead adapter raises; a `termios.error` is no `OSError`.
-GONE = (OSError, serial.SerialException, termios.error)
 
 T = TypeVar("T")
 
@@ -59,13 +57,10 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         """Open and lock the port; `Lost` says why not, and what to do."""
         try:
             self.setupPort(self.baudrate)
-        except GONE as error:
-            raise refused(self.port_name, error) from error
-        except ValueError as error:
-            raise Lost(
-                f"{self.port_name} cannot do {self.baudrate} baud",
-                "set `baud` to what adapter and servos can do",
-            ) from error
+        except (*LOSSES, ValueError) as error:
+            self.closePort()
+            trouble = explain(self.port_name, self.baudrate, error)
+            raise Lost(trouble.what, trouble.remedy) from error
 
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: N802 - the SDK calls it so
         """Open the device; called by the SDK when the baud rate is set, too."""
@@ -95,7 +90,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         """Close it; never raises, whatever has become of the device."""
         self.is_open = False
         if self.ser is not None:
-            with contextlib.suppress(*GONE):  # gone already, which is what was wanted
+            with contextlib.suppress(*LOSSES):  # gone already, which is what was wanted
                 self.ser.close()
             self.ser = None
 
@@ -149,9 +144,9 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
     def _or_lost(self, action: Callable[[], T]) -> T:
         try:
             return action()
-        except GONE as error:
+        except LOSSES as error:
             raise Lost(
-                f"the line to the servos broke ({self.port_name}: {_plain(error)})",
+                f"the line to the servos broke ({self.port_name}: {reason_of(error)})",
                 "check cable and adapter; it is looked for until it is back",
             ) from error
 
@@ -167,49 +162,3 @@ def latency_timer(path: str) -> float | None:
         return float(latency_file(path).read_text("ascii"))
     except (OSError, ValueError):
         return None
-
-
-def holders(path: str) -> list[str]:
-    """Programs that hold the device open, as `name (pid)`; only those this user may look at."""
-    target = str(Path(path).resolve())
-    found = []
-    for process in Path("/proc").glob("[0-9]*"):
-        try:
-            if any(str(link.readlink()) == target for link in (process / "fd").iterdir()):
-                name = (process / "comm").read_text("utf-8", "replace").strip()
-                found.append(f"{name} ({process.name})")
-        except OSError:
-            continue
-    return found
-
-
-def present_ports() -> list[str]:
-    """Serial adapters that are plugged in, under their lasting names where there are any."""
-    lasting = sorted(map(str, Path("/dev/serial/by-id").glob("*")))
-    return lasting or sorted(
-        str(path) for kind in ("ttyUSB*", "ttyACM*") for path in Path("/dev").glob(kind)
-    )
-
-
-def refused(path: str, error: Exception) -> Lost:
-    """Why a port could not be opened, and what to do about it."""
-    code = getattr(error, "errno", None)
-    if code == errno.ENOENT:
-        there = present_ports()
-        seen = f"plugged in are: {', '.join(there)}" if there else "no serial adapter is plugged in"
-        return Lost(f"there is no port {path}", f"plug the adapter in; {seen}")
-    if code in (errno.EACCES, errno.EPERM):
-        return Lost(
-            f"no permission to open {path}",
-            "sudo usermod -aG dialout $USER, then log in again",
-        )
-    if code in (errno.EBUSY, errno.EAGAIN):
-        others = holders(path)
-        by = f" by {', '.join(others)}" if others else " by another program"
-        return Lost(f"{path} is in use{by}", "end the other program")
-    return Lost(f"{path} cannot be opened: {_plain(error)}", "check the adapter")
-
-
-def _plain(error: Exception) -> str:
-    code = getattr(error, "errno", None)
-    return os.strerror(code) if isinstance(code, int) else str(error) or type(error).__name__

@@ -113,6 +113,13 @@ def test_two_heads_keep_their_full_names() -> None:
     )
     assert "left.yaw" in shown
     assert "right.yaw" in shown
+    robots = meters(
+        scenes.reading(NOW, "left.joint.yaw", 1.0),
+        scenes.reading(NOW, "left.setpoint.yaw", 9.0),
+        scenes.reading(NOW, "right.joint.yaw", 2.0),
+    )
+    assert [line.split()[0] for line in robots.splitlines()] == ["left.yaw", "right.yaw"]
+    assert "1° → 9°" in robots
 
 
 def test_unknown_sensors_get_a_line() -> None:

@@ -6,6 +6,8 @@ from textual.widgets import Input, OptionList
 
 from tests.console import scenes
 from tests.console.driving import Sitting, sitting
+from woz_tui.console.glyphs import ASCII
+from woz_tui.console.look import Look
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
 from woz_tui.console.screens.say import complete
@@ -325,6 +327,16 @@ async def test_the_start_is_asked_only_if_nobody_is_chosen_yet() -> None:
         assert (asked.participant, asked.trial) == ("P12", 4)
         assert asked.condition in ("warm", "cold")
         await seat.until(lambda: seat.console.dialog is None)
+
+
+async def test_the_chosen_condition_is_told_by_its_sign() -> None:
+    async with sitting(look=Look(ASCII, "woz-16")) as seat:
+        await opened(seat, "StartDialog")
+        await seat.until(lambda: "(*) warm" in seat.drawn())
+        assert "( ) cold" in seat.drawn()
+        await seat.press("tab", "down", "space")
+        await seat.until(lambda: "(*) cold" in seat.drawn())
+        assert "( ) warm" in seat.drawn()
 
 
 async def test_the_robot_process_may_refuse_a_participant() -> None:

@@ -44,7 +44,7 @@ def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
         *_engagement(picture, frame),
     ]
     others = other_rows(picture, frame, _KNOWN)
-    rows += joint_rows(picture, frame, frame.height - len(rows) - len(others))
+    rows += joint_rows(picture, frame, frame.height - len(rows), len(others))
     rows += others
     if not rows:
         rows = [((fit(" no sensor has said anything yet", frame.width), "muted"),)]

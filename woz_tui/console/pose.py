@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 
 from rich.cells import cell_len
@@ -12,8 +13,8 @@ from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import NAME, at, labelled, named, old, ruler, track
 
-#: What one degree of freedom publishes under `<kind>.<name>` and a joint's row shows.
-_JOINT = ("joint.", "setpoint.")
+#: What one degree of freedom publishes; with its robot in front where several have the same.
+_JOINT = re.compile(r"(?P<whose>.*\.)?(?P<kind>joint|setpoint)\.(?P<name>.+)")
 #: Digits behind the point by unit, so that a value does not change its width.
 _DIGITS = {"m": 2, "deg": 0, "C": 0, "V": 1, "%": 0}
 #: Half of a joint's range where nobody has told its limits, in degrees.
@@ -22,14 +23,14 @@ _HALF, _WHOLE = 90.0, 180.0
 _LAST = ("direction", "base")
 
 
-def joint_rows(picture: Picture, frame: Frame, room: int) -> list[Row]:
-    """A row for each joint, or if they do not fit into `room`, all of them as text."""
+def joint_rows(picture: Picture, frame: Frame, room: int, others: int) -> list[Row]:
+    """A row for each joint, or if that leaves less than `others` of `room`, all of them as text."""
     joints = _joints(picture)
     if not joints:
         return []
-    if len(joints) <= room:
+    if len(joints) + others <= room:
         return [_joint(picture, name, shown, frame) for name, shown in joints.items()]
-    return _folded(picture, joints, frame, max(1, room))
+    return _folded(picture, joints, frame, max(1, room - 1))
 
 
 def _joints(picture: Picture) -> dict[str, str]:
@@ -37,9 +38,8 @@ def _joints(picture: Picture) -> dict[str, str]:
 
     In the robot file's order; those that it does not tell come last, by name.
     """
-    known = {
-        name.partition(".")[2]: None for name in sorted(picture.sensors) if name.startswith(_JOINT)
-    }
+    found = (_JOINT.match(name) for name in sorted(picture.sensors))
+    known = {f"{match['whose'] or ''}{match['name']}": None for match in found if match}
     told = [name for name in _limits(picture) if name in known]
     full = list(dict.fromkeys((*told, *known)))
     short = [name.rpartition(".")[2] for name in full]
@@ -47,6 +47,13 @@ def _joints(picture: Picture) -> dict[str, str]:
         name: last if short.count(last) == 1 else name
         for name, last in zip(full, short, strict=True)
     }
+
+
+def _sensor(picture: Picture, kind: str, joint: str) -> SensorPicture | None:
+    """The sensor of a joint, also of one robot's among several: `left.joint.pan` of `left.pan`."""
+    whose, dot, name = joint.rpartition(".")
+    found = picture.sensors.get(f"{kind}.{joint}")
+    return found or picture.sensors.get(f"{whose}{dot}{kind}.{name}")
 
 
 def _limits(picture: Picture) -> dict[str, tuple[float, float]]:
@@ -64,10 +71,11 @@ def _limits(picture: Picture) -> dict[str, tuple[float, float]]:
 def _joint(picture: Picture, name: str, shown: str, frame: Frame) -> Row:
     """Where the joint is (full mark) and where it should be (hollow mark) between its limits."""
     glyphs, width = frame.glyphs, track(frame)
-    present, wanted = picture.sensors.get(f"joint.{name}"), picture.sensors.get(f"setpoint.{name}")
+    present, wanted = _sensor(picture, "joint", name), _sensor(picture, "setpoint", name)
     here = present.value if present is not None else None
     there = wanted.value if wanted is not None else None
-    low, high = _range(_limits(picture).get(name), here, there)
+    limits = _limits(picture)
+    low, high = _range(limits.get(name, limits.get(name.rpartition(".")[2])), here, there)
     stale = present is not None and picture.is_stale(present, frame.now)
     spots: dict[int, tuple[str, str]] = {}
     texts = []
@@ -102,9 +110,10 @@ def _folded(picture: Picture, joints: dict[str, str], frame: Frame, room: int) -
     """All joints as text, on as many lines as there is room for."""
     pieces = []
     for name, short in joints.items():
-        sensor = picture.sensors.get(f"joint.{name}") or picture.sensors[f"setpoint.{name}"]
-        value = "?" if sensor.value is None else f"{sensor.value:.0f}{frame.glyphs.degrees}"
-        pieces.append(_member(short, f"{value:<4}", picture.is_stale(sensor, frame.now), frame))
+        sensor = _sensor(picture, "joint", name) or _sensor(picture, "setpoint", name)
+        if sensor is not None:
+            value = "?" if sensor.value is None else f"{sensor.value:.0f}{frame.glyphs.degrees}"
+            pieces.append(_member(short, f"{value:<4}", picture.is_stale(sensor, frame.now), frame))
     return _wrapped(named("pose"), pieces, frame, room)
 
 
@@ -122,7 +131,8 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> l
             rows.append(row)
             row = (named(""),)
         row += ((" ", "plain"), *member) if len(row) > 1 else member
-    return [*rows, row]
+    (text, look) = row[-1]
+    return [*rows, (*row[:-1], (text.rstrip(), look))]
 
 
 # -- everything else ----------------------------------------------------------------------------
@@ -133,8 +143,8 @@ def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row
     (`base.x`, `base.y`) together on one.
     """
     groups: dict[str, list[SensorPicture]] = {}
-    for name, sensor in sorted(picture.sensors.items()):
-        if name not in known and not name.startswith((*_JOINT, "loudness.")):
+    for name, sensor in sorted(picture.sensors.items(), key=lambda item: (len(item[0]), item[0])):
+        if name not in known and not _JOINT.match(name) and not name.startswith("loudness."):
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
     return [_group(name, groups[name], picture, frame) for name in names]

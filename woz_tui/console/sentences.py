@@ -124,8 +124,9 @@ def _notice(message: m.Notice, picture: Picture) -> Event:
 
 
 def _stop(message: m.StopPressed, picture: Picture) -> Event:
-    what = "STOP" if message.scope == "all" else "Driving stopped"
-    return Event(message.t, "stop", what, f"by {message.source}")
+    if message.scope != "all":
+        return Event(message.t, "stop", "Driving stopped", message.source)
+    return Event(message.t, "stop", "STOP", f"by {message.source}")
 
 
 def _confirmed(message: m.StopConfirmed, picture: Picture) -> Event:

@@ -9,6 +9,7 @@ from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
+from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.core.requests import AskSet, Reply
 
@@ -32,6 +33,25 @@ def wrong_trial(text: str) -> str:
     return "" if not text or text.isdecimal() else f"a trial is a whole number, not {text!r}"
 
 
+class Choice(RadioButton):
+    """A radio button that is told from its neighbours by its sign, not by colour alone."""
+
+    def __init__(self, label: str, chosen: bool, glyphs: Glyphs) -> None:
+        self._chosen_sign = glyphs.yes
+        self._sign(chosen)
+        if glyphs.ascii:
+            self.BUTTON_LEFT, self.BUTTON_RIGHT = "(", ")"
+        super().__init__(Content(label), value=chosen)
+
+    def _sign(self, chosen: bool) -> None:
+        self.BUTTON_INNER = self._chosen_sign if chosen else " "
+
+    def watch_value(self) -> None:
+        """Show the sign of the new value."""
+        self._sign(self.value)
+        super().watch_value()
+
+
 class StartDialog(Dialog):
     """Participant, condition, trial; enter in a field accepts all."""
 
@@ -47,7 +67,7 @@ class StartDialog(Dialog):
             yield Static("Condition", classes="caption")
             with RadioSet(id="condition"):
                 for condition in picture.conditions:
-                    yield RadioButton(Content(condition), value=condition == picture.condition)
+                    yield Choice(condition, condition == picture.condition, self.glyphs)
         yield Static("Trial (may stay empty)", classes="caption")
         yield Input("" if picture.trial is None else str(picture.trial), id="trial")
         yield Static("", id="wrong", classes="wrong")

@@ -15,7 +15,7 @@ import argparse
 import contextlib
 import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 
 from benchmarks.figures import Spread, machine, table, verdict
 from benchmarks.sessions import (
@@ -88,9 +88,7 @@ def scene(name: str, presses: int, settle: float) -> list[list[str]]:
         bottom = Spread.of(matched(pressed.pop("floor"), entries(journal))[0])
     lines = [[f"{name}: floor", str(bottom.count), f"{bottom.p50:.2f}", f"{bottom.p99:.2f}",
               f"{bottom.worst:.1f}", "", "", ""]]  # fmt: skip
-    starts = sorted(entry.ns for sent in pressed.values() for entry in sent)
-    for way, sent in pressed.items():
-        took, lost = matched(sent, _after(noted, sent, starts))
+    for way, (took, lost) in answered(pressed, noted).items():
         spread = Spread.of(took)
         lines.append([f"{name}: {way}", str(spread.count), f"{spread.p50:.2f}",
                       f"{spread.p99:.2f}", f"{spread.worst:.1f}",
@@ -99,10 +97,31 @@ def scene(name: str, presses: int, settle: float) -> list[list[str]]:
     return lines
 
 
-def _after(noted: list[Entry], sent: list[Entry], starts: list[int]) -> list[Entry]:
-    """The notes that follow one of `sent` before the next press of any way."""
-    ends = dict(zip(starts, [*starts[1:], sys.maxsize], strict=True))
-    return [note for note in noted if any(press.ns <= note.ns < ends[press.ns] for press in sent)]
+def answered(
+    pressed: Mapping[str, Sequence[Entry]], noted: Sequence[Entry]
+) -> dict[str, tuple[list[float], int]]:
+    """Milliseconds from press to stop and the number of lost presses, for each way.
+
+    Nothing overtakes on the way, so as many stops as presses belong to them in order, however late
+    they are. If some are missing, each stop belongs to the last press before it.
+    """
+    order = sorted((entry.ns, way) for way, sent in pressed.items() for entry in sent)
+    stops = [entry.ns for entry in noted if entry.what == "stop all"]
+    if len(stops) != len(order):
+        stops = _last_before([ns for ns, _ in order], stops)
+    found: dict[str, tuple[list[float], int]] = {way: ([], 0) for way in pressed}
+    for (ns, way), stop in zip(order, stops, strict=True):
+        took, lost = found[way]
+        found[way] = ([*took, (stop - ns) / 1e6], lost) if stop else (took, lost + 1)
+    return found
+
+
+def _last_before(presses: list[int], stops: list[int]) -> list[int]:
+    """For each press the first stop before the next press, or 0."""
+    return [
+        next((stop for stop in stops if begin <= stop < end), 0)
+        for begin, end in zip(presses, [*presses[1:], sys.maxsize], strict=True)
+    ]
 
 
 def main() -> None:

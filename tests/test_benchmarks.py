@@ -11,6 +11,7 @@ import pytest
 
 from benchmarks.figures import Spread, verdict
 from benchmarks.sessions import Entry, matched
+from benchmarks.stop_latency import answered
 
 ROOT = Path(__file__).parents[1]
 #: Script -> what must stand in its tables.
@@ -50,6 +51,13 @@ def test_a_note_belongs_to_the_last_press_before_it() -> None:
 def test_a_lost_press_does_not_take_the_next_ones_note() -> None:
     presses = [Entry(1_000_000, "stop"), Entry(2_000_000, "stop")]
     assert matched(presses, [Entry(2_100_000, "stop")]) == ([0.1], 1)
+
+
+def test_late_stops_belong_to_their_presses_in_order() -> None:
+    pressed = {"escape": [Entry(1_000_000, "stop all")], "ctrl+c": [Entry(2_000_000, "stop all")]}
+    late = [Entry(4_000_000, "stop all"), Entry(5_000_000, "stop all")]
+    assert answered(pressed, late) == {"escape": ([3.0], 0), "ctrl+c": ([3.0], 0)}
+    assert answered(pressed, late[:1]) == {"escape": ([], 1), "ctrl+c": ([2.0], 0)}
 
 
 def test_spreads_and_verdicts() -> None:

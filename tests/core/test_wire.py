@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+from fractions import Fraction
 from typing import Any
 
 import msgspec
@@ -163,8 +164,8 @@ def test_a_stop_always_says_how_far_it_reaches() -> None:
     )
 
 
-@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf])
-def test_non_finite_numbers_become_null(value: float) -> None:
+@pytest.mark.parametrize("value", [math.nan, math.inf, -math.inf, Fraction(10**400)])
+def test_non_finite_numbers_become_null(value: Any) -> None:
     done = Done(command="c1", sent={"yaw": value}, latency_us=1, duration_us=2)
     assert json.loads(wire.encode(done))["sent"] == {"yaw": None}
 

@@ -94,7 +94,9 @@ class SessionChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag
 
 
 class SessionEnd(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.end"):
-    """Last line of a log. `sha256` covers every byte of the file before this line."""
+    """Last line of a log. `sha256` covers every line of actions before it, each once and in the
+    order of `seq`: in a session of one segment, every byte of the file.
+    """
 
     reason: str
     sha256: str = ""
@@ -107,7 +109,7 @@ class ClockTie(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cloc
 
 
 class Checkpoint(Message, frozen=True, kw_only=True, omit_defaults=True, tag="checkpoint"):
-    """Running SHA-256 of the file up to this line, every 10 s while there is something new."""
+    """Running SHA-256, as in `session.end`, every 10 s while there is something new."""
 
     sha256: str
     lines: int

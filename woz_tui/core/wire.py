@@ -59,7 +59,11 @@ def plain(value: Any, depth: int = 0) -> Any:
 def _number(value: Any) -> int | float | None:
     if type(value) is int:
         return value
-    return float(value) if math.isfinite(value) else None
+    try:
+        number = float(value)
+    except OverflowError:  # a fraction beyond all floats
+        return None
+    return number if math.isfinite(number) else None
 
 
 def _nested(value: Any, depth: int) -> Any:

@@ -65,7 +65,8 @@ class Stopping:
         try:
             pressed = self._log.wait("stop.pressed", before + 1, scope="all")
         except AssertionError as error:
-            raise AssertionError(f"no stop after {data!r}: {error}") from None
+            screen = self._terminal.text
+            raise AssertionError(f"no stop after {data!r}: {error}\n{screen}") from None
         # A stop while one is under way joins it: each must be over before the next is counted.
         until(
             lambda: any(line.seq > pressed.seq for line in self._log.lines("stop.confirmed")),

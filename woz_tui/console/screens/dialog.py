@@ -140,6 +140,13 @@ class Entry(Dialog):
         return ()
 
     @property
+    def there(self) -> bool:
+        """Whether the field exists: a stop may close a dialog before it has been put together,
+        and Textual then still tells it that it is mounted.
+        """
+        return bool(self.query("#entry"))
+
+    @property
     def entry(self) -> Input:
         """The text field."""
         return self.query_one("#entry", Input)

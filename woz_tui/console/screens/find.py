@@ -63,6 +63,8 @@ class FindDialog(Entry):
 
     def on_mount(self) -> None:
         """All there is, in the file's order."""
+        if not self.there:
+            return
         self.entry.value = ""
         self._all = [*self._actions(), *self._locks(), *self._commands()]
         self._shown = self._all
@@ -111,7 +113,8 @@ class FindDialog(Entry):
     def on_input_changed(self, event: Input.Changed) -> None:
         """Narrow the list."""
         event.stop()
-        self._search(event.value)
+        if self.there:
+            self._search(event.value)
 
     def _search(self, typed: str) -> None:
         typed = typed.strip()

@@ -78,6 +78,8 @@ class SayDialog(Entry):
 
     def on_mount(self) -> None:
         """Utterances as they are now."""
+        if not self.there:
+            return
         self._utterances = utterances_of(self.picture, self.desk.said)
         self.entry.suggester = _Completer(self._utterances, self.picture.variables)
         self._show_matches(self.entry.value)
@@ -111,7 +113,8 @@ class SayDialog(Entry):
     def on_input_changed(self, event: Input.Changed) -> None:
         """Show what matches."""
         event.stop()
-        self._show_matches(event.value)
+        if self.there:
+            self._show_matches(event.value)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Say it; an empty line only closes."""

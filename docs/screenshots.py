@@ -1,7 +1,8 @@
 """Draws the console's pictures for the documentation: `python -m docs.screenshots [folder]`.
 
-The real app runs without a terminal and is fed with a scene; give `shoot` another feed to draw
-something else.
+The real app runs without a terminal. What it shows comes from the demo experiment, played in
+virtual time (`demo_session`), or from a scene where the picture needs what the demo does not have:
+a driver that does not confirm a stop, a failure nobody has seen. Both are always the same.
 """
 
 from __future__ import annotations
@@ -13,6 +14,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from docs import demo_session
 from tests.console import scenes
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.app import Console
@@ -39,8 +41,16 @@ class Shot:
     colours: bool = True
 
 
+def demo() -> ScriptedFeed:
+    """In the middle of the demo."""
+    feed = ScriptedFeed()
+    feed.round_trip_us = 23_000
+    feed.begin_with(demo_session.demo(demo_session.WORKING))
+    return feed
+
+
 def working() -> ScriptedFeed:
-    """In the middle of a session."""
+    """In the middle of another session."""
     feed = ScriptedFeed()
     feed.round_trip_us = 23_000
     first = scenes.welcome(
@@ -71,25 +81,24 @@ def stopped() -> ScriptedFeed:
 
 
 SHOTS = (
-    Shot("console-80x24", 80, 24, working),
-    Shot("console-160x50", 160, 50, working),
-    Shot("console-100x36", 100, 36, working),
+    Shot("console-80x24", 80, 24, demo),
+    Shot("console-160x50", 160, 50, demo),
+    Shot("console-100x36", 100, 36, demo),
     Shot("stop", 80, 24, stopped),
-    Shot("help", 80, 24, working, keys=("?",)),
-    Shot("say", 80, 24, working, keys=("/", "P", "l", "e")),
+    Shot("help", 80, 24, demo, keys=("?",)),
+    Shot("say", 80, 24, demo, keys=("/", "P", "l", "e")),
     Shot("find", 100, 36, working, keys=(":", "p", "o", "i")),
-    Shot("light", 80, 24, working, Look(UNICODE, "woz-light")),
+    Shot("light", 80, 24, demo, Look(UNICODE, "woz-light")),
     Shot("no-colour", 80, 24, working, Look(UNICODE, "woz-16"), colours=False),
     Shot("linux-console", 80, 24, working, Look(ASCII, "woz-16")),
 )
 
 
-async def shoot(shot: Shot, folder: Path) -> Path:
+async def shoot(shot: Shot, feed: Feed, folder: Path) -> Path:
     """Run the app, press the keys, write the picture."""
     os.environ.pop("NO_COLOR", None)
     if not shot.colours:
         os.environ["NO_COLOR"] = "1"
-    feed = shot.feed()
     console = Console(feed, Keyboard(feed), look=shot.look, clock=ManualClock())
     async with console.run_test(size=(shot.width, shot.height)) as pilot:
         await pilot.pause()
@@ -99,7 +108,10 @@ async def shoot(shot: Shot, folder: Path) -> Path:
         console.paint()
         await pilot.pause()
         path = folder / f"{shot.name}.svg"
-        path.write_text(console.export_screenshot(title="woz"), encoding="utf-8")
+        drawn = console.export_screenshot(title="woz")
+        # Browsers keep the blanks at a text's edges as it is; other viewers only if told to.
+        drawn = drawn.replace("<text ", '<text xml:space="preserve" ')
+        path.write_text(drawn, encoding="utf-8")
     return path
 
 
@@ -110,7 +122,7 @@ def main() -> None:
     wanted = set(sys.argv[2:])
     for shot in SHOTS:
         if not wanted or shot.name in wanted:
-            asyncio.run(shoot(shot, folder))
+            asyncio.run(shoot(shot, shot.feed(), folder))
 
 
 if __name__ == "__main__":

@@ -47,7 +47,7 @@ BEAT = 0.1
 NEWS_S = 8.0
 #: Seconds a pressed key cap stays lit.
 FLASH_S = 0.25
-SMALL = "{0} x {1} is small: meters and events need 80 x 24. Keys and stop work as ever."
+SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
 
 class Console(App[str]):

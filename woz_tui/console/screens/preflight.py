@@ -20,6 +20,8 @@ from woz_tui.core.requests import AskPreflight, Reply
 from woz_tui.experiment.terminals import Terminal
 
 _LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
+#: What is to be mended stands on top.
+_ORDER = {"error": 0, "warning": 1, "info": 2, "ok": 3}
 _SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}
 
 
@@ -120,6 +122,7 @@ class PreflightDialog(Report):
             for found in (*terminal, *self._own())
         ]
         self._findings += key_findings(self.picture, self.console_app.caps)
+        self._findings.sort(key=lambda found: _ORDER.get(found[0], len(_ORDER)))
         errors = sum(level == "error" for level, *_ in self._findings)
         warnings = sum(level == "warning" for level, *_ in self._findings)
         if not reply.ok:

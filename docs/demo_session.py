@@ -1,0 +1,141 @@
+"""The demo experiment on its simulated robot, played in virtual time: always the same session.
+
+Session, bus, log and driver are the real ones; only the clock is not, so that minutes pass at once
+and every drawing shows the same moment.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import msgspec
+from woz_drivers.simulated.pace import Pace
+from woz_drivers.simulated.robot import SimulatedRobot
+from woz_drivers.simulated.settings import Settings
+
+from tests.fakes.virtual_time import LoopClock, run_virtual
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.core.driver import Outlet
+from woz_tui.core.requests import PROTOCOL, Welcome
+from woz_tui.experiment.decode import load
+from woz_tui.host.views import joint_limits, panel_views, variable_names, verb_names
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import Identity
+from woz_tui.session.runner import Origin
+from woz_tui.session.session import Session
+
+EXPERIMENT = Path(__file__).parent.parent / "experiments" / "demo.yaml"
+LOG = "recordings/2026-03-01T10-00-00_P07_S01.jsonl"
+KEY = Origin("key", "", "con1")
+#: How far the log lags behind in the picture; the real figure depends on the disk.
+LAG_US = 4_000
+
+#: A step of the session: seconds after its start, and what the wizard does then.
+Step = tuple[float, Callable[[Session], object]]
+
+
+class _LoopPace(Pace):
+    """The loop's own time."""
+
+    def now(self) -> float:
+        return asyncio.get_running_loop().time()
+
+
+class _Robot(SimulatedRobot):
+    """The simulated robot on the loop's time."""
+
+    def __init__(self, name: str, settings: Settings, outlet: Outlet) -> None:
+        super().__init__(name, settings, outlet, pace=_LoopPace())
+
+
+def play(name: str) -> Callable[[Session], object]:
+    """The action's key."""
+    return lambda session: session.play(name, KEY)
+
+
+def space(session: Session) -> object:
+    """The script's next line."""
+    return session.script_next(Origin("script", "space", "con1"))
+
+
+WORKING: tuple[Step, ...] = (
+    (12.0, space),
+    (13.0, space),
+    (17.0, space),
+    (19.0, play("Happy")),
+    (26.0, play("Yes")),
+    (31.0, lambda session: session.mark("", "key")),
+    (38.0, play("Repeat")),
+    (41.0, lambda session: session.mistake("", "")),
+    (47.0, lambda session: session.note("hesitates before the map")),
+    (52.0, play("Gong")),
+    (52.5, play("Gong")),
+    (58.0, space),
+    (60.4, play("Look about")),
+)
+#: The moment that is drawn, in seconds.
+MOMENT = 61.2
+STOPPED: tuple[Step, ...] = (*WORKING, (MOMENT - 0.1, lambda session: session.stop("key")))
+
+
+def demo(steps: tuple[Step, ...], moment: float = MOMENT) -> Welcome:
+    """What a console is told that attaches at `moment`."""
+    return run_virtual(_demo(steps, moment))
+
+
+async def _demo(steps: tuple[Step, ...], moment: float) -> Welcome:
+    loop = asyncio.get_running_loop()
+    clock = LoopClock(loop)
+    experiment = load(EXPERIMENT, {"simulated": _Robot})
+    with tempfile.TemporaryDirectory() as folder:
+        recorder = Recorder(Path(folder), "demo", clock)
+        identity = Identity(participant="P07", condition="warm", wizard="W2", seed=7)
+        session = Session(experiment, {"simulated": _Robot}, identity, recorder, clock)
+        await session.open()
+        session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
+        session.bus.unwatched = ""
+        for at, act in steps:
+            await asyncio.sleep(at - loop.time())
+            act(session)
+        await asyncio.sleep(moment - loop.time())
+        told = _welcome(session)
+        await session.close("drawn", rest=False)
+    return told
+
+
+def _welcome(session: Session) -> Welcome:
+    experiment = session.experiment
+    return Welcome(
+        protocol=PROTOCOL,
+        console="con1",
+        role="wizard",
+        seq=session.hub.seq,
+        t=session.hub.now(),
+        title=experiment.title,
+        log=LOG,
+        panels=panel_views(experiment, session.locked),
+        script=list(experiment.script),
+        verbs=verb_names(experiment),
+        variables=variable_names(session),
+        conditions=list(experiment.conditions),
+        keyboard=experiment.keyboard,
+        drivers=[spec.name for spec in experiment.drivers],
+        state=_raw([*session.standing.state(), _log(session)]),
+        recent=_raw(session.standing.recent()),
+        settings={
+            "participant_pattern": experiment.participant_pattern,
+            "joints": joint_limits(session),
+        },
+    )
+
+
+def _log(session: Session) -> m.AnyMessage:
+    return m.RecorderState(level="ok", lag_us=LAG_US, path=LOG, t=session.hub.now())
+
+
+def _raw(lines: list[m.AnyMessage]) -> list[msgspec.Raw]:
+    return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]

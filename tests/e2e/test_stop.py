@@ -38,6 +38,19 @@ def test_with_keys_behind_it_in_every_dialog(stopping: Stopping) -> None:
     stopping.release()
 
 
+def test_in_the_moment_in_which_a_dialog_opens(
+    lab: Lab, terminal: FakeTerminal, stopping: Stopping
+) -> None:
+    for _ in range(6):
+        for key in DIALOGS:
+            stopping.press(key + "\x1b")
+            stopping.press("\x1b" + key)
+    stopping.back()
+    stopping.release()
+    assert terminal.process.poll() is None
+    assert not lab.log.lines("console.lost")
+
+
 def test_other_stop_keys(stopping: Stopping) -> None:
     for key in ("\x03", "\x1b[27u", "\x1b[99;5u"):
         stopping.press(key)

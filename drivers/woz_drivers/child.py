@@ -1,7 +1,8 @@
 """A child process that is never left behind.
 
 It leads a process group of its own, so that it dies with everything it started and a Ctrl-C in the
-terminal does not reach it; and the kernel kills it when the robot process itself is killed.
+terminal does not reach it. When the robot process itself is killed the kernel kills the child, and
+`guard` what the child had started.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from pathlib import Path
 from typing import cast
 
 from woz_drivers import programs
+from woz_drivers.guard import guard
 from woz_tui.core.driver import DriverError
 
 #: How long the last words of a dead child may take to arrive, in seconds.
@@ -112,6 +114,7 @@ class Child(asyncio.SubprocessProtocol):
         assert self._transport is not None
         try:
             await self._exited.wait()
+            guard.release(self._transport.get_pid())
         finally:
             self._transport.close()
 
@@ -134,7 +137,7 @@ async def start(
     path = programs.find(words[0], folder)
     nothing = asyncio.subprocess.DEVNULL
     try:
-        _, child = await asyncio.get_running_loop().subprocess_exec(
+        running, child = await asyncio.get_running_loop().subprocess_exec(
             lambda: Child(words[0], on_output),
             *_bound_to_us(),
             path,
@@ -147,6 +150,7 @@ async def start(
         )
     except (OSError, ValueError) as error:
         raise DriverError(f"{words[0]} cannot be started: {error}") from error
+    guard.watch(running.get_pid())
     if text is not None:
         child.says(text)
     return child

@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-import os
-import signal
+import contextlib
 import sys
 from pathlib import Path
 
@@ -13,7 +12,7 @@ import pytest
 from woz_drivers import child, programs
 from woz_drivers.programs import ProgramMissing
 
-from tests.drivers.heard import until
+from tests.drivers.heard import PATIENCE_S, until
 from woz_tui.core.driver import DriverError
 
 
@@ -60,30 +59,42 @@ async def test_waiting_ends_though_a_grandchild_keeps_the_pipes(tmp_path: Path) 
     await until(lambda: not alive(int(said)))
 
 
-async def test_it_does_not_outlive_a_killed_robot_process(tmp_path: Path) -> None:
+@pytest.mark.parametrize("command", ["exec sleep 1000", "sleep 1000; true", "sleep 1000 | cat"])
+async def test_nothing_outlives_a_killed_robot_process(tmp_path: Path, command: str) -> None:
     robot = (
         "import asyncio, pathlib, sys\n"
         "from woz_drivers import child\n"
         "async def main():\n"
-        "    await child.start(('sh', '-c', 'echo $$ > pid; exec sleep 1000'),"
-        " pathlib.Path(sys.argv[1]))\n"
+        "    gone = await child.start(('true',), pathlib.Path())\n"
+        "    await gone.gone()\n"
+        "    await child.start(('sh', '-c', sys.argv[1]), pathlib.Path())\n"
+        "    print('started', flush=True)\n"
         "    await asyncio.sleep(1000)\n"
         "asyncio.run(main())\n"
     )
-    process = await asyncio.create_subprocess_exec(sys.executable, "-c", robot, tmp_path)
-    written = tmp_path / "pid"
+    process = await asyncio.create_subprocess_exec(
+        sys.executable, "-c", robot, command, stdout=asyncio.subprocess.PIPE
+    )
+    assert process.stdout is not None
+    below: list[psutil.Process] = []
     try:
-        await until(lambda: written.exists() and written.read_text().endswith("\n"))
-        pid = int(written.read_text())
-        assert alive(pid)
+        await asyncio.wait_for(process.stdout.readline(), PATIENCE_S)
+
+        def sleeping() -> bool:
+            below[:] = psutil.Process(process.pid).children(recursive=True)
+            return any(one.name() == "sleep" for one in below)
+
+        await until(sleeping)
+        assert len(below) >= 2  # the guard is among them
     finally:
         process.kill()
         await process.wait()
     try:
-        await until(lambda: not alive(pid))
+        await until(lambda: not any(alive(one.pid) for one in below))
     finally:
-        if alive(pid):
-            os.killpg(pid, signal.SIGKILL)
+        for one in below:
+            with contextlib.suppress(psutil.NoSuchProcess):
+                one.kill()
 
 
 async def test_it_runs_in_the_folder_of_the_experiment(tmp_path: Path) -> None:

@@ -15,7 +15,7 @@ class ReloadDialog(Report):
     """Asks for the differences first; enter applies them. Errors change nothing."""
 
     heading = "Read the experiment file again"
-    hint = "enter applies the changes · ctrl+q closes, nothing changes"
+    hint = "enter goes on · ctrl+q closes, nothing changes"
     wide = True
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "apply", priority=True)]
 

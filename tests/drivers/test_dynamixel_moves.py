@@ -150,7 +150,10 @@ async def test_poses_play_home(tmp_path: Path) -> None:
         await it.do("torque", on=True)
         sent = await it.do(
             "poses",
-            poses=[{"pan": 5.0, "seconds": 0.1}, {"pan": -5.0, "tilt": 1.0, "seconds": 0.1}],
+            poses=[
+                {"joints": {"pan": 5.0}, "seconds": 0.1},
+                {"joints": {"pan": -5.0, "tilt": 1.0}, "seconds": 0.1},
+            ],
         )
         assert sent["joints"] == {"pan": -5.0, "tilt": 1.0}
         sent = await it.do("play", move="nod", speed=2.0, amplitude=0.5)

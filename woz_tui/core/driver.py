@@ -18,7 +18,7 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
 #: An argument's type on the wire: text, number, whole, flag, choice, file, seconds, joints
-#: (a mapping joint name -> degrees) or poses (a list of such mappings with `seconds`).
+#: (a mapping joint name -> degrees) or poses (a list of `{joints: ..., seconds: ...}`).
 KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints", "poses")
 
 

@@ -189,15 +189,15 @@ def turn(settings: Settings, args: Mapping[str, Json]) -> dict[str, float]:
 
 def _sequence(settings: Settings, value: Json) -> list[Keyframe]:
     if not isinstance(value, Sequence) or isinstance(value, str) or not value:
-        raise Rejected("no poses were given", "write for example `poses: [{pan: 20, seconds: 1}]`")
+        raise Rejected(
+            "no poses were given", "write for example `poses: [{joints: {pan: 20}, seconds: 1}]`"
+        )
     frames = []
     for entry in value:
         if not isinstance(entry, Mapping):
             raise Rejected(f"a pose must map joints to degrees, not be {entry!r}")
         time = seconds(entry.get(SECONDS), 1.0)
-        inner = entry.get("joints") if "joints" not in settings.joints else None
-        joints = inner or {key: angle for key, angle in entry.items() if key != SECONDS}
-        frames.append(Keyframe(angles(settings, joints), time))
+        frames.append(Keyframe(angles(settings, entry.get("joints")), time))
     return frames
 
 

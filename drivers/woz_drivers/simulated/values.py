@@ -9,7 +9,7 @@ import wave
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from woz_tui.core.driver import Rejected, Verb
+from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
 
 #: How long a sound lasts whose length cannot be read, in seconds.
@@ -29,25 +29,6 @@ COLORS = {
     "pink": "#ff80c0",
     "purple": "#8000ff",
 }
-
-
-def check(verb: Verb, args: Mapping[str, Json]) -> None:
-    """Refuse what no experiment file may say either: unknown or missing arguments, numbers out of
-    range. Programs send commands too.
-    """
-    names = [argument.name for argument in verb.arguments]
-    for name in args:
-        if name not in names:
-            raise Rejected(f"{verb.name} takes no {name!r}", _did_you_mean(name, names))
-    for argument in verb.arguments:
-        value = args.get(argument.name)
-        if value is None and argument.required:
-            raise Rejected(f"{verb.name} needs {argument.name!r}")
-        if argument.range is None or value is None:
-            continue
-        found = number(args, argument.name)
-        if not argument.range.contains(found):
-            raise Rejected(f"{argument.name} is {found:g}, but must be {argument.range}")
 
 
 def number(args: Mapping[str, Json], name: str, default: float = 0.0) -> float:
@@ -111,20 +92,16 @@ def pose(value: Json, joints: Iterable[str]) -> dict[str, float]:
 
 
 def poses(value: Json, joints: Iterable[str]) -> list[tuple[float, dict[str, float]]]:
-    """(seconds for this pose, degrees by joint) one after the other, or `Rejected`.
-
-    Both `{joints: {pan: 10}, seconds: 1}` and the shorter `{pan: 10, seconds: 1}` are poses.
-    """
+    """(seconds for this pose, degrees by joint) one after the other, or `Rejected`."""
     names = list(joints)
+    example = "{joints: {pan: 10}, seconds: 0.5}"
     if not isinstance(value, list) or not value:
-        raise Rejected("poses are a list such as [{pan: 10, seconds: 0.5}]")
+        raise Rejected(f"poses are a list such as [{example}]")
     found = []
     for one in value:
         if not isinstance(one, dict):
-            raise Rejected(f"a pose is a mapping such as {{pan: 10, seconds: 0.5}}, not {one!r}")
-        flat = {name: degrees for name, degrees in one.items() if name != "seconds"}
-        goals = flat["joints"] if isinstance(flat.get("joints"), dict) else flat
-        found.append((positive(one, "seconds", 0.5), pose(goals, names)))
+            raise Rejected(f"a pose is a mapping such as {example}, not {one!r}")
+        found.append((positive(one, "seconds", 0.5), pose(one.get("joints"), names)))
     return found
 
 

@@ -89,8 +89,8 @@ class Model:
         steps: Positions in `travel` degrees; the highest goal is `steps - 1`.
         travel: Degrees that the position sensor covers.
         speed_unit: Degrees a second in one count of the speed limit.
-        full_load: Counts of the load register that are 100 %: of the current limit where the servo
-            measures a current, of the torque where it estimates a load.
+        full_load: Counts of the load register that are 100 %: the highest Current Limit (38) where
+            the servo measures a current, the whole torque where it estimates a load.
     """
 
     name: str

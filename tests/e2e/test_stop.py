@@ -41,10 +41,9 @@ def test_with_keys_behind_it_in_every_dialog(stopping: Stopping) -> None:
 def test_in_the_moment_in_which_a_dialog_opens(
     lab: Lab, terminal: FakeTerminal, stopping: Stopping
 ) -> None:
-    for _ in range(6):
-        for key in DIALOGS:
-            stopping.press(key + "\x1b")
-            stopping.press("\x1b" + key)
+    for _ in range(12):
+        for key in ("/", ":", ",", "\x14", "\x06"):
+            stopping.press("\x1b" + key)  # the next one comes while this dialog is put together
     stopping.back()
     stopping.release()
     assert terminal.process.poll() is None

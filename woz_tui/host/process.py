@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import gc
 import json
 import logging
@@ -30,6 +31,9 @@ GC_THRESHOLDS = (50_000, 20, 100)
 #: How long the end of a session may take at most, and what is left of the process after it.
 CLOSE_LIMIT_S = 30.0
 EXIT_LIMIT_S = 3.0
+
+#: Seconds from a line to the sync that sees it onto the disk: the robot's move comes first.
+SYNC_AFTER_S = 0.002
 
 log = logging.getLogger(__name__)
 
@@ -99,6 +103,7 @@ async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experim
         clock,
         spill=options.spill,
         on_state=recorder_moved,
+        defer=functools.partial(asyncio.get_running_loop().call_later, SYNC_AFTER_S),
     )
     session = Session(experiment, catalogue, options.identity, recorder, clock)
     sessions.append(session)

@@ -22,19 +22,23 @@ from woz_tui.record.backlog import Backlog
 from woz_tui.record.disk import Disk, RealDisk, in_words
 from woz_tui.record.gauge import Gauge, in_sentences
 from woz_tui.record.names import FileName, second_places, stem, unique, without_home
-from woz_tui.record.segment import ACTIONS, SAMPLES, SAMPLES_EVERY_S, LogFile, OpenSegment
+from woz_tui.record.segment import (
+    ACTIONS,
+    SAMPLES,
+    SAMPLES_EVERY_S,
+    Defer,
+    LogFile,
+    OpenSegment,
+    at_once,
+)
 from woz_tui.record.series import Series
 
 __all__ = ["Recorder", "stem"]
-
 #: Lines kept for writing again, or for when no place takes them: actions, samples (bytes).
 MEMORY = (32 << 20, 8 << 20)
-#: The longest that closing may take; a disk that hangs does not hang the exit.
+#: The longest that closing may take, and that one line waits for the next segment.
 CLOSE_WAIT_S = 2.0
-#: The longest that one line waits for the next segment after a write failed.
-_SWITCH_WAIT_S = 0.05
-_POLL_S = 0.1
-_RETRY_S = 3.0
+_SWITCH_WAIT_S, _POLL_S, _RETRY_S = 0.05, 0.1, 3.0
 #: A disk that has not answered for this long is left; the time doubles with every leaving.
 _STALL_US = 10_000_000
 #: How long after a move the state stays `alarm` before it becomes a standing `warn`.
@@ -42,19 +46,20 @@ _MOVE_ALARM_US = 10_000_000
 
 
 class Recorder:
-    """The log of one session. `record` belongs to the hub's thread, the rest is thread-safe.
+    """The log of a session. `record` belongs to the hub's thread, the rest is thread-safe.
 
     Args:
         folder: Where the files go; made (0700) if missing.
         stem: What their names begin with, see `stem`; changed to `<stem>-2` rather than
             overwriting anything.
         clock: The session's clock.
-        spill: The folder in which the log goes on when `folder` fails; by default a folder in
-            the user's state directory, then one in the temporary directory.
+        spill: Where the log goes on when `folder` fails; by default a folder in the user's state
+            directory, then one in the temporary directory.
         on_state: Told when the level changes, otherwise at most once a second; called from a
             thread of the recorder.
         disk: The calls to the operating system.
         memory: The most bytes of actions and of samples that are held for writing again.
+        defer: Wakes the thread that syncs: later, where the robot's move should come first.
 
     Never raises because of a disk, not even when made: what is wrong stands in `state()`.
     """
@@ -69,12 +74,14 @@ class Recorder:
         on_state: Callable[[RecorderState], None] | None = None,
         disk: Disk | None = None,
         memory: tuple[int, int] = MEMORY,
+        defer: Defer = at_once,
     ) -> None:
         places = unique([folder, *([spill] if spill else second_places())])
         self._series = Series(places, stem, clock)
         self._clock = clock
         self._on_state = on_state
         self._disk: Disk = disk or RealDisk()
+        self._defer = defer
         self._lock = threading.Condition(threading.Lock())
         self._backlogs = (Backlog(memory[ACTIONS]), Backlog(memory[SAMPLES]))
         self._hash = hashlib.sha256()
@@ -125,6 +132,8 @@ class Recorder:
                 return
             try:
                 self._segment.append(which, line)
+                if which == ACTIONS:
+                    self._segment.wake(self._defer)
             except OSError as error:
                 self._stop_writing(in_words(error))
                 if which == ACTIONS:
@@ -162,8 +171,7 @@ class Recorder:
     def state(self) -> RecorderState:
         """How well the log keeps up at this moment."""
         with self._lock:
-            now_us = self._clock.now_us()
-            self._gauge.measure(now_us, self._lag_us(now_us), self._floor(now_us))
+            self._measure()
             return self._state()
 
     def sync(self, timeout_s: float) -> bool:
@@ -305,15 +313,15 @@ class Recorder:
         segment, backlog = self._segment, self._backlogs[SAMPLES]
         if segment is None:
             return
-        path = segment.samples_path
-        previous = self._samples_path if segment.number > 1 else None
+        path, number = segment.samples_path, segment.number
+        previous = self._samples_path if number > 1 else None
         try:
-            segment.open_samples(self._header(path, segment.number, self._story, previous))
+            segment.open_samples(self._header(path, number, self._story, previous))
         except OSError:
             backlog.lose_home()
-        else:
-            backlog.find_home()
-            self._samples_path = path
+            return
+        backlog.find_home()
+        self._samples_path = path
 
     def _header(self, path: Path, number: int, reason: str, previous: Path | None) -> bytes:
         lost = (self._backlogs[ACTIONS].lost, self._backlogs[SAMPLES].lost)
@@ -337,20 +345,16 @@ class Recorder:
     def _copy(self, which: int, file: LogFile, folder: Path) -> None:
         with self._lock:
             name = self._series.claim(which == SAMPLES)
-            path = folder / str(name)
-            header = self._header(path, name.number, "copy of a deleted file", file.path)
-        self._disk.make_folder(folder)
-        copy = LogFile(self._disk, path)
-        try:
-            copy.append(header)
-            file.copy_into(copy)
-            copy.settle()
-        except OSError:
-            copy.discard()
-            raise
-        copy.close()
+            what = "copy of a deleted file"
+            header = self._header(folder / str(name), name.number, what, file.path)
+        file.copied(folder, str(name), header)
 
     # -- what is told -------------------------------------------------------------------------
+
+    def _measure(self) -> int:
+        now_us = self._clock.now_us()
+        self._gauge.measure(now_us, self._lag_us(now_us), self._floor(now_us))
+        return now_us
 
     def _lag_us(self, now_us: int) -> int:
         actions, samples = (backlog.take_worst_us(now_us) for backlog in self._backlogs)
@@ -388,8 +392,7 @@ class Recorder:
 
     def _report(self) -> None:
         with self._lock:
-            now_us = self._clock.now_us()
-            self._gauge.measure(now_us, self._lag_us(now_us), self._floor(now_us))
+            now_us = self._measure()
             if not self._gauge.due(now_us, self._news):
                 return
             state = self._state()

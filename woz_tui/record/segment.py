@@ -22,6 +22,15 @@ SAMPLES_EVERY_S = 0.2
 _LOOK_EVERY_S = 1.0
 _COPY_BLOCK = 1 << 20
 
+#: Does what it is given, from the caller's thread: at once, or when the caller has time for it.
+Defer = Callable[[Callable[[], None]], object]
+
+
+def at_once(work: Callable[[], None]) -> None:
+    """The `Defer` of a caller without an event loop."""
+    work()
+
+
 #: Called with the segment and the reason in words; its files may well go on taking lines.
 Trouble = Callable[["OpenSegment", str], None]
 
@@ -78,12 +87,24 @@ class LogFile:
         """Whether the file has lost its last name; its content stays until it is closed."""
         return self._disk.links(self.fd) == 0
 
-    def copy_into(self, target: LogFile) -> None:
-        """Everything in this file, whether it still has a name or not, to the end of `target`."""
-        offset = 0
-        while block := self._disk.read(self.fd, min(_COPY_BLOCK, self.size - offset), offset):
-            target.append(block)
-            offset += len(block)
+    def copied(self, folder: Path, name: str, header: bytes) -> None:
+        """A settled copy of everything in this file, whether it still has a name or not.
+
+        Raises `OSError`, leaving nothing.
+        """
+        self._disk.make_folder(folder)
+        copy = LogFile(self._disk, folder / name)
+        try:
+            copy.append(header)
+            offset = 0
+            while block := self._disk.read(self.fd, min(_COPY_BLOCK, self.size - offset), offset):
+                copy.append(block)
+                offset += len(block)
+            copy.settle()
+        except OSError:
+            copy.discard()
+            raise
+        copy.close()
 
     def close(self) -> None:
         """Give the descriptor back."""
@@ -121,6 +142,7 @@ class OpenSegment:
         self._lock = lock
         self._trouble = trouble
         self._wake = threading.Event()
+        self._waking = False
         self._released = threading.Event()
         self._after: Callable[[OpenSegment], None] | None = None
         self.folder = folder
@@ -169,12 +191,18 @@ class OpenSegment:
         """Lines into the kernel; samples without a file are passed over. Raises `OSError`."""
         if which == ACTIONS:
             self._actions.append(data)
-            self._wake.set()
         elif self._samples is not None:
             self._samples.append(data)
 
+    def wake(self, defer: Defer) -> None:
+        """Let the thread see the actions onto the disk, when `defer` comes to it."""
+        if not self._waking:
+            self._waking = True
+            defer(self._wake.set)
+
     def start(self) -> None:
         """Begin to see lines onto the disk."""
+        self._wake.set()
         self._thread.start()
 
     def discard(self) -> None:
@@ -208,6 +236,7 @@ class OpenSegment:
         while not self._released.is_set():
             self._wake.wait(SAMPLES_EVERY_S)
             self._wake.clear()
+            self._waking = False  # before the look at what there is: nothing slips through
             self._sync(ACTIONS, self._actions)
             now = time.monotonic()
             if self._samples is not None and now >= samples_due:

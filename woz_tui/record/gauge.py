@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from woz_tui.core.messages import RecorderState
+
 WARN_US = 250_000
 ALARM_US = 1_000_000
 #: A level falls only after it has not been needed for this long.
@@ -67,9 +69,9 @@ class Gauge:
         self.peak_us = 0
 
 
-def in_sentences(
+def state_of(
+    gauge: Gauge,
     *,
-    level: str,
     path: str,
     broken: str,
     failed: str,
@@ -77,11 +79,11 @@ def in_sentences(
     samples: bool,
     uncopied: str,
     lost: tuple[int, int],
-) -> tuple[str, str]:
-    """What is wrong with the log and what to do about it; both empty if nothing is.
+) -> RecorderState:
+    """How the log is: in figures, and in words what is wrong with it and what to do about that.
 
     Args:
-        level: The gauge's level.
+        gauge: Level and lag.
         path: Where the log goes now.
         broken: What has just gone wrong with its file; empty if nothing has.
         failed: Why no folder takes it; empty while one does.
@@ -99,7 +101,7 @@ def in_sentences(
     elif left:
         parts.append(f"{left}; the log goes on in {path}")
         remedy = "after the session, put all files of this log into one folder"
-    elif level != "ok":
+    elif gauge.level != "ok":
         parts.append("the disk is slow")
         remedy = "stop other programs that write to this disk"
     if not samples and not failed:
@@ -108,7 +110,13 @@ def in_sentences(
     if uncopied:
         parts.append(uncopied)
     parts.extend(f"{count} {what} lost" for count, what in zip(lost, _WHAT, strict=True) if count)
-    return "; ".join(parts), remedy
+    return RecorderState(
+        level=gauge.level,
+        lag_us=gauge.peak_us,
+        path=path,
+        detail="; ".join(parts),
+        remedy=remedy,
+    )
 
 
 _WHAT = ("lines are", "samples are")

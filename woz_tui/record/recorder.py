@@ -20,7 +20,7 @@ from woz_tui.core.clock import Clock
 from woz_tui.core.messages import AnyMessage, RecorderState
 from woz_tui.record.backlog import Backlog
 from woz_tui.record.disk import Disk, RealDisk, in_words
-from woz_tui.record.gauge import Gauge, in_sentences
+from woz_tui.record.gauge import Gauge, state_of
 from woz_tui.record.names import FileName, second_places, stem, unique, without_home
 from woz_tui.record.segment import (
     ACTIONS,
@@ -36,8 +36,9 @@ from woz_tui.record.series import Series
 __all__ = ["Recorder", "stem"]
 #: Lines kept for writing again, or for when no place takes them: actions, samples (bytes).
 MEMORY = (32 << 20, 8 << 20)
-#: The longest that closing may take, and that one line waits for the next segment.
+#: The longest that closing may take; a disk that hangs does not hang the exit.
 CLOSE_WAIT_S = 2.0
+#: The longest that one line waits for the next segment, and two pauses of the keeper.
 _SWITCH_WAIT_S, _POLL_S, _RETRY_S = 0.05, 0.1, 3.0
 #: A disk that has not answered for this long is left; the time doubles with every leaving.
 _STALL_US = 10_000_000
@@ -372,8 +373,8 @@ class Recorder:
         return "alarm" if now_us - self._moved_us < _MOVE_ALARM_US else "warn"
 
     def _state(self) -> RecorderState:
-        detail, remedy = in_sentences(
-            level=self._gauge.level,
+        return state_of(
+            self._gauge,
             path=without_home(self._path),
             broken=self._reason,
             failed=self._failed,
@@ -381,13 +382,6 @@ class Recorder:
             samples=self._segment is None or self._segment.takes_samples,
             uncopied=self._unrescued,
             lost=(self._backlogs[ACTIONS].lost, self._backlogs[SAMPLES].lost),
-        )
-        return RecorderState(
-            level=self._gauge.level,
-            lag_us=self._gauge.peak_us,
-            path=without_home(self._path),
-            detail=detail,
-            remedy=remedy,
         )
 
     def _report(self) -> None:

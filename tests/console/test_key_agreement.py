@@ -17,6 +17,7 @@ from woz_tui.experiment.keys import (
     normal,
     reach,
 )
+from woz_tui.experiment.terminals import folded
 
 CHARACTERS = [chr(code) for code in range(0x21, 0x7F)]
 NAMED = [
@@ -27,8 +28,8 @@ NAMED = [
 HELD = ["", "ctrl+", "alt+", "shift+", "ctrl+shift+", "ctrl+alt+", "alt+shift+", "ctrl+alt+shift+"]
 
 
-def scan(data: bytes) -> list[Token]:
-    scanner = Scanner()
+def scan(data: bytes, terminal: Terminal) -> list[Token]:
+    scanner = Scanner(folded(terminal))
     return scanner.feed(data) + scanner.close()
 
 
@@ -40,7 +41,7 @@ def test_what_reaches_the_console_is_what_the_key_map_says(terminal: Terminal, h
         found = reach(chord, terminal)
         if not found.data or found.verdict is Verdict.NEVER:
             continue
-        (token, *rest) = scan(found.data)
+        (token, *rest) = scan(found.data, terminal)
         if found.verdict is Verdict.STOP or isinstance(token, Stop):
             assert isinstance(token, Stop), chord
             assert is_stop(chord), chord
@@ -57,7 +58,7 @@ def test_textual_reads_the_same_key(terminal: Terminal, held: str) -> None:
         found = reach(normal(f"{held}{key}"), terminal)
         if not found.data or found.verdict in (Verdict.NEVER, Verdict.STOP):
             continue
-        (token,) = scan(found.data)
+        (token,) = scan(found.data, terminal)
         if isinstance(token, Stop):
             continue
         assert isinstance(token, Key)

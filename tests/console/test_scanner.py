@@ -8,6 +8,7 @@ from hypothesis import strategies as st
 
 from woz_tui.console.scanner import LONE_ESC_S, PASTE_LIMIT, Scanner
 from woz_tui.console.tokens import Key, Paste, Raw, Reply, Stop, Token
+from woz_tui.experiment.terminals import PLAIN, TMUX, folded
 
 PRESSES = {
     b"a": "a",
@@ -338,3 +339,12 @@ def test_bytes_after_their_silence_leave_nothing_waiting(data: bytes) -> None:
         scanner.expire()
 
     assert scanner.waiting is None
+
+
+@pytest.mark.parametrize("sequence", [b"\x1b[1;3H", b"\x1b[1;3F", b"\x1b[57423;3u"])
+def test_an_escape_folded_into_the_key_behind_it_is_a_stop(sequence: bytes) -> None:
+    inside = Scanner(folded(TMUX))
+
+    assert inside.feed(sequence) == [Stop("escape", sequence)]
+    assert isinstance(Scanner(folded(PLAIN)).feed(sequence)[0], Key)
+    assert inside.feed(b"\x1b[1;3A") == [Key("alt+up", b"\x1b[1;3A", b"\x1b[1;3A")]

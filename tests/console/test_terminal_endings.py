@@ -148,6 +148,14 @@ def test_ctrl_z_where_nobody_could_continue_it_does_not_freeze_it(
     assert host.wait(AskAction).action == "A"
 
 
+def test_an_escape_right_behind_ctrl_z_stops(host: FakeHost, terminal: FakeTerminal) -> None:
+    for count, reads in enumerate(([b"\x1a\x1b"], [b"\x1a", b"\x1b"], [b"\x1a", b"a\x03"]), 1):
+        for data in reads:
+            terminal.send(data)
+        host.wait(AskStop, count)
+        host.until(lambda: host.line_ok() is True, "driving allowed again")
+
+
 def test_continued_after_sigstop_it_draws_anew(host: FakeHost, terminal: FakeTerminal) -> None:
     terminal.process.send_signal(signal.SIGSTOP)
     terminal.process.send_signal(signal.SIGCONT)

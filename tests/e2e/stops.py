@@ -134,12 +134,11 @@ def share(dialog: str) -> tuple[str, ...]:
 
 def allowed(dialog: str, keys: tuple[str, ...], *, tmux: bool = False) -> tuple[str, ...]:
     """Without keys that would take the ground from under a try: enter in the dialog of failures
-    sees them all, and it does not open again; ctrl+b belongs to tmux, which also makes one chord,
-    alt+home or alt+end, of an escape with home or end right behind it.
+    sees them all, and it does not open again; ctrl+b belongs to tmux.
     """
     left_out = {"\r"} if dialog == "\r" else set()
     if tmux:
-        left_out |= {"\x02", "\x1b[H", "\x1b[F"}
+        left_out.add("\x02")
     return tuple(key for key in keys if key not in left_out)
 
 

@@ -94,7 +94,7 @@ def test_it_ends_what_runs_and_nothing_begins_until_it_is_released(
 def test_inside_tmux(lab: Lab, escape_ms: int) -> None:
     stopping = stops.begin(lab, stops.in_tmux(lab, escape_ms))
     stopping.press("\x1b")
-    for key in stops.allowed("", KEYS[::4], tmux=True):
+    for key in stops.allowed("", (*KEYS[::4], "\x1b[H", "\x1b[F"), tmux=True):
         stopping.press("\x1b" + key)
     stopping.back()
     for dialog in DIALOGS:

@@ -214,6 +214,11 @@ def test_the_stop_is_the_stop_on_every_terminal(chord: str) -> None:
         ("ctrl+1", SCREEN, SAME),
         ("alt+f4", PLAIN, NEVER),
         ("alt+tab", KITTY, NEVER),
+        ("alt+home", PLAIN, ARRIVES),
+        ("alt+home", TMUX, STOP),
+        ("alt+end", SCREEN, STOP),
+        ("alt+up", TMUX, ARRIVES),
+        ("x alt+end", TMUX, STOP),
     ],
 )
 def test_what_terminals_keep_for_themselves(

@@ -10,6 +10,7 @@ from woz_tui.console.scanner import Scanner
 from woz_tui.console.tokens import Key, Stop
 from woz_tui.experiment import keys
 from woz_tui.experiment.chords import NAMED
+from woz_tui.experiment.terminals import folded
 
 MODIFIERS = ("", "ctrl+", "alt+", "shift+", "ctrl+alt+", "ctrl+shift+", "alt+shift+")
 CHARACTERS = "abcehimqz019278AZ!#+-/:?[]\\^_{@~ éß§"
@@ -22,9 +23,9 @@ def chords(layout: str) -> list[str]:
     return sorted(found)
 
 
-def scanned(data: bytes) -> list[str]:
+def scanned(data: bytes, terminal: keys.Terminal) -> list[str]:
     """What the console makes of the bytes; `stop` for the stop."""
-    scanner = Scanner()
+    scanner = Scanner(folded(terminal))
     tokens = [*scanner.feed(data), *scanner.expire()]
     return [
         token.chord if isinstance(token, Key) else "stop"
@@ -44,6 +45,6 @@ def test_what_is_said_to_arrive_is_what_the_scanner_sees(
         if found.verdict is keys.Verdict.NEVER:
             continue
         expected = ["stop"] if found.verdict is keys.Verdict.STOP else [found.arrives]
-        if scanned(found.data) != expected:
-            wrong.append((chord, found.data, expected, scanned(found.data)))
+        if scanned(found.data, terminal) != expected:
+            wrong.append((chord, found.data, expected, scanned(found.data, terminal)))
     assert wrong == []

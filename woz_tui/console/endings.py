@@ -103,7 +103,7 @@ class Endings:
         if not self._once.acquire(blocking=False):
             return
         threading.Thread(target=self._exit_by_force, args=(code,), daemon=True).start()
-        _aside(self._feed.close)
+        aside(self._feed.close)
         self._terminal.restore()
         self._leave(code)
 
@@ -117,13 +117,13 @@ class Endings:
         self.end(128 + number)
 
     def _on_interrupt(self, number: int, frame: FrameType | None) -> None:
-        _aside(self._stop)
+        aside(self._stop)
 
     def _on_suspend(self, number: int, frame: FrameType | None) -> None:
         if self._suspended:
             return
         self._suspended = True
-        _aside(self._tell_away)
+        aside(self._tell_away)
         self._terminal.pause()
         self._sleep()
         self._back()
@@ -157,11 +157,11 @@ class Endings:
 
     def _back(self) -> None:
         self._line.reset()
-        _aside(lambda: self._feed.ask(Beat(line_ok=True)))
+        aside(lambda: self._feed.ask(Beat(line_ok=True)))
         self._terminal.resume()
 
 
-def _aside(work: Callable[[], object]) -> None:
+def aside(work: Callable[[], object]) -> None:
     """Do `work` in another thread and wait a moment for it.
 
     A handler interrupts its thread anywhere, perhaps inside a lock that `work` needs.

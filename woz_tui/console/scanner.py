@@ -3,7 +3,8 @@
 The stop comes first. A lone ESC and an ESC before any byte that cannot follow it in an escape
 sequence is a stop; so is ctrl+C, and a sequence that breaks off (a person who types `ESC [` in
 one breath). Alt chords of plain terminals (ESC and a character) therefore do not exist, nor does
-`ESC ESC [ A`, which some terminals send for alt+up: it is a stop and an arrow.
+`ESC ESC [ A`, which some terminals send for alt+up: it is a stop and an arrow. Where something in
+between makes one chord of an ESC and the key behind it, that chord is a stop.
 
 A paste is data: ESC and ctrl+C inside it are no stop while it flows (terminals take them out of
 what they paste anyway). A paste that has come to a standstill without its end protects nothing:
@@ -14,6 +15,7 @@ However the bytes are cut into reads, the tokens are the same, but for what `exp
 
 from __future__ import annotations
 
+from collections.abc import Collection
 from enum import Enum, auto
 
 from woz_tui.console.sequences import application_sequence, control_sequence
@@ -60,9 +62,15 @@ class _In(Enum):
 
 
 class Scanner:
-    """Feed it reads, and call `expire` when nothing more came within `waiting` seconds."""
+    """Feed it reads, and call `expire` when nothing more came within `waiting` seconds.
 
-    def __init__(self) -> None:
+    Args:
+        folded: Chords that are an escape and a key, put together on their way here
+            (`woz_tui.experiment.terminals.folded`).
+    """
+
+    def __init__(self, folded: Collection[str] = ()) -> None:
+        self._folded = folded
         self._state = _In.GROUND
         self._held = bytearray()
         self._pasted = bytearray()
@@ -222,7 +230,8 @@ class Scanner:
             self._state = _In.PASTE
         else:
             self._release()
-            self._tokens.append(token)
+            fold = isinstance(token, Key) and token.chord in self._folded
+            self._tokens.append(Stop("escape", token.raw) if fold else token)
 
     def _break_off(self) -> None:
         """No sequence after all: ESC was the stop, and the bytes behind it count as they are."""

@@ -26,19 +26,21 @@ from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 
-from woz_tui.console.endings import GONE, Endings
+from woz_tui.console.endings import GONE, Endings, aside
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.line import QUESTION, Line
 from woz_tui.console.output import Output
-from woz_tui.console.scanner import Scanner
+from woz_tui.console.scanner import INTRODUCER_S, Scanner
 from woz_tui.console.tokens import Key, Paste, Raw, Reply, Stop, Token
 from woz_tui.core.clock import RealClock
-from woz_tui.experiment.terminals import KITTY, PLAIN, Terminal, detected
+from woz_tui.experiment.terminals import KITTY, PLAIN, Terminal, detected, folded
 
 #: The reading thread looks around at least this often, in seconds.
 TICK_S = 0.5
 #: How long giving the terminal back may take, in seconds.
 RESTORE_S = 0.3
+#: Reads in which a last look is taken at what was typed: more than a person can have typed.
+LAST_READS = 16
 #: Which keyboard flags are set (kitty), and who are you: every terminal answers the second.
 _WHO = "\x1b[?u\x1b[c"
 #: Undoes all that start_application_mode does, in whichever state it was left.
@@ -74,6 +76,7 @@ class WizardDriver(LinuxDriver):
         self._wake_in, self._wake_out = os.pipe()
         os.set_blocking(self._wake_in, False)
         self._read_s = 0.0
+        self._scanner = Scanner()
         self._parser = XTermParser(self._debug)
         self._endings = Endings(
             self, self._keyboard.feed, self._line, self._interrupted, self._leave
@@ -106,7 +109,7 @@ class WizardDriver(LinuxDriver):
         output.finish(_RESTORE, RESTORE_S)
         if self.attrs_before is not None:
             with contextlib.suppress(termios.error):
-                termios.tcflush(self.fileno, termios.TCIFLUSH)
+                self._throw_away()
                 termios.tcsetattr(self.fileno, termios.TCSANOW, self.attrs_before)
 
     def pause(self) -> None:
@@ -154,7 +157,7 @@ class WizardDriver(LinuxDriver):
     # -- in: the reading thread -----------------------------------------------------------------
 
     def disable_input(self) -> None:
-        """End the reading thread; keys that were typed but not read are thrown away."""
+        """End the reading thread; of what was typed but not read only stops count."""
         thread = self._key_thread
         if thread is None:
             return
@@ -168,11 +171,45 @@ class WizardDriver(LinuxDriver):
         with contextlib.suppress(BlockingIOError):
             os.read(self._wake_in, 1)
         with contextlib.suppress(termios.error):
+            self._throw_away()
+
+    def _throw_away(self) -> None:
+        """Empty the terminal's input without waiting; a stop in it is carried out all the same.
+
+        While the reading thread lives that looks for stops, and what it has not read is flushed.
+        """
+        if self._key_thread is not None or not self.in_foreground():
             termios.tcflush(self.fileno, termios.TCIFLUSH)
+            return
+        stops = [token.source for token in self._unread() if isinstance(token, Stop)]
+        if stops:  # perhaps in a signal's handler: the interrupted code may hold the locks
+            aside(lambda: self._stop_all(stops))
+
+    def _stop_all(self, sources: list[str]) -> None:
+        for source in sources:
+            self._keyboard.stop(source)
+
+    def _unread(self) -> list[Token]:
+        """What waits to be read; for the rest of an escape sequence a moment."""
+        scanner, tokens = self._scanner, list[Token]()
+        poll = select.poll()
+        poll.register(self.fileno, select.POLLIN)
+        for _ in range(LAST_READS):
+            if not poll.poll(1000 * min(scanner.waiting or 0.0, INTRODUCER_S)):
+                break
+            data = self._read()
+            if not data:
+                break
+            tokens += scanner.feed(data)
+        else:
+            termios.tcflush(self.fileno, termios.TCIFLUSH)
+        if scanner.waiting is not None and scanner.waiting <= INTRODUCER_S:
+            tokens += scanner.expire()
+        return tokens
 
     def run_input_thread(self) -> None:
         """Read until told to end, or until the terminal is gone."""
-        scanner = Scanner()
+        scanner = self._scanner = Scanner(folded(detected(os.environ)))
         self._line.reset()
         poll = select.poll()
         for fd in (self.fileno, self._wake_in):

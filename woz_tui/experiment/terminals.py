@@ -55,6 +55,11 @@ def detected(environment: Mapping[str, str]) -> Terminal:
     return KITTY if term in _KITTY_TERMS else PLAIN
 
 
+def folded(terminal: Terminal) -> frozenset[str]:
+    """Chords that may be an escape with a key right behind it, and so must count as the stop."""
+    return _FOLDED if terminal.multiplexer else frozenset()
+
+
 class Verdict(enum.Enum):
     """What becomes of a key press."""
 
@@ -105,6 +110,11 @@ NOBODYS = frozenset(
 #: The stop keys. Nothing else may ever send their bytes.
 STOPS = ("escape", "ctrl+c")
 
+#: What tmux makes of escape with another key right behind it (home, end): one chord, which nobody
+#: can tell from alt and that key. Measured with tmux 3.3a; it hands all other keys on with their
+#: ESC in front.
+_FOLDED = frozenset({"alt+home", "alt+end"})
+
 _ESCAPE = b"\x1b"
 _SIMPLE = {"tab": b"\t", "enter": b"\r", "backspace": b"\x7f", "escape": _ESCAPE, "space": b" "}
 _KITTY_CODES = {"tab": 9, "enter": 13, "escape": 27, "space": 32, "backspace": 127}
@@ -147,7 +157,7 @@ def is_stop(chord: str, layout: str = "us") -> bool:
     """Whether the chord, or a part of it, means stop or sends its bytes on some terminal."""
     for part in chord.split(" "):
         press = parsed(part)
-        if press.base == "escape":
+        if press.base == "escape" or str(press) in _FOLDED:
             return True
         found = _single(replace(press, alt=False), PLAIN, layout_of(layout))
         if found.arrives in STOPS:
@@ -258,6 +268,9 @@ def _function(chord: Chord, terminal: Terminal) -> Reach:
     kept = _kept(chord, terminal)
     if kept:
         return Reach(Verdict.NEVER, why=kept)
+    if str(chord) in folded(terminal):
+        why = f"{terminal.name} sends the same for escape, the stop, and {chord.base} behind it"
+        return Reach(Verdict.STOP, _sequence(chord), "escape", why)
     if terminal.linux:
         return _linux(chord)
     return Reach(Verdict.ARRIVES, _sequence(chord), str(chord))

@@ -288,8 +288,13 @@ class Console(App[str]):
             self.call_after_refresh(self.paint)
 
     def on_resize(self) -> None:
-        """Paint once the new sizes are known."""
+        """Paint once the new sizes are known.
+
+        Every cell: a window that went small and back within a moment has lost what was drawn, and
+        a size that is the old one again changes nothing by itself.
+        """
         self._measure()
+        self.refresh()
         self.call_after_refresh(self.paint)
 
     # -- news and presses ------------------------------------------------------------------------

@@ -77,6 +77,15 @@ def test_without_a_terminal_it_is_refused(lab: Lab, command: str) -> None:
     assert lab.sockets() == []
 
 
+def test_a_console_that_cannot_open_leaves_no_robot_process(lab: Lab) -> None:
+    lab.file("textual.py", "raise ImportError('a broken installation')\n")
+    file = lab.file("guide.yaml", scenes.guide())
+    terminal = lab.terminal(["run", str(file), *lab.session()], env={"PYTHONPATH": str(lab.folder)})
+    assert terminal.wait_exit() == 1
+    assert lab.processes() == []
+    terminal.wait_text("the robot process was ended")
+
+
 def test_attach_without_a_session(lab: Lab) -> None:
     terminal = lab.terminal(["attach"])
     assert terminal.wait_exit() == 1

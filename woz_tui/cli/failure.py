@@ -14,7 +14,7 @@ def explained(work: Callable[[], int]) -> int:
         told = _told(error)
         if told is None:
             raise
-        print(told, file=sys.stderr)
+        print(told, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
     return 1
 
 

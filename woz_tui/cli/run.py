@@ -12,6 +12,9 @@ from woz_tui.cli.keymap import add_keymap, builtins
 from woz_tui.cli.launch import Launch, LaunchError, RobotProcess, host_arguments
 from woz_tui.cli.options import add_session, identity
 
+#: Without a console the robot process would wait for one for a long time.
+ENDED = "woz: the console did not open, so the robot process was ended"
+
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
@@ -46,20 +49,25 @@ def _play(arguments: argparse.Namespace, experiment: Path) -> int:
     try:
         screen.load_modules()
         robot = launch.wait()
+        console = screen.make_console(
+            screen.ScreenOptions(
+                socket=robot.socket,
+                ask_participant=not arguments.participant,
+                restart=command,
+                builtins=own_keys,
+            )
+        )
     except LaunchError as error:
         print(error, file=sys.stderr)
         return 1
-    except KeyboardInterrupt:
+    except BaseException as error:
         launch.abandon()
+        error.add_note(ENDED)
         raise
-    left, code = screen.open_console(
-        screen.ScreenOptions(
-            socket=robot.socket,
-            ask_participant=not arguments.participant,
-            restart=command,
-            builtins=own_keys,
-        )
-    )
+    left, code = screen.run_console(console)
+    if left == "failed":
+        launch.abandon()
+        print(ENDED, file=sys.stderr)
     if code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
         _farewell(left, robot)
     return code

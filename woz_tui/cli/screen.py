@@ -10,9 +10,13 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from woz_tui.cli.launch import Launch, LaunchError
 from woz_tui.experiment.builtins import BUILTIN, Builtin
+
+if TYPE_CHECKING:
+    from woz_tui.console.app import Console
 
 #: Collecting young objects is quick, a full collection is not: it must not fall into a key press.
 GC_THRESHOLDS = (50_000, 20, 100)
@@ -51,7 +55,12 @@ def load_modules() -> None:
 
 
 def open_console(options: ScreenOptions) -> tuple[str, int]:
-    """Run the console until it is left: how (ended, detached, lost), and the exit code."""
+    """Run the console until it is left: see `run_console`."""
+    return run_console(make_console(options))
+
+
+def make_console(options: ScreenOptions) -> Console:
+    """The console, ready to run; nothing has been connected or drawn."""
     from woz_tui.console.app import Console  # noqa: PLC0415
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.link import Link  # noqa: PLC0415
@@ -76,9 +85,17 @@ def open_console(options: ScreenOptions) -> tuple[str, int]:
     )
     if options.restart is not None:
         app.restart = _restart(list(options.restart), app.call_from_thread, app.news)
+    return app
+
+
+def run_console(app: Console) -> tuple[str, int]:
+    """Run it until it is left: how (ended, detached, lost, failed), and the exit code.
+
+    `failed`: it crashed before the robot process had answered it.
+    """
     favour_keys()
-    left = app.run()
-    return left or "", app.return_code or 0
+    left, code = app.run() or "", app.return_code or 0
+    return ("failed" if code == 1 and not app.picture.welcomed else left), code
 
 
 def favour_keys() -> None:

@@ -288,11 +288,7 @@ class Console(App[str]):
             self.call_after_refresh(self.paint)
 
     def on_resize(self) -> None:
-        """Paint once the new sizes are known.
-
-        Every cell: a window that went small and back within a moment has lost what was drawn, and
-        a size that is the old one again changes nothing by itself.
-        """
+        """Paint every cell: small and back in a moment is no change, but the window lost it."""
         self._measure()
         self.refresh()
         self.call_after_refresh(self.paint)

@@ -45,6 +45,9 @@ async def opened(seat: Sitting, name: str) -> None:
     await seat.settle()
 
 
+#: The console's keys that open a dialog.
+OPENING = ("say", "find", "note", "mistake", "failures", "help", "start", "preflight", "reload")
+OPENING += ("drivers", "leave")
 #: What Textual's names of keys stand for.
 CHARACTERS = {"slash": "/", "colon": ":", "comma": ",", "question_mark": "?", "enter": "\r"}
 
@@ -97,6 +100,21 @@ async def test_the_stop_right_behind_the_key_that_opens_a_dialog() -> None:
             await seat.until(lambda n=count: _stops(seat) == n)  # type: ignore[misc]
             await seat.until(lambda: seat.console.dialog is None)
         assert seat.console.keyboard.free is True
+
+
+async def test_the_stop_before_a_dialog_has_been_put_together() -> None:
+    async with sitting(busy()) as seat:
+        for name in OPENING:
+            seat.console.desk.do(name)
+            dialog = seat.console.dialog
+            assert dialog is not None
+            assert not dialog.children
+            seat.console._stopping()
+            await seat.settle()
+            assert seat.console.dialog is None, name
+            assert seat.console.keyboard.free is True
+        assert seat.console.is_running
+        await opened(seat, "SayDialog")
 
 
 async def test_no_experiment_key_plays_while_a_dialog_has_the_keyboard() -> None:

@@ -57,6 +57,17 @@ def test_old_values_look_old() -> None:
     assert "stale" in {look for _, look in row}
 
 
+def test_each_robots_distance_has_a_ruler() -> None:
+    shown = meters(
+        scenes.reading(NOW, "left.distance", 0.3), scenes.reading(NOW, "right.distance", 2.0)
+    ).splitlines()
+
+    assert len(shown) == 2
+    assert "left dist" in shown[0]
+    assert "0.30 m intimate" in shown[0]
+    assert "2.00 m social" in shown[1]
+
+
 def test_a_missing_distance_is_no_distance() -> None:
     assert "nothing seen" in meters(scenes.reading(NOW, "distance", None))
 

@@ -46,7 +46,17 @@ async def opened(seat: Sitting, name: str) -> None:
 
 
 #: The console's keys that open a dialog.
-OPENING = ("say", "find", "note", "mistake", "failures", "help", "start", "preflight", "reload")
+OPENING: tuple[str, ...] = (
+    "say",
+    "find",
+    "note",
+    "mistake",
+    "failures",
+    "help",
+    "start",
+    "preflight",
+    "reload",
+)
 OPENING += ("drivers", "leave")
 #: What Textual's names of keys stand for.
 CHARACTERS = {"slash": "/", "colon": ":", "comma": ",", "question_mark": "?", "enter": "\r"}

@@ -37,13 +37,14 @@ def zone(metres: float) -> str:
 
 def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
+    near = [name for name in sorted(picture.sensors) if name.rpartition(".")[2] == "distance"]
     rows = [
-        *_distance(picture, frame),
+        *(row for name in near for row in _distance(picture, name, frame)),
         *_loudness(picture, frame),
         *_verdicts(picture, frame),
         *_engagement(picture, frame),
     ]
-    others = other_rows(picture, frame, _KNOWN)
+    others = other_rows(picture, frame, (*_KNOWN, *near))
     rows += joint_rows(picture, frame, frame.height - len(rows), len(others))
     rows += others
     if not rows:
@@ -58,23 +59,27 @@ def _stale(picture: Picture, sensor: SensorPicture, frame: Frame) -> bool:
 # -- distance and loudness ----------------------------------------------------------------------
 
 
-def _distance(picture: Picture, frame: Frame) -> list[Row]:
-    sensor = picture.sensors.get("distance")
-    if sensor is None:
-        return []
+def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
+    sensor = picture.sensors[name]
     glyphs, width = frame.glyphs, track(frame)
     ticks = {at(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
     stale = _stale(picture, sensor, frame)
     if sensor.value is None:
         text = old(sensor, frame) if stale else "nothing seen"
         look = "stale" if stale else "muted"
-        return [labelled("distance", ruler(width, ticks, {}, glyphs), text, look)]
+        return [labelled(_short(name), ruler(width, ticks, {}, glyphs), text, look)]
     spot = {at(sensor.value / FARTHEST, width): (glyphs.spot, "stale" if stale else "strong")}
     text = f"{sensor.value:.2f} m {zone(sensor.value)}"
     if stale:
         text = f"{sensor.value:.1f} m {old(sensor, frame)}"
     look = "stale" if stale else "plain"
-    return [labelled("distance", ruler(width, ticks, spot, glyphs), text, look)]
+    return [labelled(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
+
+
+def _short(name: str) -> str:
+    """`distance`, or whose it is: `left dist`."""
+    whose, _, _ = name.rpartition(".")
+    return f"{fit(whose, NAME - 7).rstrip()} dist" if whose else name
 
 
 def _loudness(picture: Picture, frame: Frame) -> list[Row]:

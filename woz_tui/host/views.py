@@ -8,6 +8,7 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.core.requests import ActionView, PanelView
 from woz_tui.experiment.shape import Action, Call, Experiment, Together
+from woz_tui.session.sensors import published_names
 from woz_tui.session.session import Session
 
 
@@ -53,13 +54,18 @@ def variable_names(session: Session) -> list[str]:
 
 
 def joint_limits(session: Session) -> dict[str, Json]:
-    """Lowest and highest angle of each joint in degrees, as far as its driver's class tells."""
+    """Lowest and highest angle of each joint in degrees, as far as its driver's class tells.
+
+    Named as its sensor is published, without `joint.`: `left.pan` for `left.joint.pan`.
+    """
     limits: dict[str, Json] = {}
+    published = published_names(session.experiment.drivers)
     for spec in session.experiment.drivers:
         tell = getattr(session.catalogue.get(spec.type), "joints", None)
         if callable(tell):
             found: Mapping[str, Range] = tell(spec.settings)
             for name, span in found.items():
                 if span.low is not None and span.high is not None:
-                    limits[name] = [float(span.low), float(span.high)]
+                    sensor = published[spec.name].get(f"joint.{name}", name)
+                    limits[sensor.replace("joint.", "", 1)] = [float(span.low), float(span.high)]
     return limits

@@ -376,3 +376,11 @@ def test_a_shuffled_history_ends_every_run(shuffled: list[m.AnyMessage]) -> None
     ended = {message.run for message in shuffled if isinstance(message, m.ActionEnd)}
     assert {failure.run for failure in picture.unseen()} == {"a5"}
     assert {failure.run for failure in again.unseen()} <= ended
+
+
+def test_utterances_are_filled_with_what_holds_now() -> None:
+    told = scenes.welcome(settings={"values": {"room": "the hall", "participant": "P00"}})
+    picture = Picture()
+    picture.take([told, m.SessionChanged(participant="P09", trial=3, t=NOW)], 0)
+
+    assert picture.filled("{participant}, {trial}: {room} {nobody}") == "P09, 3: the hall {nobody}"

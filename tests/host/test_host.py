@@ -2,6 +2,7 @@ from __future__ import annotations
 
 import asyncio
 import stat
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,6 +11,7 @@ from tests.host.rig import Peer, served
 from woz_tui.core import messages as m
 from woz_tui.experiment.shape import SessionSettings
 from woz_tui.host.place import PlaceError, bind
+from woz_tui.host.views import joint_limits
 
 
 async def test_hello_gives_the_whole_picture_and_then_the_stream(tmp_path: Path) -> None:
@@ -250,3 +252,20 @@ async def test_the_welcome_tells_the_joints_limits(tmp_path: Path) -> None:
     async with served(tmp_path) as host:
         peer = await host.connect()
         assert (await peer.hello())["settings"]["joints"] == {"pan": [-90.0, 60.0]}
+
+
+async def test_the_welcome_tells_the_variables_values(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        told = (await peer.hello())["settings"]["values"]
+        assert told == host.session.values()
+
+
+async def test_two_robots_joints_of_one_name_keep_their_limits_apart(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        session = host.session
+        pan = replace(session.experiment.drivers[0], sensors=("joint.pan",))
+        drivers = [replace(pan, name=f"{robot}.head") for robot in ("left", "right")]
+        session.experiment = replace(session.experiment, drivers=tuple(drivers))
+        span = [-90.0, 60.0]
+        assert joint_limits(session) == {"left.pan": span, "right.pan": span}

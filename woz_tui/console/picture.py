@@ -181,9 +181,14 @@ class Picture:
 
     def filled(self, words: str) -> str:
         """An utterance with the variables whose values the console knows."""
-        for name, value in (("participant", self.participant), ("condition", self.condition)):
-            if value:
-                words = words.replace(f"{{{name}}}", value)
+        told = self.settings.get("values")
+        values = {**told} if isinstance(told, dict) else {}
+        trial = "" if self.trial is None else self.trial
+        now = {"participant": self.participant, "condition": self.condition, "trial": trial}
+        values |= {name: value for name, value in now.items() if value != ""}
+        for name, value in values.items():
+            if value not in ("", None):
+                words = words.replace(f"{{{name}}}", str(value))
         return words
 
     def action(self, name: str) -> r.ActionView | None:

@@ -66,7 +66,7 @@ def _entry(picture: Picture, index: int, frame: Frame) -> list[Row]:
     words = " ".join(action.utterances) if action is not None else ""
     rows += [
         ((" " * INDENT, "plain"), (line, "faint" if played else "muted"))
-        for line in _wrapped(picture.filled(clean(words)), frame)
+        for line in _wrapped(clean(picture.filled(words)), frame)
     ]
     return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
 

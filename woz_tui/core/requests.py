@@ -236,7 +236,8 @@ class Welcome(
     recorder state, script position, locks); a client treats them like any other. `recent` is the
     tail of the log, oldest first, for the console's list. `seq` is the last one contained.
     `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
-    -> [lowest, highest angle] in degrees, for those whose driver tells them.
+    -> [lowest, highest angle] in degrees, for those whose driver tells them, and `values`:
+    variable -> its value at this moment.
     """
 
     protocol: int

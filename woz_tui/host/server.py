@@ -230,6 +230,7 @@ class Host:
                 "dead_man": experiment.session.dead_man,
                 "participant_pattern": experiment.participant_pattern,
                 "joints": joint_limits(session),
+                "values": dict(session.values()),
             },
         )
 

@@ -384,3 +384,14 @@ def test_utterances_are_filled_with_what_holds_now() -> None:
     picture.take([told, m.SessionChanged(participant="P09", trial=3, t=NOW)], 0)
 
     assert picture.filled("{participant}, {trial}: {room} {nobody}") == "P09, 3: the hall {nobody}"
+
+
+def test_a_reload_brings_the_variables_new_values() -> None:
+    picture = Picture()
+    picture.take([scenes.welcome()], 0)
+    assert picture.filled("Look at {exhibit}") == "Look at {exhibit}"
+    plan = {"title": "T", "panels": [], "script": [], "verbs": {}, "conditions": []}
+    told = plan | {"keyboard": "us", "values": {"exhibit": "the whale"}}
+    changed = msgspec.convert(told | {"kind": "panels"}, r.PanelsChanged)
+    picture.take([changed], 0)
+    assert picture.filled("Look at {exhibit}") == "Look at the whale"

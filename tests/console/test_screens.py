@@ -2,72 +2,28 @@ from __future__ import annotations
 
 import pytest
 from textual.events import Key
-from textual.widgets import Input, OptionList
 
 from tests.console import scenes
-from tests.console.driving import Sitting, sitting
+from tests.console.dialogs import (
+    CHARACTERS,
+    NOW,
+    OPENERS,
+    OPENING,
+    SIZES,
+    busy,
+    opened,
+    stops,
+)
+from tests.console.driving import sitting
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
-from woz_tui.console.screens.say import complete
 from woz_tui.console.screens.start import wrong_code, wrong_trial
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.driver import Finding
 from woz_tui.experiment.terminals import KITTY
-
-NOW = scenes.NOW
-SIZES = [(80, 24), (160, 50), (60, 20)]
-#: Key that opens each dialog.
-OPENERS = {
-    "SayDialog": "slash",
-    "FindDialog": "colon",
-    "NoteDialog": "comma",
-    "MistakeDialog": "ctrl+w",
-    "FailuresDialog": "enter",
-    "HelpDialog": "question_mark",
-    "StartDialog": "ctrl+t",
-    "PreflightDialog": "ctrl+f",
-    "ReloadDialog": "ctrl+e",
-    "DriversDialog": "ctrl+d",
-    "LeaveDialog": "ctrl+q",
-}
-
-
-def busy() -> r.Welcome:
-    return scenes.welcome(recent=scenes.history())
-
-
-async def opened(seat: Sitting, name: str) -> None:
-    await seat.press(OPENERS[name])
-    await seat.until(lambda: type(seat.console.dialog).__name__ == name, name)
-    await seat.settle()
-
-
-#: The console's keys that open a dialog.
-OPENING: tuple[str, ...] = (
-    "say",
-    "find",
-    "note",
-    "mistake",
-    "failures",
-    "help",
-    "start",
-    "preflight",
-    "reload",
-)
-OPENING += ("drivers", "leave")
-#: What Textual's names of keys stand for.
-CHARACTERS = {"slash": "/", "colon": ":", "comma": ",", "question_mark": "?", "enter": "\r"}
-
-
-def _stops(seat: Sitting) -> int:
-    return sum(isinstance(asked, r.AskStop) for asked in seat.feed.asked)
-
-
-def entry(seat: Sitting) -> Input:
-    return seat.console.screen.query_one("#entry", Input)
 
 
 @pytest.mark.parametrize("size", SIZES)
@@ -107,7 +63,7 @@ async def test_the_stop_right_behind_the_key_that_opens_a_dialog() -> None:
             for key in (name, "escape"):
                 seat.console.post_message(Key(key, CHARACTERS.get(key)))
             seat.console.paint()
-            await seat.until(lambda n=count: _stops(seat) == n)  # type: ignore[misc]
+            await seat.until(lambda n=count: stops(seat) == n)  # type: ignore[misc]
             await seat.until(lambda: seat.console.dialog is None)
         assert seat.console.keyboard.free is True
 
@@ -143,157 +99,6 @@ async def test_the_stop_is_released_from_within_a_dialog() -> None:
         await seat.press("ctrl+r")
         assert seat.feed.last(r.AskRelease) is not None
         assert seat.console.dialog is not None
-
-
-# -- say ---------------------------------------------------------------------------------------
-
-
-async def test_type_and_say() -> None:
-    async with sitting() as seat:
-        await opened(seat, "SayDialog")
-        await seat.type("hi, you")
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskVerb)
-        assert isinstance(asked, r.AskVerb)
-        assert (asked.verb, asked.args, asked.on) == ("say", {"text": "hi, you"}, "")
-        assert seat.console.dialog is None
-
-
-async def test_history_and_completion() -> None:
-    async with sitting() as seat:
-        for text in ("first", "second"):
-            await opened(seat, "SayDialog")
-            await seat.type(text)
-            await seat.press("enter")
-        await opened(seat, "SayDialog")
-        await seat.press("up")
-        assert entry(seat).value == "second"
-        await seat.press("up")
-        assert entry(seat).value == "first"
-        await seat.press("down", "down")
-        assert entry(seat).value == ""
-        await seat.type("plea")
-        assert "Please look at the map." in seat.drawn()
-        await seat.press("tab")
-        assert entry(seat).value == "please look at the map."
-        entry(seat).value = "Hello {par"
-        await seat.press("tab")
-        assert entry(seat).value == "Hello {participant}"
-
-
-async def test_what_was_typed_survives_a_stop() -> None:
-    async with sitting() as seat:
-        await opened(seat, "SayDialog")
-        await seat.type("half a sen")
-        await seat.press("escape")
-        await seat.until(lambda: seat.console.dialog is None)
-        await opened(seat, "SayDialog")
-        assert entry(seat).value == "half a sen"
-        await seat.type("tence")
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskVerb)
-        assert isinstance(asked, r.AskVerb)
-        assert asked.args == {"text": "half a sentence"}
-
-
-async def test_nothing_typed_says_nothing() -> None:
-    async with sitting() as seat:
-        await opened(seat, "SayDialog")
-        await seat.press("space", "enter")
-        assert seat.feed.last(r.AskVerb) is None
-        assert seat.console.dialog is None
-
-
-@pytest.mark.parametrize(
-    ("typed", "whole"),
-    [
-        ("", None),
-        ("Pl", "Please look."),
-        ("PLEASE l", "PLEASE look."),
-        ("Please look.", None),
-        ("x", None),
-        ("a {se", "a {session}"),
-        ("a {participant} {c", "a {participant} {condition}"),
-        ("a {zz", None),
-    ],
-)
-def test_complete(typed: str, whole: str | None) -> None:
-    variables = ["session", "participant", "condition"]
-    assert complete(typed, ["Please look.", "Pleased"], variables) == whole
-
-
-# -- find, note, mistake -----------------------------------------------------------------------
-
-
-async def test_find_an_action_by_a_few_letters_and_play_it() -> None:
-    async with sitting() as seat:
-        await opened(seat, "FindDialog")
-        await seat.type("rom")
-        found = seat.console.screen.query_one("#found", OptionList)
-        shown = [str(option.prompt) for option in found.options]
-        assert "Roman glass" in shown[0]
-        assert not any("Hello" in line for line in shown)
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskAction)
-        assert isinstance(asked, r.AskAction)
-        assert (asked.action, asked.source) == ("Roman glass", "palette")
-
-
-async def test_find_by_words_and_choose_with_the_arrows() -> None:
-    async with sitting() as seat:
-        await opened(seat, "FindDialog")
-        await seat.type("point")
-        assert seat.console.screen.query_one("#found", OptionList).highlighted == 0
-        await seat.press("down", "enter")
-        asked = seat.feed.last(r.AskAction)
-        assert isinstance(asked, r.AskAction)
-        assert asked.action == "Point right"
-        await opened(seat, "FindDialog")
-        await seat.type("museum")
-        assert "Welcome" in seat.drawn()
-
-
-async def test_find_locks_panels_and_carries_out_the_consoles_commands() -> None:
-    async with sitting() as seat:
-        await opened(seat, "FindDialog")
-        await seat.type("lock gest")
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskLock)
-        assert isinstance(asked, r.AskLock)
-        assert (asked.panel, asked.locked) == ("Gestures", True)
-        await opened(seat, "FindDialog")
-        await seat.type("light colours")
-        await seat.press("enter")
-        assert seat.console.theme == "woz-light"
-
-
-async def test_find_without_a_match_plays_nothing() -> None:
-    async with sitting() as seat:
-        await opened(seat, "FindDialog")
-        await seat.type("qqqqqq")
-        await seat.press("enter")
-        assert seat.feed.asked == []
-
-
-async def test_a_note() -> None:
-    async with sitting() as seat:
-        await opened(seat, "NoteDialog")
-        await seat.type("looks away")
-        await seat.press("enter")
-        asked = seat.feed.last(r.AskNote)
-        assert isinstance(asked, r.AskNote)
-        assert asked.text == "looks away"
-        await opened(seat, "NoteDialog")
-        assert entry(seat).value == ""
-
-
-async def test_a_mistake_is_picked_from_the_log() -> None:
-    async with sitting(busy()) as seat:
-        await opened(seat, "MistakeDialog")
-        await seat.press("down", "down", "enter")
-        asked = seat.feed.last(r.AskMistake)
-        assert isinstance(asked, r.AskMistake)
-        assert asked.run == "a5"
 
 
 # -- failures, drivers, help -------------------------------------------------------------------

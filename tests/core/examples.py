@@ -223,6 +223,7 @@ def answers() -> list[r.AnyAnswer]:
             verbs={"voice": ["say"]},
             conditions=["warm", "cold"],
             keyboard="de",
+            values={"participant": "P07", "room": "the room of the sea"},
         ),
     ]
 

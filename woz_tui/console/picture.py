@@ -141,6 +141,7 @@ class Picture:
 
     def _panels(self, changed: r.PanelsChanged) -> None:
         self.locks = {}
+        self.settings["values"] = dict(changed.values)
         self._plan(changed)
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged) -> None:

@@ -271,7 +271,7 @@ class Pulse(
 class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
-    """After a reload: the new panels and script."""
+    """After a reload: the new panels and script, and the variables' present values."""
 
     title: str
     panels: list[PanelView]
@@ -279,6 +279,7 @@ class PanelsChanged(
     verbs: dict[str, list[str]]
     conditions: list[str]
     keyboard: str
+    values: dict[str, str] = {}
 
 
 #: Lines from the host that are not messages of the session.

@@ -243,6 +243,7 @@ class Host:
             verbs=verb_names(experiment),
             conditions=list(experiment.conditions),
             keyboard=experiment.keyboard,
+            values=dict(self.session.values()),
         )
         for client in self._clients:
             client.send(news)

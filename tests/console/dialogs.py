@@ -1,0 +1,61 @@
+"""What the tests of dialogs share: how each is opened, and what they look at."""
+
+from __future__ import annotations
+
+from textual.widgets import Input
+
+from tests.console import scenes
+from tests.console.driving import Sitting
+from woz_tui.core import requests as r
+
+NOW = scenes.NOW
+SIZES = [(80, 24), (160, 50), (60, 20)]
+#: Key that opens each dialog.
+OPENERS = {
+    "SayDialog": "slash",
+    "FindDialog": "colon",
+    "NoteDialog": "comma",
+    "MistakeDialog": "ctrl+w",
+    "FailuresDialog": "enter",
+    "HelpDialog": "question_mark",
+    "StartDialog": "ctrl+t",
+    "PreflightDialog": "ctrl+f",
+    "ReloadDialog": "ctrl+e",
+    "DriversDialog": "ctrl+d",
+    "LeaveDialog": "ctrl+q",
+}
+
+
+def busy() -> r.Welcome:
+    return scenes.welcome(recent=scenes.history())
+
+
+async def opened(seat: Sitting, name: str) -> None:
+    await seat.press(OPENERS[name])
+    await seat.until(lambda: type(seat.console.dialog).__name__ == name, name)
+    await seat.settle()
+
+
+#: The console's keys that open a dialog.
+OPENING: tuple[str, ...] = (
+    "say",
+    "find",
+    "note",
+    "mistake",
+    "failures",
+    "help",
+    "start",
+    "preflight",
+    "reload",
+)
+OPENING += ("drivers", "leave")
+#: What Textual's names of keys stand for.
+CHARACTERS = {"slash": "/", "colon": ":", "comma": ",", "question_mark": "?", "enter": "\r"}
+
+
+def stops(seat: Sitting) -> int:
+    return sum(isinstance(asked, r.AskStop) for asked in seat.feed.asked)
+
+
+def entry(seat: Sitting) -> Input:
+    return seat.console.screen.query_one("#entry", Input)

@@ -1,0 +1,159 @@
+from __future__ import annotations
+
+import pytest
+from textual.widgets import OptionList
+
+from tests.console.dialogs import busy, entry, opened
+from tests.console.driving import sitting
+from woz_tui.console.screens.say import complete
+from woz_tui.core import requests as r
+
+# -- say ---------------------------------------------------------------------------------------
+
+
+async def test_type_and_say() -> None:
+    async with sitting() as seat:
+        await opened(seat, "SayDialog")
+        await seat.type("hi, you")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskVerb)
+        assert isinstance(asked, r.AskVerb)
+        assert (asked.verb, asked.args, asked.on) == ("say", {"text": "hi, you"}, "")
+        assert seat.console.dialog is None
+
+
+async def test_history_and_completion() -> None:
+    async with sitting() as seat:
+        for text in ("first", "second"):
+            await opened(seat, "SayDialog")
+            await seat.type(text)
+            await seat.press("enter")
+        await opened(seat, "SayDialog")
+        await seat.press("up")
+        assert entry(seat).value == "second"
+        await seat.press("up")
+        assert entry(seat).value == "first"
+        await seat.press("down", "down")
+        assert entry(seat).value == ""
+        await seat.type("plea")
+        assert "Please look at the map." in seat.drawn()
+        await seat.press("tab")
+        assert entry(seat).value == "please look at the map."
+        entry(seat).value = "Hello {par"
+        await seat.press("tab")
+        assert entry(seat).value == "Hello {participant}"
+
+
+async def test_what_was_typed_survives_a_stop() -> None:
+    async with sitting() as seat:
+        await opened(seat, "SayDialog")
+        await seat.type("half a sen")
+        await seat.press("escape")
+        await seat.until(lambda: seat.console.dialog is None)
+        await opened(seat, "SayDialog")
+        assert entry(seat).value == "half a sen"
+        await seat.type("tence")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskVerb)
+        assert isinstance(asked, r.AskVerb)
+        assert asked.args == {"text": "half a sentence"}
+
+
+async def test_nothing_typed_says_nothing() -> None:
+    async with sitting() as seat:
+        await opened(seat, "SayDialog")
+        await seat.press("space", "enter")
+        assert seat.feed.last(r.AskVerb) is None
+        assert seat.console.dialog is None
+
+
+@pytest.mark.parametrize(
+    ("typed", "whole"),
+    [
+        ("", None),
+        ("Pl", "Please look."),
+        ("PLEASE l", "PLEASE look."),
+        ("Please look.", None),
+        ("x", None),
+        ("a {se", "a {session}"),
+        ("a {participant} {c", "a {participant} {condition}"),
+        ("a {zz", None),
+    ],
+)
+def test_complete(typed: str, whole: str | None) -> None:
+    variables = ["session", "participant", "condition"]
+    assert complete(typed, ["Please look.", "Pleased"], variables) == whole
+
+
+# -- find, note, mistake -----------------------------------------------------------------------
+
+
+async def test_find_an_action_by_a_few_letters_and_play_it() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("rom")
+        found = seat.console.screen.query_one("#found", OptionList)
+        shown = [str(option.prompt) for option in found.options]
+        assert "Roman glass" in shown[0]
+        assert not any("Hello" in line for line in shown)
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert (asked.action, asked.source) == ("Roman glass", "palette")
+
+
+async def test_find_by_words_and_choose_with_the_arrows() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("point")
+        assert seat.console.screen.query_one("#found", OptionList).highlighted == 0
+        await seat.press("down", "enter")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "Point right"
+        await opened(seat, "FindDialog")
+        await seat.type("museum")
+        assert "Welcome" in seat.drawn()
+
+
+async def test_find_locks_panels_and_carries_out_the_consoles_commands() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("lock gest")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskLock)
+        assert isinstance(asked, r.AskLock)
+        assert (asked.panel, asked.locked) == ("Gestures", True)
+        await opened(seat, "FindDialog")
+        await seat.type("light colours")
+        await seat.press("enter")
+        assert seat.console.theme == "woz-light"
+
+
+async def test_find_without_a_match_plays_nothing() -> None:
+    async with sitting() as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("qqqqqq")
+        await seat.press("enter")
+        assert seat.feed.asked == []
+
+
+async def test_a_note() -> None:
+    async with sitting() as seat:
+        await opened(seat, "NoteDialog")
+        await seat.type("looks away")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskNote)
+        assert isinstance(asked, r.AskNote)
+        assert asked.text == "looks away"
+        await opened(seat, "NoteDialog")
+        assert entry(seat).value == ""
+
+
+async def test_a_mistake_is_picked_from_the_log() -> None:
+    async with sitting(busy()) as seat:
+        await opened(seat, "MistakeDialog")
+        await seat.press("down", "down", "enter")
+        asked = seat.feed.last(r.AskMistake)
+        assert isinstance(asked, r.AskMistake)
+        assert asked.run == "a5"

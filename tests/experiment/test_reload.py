@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from tests.experiment.reading import HEAD, ROBOT, panel, read
-from woz_tui.experiment.reload import compare, differences, drivers_changed
+from woz_tui.experiment.reload import compare
 
 BASE = panel("{key: a, label: A, say: Hi}", "{key: b, label: B, say: Ho}") + "script: [A, B]\n"
 
@@ -55,25 +55,25 @@ def test_one_edit(tmp_path: Path, edit: Edit) -> None:
         text = text.replace("script: [A, B]", "script: [A, C]")
         edit = Edit("", "", ["action 'B' is gone", "action 'C' is new", "script changed"])
     new = read(tmp_path, text)
-    assert differences(old, new) == edit.said
-    assert not drivers_changed(old, new)
+    assert list(compare(old, new).changes) == edit.said
+    assert not compare(old, new).drivers
     assert compare(old, new).reloadable
 
 
 def test_nothing_changed(tmp_path: Path) -> None:
-    assert differences(read(tmp_path, BASE), read(tmp_path, BASE)) == []
+    assert list(compare(read(tmp_path, BASE), read(tmp_path, BASE)).changes) == []
 
 
 def test_panels_and_actions_come_go_and_change_places(tmp_path: Path) -> None:
     old = read(tmp_path, BASE + "# \n")
     more = BASE.replace("script:", "  - {title: Q, actions: [{label: D, say: D}]}\nscript:")
     new = read(tmp_path, more)
-    assert differences(old, new) == ["panel 'Q' is new", "action 'D' is new"]
-    assert differences(new, old) == ["panel 'Q' is gone", "action 'D' is gone"]
+    assert list(compare(old, new).changes) == ["panel 'Q' is new", "action 'D' is new"]
+    assert list(compare(new, old).changes) == ["panel 'Q' is gone", "action 'D' is gone"]
     lines = BASE.splitlines(keepends=True)
     lines[5], lines[6] = lines[6], lines[5]
     swapped = read(tmp_path, "".join(lines))
-    assert differences(old, swapped) == ["panel 'P' has its actions in another order"]
+    assert list(compare(old, swapped).changes) == ["panel 'P' has its actions in another order"]
 
 
 def test_drivers_that_changed_forbid_a_reload(tmp_path: Path) -> None:
@@ -89,6 +89,6 @@ def test_drivers_that_changed_forbid_a_reload(tmp_path: Path) -> None:
         "driver 'robot' is new",
     )
     assert not difference.reloadable
-    assert drivers_changed(old, simulated)
+    assert compare(old, simulated).drivers
     kind = read(tmp_path, panel(action, head=ROBOT.replace("voice: {type: voice}", "voice: {type: simulated}")))  # fmt: skip # noqa: E501
     assert compare(old, kind).drivers == ("driver 'voice' is of type simulated, it was voice",)

@@ -10,6 +10,7 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage
 from woz_tui.core import messages as m
+from woz_tui.experiment import template
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.runner import Origin
@@ -296,3 +297,7 @@ def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
     stage = on_stage(tmp_path, scenario)
     labels = [(line.run, line.action) for line in stage.lines if isinstance(line, m.Mistake)]
     assert labels == [("c00002", "say"), ("a00001", "Hello")]
+
+
+def test_the_session_fills_in_just_the_variables_that_files_may_use() -> None:
+    assert set(Identity().values()) == set(template.BUILT_IN)

@@ -31,16 +31,6 @@ def compare(old: Experiment, new: Experiment) -> Difference:
     return Difference((*drivers, *_rest(old, new)), drivers)
 
 
-def differences(old: Experiment, new: Experiment) -> list[str]:
-    """What changed, in words; empty if nothing did."""
-    return list(compare(old, new).changes)
-
-
-def drivers_changed(old: Experiment, new: Experiment) -> bool:
-    """Whether a running session would need other drivers."""
-    return bool(compare(old, new).drivers)
-
-
 def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
     before = {spec.name: spec for spec in old.drivers}
     after = {spec.name: spec for spec in new.drivers}

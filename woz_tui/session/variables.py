@@ -6,11 +6,9 @@ import re
 from collections.abc import Mapping
 
 from woz_tui.core.messages import Json
+from woz_tui.experiment.template import NAME
 
-#: Filled in by the session itself.
-BUILT_IN = ("participant", "condition", "session", "trial", "wizard")
-
-_TOKEN = re.compile(r"\{\{|\}\}|\{([A-Za-z_][A-Za-z0-9_]*)\}")
+_TOKEN = re.compile(rf"\{{\{{|\}}\}}|\{{({NAME.pattern})\}}")
 
 
 class MissingError(ValueError):

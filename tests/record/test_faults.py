@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import shutil
+import threading
 import time
 from pathlib import Path
 
@@ -270,3 +271,22 @@ def test_record_returns_while_the_disk_hangs(tmp_path: Path) -> None:
         it.disk.gate.clear()
         numbers = [it.note() for _ in range(500)]
         assert it.numbers() == numbers, "all of them are with the kernel"
+
+
+def test_a_sync_that_fails_while_the_log_is_closed_is_made_good_elsewhere(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.synced()
+        it.disk.gate.clear()
+        number = it.note()
+        whole: list[bool] = []
+        closing = threading.Thread(target=lambda: whole.append(it.recorder.close()))
+        closing.start()
+        until(
+            lambda: all(thread.name != "log-keeper" for thread in threading.enumerate()),
+            "the keeper's end",
+        )
+        it.disk.faults[it.home] = "sync"
+        it.disk.gate.set()
+        closing.join(20)
+        assert whole == [True]
+        assert it.numbers() == [number]

@@ -190,13 +190,16 @@ class Recorder:
             self._retry_at = 0.0
         self._wake.set()
         self._keeper.join(max(0.0, ends_at - time.monotonic()))
-        with self._lock:
-            segments = [*self._left, *([self._segment] if self._segment else [])]
-        for segment in reversed(segments):
+        self._release_all(ends_at)
+        if self._reason and not self._all_synced():  # its last sync failed: once more, elsewhere
+            self._move_on(self._reason)
+            self._release_all(ends_at)
+        return self._all_synced()
+
+    def _release_all(self, ends_at: float) -> None:
+        for segment in reversed([*self._left, *([self._segment] if self._segment else [])]):
             segment.release(self._rescue)
             segment.join(ends_at - time.monotonic())
-        with self._lock:
-            return self._all_synced()
 
     def _all_synced(self) -> bool:
         return all(backlog.synced == backlog.last for backlog in self._backlogs)

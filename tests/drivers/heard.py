@@ -82,6 +82,7 @@ class Ordered:
     args: Mapping[str, Json] = field(default_factory=dict)
     command: str = "c1"
     announced: list[float] = field(default_factory=list)
+    source: str = "key"
 
     def expects(self, seconds: float) -> None:
         """Remember what the driver announced."""

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 
 from woz_tui.core.clock import Clock, ManualClock
-from woz_tui.core.driver import Health
-from woz_tui.core.messages import Json, Reading, reading
+from woz_tui.core.driver import Ask, Health
+from woz_tui.core.feeds import Feed, Feeds
+from woz_tui.core.messages import Json, Reading, Shown, reading
 
 
 class ListeningOutlet:
@@ -22,6 +23,9 @@ class ListeningOutlet:
         self.healths: list[tuple[Health, str, str]] = []
         self.notices: list[tuple[str, str, str]] = []
         self.modes: list[str] = []
+        self.shown: list[Shown] = []
+        self.asks: list[Ask] = []
+        self.feeds = Feeds()
 
     @property
     def clock(self) -> Clock:
@@ -56,6 +60,17 @@ class ListeningOutlet:
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         self.notices.append((level, text, remedy))
 
+    def show(self, shown: Shown) -> None:
+        self.shown.append(shown)
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        return self.feeds.feed(of, topic)
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        self.asks.append(ask)
+        if done is not None:
+            done(True, "")
+
     def of(self, sensor: str) -> list[Reading]:
         return [found for found in self.readings if found.sensor == sensor]
 
@@ -73,6 +88,7 @@ class PlainJob:
     args: Mapping[str, Json] = field(default_factory=dict)
     command: str = "c1"
     expected: list[float] = field(default_factory=list)
+    source: str = "key"
 
     def expects(self, seconds: float) -> None:
         self.expected.append(seconds)

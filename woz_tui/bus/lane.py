@@ -122,6 +122,11 @@ class LaneJob:
         """Checked arguments."""
         return self._args
 
+    @property
+    def source(self) -> str:
+        """Whose hand it came from."""
+        return self._ticket.command.source
+
     def expects(self, seconds: float) -> None:
         """Publish how long it will take; may be called from any thread."""
         if not math.isfinite(seconds):

@@ -15,7 +15,7 @@ import dataclasses
 import re
 import threading
 import time
-from collections.abc import Awaitable, Iterable, Mapping
+from collections.abc import Awaitable, Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -23,6 +23,7 @@ from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.driver import (
     KINDS,
     Argument,
+    Ask,
     Driver,
     DriverError,
     Finding,
@@ -32,7 +33,8 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.messages import Json
+from woz_tui.core.feeds import Feed, Feeds
+from woz_tui.core.messages import Json, Shown
 
 #: Main argument of the verbs whose names everybody shares.
 COMMON_VERBS: Mapping[str, str] = {
@@ -74,6 +76,7 @@ class Silence:
         self._clock = clock
         self.sensors: set[str] = set()
         self.healths: list[Health] = []
+        self._feeds = Feeds()
 
     @property
     def clock(self) -> Clock:
@@ -111,6 +114,16 @@ class Silence:
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         """Nothing is asked about these."""
 
+    def show(self, shown: Shown) -> None:
+        """Nothing is asked about these."""
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        """Nobody else is there."""
+        return self._feeds.feed(of, topic)
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        """Nobody answers."""
+
 
 @dataclasses.dataclass(frozen=True, slots=True)
 class Trial:
@@ -119,6 +132,7 @@ class Trial:
     command: str = "conformance"
     verb: str = "no-such-verb"
     args: Mapping[str, Json] = dataclasses.field(default_factory=dict)
+    source: str = "program"
 
     def expects(self, seconds: float) -> None:
         """Nobody counts down."""

@@ -8,14 +8,15 @@ out goes through its `Outlet`. `drivers/README.md` builds one step by step.
 from __future__ import annotations
 
 import enum
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, ClassVar, Protocol, runtime_checkable
 
 from woz_tui.core.clock import Clock
+from woz_tui.core.feeds import Feed
 from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
+from woz_tui.core.messages import Json, Shown
 
 #: An argument's type on the wire: text, number, whole, flag, choice, file, seconds, joints
 #: (a mapping joint name -> degrees) or poses (a list of `{joints: ..., seconds: ...}`).
@@ -96,6 +97,11 @@ class Job(Protocol):
         """Checked arguments, defaults filled in."""
         ...
 
+    @property
+    def source(self) -> str:
+        """Whose hand it came from: key, script, palette, midi, program, engagement, replay."""
+        ...
+
     def expects(self, seconds: float) -> None:
         """Say that it will take `seconds` more from now; the console counts down."""
         ...
@@ -108,6 +114,23 @@ class Health(enum.Enum):
     CONNECTED = "connected"
     LOST = "lost"
     FAULTED = "faulted"
+
+
+@dataclass(frozen=True, slots=True)
+class Ask:
+    """What a driver asks of the session: for the hand on its knobs, or for a move with sounds.
+
+    `what` is verb, action, stop, release, script or mark; `name` the verb, the action, the mark.
+    `on` names a driver of the same robot. `source` and `key` go into the log: whose hand it was,
+    and the control it lay on.
+    """
+
+    what: str
+    name: str = ""
+    args: Mapping[str, Json] = field(default_factory=dict)
+    on: str = ""
+    source: str = "driver"
+    key: str = ""
 
 
 class Outlet(Protocol):
@@ -149,6 +172,22 @@ class Outlet(Protocol):
 
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         """A sentence for the wizard; `level` is info, warning or error."""
+        ...
+
+    def show(self, shown: Shown) -> None:
+        """What there is to be seen now: a face, a body's settings, knobs. Say it on a change."""
+        ...
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        """A latest value shared with other drivers of the same robot: your own feed `topic`, or
+        that of the driver `of`.
+        """
+        ...
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        """Ask the session, as the wizard's keys do. `done` is called in the event loop, once:
+        whether it was carried out (or an action begun), and why not.
+        """
         ...
 
 
@@ -236,4 +275,13 @@ class Prepares(Protocol):
 
     async def prepare(self, utterances: list[str]) -> None:
         """Make ready what will probably be said; cancelled when the list changes."""
+        ...
+
+
+@runtime_checkable
+class Resumes(Protocol):
+    """What a driver may offer that moves by itself (breathes, follows another driver)."""
+
+    async def resume(self) -> None:
+        """The stop was released: stir again. Return at once."""
         ...

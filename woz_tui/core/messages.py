@@ -35,6 +35,7 @@ from woz_tui.core.commands import (
     TimedOut,
 )
 from woz_tui.core.envelope import Json, Message
+from woz_tui.core.shown import BodyChanged, ControlsMoved, FaceShown, Shown
 
 #: Names that are defined next door and belong to this module's readers.
 __all__ = [
@@ -45,15 +46,19 @@ __all__ = [
     "ActionRefused",
     "ActionRequested",
     "ActionStopped",
+    "BodyChanged",
     "Command",
+    "ControlsMoved",
     "Dispatched",
     "Done",
     "End",
+    "FaceShown",
     "Failed",
     "Json",
     "Message",
     "Progress",
     "Refused",
+    "Shown",
     "StopConfirmed",
     "StopPressed",
     "StopReleased",
@@ -347,6 +352,9 @@ AnyMessage = (
     | SensorChanged
     | EngagementChanged
     | ModeChanged
+    | FaceShown
+    | BodyChanged
+    | ControlsMoved
     | Marker
     | Note
     | Mistake

@@ -26,7 +26,13 @@ from woz_tui.core.requests import (
 from woz_tui.host import place
 from woz_tui.host.client import LINGER_S, Client
 from woz_tui.host.desk import Desk
-from woz_tui.host.views import joint_limits, panel_views, variable_names, verb_names
+from woz_tui.host.views import (
+    joint_limits,
+    outlines,
+    panel_views,
+    variable_names,
+    verb_names,
+)
 from woz_tui.session.session import Session
 
 PULSE_S = 1.0
@@ -230,6 +236,7 @@ class Host:
                 "dead_man": experiment.session.dead_man,
                 "participant_pattern": experiment.participant_pattern,
                 "joints": joint_limits(session),
+                "outlines": outlines(session),
                 "values": dict(session.values()),
             },
         )

@@ -69,3 +69,17 @@ def joint_limits(session: Session) -> dict[str, Json]:
                     sensor = published[spec.name].get(f"joint.{name}", name)
                     limits[sensor.replace("joint.", "", 1)] = [float(span.low), float(span.high)]
     return limits
+
+
+def outlines(session: Session) -> dict[str, Json]:
+    """What drivers look like, by name, as far as their classes tell: `outline(settings)`.
+
+    A body's outline has the `kind` body, its `joints` from the base up and its `face`; a control
+    panel's has the `kind` panel and its `controls`.
+    """
+    told: dict[str, Json] = {}
+    for spec in session.experiment.drivers:
+        tell = getattr(session.catalogue.get(spec.type), "outline", None)
+        if callable(tell):
+            told[spec.name] = tell(spec.settings)
+    return told

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 
 from woz_tui.bus.guard import guarded
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Driver, Prepares
+from woz_tui.core.driver import Driver, Prepares, Resumes
 from woz_tui.core.hub import Hub
 
 #: Seconds that drivers may take to open, and to rest and to close when the session ends.
@@ -32,6 +32,7 @@ class Crew:
         self._hub = hub
         self._resting: list[asyncio.Task[None]] = []
         self._preparing: dict[str, asyncio.Task[None]] = {}
+        self._asides: set[asyncio.Task[None]] = set()
 
     async def open(self) -> None:
         """Let every driver look for its hardware."""
@@ -74,6 +75,25 @@ class Crew:
         """The stop: no further on the way to the rest pose."""
         for rest in self._resting:
             rest.cancel()
+
+    def resume(self) -> None:
+        """The stop was released: what moves by itself may stir again."""
+        for name, driver in self._drivers.items():
+            one: object = driver
+            if isinstance(one, Resumes):
+                self._aside(name, "resume", one.resume)
+
+    def _aside(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
+        task = asyncio.get_running_loop().create_task(self._told(name, what, call))
+        self._asides.add(task)
+        task.add_done_callback(self._asides.discard)
+
+    async def _told(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
+        try:
+            await guarded(call)
+        except Exception as error:
+            log.exception("%s failed to %s", name, what)
+            self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {error}"))
 
     async def close(self) -> None:
         """Let go of the hardware."""

@@ -7,11 +7,14 @@ import contextlib
 import logging
 import threading
 from collections import deque
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 
+import msgspec
+
 from woz_tui.core.clock import Clock
-from woz_tui.core.driver import Health
+from woz_tui.core.driver import Ask, Health
+from woz_tui.core.feeds import Feed, Feeds
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
     DriverConnected,
@@ -23,6 +26,7 @@ from woz_tui.core.messages import (
     ModeChanged,
     Notice,
     SensorChanged,
+    Shown,
     reading,
 )
 
@@ -39,13 +43,17 @@ CAPACITY = 1000
 #: How many of them are published before the loop has another turn.
 A_TURN = 50
 
+#: Carries out what a driver asks for: its name, the ask, and who hears how it ended.
+Asked = Callable[[str, Ask, Callable[[bool, str], None] | None], None]
+
 log = logging.getLogger(__name__)
 
 
 class DriverOutlet:
     """`core.driver.Outlet` for one driver; repeats of a state are swallowed here.
 
-    `names` are the names under which its sensors are published, where they differ from its own.
+    `names` are the names under which its sensors are published, where they differ from its own;
+    `feeds` are those of the whole session; `asked` carries out what the driver asks for.
     """
 
     def __init__(
@@ -56,8 +64,12 @@ class DriverOutlet:
         folder: Path,
         *,
         names: Mapping[str, str] | None = None,
+        feeds: Feeds | None = None,
+        asked: Asked | None = None,
     ) -> None:
         self._driver = driver
+        self._feeds = feeds or Feeds()
+        self._asked = asked
         self._names = names or {}
         self._hub = hub
         self._clock = clock
@@ -67,7 +79,7 @@ class DriverOutlet:
         self._health: tuple[Health, str] | None = None
         self._sensors: dict[str, str] = {}
         self._mode = ""
-        self._waiting: deque[Message] = deque()
+        self._waiting: deque[Callable[[], object]] = deque()
         self._due = False
         self._dropped = 0
 
@@ -118,14 +130,35 @@ class DriverOutlet:
         """Publish a sentence for the wizard."""
         self._publish(Notice(level=level, text=f"{self._driver}: {text}", remedy=remedy))
 
+    def show(self, shown: Shown) -> None:
+        """Publish what there is to be seen at the driver."""
+        self._publish(msgspec.structs.replace(shown, driver=self._driver))
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        """A feed of this driver, or of another one of the same robot."""
+        robot, dot, _ = self._driver.rpartition(".")
+        return self._feeds.feed(f"{robot}{dot}{of}" if of else self._driver, topic)
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        """Have the session carry `ask` out."""
+        asked = self._asked
+        if asked is not None:
+            self._in_loop(lambda: asked(self._driver, ask, done), keep=True)
+
     def _publish(self, message: Message) -> None:
+        self._in_loop(
+            lambda: self._hub.publish(message), keep=isinstance(message, DriverHealth | Shown)
+        )
+
+    def _in_loop(self, call: Callable[[], object], *, keep: bool) -> None:
+        """Run `call` now or, from another thread, soon; only what is to be kept always is."""
         if threading.get_ident() == self._thread:
-            self._hub.publish(message)
+            call()
             return
-        if len(self._waiting) >= CAPACITY and not isinstance(message, DriverHealth):
+        if len(self._waiting) >= CAPACITY and not keep:
             self._dropped += 1
             return
-        self._waiting.append(message)
+        self._waiting.append(call)
         with contextlib.suppress(RuntimeError):  # the loop has closed: the session is over
             if not self._due:
                 self._due = True
@@ -135,7 +168,7 @@ class DriverOutlet:
         """Publish what threads have said, a part of it at a time: others have their turns too."""
         self._due = False
         for _ in range(min(len(self._waiting), A_TURN)):
-            self._hub.publish(self._waiting.popleft())
+            self._waiting.popleft()()
         if self._waiting and not self._due:
             self._due = True
             self._loop.call_soon(self._deliver)

@@ -94,12 +94,19 @@ class Runner:
         return run_id, ""
 
     def send(
-        self, call: Call, origin: Origin, when_busy: str = "queue", stale: str = ""
+        self,
+        call: Call,
+        origin: Origin,
+        when_busy: str = "queue",
+        stale: str = "",
+        on_end: Callable[[m.End], None] | None = None,
     ) -> m.Command:
         """Send one command that belongs to no action; `stale` says why it is refused at once."""
         command = self._command(call, origin, when_busy=when_busy)
         self._remember(command.command, call.verb)
-        return self._bus.refuse(command, "stale", stale) if stale else self._bus.submit(command)
+        if stale:
+            return self._bus.refuse(command, "stale", stale)
+        return self._bus.submit(command, on_end)
 
     def _remember(self, played: str, name: str) -> None:
         self.played[played] = name

@@ -15,11 +15,13 @@ from woz_tui import __version__
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, timestamp
-from woz_tui.core.driver import Driver, Performer
+from woz_tui.core.driver import Ask, Driver, Performer
+from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Call, Experiment, Place
 from woz_tui.plugins import PluginError
 from woz_tui.record.recorder import Recorder
+from woz_tui.session.asking import Asking, Told
 from woz_tui.session.crew import Crew
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.outlet import DriverOutlet
@@ -92,6 +94,18 @@ class Session:
             self.hub, self.bus, by_name, self.values, self.experiment.session.deadline
         )
         self._by_name = by_name
+        self._asking = Asking(
+            {
+                "action": lambda ask, origin: self.play(ask.name, origin),
+                "script": lambda ask, origin: self.script_next(origin),
+                "stop": lambda ask, origin: self.stop(origin.source),
+                "release": lambda ask, origin: self.release(origin.source),
+                "mark": lambda ask, origin: self.mark(ask.name, origin.source),
+            },
+            self._call,
+            lambda call, origin, on_end: self.runner.send(call, origin, on_end=on_end),
+            self.drivers,
+        )
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
@@ -119,8 +133,17 @@ class Session:
     def _make_drivers(self) -> None:
         folder = self.experiment.path.parent
         names = published_names(self.experiment.drivers)
+        feeds = Feeds()
         for spec in self.experiment.drivers:
-            outlet = DriverOutlet(spec.name, self.hub, self.clock, folder, names=names[spec.name])
+            outlet = DriverOutlet(
+                spec.name,
+                self.hub,
+                self.clock,
+                folder,
+                names=names[spec.name],
+                feeds=feeds,
+                asked=self._asked,
+            )
             try:
                 driver = self.catalogue[spec.type](spec.name, spec.settings, outlet)
             except (Exception, SystemExit) as error:
@@ -230,13 +253,20 @@ class Session:
 
         `stale`: why the press is too old to be sent; the refusal is in the log too.
         """
-        if self.ended:
-            raise AskError("the session is ending")
-        call = Call(verb, dict(args), self._driver_for(verb, on), Place("", 0, 0))
+        call = self._call(verb, args, on)
         command = self.runner.send(call, origin, when_busy or "queue", stale).command
         if stale:
             raise AskError(stale)
         return command
+
+    def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
+        if self.ended:
+            raise AskError("the session is ending")
+        return Call(verb, dict(args), self._driver_for(verb, on), Place("", 0, 0))
+
+    def _asked(self, driver: str, ask: Ask, done: Told | None) -> None:
+        """A driver asks for something; drivers are made before the session is whole."""
+        self._loop.call_soon(lambda: self._asking.ask(driver, ask, done))
 
     def _driver_for(self, verb: str, on: str) -> str:
         offering = [name for name, verbs in self._by_name.items() if verb in verbs]
@@ -288,6 +318,7 @@ class Session:
         """Take actions again."""
         if not self.bus.release(source):
             raise AskError("the stop is not pressed")
+        self._crew.resume()
 
     # -- marks and settings ------------------------------------------------------------------
 

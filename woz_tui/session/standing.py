@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from collections import deque
 
+import msgspec
+
 from woz_tui.core import messages as m
 
 #: How many lines of the log a new console gets for its list.
@@ -21,7 +23,7 @@ class Standing:
 
     def see(self, message: m.AnyMessage) -> None:
         """A listener of the hub."""
-        if not isinstance(message, m.Reading):
+        if not isinstance(message, m.Reading | m.Shown):
             self._recent.append(message)
         match message:
             case m.SessionChanged():
@@ -37,6 +39,8 @@ class Standing:
             case m.StopReleased():
                 self._single.pop("stop", None)
                 self._single.pop("StopConfirmed", None)
+            case m.ControlsMoved():
+                self._controls(message)
             case m.LaneRecovered(driver=driver, lane=lane):
                 self._single.pop(f"LaneFaulted {driver} {lane}", None)
             case _:
@@ -54,6 +58,13 @@ class Standing:
             condition=_newer(message.condition, old.condition),
             trial=message.trial if message.trial is not None else old.trial,
         )
+
+    def _controls(self, moved: m.ControlsMoved) -> None:
+        slot = f"controls {moved.driver}"
+        known = self._single.get(slot)
+        if isinstance(known, m.ControlsMoved):
+            moved = msgspec.structs.replace(moved, values={**known.values, **moved.values})
+        self._single[slot] = moved
 
     def state(self) -> list[m.AnyMessage]:
         """What holds now, in the order in which it came about."""
@@ -84,6 +95,8 @@ _SLOTS: dict[type, tuple[str, ...]] = {
     m.SensorChanged: ("sensor",),
     m.EngagementChanged: (),
     m.ModeChanged: ("driver",),
+    m.FaceShown: ("driver",),
+    m.BodyChanged: ("driver",),
     m.ScriptMoved: (),
     m.PanelLocked: ("panel",),
 }

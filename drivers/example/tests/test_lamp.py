@@ -13,8 +13,9 @@ from woz_driver_lamp import Lamp, LampSettings
 
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.conformance import check
-from woz_tui.core.driver import DriverError, Health, Lost, Probe, Rejected, Scope
-from woz_tui.core.messages import Json
+from woz_tui.core.driver import Ask, DriverError, Health, Lost, Probe, Rejected, Scope
+from woz_tui.core.feeds import Feed
+from woz_tui.core.messages import Json, Shown
 
 
 @dataclass
@@ -49,6 +50,15 @@ class Told:
     def notice(self, level: str, text: str, remedy: str = "") -> None:
         return
 
+    def show(self, shown: Shown) -> None:
+        return
+
+    def feed(self, topic: str, of: str = "") -> Feed:
+        return Feed()
+
+    def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
+        return
+
 
 @dataclass
 class Command:
@@ -58,6 +68,7 @@ class Command:
     verb: str = "glow"
     command: str = "c1"
     expected: list[float] = field(default_factory=list)
+    source: str = "key"
 
     def expects(self, seconds: float) -> None:
         self.expected.append(seconds)

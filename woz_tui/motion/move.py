@@ -1,0 +1,87 @@
+"""What a move is: a length, and what it wants at each moment of it.
+
+A move does not know when it began or how fast it is played; the engine counts. So a speed changed
+half-way changes the pace and not the place, and a late tick is late but never slow.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+
+@dataclass(frozen=True, slots=True)
+class FaceWish:
+    """What a move wants of the face; None leaves a thing as it is.
+
+    `x` and `y` are where the eyes look, -1 (the robot's right, down) to 1 (its left, up); `lid` is
+    how far they are open, 0..1.
+    """
+
+    emotion: str | None = None
+    intensity: float | None = None
+    x: float | None = None
+    y: float | None = None
+    lid: float | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Posture:
+    """What a move wants at one moment, in degrees.
+
+    `roles` (pan, nod, lean, roll) and `joints` are added to the pose held when the move began, at
+    the amplitude it is played with; `places` take the place of that pose.
+    """
+
+    roles: Mapping[str, float] = field(default_factory=dict)
+    joints: Mapping[str, float] = field(default_factory=dict)
+    places: Mapping[str, float] = field(default_factory=dict)
+    face: FaceWish | None = None
+
+
+@dataclass(frozen=True, slots=True)
+class Cue:
+    """Something that happens once, at a moment of a move: a `sound` file to be heard."""
+
+    at: float
+    sound: str = ""
+    volume: float = 1.0
+
+
+class Move(Protocol):
+    """A movement that can be played; frozen, and the same for everybody who plays it."""
+
+    @property
+    def name(self) -> str:
+        """What `play` calls it by."""
+        ...
+
+    @property
+    def summary(self) -> str:
+        """What it looks like, in a few words."""
+        ...
+
+    @property
+    def length(self) -> float:
+        """How long it is: seconds, or beats of the personality's tempo; more than 0."""
+        ...
+
+    @property
+    def beats(self) -> bool:
+        """Whether `length` counts beats."""
+        ...
+
+    @property
+    def stays(self) -> bool:
+        """Whether the last posture is held afterwards; else the pose from before is."""
+        ...
+
+    def at(self, place: float) -> Posture:
+        """What it wants at `place`, from 0 to `length`."""
+        ...
+
+    @property
+    def cues(self) -> tuple[Cue, ...]:
+        """What happens on the way, in order; `at` counts as `length` does."""
+        ...

@@ -1,0 +1,71 @@
+"""What bodies hand to servos, faces and back, through feeds (`core.feeds`)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from woz_tui.motion.frames import Frame
+
+#: Topics of a body's feeds, and of those it reads.
+SETPOINTS, FACE, STATE = "setpoints", "face", "state"
+PRESENT, SEEN = "present", "seen"
+
+
+@dataclass(frozen=True, slots=True)
+class Setpoints:
+    """Feed `setpoints` of a body: where each joint shall be now, in degrees, with the joint's
+    `zero` added. `t_us` is CLOCK_MONOTONIC in microseconds.
+    """
+
+    t_us: int
+    joints: Mapping[str, float]
+
+
+@dataclass(frozen=True, slots=True)
+class Present:
+    """Feed `present` of servos: where each joint is, in degrees; only joints that answer.
+
+    `held` are those whose torque is on.
+    """
+
+    t_us: int
+    joints: Mapping[str, float]
+    held: frozenset[str] = frozenset()
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """Feed `seen` of a camera: the middle of what it looks for, from -1 (left edge, top) to 1
+    (right edge, bottom), and its share of the picture's area, 0..1. None: nothing is seen.
+    `frame` counts pictures.
+    """
+
+    t_us: int
+    frame: int
+    x: float | None
+    y: float | None
+    size: float = 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class Lit:
+    """Feed `face` of a body: the frame that shall be shown, and how bright, 0..1."""
+
+    frame: Frame
+    brightness: float
+
+
+@dataclass(frozen=True, slots=True)
+class State:
+    """Feed `state` of a body: what a control panel must know to agree with it.
+
+    `controls` are the places, 0..1, at which each control of the body stands now; `move` is the
+    move being played, or empty.
+    """
+
+    controls: Mapping[str, float]
+    mode: str
+    emotion: str
+    move: str
+    personality: str

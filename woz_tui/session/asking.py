@@ -1,0 +1,65 @@
+"""What drivers ask of the session: the hands on a control panel, the sounds of a move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Mapping
+
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Ask
+from woz_tui.experiment.shape import Call
+from woz_tui.session.identity import AskError
+from woz_tui.session.runner import Origin
+
+#: Told how an ask ended: whether it was carried out, and why not.
+Told = Callable[[bool, str], None]
+#: Sends a call on to the bus, which tells its end.
+Send = Callable[[Call, Origin, Callable[[m.End], None]], object]
+
+
+class Asking:
+    """Carries out what drivers ask for, as if the wizard had pressed a key.
+
+    Args:
+        carry: What is to be done for action, stop, release, script and mark.
+        call: Makes a call of a verb: raises `AskError` if no driver can be named.
+        send: Sends it.
+        names: Names of all drivers.
+    """
+
+    def __init__(
+        self,
+        carry: Mapping[str, Callable[[Ask, Origin], object]],
+        call: Callable[[str, Mapping[str, m.Json], str], Call],
+        send: Send,
+        names: Container[str],
+    ) -> None:
+        self._carry = carry
+        self._call = call
+        self._send = send
+        self._names = names
+
+    def ask(self, driver: str, ask: Ask, done: Told | None = None) -> None:
+        """Carry out what `driver` asks for; `done` hears how it ended."""
+        tell: Told = done or (lambda carried, why: None)
+        origin = Origin(ask.source, ask.key, driver)
+        try:
+            if ask.what == "verb":
+                call = self._call(ask.name, ask.args, self._within(driver, ask.on))
+                self._send(call, origin, lambda end: tell(isinstance(end, m.Done), end.reason))
+                return
+            carry = self._carry.get(ask.what)
+            if carry is None:
+                raise AskError(f"nobody can be asked for {ask.what!r}")
+            carry(ask, origin)
+        except AskError as error:
+            tell(False, error.reason)
+            return
+        tell(True, "")
+
+    def _within(self, driver: str, on: str) -> str:
+        """The full name of `on` beside `driver`: robots of an experiment keep to themselves."""
+        robot, dot, _ = driver.rpartition(".")
+        if not dot:
+            return on
+        beside = f"{robot}.{on}" if on else robot
+        return beside if not on or beside in self._names else on

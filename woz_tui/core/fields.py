@@ -67,6 +67,20 @@ class Path:
 
 
 @dataclass(frozen=True, slots=True)
+class Sibling:
+    """The name of another driver of the same robot; empty: of none."""
+
+
+@dataclass(frozen=True, slots=True)
+class Included:
+    """A mapping that may also stand in a YAML file of its own: then the file's path is given,
+    relative to the file it stands in. `words` are texts that are meant as they are, and no paths.
+    """
+
+    words: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
 class Seconds:
     """A duration: a number of seconds, or text such as `250 ms`, `2 s`, `10 min`."""
 

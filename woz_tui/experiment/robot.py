@@ -9,10 +9,10 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.core.driver import Driver, Verb
-from woz_tui.core.fields import Range
+from woz_tui.core.fields import Range, Sibling
 from woz_tui.experiment.nodes import Node, Table, described, tree
-from woz_tui.experiment.report import Report, quoted
-from woz_tui.experiment.settings import BAD, read_settings
+from woz_tui.experiment.report import Report, join, quoted
+from woz_tui.experiment.settings import BAD, fields_of, note, read_settings, split
 from woz_tui.experiment.shape import DriverSpec, Place
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, missing, read_text
@@ -163,12 +163,33 @@ class RobotReader:
         table.pop("drivers", None)
         for entry in table.values():
             entry.unknown(("name", "drivers"), "a robot has")
+        before = len(self._robots.drivers)
         entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
         if drivers is not None and entries is not None and not entries:
             drivers.error("no driver stands here")
         for driver, entry in (entries or {}).items():
             if _named(entry, driver):
                 self._typed_driver(entry, f"{prefix}{driver}")
+        for spec in self._robots.drivers[before:]:
+            own = spec.name.removeprefix(prefix)
+            self._siblings(spec, (entries or {})[own].path, own, [*(entries or {})])
+
+    def _siblings(self, spec: DriverSpec, path: str, own: str, known: list[str]) -> None:
+        """Settings that name another driver of the same robot."""
+        shape: type = type(spec.settings)
+        for item in fields_of(shape):
+            name = getattr(spec.settings, item.attribute)
+            if note(split(item.annotation)[1], Sibling) is None or not name:
+                continue
+            others = [driver for driver in known if driver != own]
+            if name not in others:
+                full = join(path, item.name)
+                near = self._report.hint(name, others, or_list="there are")
+                self._report.error(
+                    self._report.place(full, spec.place.file),
+                    full,
+                    f"this robot has no other driver called {quoted(name)}{near}",
+                )
 
     def _typed_driver(self, spot: Spot, name: str) -> None:
         before = len(self._robots.drivers)
@@ -195,6 +216,9 @@ class RobotReader:
             spot.error(str(error) or type(error).__name__)
             return
         settings = read_settings(spot, driver.Settings)
+        for source in self._report.included:
+            if all(known.path != source.path for known in self._sources):
+                self._sources.append(source)
         if settings is BAD:
             self._robots.incomplete = True
             return

@@ -11,6 +11,7 @@ from concurrent.futures import Future
 from dataclasses import dataclass, field
 
 from woz_drivers.dynamixel import servo as servos
+from woz_drivers.dynamixel.following import Following
 from woz_drivers.dynamixel.motion import ARRIVED, Follow, Keyframe, Plan, guard, plan
 from woz_drivers.dynamixel.servo import MISSES, Servo, SilentError, Standing, UnfitError
 from woz_drivers.dynamixel.settings import Settings
@@ -44,13 +45,19 @@ class Move:
 
 
 class Chain:
-    """The servos of one port, for as long as one opening of the port lasts."""
+    """The servos of one port, for as long as one opening of the port lasts.
 
-    def __init__(self, wire: Wire, settings: Settings, outlet: Outlet) -> None:
+    With `following` the joints do what a body wants, but for movements begun here.
+    """
+
+    def __init__(
+        self, wire: Wire, settings: Settings, outlet: Outlet, following: Following | None = None
+    ) -> None:
         self.wire = wire
         self.settings = settings
         self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
         self._outlet = outlet
+        self._following = following
         self._moves: list[Move] = []
         self._upkeep = Upkeep(wire, settings, outlet, self.servos, self.let_go)
         self._probes: deque[Servo] = deque()
@@ -209,6 +216,8 @@ class Chain:
             self._next_refresh = now + REFRESH_S
         self._write(everything=refresh)
         self._end_moves(now)
+        if self._following is not None:
+            self._following.tell(self.servos.values(), now)
         self._probe(now)
         self._upkeep.one_chore(now)
 
@@ -234,12 +243,16 @@ class Chain:
             self._outlet.notice("error", f"{servo.label} no longer answers", servo.remedy)
 
     def _advance(self, now: float, elapsed: float) -> None:
+        if self._following is not None:
+            self._following.look(now)
         for servo in self.servos.values():
             if not servo.moves:
                 continue
             wanted = servo.setpoint
             if servo.track is not None:
                 wanted = servo.track.at(now - servo.track_began)
+            elif self._following is not None:
+                wanted = self._following.wanted(servo, elapsed)
             elif servo.follow is not None:
                 wanted = servo.follow.step(servo.setpoint, elapsed)
                 if servo.follow.arrived(wanted):

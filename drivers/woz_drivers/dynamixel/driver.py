@@ -10,6 +10,7 @@ from typing import Any, ClassVar, TypeVar
 from woz_drivers.dynamixel import verbs
 from woz_drivers.dynamixel.chain import Chain, Move
 from woz_drivers.dynamixel.doctor import examine
+from woz_drivers.dynamixel.following import Following
 from woz_drivers.dynamixel.loop import Action, ServoLoop
 from woz_drivers.dynamixel.motion import Keyframe, Plan
 from woz_drivers.dynamixel.servo import Servo, Standing
@@ -31,6 +32,10 @@ from woz_tui.core.messages import Json
 #: A restarted servo answers again within about a second; after this it is reported missing.
 REBOOT_S = 5.0
 REBOOT_LOOK_S = 0.1
+#: The body that is followed may take so long to its rest pose, in seconds; it is there when no
+#: setpoint has moved by more than `STILL` degrees between two looks for `STILL_S` seconds.
+BODY_REST_S, STILL_S, LOOK_S = 8.0, 0.5, 0.1
+STILL = 0.05
 #: The thread is given so long to end; one tick is enough unless the port hangs.
 JOIN_S = 2.0
 SENSORS = ("joint", "setpoint", "temperature", "voltage", "load")
@@ -55,7 +60,10 @@ class DynamixelServos:
 
     @classmethod
     def verbs(cls, settings: ServoSettings) -> tuple[Verb, ...]:
-        """pose, poses, home, torque; play, gaze, nudge and reboot where the settings allow them."""
+        """pose, poses, home, torque; play, gaze, nudge and reboot where the settings allow them.
+
+        Servos that follow a body leave everything to it but torque and reboot.
+        """
         return verbs.offered(settings)
 
     @classmethod
@@ -66,9 +74,10 @@ class DynamixelServos:
     @classmethod
     def sensors(cls, settings: ServoSettings) -> tuple[str, ...]:
         """Five readings a joint: position and setpoint in degrees (10 Hz), temperature in C,
-        voltage in V, load in % of the maximum (1 Hz).
+        voltage in V, load in % of the maximum (1 Hz). Setpoints are the body's if one is followed.
         """
-        return tuple(f"{kind}.{name}" for kind in SENSORS for name in settings.joints)
+        kinds = [kind for kind in SENSORS if not (settings.follows and kind == "setpoint")]
+        return tuple(f"{kind}.{name}" for kind in kinds for name in settings.joints)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -83,6 +92,8 @@ class DynamixelServos:
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb; returns the setpoints really taken, and what was changed in them."""
         self._stopped = False
+        if self.settings.follows and job.verb not in ("torque", "reboot"):
+            raise Rejected(f"the joints follow {self.settings.follows!r}; ask it to {job.verb}")
         if job.verb in ("pose", "poses", "home", "play"):
             return await self._move(job, verbs.keyframes(self.settings, job.verb, job.args))
         if job.verb in ("gaze", "nudge"):
@@ -102,12 +113,25 @@ class DynamixelServos:
         if scope is Scope.DRIVE:
             return
         self._stopped = True
+        self._follow_body(False)
         if not self._started or not (self.loop.online or self.loop.holding):
             return  # every joint is limp
         await self._ask(lambda chain, _now: chain.freeze())
 
+    async def resume(self) -> None:
+        """The stop was released: follow the body again, slowly until each joint has met it."""
+        self._stopped = False
+        self._follow_body(True)
+
+    def _follow_body(self, follow: bool) -> None:
+        if self.loop.following is not None:
+            self.loop.following.paused = not follow
+
     async def rest(self) -> None:
-        """Move slowly to the rest angles, if there are any, then switch the torque off."""
+        """Move slowly to the rest angles, if there are any, then switch the torque off.
+
+        Joints that follow a body and have no rest angles of their own wait for it to be at rest.
+        """
         try:
             await self._take_rest_pose()
         finally:
@@ -235,10 +259,25 @@ class DynamixelServos:
                 if chain.servos[name].moves
             }
 
+        if not rest and self.loop.following is not None:
+            await self._body_at_rest(self.loop.following)
+            return
         ways = await self._ask(distance)
         if ways:
+            self._follow_body(False)
             seconds = max(ways.values()) / self.settings.rest_speed
             await self._move(None, [Keyframe({name: rest[name] for name in ways}, seconds)])
+
+    async def _body_at_rest(self, following: Following) -> None:
+        """Return when no joint is held, or the body has stood still or been silent for a while."""
+        held, since = await self._ask(_held), 0.0
+        for _ in range(round(BODY_REST_S / LOOK_S)):
+            if not held or following.still or since >= STILL_S:
+                return
+            await asyncio.sleep(LOOK_S)
+            before, held = held, await self._ask(_held)
+            moved = any(abs(held[name] - before.get(name, 0.0)) > STILL for name in held)
+            since = 0.0 if moved else since + LOOK_S
 
     async def _all_limp(self) -> None:
         names = list(self.settings.joints)
@@ -257,6 +296,11 @@ class DynamixelServos:
         if not self._started:
             raise Lost("the servo driver is not open")
         return await asyncio.wrap_future(self.loop.ask(action))
+
+
+def _held(chain: Chain, _now: float) -> dict[str, float]:
+    """Setpoints of the joints that are held."""
+    return {servo.name: servo.setpoint for servo in chain.servos.values() if servo.moves}
 
 
 def _may_hold(servo: Servo) -> bool:

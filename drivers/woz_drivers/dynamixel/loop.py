@@ -15,6 +15,7 @@ from concurrent.futures import Future
 from typing import Any, TypeVar
 
 from woz_drivers.dynamixel.chain import Chain
+from woz_drivers.dynamixel.following import Following
 from woz_drivers.dynamixel.port import ServoPort
 from woz_drivers.dynamixel.servo import Standing
 from woz_drivers.dynamixel.settings import Settings
@@ -43,6 +44,7 @@ class ServoLoop:
         self.holding = False
         self._settings = settings
         self._outlet = outlet
+        self.following = Following(settings, outlet) if settings.follows else None
         self._requests: queue.SimpleQueue[tuple[Action[Any], Future[Any]]] = queue.SimpleQueue()
         self._wake = threading.Event()
         self._closing = False
@@ -106,7 +108,7 @@ class ServoLoop:
         port = ServoPort(settings.port, settings.baud, settings.reply_timeout)
         port.open()
         wire = Wire(port, settings.protocol)
-        chain = Chain(wire, settings, self._outlet)
+        chain = Chain(wire, settings, self._outlet, self.following)
         try:
             chain.connect()
             self._begin(chain)
@@ -119,6 +121,8 @@ class ServoLoop:
             if self.online:
                 self.holding = any(servo.torque for servo in chain.servos.values())
             self.online = False
+            if self.following is not None:
+                self.following.tell((), time.monotonic())
             chain.fail_all(Lost("the servo driver let go of the port"))
             wire.close()
 
@@ -174,7 +178,10 @@ class ServoLoop:
         for servo in chain.servos.values():
             if servo.standing is Standing.READY:
                 self._outlet.reading(f"joint.{servo.name}", round(servo.present, 3), unit="deg")
-                self._outlet.reading(f"setpoint.{servo.name}", round(servo.setpoint, 3), unit="deg")
+                if self.following is None:  # else the body tells them
+                    self._outlet.reading(
+                        f"setpoint.{servo.name}", round(servo.setpoint, 3), unit="deg"
+                    )
 
     def _wait_offline(self) -> None:
         until = time.monotonic() + LOOK_S

@@ -61,6 +61,8 @@ class Servo:
     track: Track | None = None
     track_began: float = 0.0
     follow: Follow | None = None
+    #: Whether it has met the body that it follows, since it last held still.
+    met: bool = False
 
     @property
     def label(self) -> str:
@@ -76,6 +78,7 @@ class Servo:
         """Nothing drives the setpoint any more: it stays where it is."""
         self.track = None
         self.follow = None
+        self.met = False
 
     def settle(self) -> None:
         """Hold where the servo is now."""

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers import tables
-from woz_tui.core.fields import Doc, OneOf, Range
+from woz_tui.core.fields import Doc, OneOf, Range, Sibling
 
 #: The key beside the joints' names in a keyframe.
 SECONDS = "seconds"
@@ -81,6 +81,9 @@ class Settings:
     load_warning: Annotated[float, Range(1, 200, "%"), Doc("warn above")] = 85.0
     voltage_low: Annotated[float | None, Range(0, 60, "V"), Doc("warn below")] = None
     voltage_high: Annotated[float | None, Range(0, 60, "V"), Doc("warn above")] = None
+    follows: Annotated[
+        str, Sibling(), Doc("the body whose setpoints the joints follow; empty: they have verbs")
+    ] = ""
     poses: Annotated[dict[str, dict[str, float]], Doc("named poses: joint names and degrees")] = (
         field(default_factory=dict)
     )
@@ -98,6 +101,7 @@ class Settings:
             *self._role_problems(),
             *self._pose_problems(),
             *self._move_problems(),
+            *self._follow_problems(),
         ]
 
     def _port_problems(self) -> Iterator[tuple[str, str]]:
@@ -186,6 +190,13 @@ class Settings:
                     yield f"{place}.{SECONDS}", f"{seconds:g} is not a positive time"
                 angles = {key: value for key, value in frame.items() if key != SECONDS}
                 yield from self._angles_problems(place, angles)
+
+    def _follow_problems(self) -> Iterator[tuple[str, str]]:
+        if not self.follows:
+            return
+        for name in ("pan", "tilt", "poses", "moves"):
+            if getattr(self, name):
+                yield name, f"does nothing: the joints follow {self.follows!r}, which has the verbs"
 
     def _angles_problems(self, path: str, angles: Mapping[str, float]) -> Iterator[tuple[str, str]]:
         for name, angle in angles.items():

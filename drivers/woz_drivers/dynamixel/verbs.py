@@ -21,7 +21,23 @@ LONGEST = Range(0.0, 60.0, "s")
 
 def offered(settings: Settings) -> tuple[Verb, ...]:
     """The verbs that make sense with these settings."""
-    verbs = [
+    verbs = _power(settings)
+    if settings.follows:
+        return tuple(verbs)
+    verbs = [*_moves(), *verbs]
+    if settings.moves or settings.poses:
+        verbs.append(_play(settings))
+    if settings.pan or settings.tilt:
+        # Each step counts, so `nudge` is queued; of a stream of gazes only the last one counts.
+        verbs += [
+            _turn("gaze", "Look into a direction", 90.0),
+            _turn("nudge", "Look further", 45.0),
+        ]
+    return tuple(verbs)
+
+
+def _moves() -> list[Verb]:
+    return [
         Verb(
             "pose",
             "Move joints to angles in degrees, together",
@@ -43,6 +59,11 @@ def offered(settings: Settings) -> tuple[Verb, ...]:
             (Argument("seconds", "seconds", "time it takes; 0: fastest", False, 2.0, LONGEST),),
             lane=BODY,
         ),
+    ]
+
+
+def _power(settings: Settings) -> list[Verb]:
+    verbs = [
         Verb(
             "torque",
             "Switch the joints on (they hold) or off (they go limp)",
@@ -70,15 +91,7 @@ def offered(settings: Settings) -> tuple[Verb, ...]:
                 lane=POWER,
             )
         )
-    if settings.moves or settings.poses:
-        verbs.append(_play(settings))
-    if settings.pan or settings.tilt:
-        # Each step counts, so `nudge` is queued; of a stream of gazes only the last one counts.
-        verbs += [
-            _turn("gaze", "Look into a direction", 90.0),
-            _turn("nudge", "Look further", 45.0),
-        ]
-    return tuple(verbs)
+    return verbs
 
 
 def _joints(settings: Settings) -> tuple[str, ...]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from functools import lru_cache
 
 from woz_tui.motion.frames import Frame
@@ -24,6 +24,8 @@ Lights = frozenset[Light]
 _ROUND = 0.2
 #: Nothing of an eye or its brow is farther from its middle, in radii.
 _FARTHEST = 3.0
+#: A brow that is shorter on either side would be a single light; in radii.
+_SHORTEST_BROW = 0.33
 
 
 @dataclass(frozen=True, slots=True)
@@ -62,11 +64,12 @@ class Look:
     smile: float = 0.0
 
     def towards(self, other: Look, share: float) -> Look:
-        """The look `share` (0..1) of the way to `other`."""
+        """The look `share` (0..1) of the way to `other`; brows grow where they will be."""
         mine = {field.name: getattr(self, field.name) for field in fields(self)}
-        return Look(
+        between = Look(
             **{name: value + (getattr(other, name) - value) * share for name, value in mine.items()}
         )
+        return replace(between, brow_height=other.brow_height, brow_slant=other.brow_slant)
 
 
 OPEN = Look()
@@ -178,7 +181,7 @@ def _sparks(place: Layout, look: Look) -> Lights:
 
 def brows(place: Layout, look: Look) -> Lights:
     """Both brows; a brow is one light thick for each three of the eye's radius, at least one."""
-    if look.brow <= 0:
+    if look.brow < _SHORTEST_BROW:
         return frozenset()
     half = max(1.0, place.radius / 3) / place.radius / 2
 

@@ -24,9 +24,10 @@ from woz_tui.motion.eyes import (
     mouth,
 )
 from woz_tui.motion.frames import Frame
+from woz_tui.motion.inputs import EMOTIONS
 from woz_tui.motion.shapes import FaceShape
 
-__all__ = ["CRASH_S", "FaceState", "draw"]
+__all__ = ["CRASH_S", "FaceState", "draw", "prepare"]
 
 #: An emotion grows in this many steps from neutral to its strongest.
 STEPS = 20
@@ -65,6 +66,12 @@ def draw(state: FaceState, shape: FaceShape) -> Frame:
     closing = squeezed(eyes, _within(state.lid, 0.0, 1.0, 1.0))
     across, down = _gaze(place, eyes | rest, state)
     return frame_of(place, ((x + across, y + down) for x, y in closing | rest))
+
+
+def prepare(shape: FaceShape) -> None:
+    """Work out every emotion's pictures now, so that no later `draw` takes longer than others."""
+    for emotion in EMOTIONS:
+        _grown(layout(shape), emotion)
 
 
 def _within(value: float, low: float, high: float, otherwise: float) -> float:

@@ -41,9 +41,11 @@ class ControlsMoved(Shown, frozen=True, kw_only=True, omit_defaults=True, tag="c
     """Knobs, sliders and buttons of a panel: name -> 0..127, only those that moved.
 
     `waiting` names all controls that do not count yet, because the robot's value is another than
-    the hand's (soft take-over); `lit` names all buttons whose light is on.
+    the hand's (soft take-over); `targets` tells where some of them begin to count, 0..127. `lit`
+    names all buttons whose light is on.
     """
 
     values: dict[str, int]
     waiting: list[str] = msgspec.field(default_factory=list)
+    targets: dict[str, int] = msgspec.field(default_factory=dict)
     lit: list[str] = msgspec.field(default_factory=list)

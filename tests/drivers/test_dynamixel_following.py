@@ -1,0 +1,250 @@
+"""Servos that follow a body: slowly at first, then at once, and never beyond their own limits."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+import math
+import random
+import time
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import pytest
+from woz_drivers.dynamixel import DynamixelServos, Joint, Settings
+
+from tests.drivers.heard import Ordered, until
+from tests.drivers.servo_stand import Stand, head, stand
+from tests.fakes.servos import ServoBus
+from woz_tui.core.driver import Lost, Rejected, Scope
+from woz_tui.core.messages import DriverConnected, DriverLost
+from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
+
+COUNT = 360 / 4096
+SPEED, SLOW = 300.0, 60.0
+#: Far enough in the future that setpoints put once do not grow old in a test.
+LATER_S = 1000.0
+
+
+def placed(bus: ServoBus) -> None:
+    for number, position in ((11, 1700.0), (12, 2100.0), (13, 2300.0)):
+        motor = bus.servo(number)
+        motor.position = position
+        motor.put(132, 4, round(position))
+        motor.put(116, 4, 0)
+
+
+def say(it: Stand, joints: Mapping[str, object], age: float = -LATER_S) -> None:
+    """What the body says, `age` seconds ago."""
+    t_us = round((time.monotonic() - age) * 1e6)
+    it.heard.outlet.feed(SETPOINTS, of="body").put(Setpoints(t_us, joints))  # type: ignore[arg-type]
+
+
+def present(it: Stand) -> Present | None:
+    value = it.heard.outlet.feed(PRESENT).latest().value
+    return value if isinstance(value, Present) else None
+
+
+def steps(goals: Sequence[int]) -> float:
+    """The longest step between two goals, in degrees."""
+    return max((abs(b - a) for a, b in itertools.pairwise(goals)), default=0) * COUNT
+
+
+def most(speed: float) -> float:
+    """The longest step at a speed: a late tick may catch up two periods; rounding."""
+    return speed * 0.02 * 2 + 2 * COUNT
+
+
+def raw(degrees: float, direction: int = 1) -> int:
+    return 2048 + direction * round(degrees / COUNT)
+
+
+def following(folder: Path) -> Settings:
+    return head(folder, follows="body", rest_speed=SLOW)
+
+
+@pytest.mark.toolkit("R4", "G1")
+async def test_the_first_goal_is_the_present_pose_and_the_way_to_the_body_is_slow(
+    tmp_path: Path,
+) -> None:
+    async with stand(tmp_path, prepare=placed, follows="body", rest_speed=SLOW) as it:
+        say(it, {"pan": 20.0, "tilt": -10.0, "roll": 5.0})
+        await it.ticks(5)
+        assert it.bus.goals(11) == []  # limp: nothing is written
+        await it.do("torque", on=True)
+        await until(lambda: it.bus.goals(11)[-1] == raw(20.0))
+        await until(lambda: it.bus.goals(13)[-1] == raw(5.0, -1))
+        for number, first in ((11, 1700), (12, 2100), (13, 2300)):
+            goals = it.bus.goals(number)
+            assert goals[0] == first
+            assert steps(goals) <= most(SLOW)
+
+
+@pytest.mark.toolkit("R2")
+async def test_once_met_a_joint_follows_without_delay(tmp_path: Path) -> None:
+    async with stand(tmp_path, follows="body", rest_speed=SLOW) as it:
+        say(it, {"pan": 1.0})
+        await it.do("torque", on=True)
+        await until(lambda: it.bus.goals(11)[-1] == raw(1.0))
+        for target in (3.0, 5.0, 2.0, -1.0):  # each within one tick at 300 deg/s
+            before = len(it.bus.goals(11))
+            say(it, {"pan": target})
+            await until(lambda before=before: len(it.bus.goals(11)) > before)  # type: ignore[misc]
+            assert it.bus.goals(11)[before] == raw(target)
+
+
+@pytest.mark.toolkit("R4", "R1", "R2")
+async def test_whatever_the_body_says_goals_stay_in_range_and_under_speed(tmp_path: Path) -> None:
+    dice = random.Random(4)
+    nonsense = (math.nan, math.inf, -math.inf, 1e300, -1000.0, 90.001)
+    async with stand(tmp_path, follows="body", torque=True) as it:
+        await until(lambda: it.bus.servo(11).torque)
+        say(it, {"pan": 0.0, "tilt": 0.0, "roll": 0.0})
+        await it.ticks(3)
+        for _ in range(60):
+            names = dice.sample(["pan", "tilt", "roll", "nose"], dice.randint(0, 4))
+            say(it, {n: dice.choice([*nonsense, dice.uniform(-200, 200)]) for n in names})
+            await it.ticks(dice.randint(0, 2))
+        for number, low, high in ((11, -90, 90), (12, -40, 30), (13, -45, 45)):
+            goals = it.bus.goals(number)
+            assert len(goals) > 10 or number != 11
+            assert all(raw(low) <= goal <= raw(high) for goal in goals)
+            assert steps(goals) <= most(SPEED)
+
+
+@pytest.mark.toolkit("G1")
+async def test_a_body_that_falls_silent_leaves_the_joints_where_they_are(tmp_path: Path) -> None:
+    async with stand(tmp_path, follows="body", rest_speed=SLOW, torque=True) as it:
+        say(it, {"pan": 10.0})
+        await until(lambda: bool(it.bus.goals(11)) and it.bus.goals(11)[-1] == raw(10.0))
+        say(it, {"pan": 60.0}, age=0.6)  # said by a body that died on the way
+        await it.noticed("body says nothing any more")
+        await it.ticks(10)
+        assert it.bus.goals(11)[-1] == raw(10.0)
+        before = len(it.bus.goals(11))
+        say(it, {"pan": 30.0})
+        await it.noticed("body is there")
+        await until(lambda: it.bus.goals(11)[-1] == raw(30.0))
+        assert steps(it.bus.goals(11)[before - 1 :]) <= most(SLOW)
+
+
+@pytest.mark.toolkit("M4")
+async def test_a_stop_holds_and_a_release_follows_again_slowly(tmp_path: Path) -> None:
+    async with stand(tmp_path, follows="body", rest_speed=SLOW, torque=True) as it:
+        say(it, {"pan": 40.0})
+        await until(lambda: bool(it.bus.goals(11)) and it.bus.goals(11)[-1] > raw(5.0))
+        await it.driver.stop(Scope.ALL)
+        held = it.bus.goals(11)[-1]
+        say(it, {"pan": -40.0})
+        await it.ticks(10)
+        assert it.bus.goals(11)[-1] == held
+        before = len(it.bus.goals(11))
+        await it.driver.resume()
+        await until(lambda: it.bus.goals(11)[-1] == raw(-40.0))
+        assert steps(it.bus.goals(11)[before - 1 :]) <= most(SLOW)
+
+
+@pytest.mark.toolkit("R4")
+async def test_a_cable_pulled_and_plugged_in_again_begins_anew(tmp_path: Path) -> None:
+    async with stand(tmp_path, follows="body", rest_speed=SLOW, torque=True) as it:
+        say(it, {"pan": 15.0})
+        await until(lambda: bool(it.bus.goals(11)) and it.bus.goals(11)[-1] == raw(15.0))
+        it.bus.pull()
+        await it.heard.first(DriverLost)
+        found = present(it)
+        assert found is not None and not found.joints and not found.held
+        it.bus.plug()
+        await it.heard.first(DriverConnected, after=1)
+        await it.ticks(3)
+        assert not it.bus.servo(11).torque
+        placed(it.bus)  # somebody turned it in the meantime
+        await it.ticks(3)
+        before = len(it.bus.goals(11))
+        await it.do("torque", on=True)
+        await until(lambda: it.bus.goals(11)[-1] == raw(15.0))
+        goals = it.bus.goals(11)[before:]
+        assert goals[0] == 1700
+        assert steps(goals) <= most(SLOW)
+
+
+async def test_what_is_told_to_the_body(tmp_path: Path) -> None:
+    async with stand(tmp_path, prepare=placed, follows="body") as it:
+        await until(lambda: (found := present(it)) is not None and len(found.joints) == 3)
+        found = present(it)
+        assert found is not None
+        assert found.joints["pan"] == pytest.approx((1700 - 2048) * COUNT)
+        assert found.held == frozenset()
+        assert abs(found.t_us / 1e6 - time.monotonic()) < 30
+        await it.do("torque", on=True, joint="tilt")
+        await until(lambda: (now := present(it)) is not None and now.held == {"tilt"})
+
+
+async def test_only_torque_and_reboot_are_left_to_ask_for(tmp_path: Path) -> None:
+    async with stand(tmp_path, follows="body") as it:
+        settings = it.driver.settings
+        assert [verb.name for verb in it.driver.verbs(settings)] == ["torque", "reboot"]
+        assert not [name for name in it.driver.sensors(settings) if name.startswith("setpoint")]
+        with pytest.raises(Rejected, match="follow 'body'"):
+            await it.driver.perform(Ordered("pose", {"joints": {"pan": 3.0}, "seconds": 1.0}))
+        await it.heard.until(lambda: bool(it.heard.values("joint.pan")))
+        assert it.heard.values("setpoint.pan") == []
+
+
+def test_settings_that_a_follower_does_not_use_are_told(tmp_path: Path) -> None:
+    settings = head(tmp_path / "x", follows="body", pan="pan", poses={"up": {"tilt": 3.0}})
+    assert {path for path, _ in settings.problems()} == {"pan", "poses"}
+    assert following(tmp_path / "x").problems() == []
+
+
+async def test_the_torque_stays_until_the_body_is_at_rest(tmp_path: Path) -> None:
+    joints = {"pan": Joint(id=11, min=-90, max=90, speed=SPEED)}
+    async with stand(
+        tmp_path, ids=(11,), joints=joints, follows="body", torque=True, rest_speed=SPEED
+    ) as it:
+        say(it, {"pan": 0.0})
+        await until(lambda: it.bus.servo(11).torque)
+        await it.ticks(2)
+        rest = asyncio.create_task(it.driver.rest())
+        for target in range(0, 30, 2):
+            say(it, {"pan": float(target)})
+            await it.ticks(3)
+            assert it.bus.servo(11).torque
+        await rest
+        assert not it.bus.servo(11).torque
+        assert it.bus.goals(11)[-1] == raw(28.0)
+
+
+async def test_without_a_line_a_follower_is_lost_like_any_servo(tmp_path: Path) -> None:
+    async with stand(tmp_path, follows="body") as it:
+        say(it, {"pan": 5.0})
+        it.bus.pull()
+        await it.heard.first(DriverLost)
+        with pytest.raises(Lost):
+            await it.driver.perform(Ordered("torque", {"on": True}))
+        await it.driver.stop(Scope.ALL)  # limp joints: nothing to stop
+
+
+@contextmanager
+def five(folder: Path) -> Iterator[tuple[dict[str, Joint], Sequence[int]]]:
+    names = ("base", "lean", "neck", "nod", "roll")
+    yield (
+        {name: Joint(id=21 + i, min=-60, max=60, speed=SPEED) for i, name in enumerate(names)},
+        tuple(range(21, 26)),
+    )
+
+
+@pytest.mark.toolkit("R6")
+async def test_five_joints_follow_as_three_do(tmp_path: Path) -> None:
+    with five(tmp_path) as (joints, ids):
+        async with stand(tmp_path, ids=ids, joints=joints, follows="body", torque=True) as it:
+            assert isinstance(it.driver, DynamixelServos)
+            targets = {name: 4.0 * (index - 2) for index, name in enumerate(joints)}
+            say(it, targets)
+            for number, target in zip(ids, targets.values(), strict=True):
+                await until(
+                    lambda number=number, target=target: (
+                        bool(it.bus.goals(number))  # type: ignore[misc]
+                        and it.bus.goals(number)[-1] == raw(target)
+                    )
+                )

@@ -26,8 +26,8 @@ AXES: Mapping[str, Vector] = {
 }
 
 #: What moves and gestures are written in: they are shared out among joints by `roles`.
-#: pan turns the head to its left, nod lowers it, lean brings it forward and up, roll cocks it to
-#: its right.
+#: pan turns the head to its left, nod makes it look down, lean raises it and draws it back (so a
+#: negative lean brings it forward), roll cocks it to its right.
 ROLES = ("pan", "nod", "lean", "roll")
 
 #: How a gaze or a pose gets from here to there.

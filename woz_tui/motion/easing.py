@@ -1,7 +1,8 @@
-"""How a value gets from one key frame to the next: shares of the way over shares of the time."""
+"""How a value gets from one place to the next: shares of the way over shares of the time."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 
 Easing = Callable[[float], float]
@@ -37,6 +38,13 @@ EASINGS: Mapping[str, Easing] = {
     "hold": hold,
 }
 
+#: Those of gaze and pose, each with its highest speed as a multiple of the mean speed.
+EASE: Mapping[str, tuple[Easing, float]] = {
+    "linear": (linear, 1.0),
+    "smooth": (smooth, 1.5),
+    "minimum-jerk": (minimum_jerk, 1.875),
+}
+
 
 def ease(name: str, share: float) -> float:
     """The share of the way after `share` of the time, both 0..1; shares outside are clamped."""
@@ -49,3 +57,38 @@ def swell(place: float, length: float, ramp: float) -> float:
     Multiplied with it, any swing begins and ends at zero with zero speed.
     """
     return smooth(min(1.0, max(0.0, min(place, length - place) / ramp)))
+
+
+def followed(value: float, goal: float, time_constant: float, dt: float) -> float:
+    """`value` after it followed `goal` for `dt` seconds as a first-order filter does.
+
+    The result does not depend on how `dt` is cut into steps; without a time constant it is there.
+    """
+    if time_constant <= 0.0:
+        return goal
+    return goal + (value - goal) * math.exp(-dt / time_constant)
+
+
+class Eased:
+    """A value that takes `seconds` for each change, from rest to rest, and never jumps."""
+
+    def __init__(self, value: float, seconds: float) -> None:
+        self.value = value
+        self._goal = value
+        self._start = value
+        self._seconds = seconds
+        self._elapsed = seconds
+
+    def aim(self, goal: float) -> None:
+        """Where to; the same goal again changes nothing."""
+        if goal != self._goal:
+            self._start, self._goal, self._elapsed = self.value, goal, 0.0
+
+    def step(self, dt: float) -> None:
+        """Go on for `dt` seconds."""
+        self._elapsed += dt
+        if self._elapsed >= self._seconds:
+            self.value = self._goal
+            return
+        share = smooth(self._elapsed / self._seconds)
+        self.value = self._start + (self._goal - self._start) * share

@@ -201,7 +201,8 @@ class SimulatedRobot:
         self._tell_health(now)
         samples = self._visitor.step(self._world(now)) if self._visitor else []
         if self._gone(now) is None:
-            self._publisher.body(self._body, now)
+            if not self._settings.voice_only:
+                self._publisher.body(self._body, now)
             self._publisher.samples({sample.sensor: sample for sample in samples}, now)
             if self._visitor is not None:
                 self._outlet.sensor("loudness", "speaking" if self._visitor.talking else "quiet")
@@ -217,8 +218,10 @@ class SimulatedRobot:
         elif alarm is not None:
             self._outlet.health(Health.FAULTED, *_alarm(alarm))
         else:
-            self._outlet.health(Health.CONNECTED, f"simulated, {len(self._body.joints)} joints")
-            self._outlet.mode(self._performance.mode)
+            what = "a voice" if self._settings.voice_only else f"{len(self._body.joints)} joints"
+            self._outlet.health(Health.CONNECTED, f"simulated, {what}")
+            if not self._settings.voice_only:
+                self._outlet.mode(self._performance.mode)
 
     # -- time -----------------------------------------------------------------------------------
 

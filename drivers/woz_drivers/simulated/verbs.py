@@ -16,6 +16,8 @@ _METRES = Range(-5, 5, "m")
 
 def offered(settings: Settings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
+    if settings.voice_only:
+        return _voice()
     return (*_voice(), *_body(settings), *_face(settings), _drive(), *_control(settings))
 
 
@@ -23,6 +25,8 @@ def sensors(settings: Settings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
     seen = (*SENSORS, "loudness.threshold") if settings.visitor else ()
+    if settings.voice_only:
+        return seen
     return (*joints, "base.x", "base.y", "base.heading", *seen)
 
 

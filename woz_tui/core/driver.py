@@ -122,7 +122,8 @@ class Ask:
 
     `what` is verb, action, stop, release, script or mark; `name` the verb, the action, the mark.
     `on` names a driver of the same robot. `source` and `key` go into the log: whose hand it was,
-    and the control it lay on.
+    and the control it lay on. `when_busy` (queue, replace, refuse; empty: queue) says what a verb
+    does while another one of its lane is under way.
     """
 
     what: str
@@ -131,6 +132,7 @@ class Ask:
     on: str = ""
     source: str = "driver"
     key: str = ""
+    when_busy: str = ""
 
 
 class Outlet(Protocol):

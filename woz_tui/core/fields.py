@@ -74,7 +74,8 @@ class Sibling:
 @dataclass(frozen=True, slots=True)
 class Included:
     """A mapping that may also stand in a YAML file of its own: then the file's path is given,
-    relative to the file it stands in. `words` are texts that are meant as they are, and no paths.
+    relative to the file it stands in. It stands at a type united with text. `words` are texts that
+    are meant as they are, and no paths.
     """
 
     words: tuple[str, ...] = ()

@@ -6,6 +6,7 @@ import difflib
 from collections.abc import Iterable
 
 from woz_tui.experiment.shape import ExperimentError, Place, Problem
+from woz_tui.experiment.source import Source
 
 #: A file with more errors than this is another kind of file; the rest is counted, not listed.
 MAX_PROBLEMS = 200
@@ -25,6 +26,8 @@ class Report:
         #: Problems that say what is missing, by file and path of it; and what was there, misspelt.
         self._missing: dict[Problem, tuple[str, str]] = {}
         self._misspelt: set[tuple[str, str]] = set()
+        #: Files that settings stand in, in the order in which they were read.
+        self.included: list[Source] = []
 
     def file(self, name: str) -> None:
         """Files are reported in the order in which they were read."""

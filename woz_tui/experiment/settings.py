@@ -18,6 +18,7 @@ from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from woz_tui.core import fields
+from woz_tui.experiment.include import include
 from woz_tui.experiment.nodes import Items, Node, Scalar, Table, described
 from woz_tui.experiment.report import Report, join
 from woz_tui.experiment.spot import (
@@ -242,6 +243,9 @@ def _united(spot: Spot, members: tuple[Any, ...], notes: tuple[Any, ...]) -> Any
     """The first type that fits, the narrowest first; text fits nearly always, so it is last."""
     if type(None) in members and isinstance(spot.node, Scalar) and spot.node.null:
         return None
+    included = note(notes, fields.Included)
+    if included is not None and isinstance(spot.node, Scalar):
+        return _included(spot, members, included.words)
     fitting = [kind for kind in members if _fits(spot.node, kind)]
     fitting.sort(key=_breadth)
     if len(fitting) == 1:
@@ -254,6 +258,14 @@ def _united(spot: Spot, members: tuple[Any, ...], notes: tuple[Any, ...]) -> Any
     kinds = " or ".join(_spoken(kind) for kind in members if kind is not type(None))
     spot.error(f"expected {kinds}, not {described(spot.node)}")
     return BAD
+
+
+def _included(spot: Spot, members: tuple[Any, ...], words: Sequence[str]) -> Any:
+    """One of the words that stand for themselves, or what the file holds."""
+    if isinstance(spot.node, Scalar) and spot.node.text in words:
+        return spot.node.text
+    root = include(spot, words)
+    return BAD if root is None else _united(root, members, ())
 
 
 def _fits(node: Node, annotation: Any) -> bool:

@@ -12,8 +12,8 @@ from woz_tui.session.runner import Origin
 
 #: Told how an ask ended: whether it was carried out, and why not.
 Told = Callable[[bool, str], None]
-#: Sends a call on to the bus, which tells its end.
-Send = Callable[[Call, Origin, Callable[[m.End], None]], object]
+#: Sends a call on to the bus, which is told what to do while it is busy, and tells its end.
+Send = Callable[[Call, Origin, str, Callable[[m.End], None]], object]
 
 
 class Asking:
@@ -45,7 +45,10 @@ class Asking:
         try:
             if ask.what == "verb":
                 call = self._call(ask.name, ask.args, self._within(driver, ask.on))
-                self._send(call, origin, lambda end: tell(isinstance(end, m.Done), end.reason))
+                busy = ask.when_busy or "queue"
+                self._send(
+                    call, origin, busy, lambda end: tell(isinstance(end, m.Done), end.reason)
+                )
                 return
             carry = self._carry.get(ask.what)
             if carry is None:

@@ -103,7 +103,7 @@ class Session:
                 "mark": lambda ask, origin: self.mark(ask.name, origin.source),
             },
             self._call,
-            lambda call, origin, on_end: self.runner.send(call, origin, on_end=on_end),
+            lambda call, origin, busy, on_end: self.runner.send(call, origin, busy, on_end=on_end),
             self.drivers,
         )
         self._timers: dict[str, asyncio.TimerHandle] = {}

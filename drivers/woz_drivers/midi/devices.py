@@ -1,0 +1,119 @@
+"""Which MIDI devices there are, and how to open one.
+
+ALSA gives every MIDI port a character device, /dev/snd/midiC<card>D<device>, from which raw bytes
+are read and to which they are written; nothing else is needed. Source: ALSA's RawMidi interface,
+kernel documentation "sound/designs/midi-2.0" and alsa-lib's rawmidi reference.
+"""
+
+from __future__ import annotations
+
+import errno
+import os
+import re
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+
+DEV, PROC = Path("/dev/snd"), Path("/proc/asound")
+_NODE = re.compile(r"midiC(\d+)D(\d+)")
+#: ` 1 [nanoKONTROL2   ]: USB-Audio - nanoKONTROL2`
+_CARD = re.compile(r"^\s*(\d+) \[(.*?)\s*\]: \S+ - (.*)$", re.MULTILINE)
+
+
+class DeviceError(Exception):
+    """There is no such device, or it cannot be opened: what is wrong, and what to do about it."""
+
+    def __init__(self, what: str, remedy: str = "") -> None:
+        super().__init__(what)
+        self.what = what
+        self.remedy = remedy
+
+
+@dataclass(frozen=True, slots=True)
+class Device:
+    """A MIDI port of a sound card."""
+
+    path: str
+    card: str
+    name: str
+
+    def called(self, wanted: str) -> bool:
+        """Whether `wanted` is its card's short name, or a part of the long one."""
+        word = wanted.casefold()
+        return word == self.card.casefold() or word in self.name.casefold()
+
+
+def present(dev: Path = DEV, proc: Path = PROC) -> list[Device]:
+    """The devices that are plugged in now, in the order of their cards."""
+    try:
+        cards = {
+            number: (card, name.strip())
+            for number, card, name in _CARD.findall((proc / "cards").read_text("utf-8", "replace"))
+        }
+        nodes = [(match, node) for node in dev.iterdir() if (match := _NODE.fullmatch(node.name))]
+    except OSError:
+        return []
+    nodes.sort(key=lambda found: (int(found[0][1]), int(found[0][2])))
+    return [
+        Device(str(node), *cards.get(match[1], (f"card {match[1]}", ""))) for match, node in nodes
+    ]
+
+
+def is_path(wanted: str) -> bool:
+    """Whether a device is named by its path and not by its card."""
+    return "/" in wanted
+
+
+def path_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> str:
+    """The path of the device `wanted`: a path, relative to `folder`, a card's name, or nothing for
+    the first one. Raises `DeviceError`.
+    """
+    if is_path(wanted):
+        return str(folder / Path(wanted).expanduser())
+    devices = present(dev, proc)
+    for device in devices:
+        if not wanted or device.called(wanted):
+            return device.path
+    missing = f"no MIDI device is called {wanted!r}" if wanted else "no MIDI device is there"
+    raise DeviceError(missing, f"plug the panel in; {listed(devices)}")
+
+
+def listed(devices: list[Device]) -> str:
+    """What is plugged in, as the end of a sentence."""
+    if not devices:
+        return "no MIDI device is plugged in now"
+    return "plugged in now: " + ", ".join(f"{it.card} ({it.path})" for it in devices)
+
+
+def open_device(path: str) -> tuple[int, bool]:
+    """A descriptor that never blocks, and whether it can be written to. Raises `DeviceError`.
+
+    From a FIFO or a plain file, a recording for instance, is only read.
+    """
+    flags = os.O_NONBLOCK | os.O_NOCTTY | os.O_CLOEXEC
+    try:
+        if stat.S_ISCHR(Path(path).stat().st_mode):
+            try:
+                return os.open(path, os.O_RDWR | flags), True
+            except OSError as error:
+                if error.errno not in (errno.EACCES, errno.EPERM, errno.EROFS):
+                    raise
+        return os.open(path, os.O_RDONLY | flags), False
+    except (OSError, ValueError) as error:
+        raise explained(path, error) from error
+
+
+def explained(path: str, error: Exception) -> DeviceError:
+    """Why `path` could not be opened, and what to do."""
+    match getattr(error, "errno", None):
+        case errno.ENOENT | errno.ENXIO | errno.ENODEV | errno.EIO:
+            return DeviceError(f"{path} is not there", f"plug the panel in; {listed(present())}")
+        case errno.EACCES | errno.EPERM:
+            return DeviceError(
+                f"no permission to open {path}",
+                "sudo usermod -aG audio $USER, then log out and in again",
+            )
+        case errno.EBUSY | errno.EAGAIN:
+            return DeviceError(f"{path} is in use by another program", "end the other program")
+    reason = getattr(error, "strerror", None) or str(error)
+    return DeviceError(f"{path} cannot be opened: {reason}", listed(present()))

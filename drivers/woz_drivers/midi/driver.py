@@ -1,0 +1,250 @@
+"""The driver: from the panel's bytes to what is asked of the session, and back to its lights."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from woz_drivers.midi import doctor
+from woz_drivers.midi.fitted import Fitted, fitted, found_by
+from woz_drivers.midi.hands import Button, Knob
+from woz_drivers.midi.layouts import LAYOUTS, Signal
+from woz_drivers.midi.learning import Lesson, begin_lesson
+from woz_drivers.midi.lights import Lights
+from woz_drivers.midi.port import MidiPort
+from woz_drivers.midi.settings import MidiSettings
+from woz_drivers.midi.wire import Decoder, MidiMessage
+from woz_tui.core.driver import Ask, Finding, Health, Job, Outlet, Probe, Rejected, Scope, Verb
+from woz_tui.core.messages import ControlsMoved, Json
+from woz_tui.motion.setpoints import STATE, State
+
+#: How often the robot's state is looked at, and how often what moved is shown, in seconds.
+LOOK_S = 0.05
+TAKE_OVER = "take-over"
+
+
+class MidiPanel:
+    """One panel in front of one robot; see `docs/midi.md`.
+
+    The panel moves nothing by itself: what it asks for is carried out, logged and refused as if a
+    key had been pressed. Pulling its cable changes nothing at the robot.
+    """
+
+    Settings: ClassVar[type] = MidiSettings
+    summary: ClassVar[str] = "a MIDI panel of knobs, sliders and buttons"
+
+    def __init__(self, name: str, settings: MidiSettings, outlet: Outlet) -> None:
+        self.name = name
+        self._outlet = outlet
+        self._controls = fitted(settings)
+        self._by_signal = found_by(self._controls)
+        layout = LAYOUTS[settings.panel.layout]
+        self._layout = layout
+        self._with_lights = settings.lights
+        self._lights = Lights(layout, (it.control for it in self._controls))
+        active = [it for it in self._controls if not it.free]
+        self._feeds = {it.on: outlet.feed(STATE, of=it.on) for it in active}
+        self._knobs = {
+            it.name: Knob(it, self._ask, self._now_us) for it in active if not it.pressed
+        }
+        self._buttons = {it.name: Button(it, self._ask) for it in active if it.pressed}
+        self._decoder = Decoder()
+        self._port = MidiPort(
+            settings.device or settings.panel.device or layout.device,
+            outlet.folder,
+            on_open=self._opened,
+            on_bytes=self._received,
+            on_trouble=self._troubled,
+        )
+        self._watch: asyncio.Task[None] | None = None
+        self._moved: dict[str, int] = {}
+        self._shown: tuple[list[str], list[str]] = ([], [])
+        self._shown_us = -1_000_000
+        self._stopped = False
+        self._hinted = False
+
+    # -- what the class tells ------------------------------------------------------------------
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """It takes the hand's values over at once, where the hand shall win."""
+        return (Verb(TAKE_OVER, "let the robot take the panel's values as they are"),)
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """None: what moves is shown and asked for, not measured."""
+        return ()
+
+    @classmethod
+    def outline(cls, settings: Any) -> dict[str, Json]:
+        """The panel as the console draws it."""
+        return {
+            "kind": "panel",
+            "name": settings.panel.title,
+            "controls": [_drawn(it) for it in fitted(settings)],
+        }
+
+    @classmethod
+    def asks(cls, settings: Any) -> tuple[tuple[str, Ask], ...]:
+        """Everything its controls may ask for, each with the path of the setting that says so."""
+        panel: MidiSettings = settings
+        return tuple((panel.said_at(it.name), ask) for it in fitted(panel) for ask in it.asks())
+
+    @classmethod
+    def lesson(cls, device: str, settings: Any) -> Lesson:
+        """Listen to a panel to learn its controls: `woz midi learn`."""
+        return begin_lesson(device, settings)
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Which devices there are, whether this one may be used, what its map leaves free."""
+        return doctor.examine(probe.name, probe.settings, probe.folder)
+
+    # -- the bus -------------------------------------------------------------------------------
+
+    async def open(self) -> None:
+        """Begin to look for the panel."""
+        self._outlet.health(Health.CONNECTING, "looking for the panel")
+        self._port.start()
+        self._watch = asyncio.create_task(self._look_on())
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Take over."""
+        if job.verb != TAKE_OVER:
+            raise Rejected(f"{self.name} is a panel; it cannot {job.verb}")
+        taken = [name for name, knob in self._knobs.items() if knob.waiting]
+        for name in taken:
+            self._knobs[name].jump()
+        self._look()
+        return {"controls": ", ".join(taken)}
+
+    async def stop(self, scope: Scope) -> None:
+        """Nothing moves here; the stop's own light goes on."""
+        if scope is Scope.ALL:
+            self._stopped = True
+            self._look()
+
+    async def resume(self) -> None:
+        """The stop was released."""
+        self._stopped = False
+        self._look()
+
+    async def rest(self) -> None:
+        """Nothing moves here."""
+
+    async def close(self) -> None:
+        """Lights off, let go of the panel."""
+        if self._watch is not None:
+            self._watch.cancel()
+            await asyncio.gather(self._watch, return_exceptions=True)
+        lights = self._lights.wanted(()) + self._layout.end if self._with_lights else b""
+        await self._port.close(lights)
+
+    # -- the panel -----------------------------------------------------------------------------
+
+    def _opened(self, path: str) -> None:
+        self._decoder = Decoder()
+        self._lights.forget()
+        self._outlet.health(Health.CONNECTED, path)
+        if self._with_lights:
+            self._port.write(self._layout.begin)
+        self._look()
+
+    def _troubled(self, what: str, remedy: str) -> None:
+        for knob in self._knobs.values():
+            knob.pickup.forget()
+        for button in self._buttons.values():
+            button.let_go()
+        self._outlet.health(Health.LOST, what, remedy)
+        self._look()
+
+    def _received(self, data: bytes) -> None:
+        for message in self._decoder.feed(data):
+            self._take(message)
+        if self._now_us() - self._shown_us >= LOOK_S * 1_000_000:
+            self._look()
+
+    def _take(self, message: MidiMessage) -> None:
+        signal = Signal(message.kind, message.number, message.channel)
+        it = self._by_signal.get(signal) or self._by_signal.get(
+            Signal(message.kind, message.number)
+        )
+        if it is None:
+            return
+        self._moved[it.name] = message.value
+        state = self._state(it.on)
+        if it.name in self._buttons:
+            self._buttons[it.name].take(message.value, state)
+        elif it.name in self._knobs:
+            knob = self._knobs[it.name]
+            knob.take(message.value, state)
+            if knob.waiting:
+                self._hint(it, state)
+
+    def _ask(self, ask: Ask, done: Any) -> None:
+        self._outlet.ask(ask, done)
+
+    def _now_us(self) -> int:
+        return self._outlet.clock.now_us()
+
+    def _state(self, on: str) -> State | None:
+        feed = self._feeds.get(on)
+        value = feed.latest().value if feed is not None else None
+        return value if isinstance(value, State) else None
+
+    def _hint(self, it: Fitted, state: State | None) -> None:
+        """Once: why the first control that is touched moves nothing."""
+        if self._hinted:
+            return
+        self._hinted = True
+        if state is None:
+            self._outlet.notice(
+                "info", f"{it.name} moves nothing: {it.on!r} does not tell where it stands"
+            )
+            return
+        self._outlet.notice(
+            "info",
+            f"{it.name} does not move {it.label} yet, which stands elsewhere",
+            "turn it past the mark; from there on the robot follows",
+        )
+
+    # -- showing -------------------------------------------------------------------------------
+
+    async def _look_on(self) -> None:
+        while True:
+            await asyncio.sleep(LOOK_S)
+            self._look()
+
+    def _look(self) -> None:
+        """Compare the hands with the robot, switch lights, show what is new."""
+        for knob in self._knobs.values():
+            knob.look(self._state(knob.fitted.on))
+        lit = [name for name, button in self._buttons.items() if self._is_lit(button)]
+        if self._with_lights and self._port.ready:
+            self._port.write(self._lights.wanted(lit))
+        waiting = [name for name, knob in self._knobs.items() if knob.waiting]
+        if not self._moved and (waiting, lit) == self._shown:
+            return
+        if self._now_us() - self._shown_us < LOOK_S * 1_000_000:
+            return
+        moved, self._moved = self._moved, {}
+        self._shown, self._shown_us = (waiting, lit), self._now_us()
+        self._outlet.show(ControlsMoved(values=moved, waiting=waiting, lit=lit))
+
+    def _is_lit(self, button: Button) -> bool:
+        if button.fitted.mapped.stop == "all":
+            return self._stopped
+        return button.on(self._state(button.fitted.on))
+
+
+def _drawn(it: Fitted) -> dict[str, Json]:
+    control = it.control
+    return {
+        "name": control.name,
+        "kind": control.kind,
+        "column": control.column,
+        "row": control.row,
+        "label": it.label,
+        "takes_over": it.soft,
+    }

@@ -1,0 +1,154 @@
+"""From a control's values to what is asked of the session: never more than one at a time."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from woz_drivers.midi.fitted import Fitted
+from woz_drivers.midi.mapped import MOMENTARY, START, TOGGLE
+from woz_drivers.midi.pickup import Pickup
+from woz_tui.core.driver import Ask
+from woz_tui.motion.setpoints import State
+
+#: Asks the session; the function is told how it ended.
+Asking = Callable[[Ask, Callable[[bool, str], None]], None]
+#: Presses of one button that may be under way at once: a move lasts, and is started anew by the
+#: next press. More are presses of nobody's finger; of those the last one counts.
+PRESSES_AT_ONCE = 8
+#: After an answer it takes so long, in microseconds, until the robot's state surely shows it.
+SETTLED_US = 100_000
+
+
+class Line:
+    """What is under way to the session; the latest waits for its turn, so none is lost at the end.
+
+    Order is kept: what waits is sent when the one before has been answered.
+    """
+
+    def __init__(self, asking: Asking, at_once: int) -> None:
+        self._asking = asking
+        self._at_once = at_once
+        self._under_way = 0
+        self._waiting: Ask | None = None
+        self.on_answer: Callable[[bool], None] = lambda carried: None
+
+    @property
+    def idle(self) -> bool:
+        """Whether everything has been answered."""
+        return self._under_way == 0
+
+    def send(self, ask: Ask) -> None:
+        """Ask, now or as soon as there is room."""
+        if self._under_way >= self._at_once:
+            self._waiting = ask
+            return
+        self._under_way += 1
+        self._asking(ask, self._answered)
+
+    def _answered(self, carried: bool, why: str) -> None:
+        self._under_way -= 1
+        waiting, self._waiting = self._waiting, None
+        if waiting is not None:
+            self.send(waiting)
+        else:
+            self.on_answer(carried)
+
+
+class Knob:
+    """A knob or slider: follows the hand, if it has hold of the value.
+
+    Args:
+        fitted: Which one.
+        asking: Asks the session.
+        now_us: The session's clock.
+    """
+
+    def __init__(self, fitted: Fitted, asking: Asking, now_us: Callable[[], int]) -> None:
+        self.fitted = fitted
+        low, high = fitted.mapped.range
+        self.pickup = Pickup(low, high, jump=not fitted.soft)
+        self._now_us = now_us
+        self._line = Line(asking, 1)
+        self._line.on_answer = self._answered
+        self._answered_us = 0
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the hand has moved it without getting hold of the value."""
+        return self.pickup.hand is not None and not self.pickup.held
+
+    def take(self, value: int, state: State | None) -> None:
+        """The hand moved it to `value`, 0..127."""
+        self.look(state)
+        to = self.fitted.place(value)
+        if self.pickup.turn(to, self._present(state)):
+            self._line.send(self.fitted.turned(to))
+
+    def look(self, state: State | None) -> None:
+        """Compare with the robot's state, unless something is under way that it cannot show yet."""
+        if self._line.idle and self._now_us() - self._answered_us >= SETTLED_US:
+            self.pickup.compare(self._present(state))
+
+    def jump(self) -> None:
+        """Take over where the hand is."""
+        if self.waiting and self.pickup.hand is not None:
+            self.pickup.held = True
+            self.pickup.sent = self.pickup.hand
+            self._line.send(self.fitted.turned(self.pickup.hand))
+
+    def _present(self, state: State | None) -> float | None:
+        return None if state is None else state.controls.get(self.fitted.mapped.control)
+
+    def _answered(self, carried: bool) -> None:
+        self._answered_us = self._now_us()
+        if not carried:
+            self.pickup.drop()
+
+
+class Button:
+    """A button or a pad: asks when it is pressed; when it is let go only if it is momentary."""
+
+    def __init__(self, fitted: Fitted, asking: Asking) -> None:
+        self.fitted = fitted
+        self._line = Line(asking, PRESSES_AT_ONCE)
+        self._down = False
+        #: Whether a toggling verb is on; nobody else knows.
+        self._on = False
+
+    def take(self, value: int, state: State | None) -> None:
+        """It sent `value`: 0 when it is let go."""
+        down = value > 0
+        was, self._down = self._down, down
+        mapped = self.fitted.mapped
+        if down and not was:
+            taken_back = mapped.press == TOGGLE and self.on(state)
+            self._on = not taken_back
+            ask = self.fitted.back() if taken_back else self.fitted.press()
+            if ask is not None:
+                self._line.send(ask)
+        elif was and not down and mapped.press == MOMENTARY:
+            self._on = False
+            ask = self.fitted.back()
+            if ask is not None:
+                self._line.send(ask)
+
+    def let_go(self) -> None:
+        """The panel is gone, and with it the finger."""
+        self.take(0, None)
+
+    def on(self, state: State | None) -> bool:
+        """Whether what it does is so now, as its light shows."""
+        mapped = self.fitted.mapped
+        if self.fitted.free or state is None:
+            return False
+        what = mapped.doing[0]
+        if what == "control":
+            low, high = mapped.range
+            at = state.controls.get(mapped.control)
+            return at is not None and (at >= (low + high) / 2) is not mapped.reversed
+        if what == "verb":
+            if mapped.verb == "personality" and "name" in mapped.args:
+                return bool(state.personality == mapped.args["name"])
+            return self._on and mapped.press != START
+        shown = {"play": state.move, "emotion": state.emotion, "mode": state.mode}
+        return what in shown and shown[what] == getattr(mapped, what)

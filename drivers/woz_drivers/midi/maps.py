@@ -1,0 +1,105 @@
+"""Maps that need no file, both for a panel laid out as the Korg nanoKONTROL2.
+
+`nanokontrol2` is how the EyePi robot was played in its published program (UTRobotics, University
+of Twente). `thesis` is appendix A of J. Oosterkamp's thesis, where controls have names and no
+numbers: buttons 1-8 are the upper row (S, control changes 32-39), 9-16 the middle one (M, 48-55),
+17-24 the lower one (R, 64-71); knobs are 16-23, sliders 0-7. The thesis leaves out button 15; the
+mode without a button, saccade following, lies there. Neither source uses the transport keys: the
+session's own things are there.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_drivers.midi.mapped import Mapped
+from woz_drivers.midi.settings import PanelMap
+
+_TRANSPORT = {
+    "stop": Mapped(stop="all"),
+    "cycle": Mapped(release=True),
+    "play": Mapped(script=True),
+    "record": Mapped(mark="panel"),
+}
+
+
+def _play(move: str) -> Mapped:
+    return Mapped(play=move)
+
+
+NANOKONTROL2 = PanelMap(
+    title="EyePi on a Korg nanoKONTROL2",
+    layout="nanokontrol2",
+    controls={
+        "slider-1": Mapped(control="middle"),
+        "slider-2": Mapped(control="top", reversed=True),
+        "slider-3": Mapped(control="zoom"),
+        "slider-5": Mapped(control="arousal"),
+        "slider-6": Mapped(control="valence"),
+        "slider-7": Mapped(control="intensity"),
+        "slider-8": Mapped(control="eye-y"),
+        "knob-1": Mapped(control="pitch"),
+        "knob-2": Mapped(control="tempo"),
+        "knob-3": Mapped(control="smoothing"),
+        "knob-4": Mapped(control="compression"),
+        "knob-7": Mapped(control="brightness"),
+        "knob-8": Mapped(control="eye-x"),
+        "button-3": _play("nod"),
+        "button-4": Mapped(stop="normal"),
+        "button-5": Mapped(mode="demo"),
+        "button-6": Mapped(emotion="friendly"),
+        "button-7": Mapped(emotion="neutral"),
+        "button-8": Mapped(emotion="happy"),
+        "button-11": _play("shake"),
+        "button-12": _play("point-left"),
+        "button-13": _play("point-right"),
+        "button-14": Mapped(mode="tracking"),  # ours: that program had no key for it
+        "button-15": Mapped(emotion="sleepy"),
+        "button-16": Mapped(emotion="amazed"),
+        "button-19": _play("dance"),
+        "button-20": _play("point-middle"),
+        "button-21": Mapped(mode="saccade"),
+        "button-22": Mapped(emotion="crash"),
+        "button-23": Mapped(emotion="sad"),
+        "button-24": Mapped(emotion="angry"),
+        **_TRANSPORT,
+    },
+)
+
+THESIS = PanelMap(
+    title="Oosterkamp's appendix A on a Korg nanoKONTROL2",
+    layout="nanokontrol2",
+    controls={
+        "knob-1": Mapped(control="pitch"),
+        "knob-2": Mapped(control="tempo"),
+        "knob-3": Mapped(control="smoothing"),
+        "knob-4": Mapped(control="compression"),
+        "knob-8": Mapped(control="eye-x"),
+        "button-7": _play("nod"),
+        "button-8": _play("shake"),
+        "button-9": _play("dance"),
+        "button-10": Mapped(stop="normal"),
+        "button-11": Mapped(stop="normal"),
+        "button-12": Mapped(stop="normal"),
+        "button-13": Mapped(mode="demo"),
+        "button-14": Mapped(mode="tracking"),
+        "button-15": Mapped(mode="saccade"),
+        "button-18": Mapped(emotion="crash"),
+        "button-19": Mapped(emotion="neutral"),
+        "button-20": Mapped(emotion="sleepy"),
+        "button-21": Mapped(emotion="sad"),
+        "button-22": Mapped(emotion="happy"),
+        "button-23": Mapped(emotion="amazed"),
+        "button-24": Mapped(emotion="angry"),
+        "slider-1": Mapped(control="middle"),
+        "slider-2": Mapped(control="top"),
+        "slider-3": Mapped(control="zoom"),
+        "slider-5": Mapped(control="arousal"),
+        "slider-6": Mapped(control="valence"),
+        "slider-7": Mapped(control="intensity"),
+        **_TRANSPORT,
+    },
+)
+
+#: By the names under which robot files know them.
+BUILT_IN: Mapping[str, PanelMap] = {"nanokontrol2": NANOKONTROL2, "thesis": THESIS}

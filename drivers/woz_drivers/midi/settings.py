@@ -1,0 +1,100 @@
+"""What a robot file and a map file may say about a MIDI panel."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field, replace
+from typing import Annotated
+
+from woz_drivers.midi.layouts import LAYOUTS
+from woz_drivers.midi.mapped import JUMP, SOFT, Mapped
+from woz_drivers.midi.rules import claimed_twice, found_in
+from woz_tui.core.fields import Doc, Included, OneOf
+
+
+@dataclass(frozen=True, slots=True)
+class PanelMap:
+    """A whole panel: a file of its own, or right in the robot file."""
+
+    title: Annotated[str, Doc("what it is")] = ""
+    layout: Annotated[
+        str, OneOf(tuple(LAYOUTS)), Doc("a panel whose controls are known by name; none: see cc")
+    ] = "none"
+    device: Annotated[str, Doc("the sound card's name, as in /proc/asound/cards")] = ""
+    controls: Annotated[dict[str, Mapped], Doc("control -> what it does")] = field(
+        default_factory=dict
+    )
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What does not fit together: pairs of a setting's path and a sentence."""
+        layout = LAYOUTS[self.layout]
+        return [*found_in(self.controls, layout), *claimed_twice(self, tuple(self.controls))]
+
+
+@dataclass(frozen=True, slots=True)
+class MidiSettings:
+    """What a robot file may say about a MIDI panel."""
+
+    map: Annotated[
+        PanelMap | str,
+        Included(("nanokontrol2", "thesis")),
+        Doc("nanokontrol2, thesis, a map file, or the map right here"),
+    ] = "nanokontrol2"
+    device: Annotated[
+        str, Doc("sound card's name (nanoKONTROL2), or a path; empty: what the map says")
+    ] = ""
+    controls: Annotated[
+        dict[str, Mapped], Doc("controls that do something else than the map says")
+    ] = field(default_factory=dict)
+    on: Annotated[str, Doc("the driver whose controls these are")] = "body"
+    take_over: Annotated[
+        str,
+        OneOf((SOFT, JUMP)),
+        Doc("soft: a control counts once it has passed the robot's value; jump: at once"),
+    ] = SOFT
+    lights: Annotated[bool, Doc("switch the lights of buttons")] = True
+
+    @property
+    def panel(self) -> PanelMap:
+        """The map with this robot's own changes."""
+        base = self.map if isinstance(self.map, PanelMap) else built_in()[self.map]
+        changed = {name: _over(base.controls.get(name), it) for name, it in self.controls.items()}
+        return replace(base, controls={**base.controls, **changed})
+
+    def said_at(self, control: str) -> str:
+        """The path of the setting that says what `control` does."""
+        if control in self.controls:
+            return f"controls.{control}"
+        return f"map.controls.{control}" if isinstance(self.map, PanelMap) else "map"
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What does not fit together: pairs of a setting's path and a sentence."""
+        panel = self.panel
+        own = {name: panel.controls[name] for name in self.controls}
+        return [*found_in(own, LAYOUTS[panel.layout]), *claimed_twice(panel, tuple(own))]
+
+
+def _over(base: Mapped | None, change: Mapped) -> Mapped:
+    """`change`, with what the control sends and looks like taken over where it says nothing."""
+    if base is None or change.signals:
+        return change
+    looks = {
+        name: getattr(change, name) or getattr(base, name) for name in ("kind", "column", "row")
+    }
+    return replace(
+        change,
+        cc=base.cc,
+        note=base.note,
+        program=base.program,
+        bend=base.bend,
+        channel=base.channel,
+        lamp=base.lamp if change.lamp is None else change.lamp,
+        **looks,
+    )
+
+
+def built_in() -> Mapping[str, PanelMap]:
+    """The maps that need no file."""
+    from woz_drivers.midi.maps import BUILT_IN  # noqa: PLC0415 - maps are made of these shapes
+
+    return BUILT_IN

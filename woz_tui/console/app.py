@@ -17,20 +17,16 @@ from textual.app import App, ComposeResult
 from textual.driver import Driver
 
 from woz_tui.console.caps import Cap, cap_of, key_name
-from woz_tui.console.cells import Cells, fit
+from woz_tui.console.cells import Cells
 from woz_tui.console.desk import Desk
-from woz_tui.console.events import Events
 from woz_tui.console.feed import Feed, Incoming
 from woz_tui.console.glyphs import UNICODE, Frame
-from woz_tui.console.layout import LEAST, WHOLE, Body, Needs
 from woz_tui.console.look import SIXTEEN, THEMES, Look
-from woz_tui.console.meters import Meters
-from woz_tui.console.panels import Panels
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Dialog
-from woz_tui.console.script import Script
-from woz_tui.console.status import Line, Status
-from woz_tui.console.stopbar import HINTS, Bar, News, StopBar
+from woz_tui.console.status import Line
+from woz_tui.console.stopbar import HINTS, Bar, News
+from woz_tui.console.surface import Surface
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.requests import AskRelease, Reply, Welcome
 from woz_tui.experiment.builtins import BUILTIN, Builtin
@@ -47,7 +43,6 @@ BEAT = 0.1
 NEWS_S = 8.0
 #: Seconds a pressed key cap stays lit.
 FLASH_S = 0.25
-SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
 
 class Console(App[str]):
@@ -113,19 +108,14 @@ class Console(App[str]):
         self._stop_asked: int | None = None
         self._painted = 0
         self._loop: asyncio.AbstractEventLoop | None = None
-        self._status, self._bar, self._small = Status(), StopBar(), Cells(id="small")
-        self._panels, self._meters, self._events = Panels(), Meters(), Events()
-        self._script, self._body = Script(), Body()
+        self._surface = Surface()
+        self._panels = self._surface.panels
 
     # -- putting together ---------------------------------------------------------------------
 
     def compose(self) -> ComposeResult:
-        """Status on top, panels, meters and events, script, stop bar."""
-        yield self._status
-        with self._body:
-            yield from (self._panels, self._meters, self._events, self._script)
-        yield self._small
-        yield self._bar
+        """The main screen."""
+        yield from self._surface.compose()
 
     def on_mount(self) -> None:
         """Begin to listen and to paint."""
@@ -247,13 +237,6 @@ class Console(App[str]):
             self.paint()
 
     def _show(self, now: int) -> None:
-        self._status.paint(
-            self.picture,
-            self._frame(self._status, now),
-            Line(self.feed.line_ok, self.feed.round_trip_us, self._key("failures")),
-        )
-        for widget in (self._panels, self._meters, self._events, self._script):
-            widget.paint(self.picture, self._frame(widget, now))
         bar = Bar(
             self._news,
             self._hints(),
@@ -261,13 +244,13 @@ class Console(App[str]):
             self._key("release"),
             self._stop_asked,
         )
-        self._bar.paint(self.picture, self._frame(self._bar, now), bar)
-        sentence, width = f" {SMALL.format(*self.size)}", self.size.width
-        self._small.show([((fit(sentence, width, self.look.glyphs.ellipsis), "warn"),)])
+        line = Line(self.feed.line_ok, self.feed.round_trip_us, self._key("failures"))
+        frame = functools.partial(self._frame, now)
+        self._surface.paint(self.picture, frame, line, bar, self.size)
         if self.dialog is not None:
             self.dialog.refreshed()
 
-    def _frame(self, widget: Cells, now: int) -> Frame:
+    def _frame(self, now: int, widget: Cells) -> Frame:
         return Frame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _hints(self) -> tuple[tuple[str, str], ...]:
@@ -279,12 +262,9 @@ class Console(App[str]):
         return key_name(found.press, self.look.glyphs) if found is not None else ""
 
     def _measure(self) -> None:
-        """Choose what fits: everything, no side, or a sentence and the stop."""
-        (width, height), base = self.size, self.screen_stack[0]
-        base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
-        base.set_class(width < LEAST.width or height < LEAST.height, "-tiny")
-        needs = Needs(self._panels.needs(self.picture, self.look.glyphs), self._meters.needs)
-        if self._body.lay_out(self.size, needs):
+        """Give all parts their places; those that have moved are painted when they are there."""
+        base, glyphs = self.screen_stack[0], self.look.glyphs
+        if self._surface.measure(self.size, base, self.picture, glyphs):
             self.call_after_refresh(self.paint)
 
     def on_resize(self) -> None:

@@ -6,6 +6,7 @@ by a plain function from the picture to rows, so it can be tested without a scre
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from typing import ClassVar
 
@@ -38,11 +39,18 @@ LOOKS = (
     "alarm-soft",
     "stale",
     "flash",
+    "face-1",
+    "face-2",
+    "face-3",
+    "face-4",
 )
 
 #: Control characters would reach the terminal as they are: they become blanks.
 _CLEAN = dict.fromkeys((*range(32), *range(127, 160), 0x2028, 0x2029, 0x200E, 0x200F), " ")
 _CLEAN |= dict.fromkeys(range(0x202A, 0x202F), " ") | dict.fromkeys(range(0x2066, 0x206A), " ")
+
+#: Texts all of whose characters take one cell each: Latin letters, lines, blocks, dots.
+_SINGLE = re.compile("[\\x20-\\x7e\\xa0-\\u02ff\\u2500-\\u25ff\\u2800-\\u28ff]*")
 
 
 def clean(text: str) -> str:
@@ -152,13 +160,22 @@ def _difference(old: Row, new: Row, y: int, width: int) -> Region:
     start = 0
     for a, b in zip(old, new, strict=False):
         if a != b:
+            start += _alike(a, b)
             break
         start += cell_len(a[0])
     end = length(new)
     for a, b in zip(reversed(old), reversed(new), strict=False):
         if a != b:
+            end -= _alike((a[0][::-1], a[1]), (b[0][::-1], b[1]))
             break
         end -= cell_len(a[0])
     if end <= start:
         return Region(0, y, width, 1)
     return Region(start, y, end - start, 1)
+
+
+def _alike(old: Piece, new: Piece) -> int:
+    """Cells at the front of two pieces that need no painting."""
+    if old[1] != new[1] or not (_SINGLE.fullmatch(old[0]) and _SINGLE.fullmatch(new[0])):
+        return 0
+    return next((i for i, (a, b) in enumerate(zip(old[0], new[0], strict=False)) if a != b), 0)

@@ -22,6 +22,12 @@ def seconds(us: int) -> str:
     return f"{value:.1f} s" if value < 99.95 else f"{value:.0f} s"
 
 
+def age(us: int) -> str:
+    """`4 s`, from a hundred seconds on in minutes."""
+    value = max(0, us) / 1_000_000
+    return f"{value:.0f} s" if value < 99.5 else f"{value / 60:.0f} min"
+
+
 def millis(us: int) -> str:
     """`23 ms`, from ten seconds on in seconds."""
     return f"{us / 1000:.0f} ms" if us < 10_000_000 else seconds(us)

@@ -2,7 +2,8 @@
 
 Narrow: panels above, meters and events side by side below. Wide: panels at the left, meters and
 events at the right. Roomy: the same with the events under the panels, where their lines have room,
-and the script with its words under the meters.
+and the script with its words under the meters. Bodies stand with the meters: beside them where it
+is narrow, under them elsewhere.
 """
 
 from __future__ import annotations
@@ -20,6 +21,9 @@ ROOMY = 40
 SIDE, TALL_SIDE, TALL = 7, 12, 32
 #: Lines of status and stop bar.
 BARS = 4
+#: Lines of bodies under the meters on a wide screen and on a roomy one; columns of each body, and
+#: bodies at the most, beside the meters.
+LOW_BODIES, BODIES, BODY_WIDTH, NARROW_BODIES = 6, 20, 14, 2
 #: Lines the events keep at least.
 EVENTS = 10
 #: The smallest screen with all parts, and the smallest with panels.
@@ -27,10 +31,11 @@ WHOLE, LEAST = Size(80, 24), Size(50, 12)
 
 
 class Needs(NamedTuple):
-    """Lines that panels and meters would like to have, headings included."""
+    """Lines that panels and meters would like to have, headings included; how many bodies."""
 
     panels: int
     meters: int
+    bodies: int = 0
 
 
 def shape(screen: Size) -> str:
@@ -47,23 +52,54 @@ def upper(screen: Size, needs: Needs) -> int:
         case "narrow":
             return max(3, body - (TALL_SIDE if screen.height >= TALL else SIDE))
         case "wide":
-            return max(3, min(needs.meters + 1, body * 3 // 5))
+            return max(3, min(needs.meters + beneath(screen, needs) + 1, body * 3 // 5))
         case _:
-            return max(3, min(max(needs.panels, needs.meters) + 1, body - EVENTS))
+            side = needs.meters + beneath(screen, needs)
+            return max(3, min(max(needs.panels, side) + 1, body - EVENTS))
+
+
+def beneath(screen: Size, needs: Needs) -> int:
+    """Lines of bodies under the meters."""
+    if not needs.bodies:
+        return 0
+    return {"narrow": 0, "wide": LOW_BODIES, "roomy": BODIES}[shape(screen)]
+
+
+def at_side(screen: Size, needs: Needs) -> int:
+    """Columns of bodies beside the meters."""
+    if shape(screen) != "narrow":
+        return 0
+    return BODY_WIDTH * min(needs.bodies, NARROW_BODIES)
+
+
+class Side(Container):
+    """Meters and bodies."""
+
+    def lay_out(self, lines: int, columns: int) -> None:
+        """Give the bodies their place: lines under the meters, or columns beside them."""
+        bodies = self.query_one("BodyPane")
+        bodies.display = bool(lines or columns)
+        self.set_class(bool(columns), "-beside")
+        bodies.styles.height = lines or "100%"
+        bodies.styles.width = columns or "100%"
 
 
 class Body(Container):
     """All between the status line and the stop bar."""
 
-    _laid_out: tuple[str, int] | None = None
+    _laid_out: tuple[object, ...] | None = None
 
     def lay_out(self, screen: Size, needs: Needs) -> bool:
         """Give every part its place; says whether one has moved."""
-        wanted = (shape(screen), upper(screen, needs))
+        below, beside = beneath(screen, needs), at_side(screen, needs)
+        wanted = (shape(screen), upper(screen, needs), below, beside and screen.width)
         if wanted == self._laid_out:
             return False
         self._laid_out = wanted
         for name in ("narrow", "wide", "roomy"):
             self.set_class(name == wanted[0], f"-{name}")
         self.styles.grid_rows = f"{wanted[1]} 1fr"
+        columns = f"{(screen.width + beside) // 2} 1fr" if beside else "1fr 1fr"
+        self.styles.grid_columns = columns if wanted[0] == "narrow" else "1fr 50"
+        self.query_one(Side).lay_out(below, beside)
         return True

@@ -35,6 +35,11 @@ _DARK = {
     "woz-alarm-soft-ground": "#7c1d17",
     "woz-flash": "#121417",
     "woz-flash-ground": "#ffd166",
+    "woz-face-1": "#5a4a2c",
+    "woz-face-2": "#94743a",
+    "woz-face-3": "#cfa04a",
+    "woz-face-4": "#ffd166",
+    "woz-face-ground": "#0a0b0d",
 }
 _LIGHT = {
     "woz-muted": "#59636f",
@@ -55,6 +60,11 @@ _LIGHT = {
     "woz-alarm-soft-ground": "#8c1d18",
     "woz-flash": "#000000",
     "woz-flash-ground": "#ffc93c",
+    "woz-face-1": "#6b5a38",
+    "woz-face-2": "#94743a",
+    "woz-face-3": "#cfa04a",
+    "woz-face-4": "#ffd166",
+    "woz-face-ground": "#22252a",
 }
 #: The terminal's own sixteen colours, so that its palette decides.
 _SIXTEEN = {
@@ -76,6 +86,11 @@ _SIXTEEN = {
     "woz-alarm-soft-ground": "ansi_red",
     "woz-flash": "ansi_black",
     "woz-flash-ground": "ansi_yellow",
+    "woz-face-1": "ansi_bright_black",
+    "woz-face-2": "ansi_yellow",
+    "woz-face-3": "ansi_yellow",
+    "woz-face-4": "ansi_bright_yellow",
+    "woz-face-ground": "ansi_default",
 }
 
 DARK = Theme(

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import enum
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 #: Readings older than this look stale even if nobody said so.
 STALE_US = 2_000_000
@@ -40,12 +40,13 @@ class Standing:
 
 @dataclass(slots=True)
 class DriverPicture:
-    """A driver's health: unknown, connecting, connected, lost or faulted."""
+    """A driver's health: unknown, connecting, connected, lost or faulted; since `t`."""
 
     name: str
     health: str = "unknown"
     detail: str = ""
     remedy: str = ""
+    t: int = 0
 
 
 @dataclass(slots=True)
@@ -98,3 +99,16 @@ class LastRun:
 
     run: str
     action: str
+
+
+@dataclass(slots=True)
+class KnobsPicture:
+    """A panel's knobs, sliders and buttons: where each stands (0..127), which of them do not count
+    yet and where they will, which are lit, which moved last.
+    """
+
+    values: dict[str, int] = field(default_factory=dict)
+    waiting: frozenset[str] = frozenset()
+    targets: dict[str, int] = field(default_factory=dict)
+    lit: frozenset[str] = frozenset()
+    moved: str = ""

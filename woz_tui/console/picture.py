@@ -14,10 +14,12 @@ from dataclasses import dataclass, field
 
 import msgspec
 
+from woz_tui.console.bodies.outlines import Outline, outlines_of
 from woz_tui.console.feed import Incoming
 from woz_tui.console.parts import (
     STALE_US,
     DriverPicture,
+    KnobsPicture,
     LastRun,
     RecorderPicture,
     SensorPicture,
@@ -70,6 +72,11 @@ class Picture:
     stop: StopPicture | None = None
     engagement: m.EngagementChanged | None = None
     modes: dict[str, str] = field(default_factory=dict)
+    #: What drivers look like, and what was shown last, by driver.
+    outlines: dict[str, Outline] = field(default_factory=dict)
+    faces: dict[str, m.FaceShown] = field(default_factory=dict)
+    bodies: dict[str, dict[str, m.Json]] = field(default_factory=dict)
+    knobs: dict[str, KnobsPicture] = field(default_factory=dict)
     runs: Runs = field(default_factory=Runs)
     last_run: LastRun | None = None
     mistakes: set[str] = field(default_factory=set)
@@ -125,6 +132,7 @@ class Picture:
         self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
         self.variables = tuple(welcome.variables)
         self.settings = dict(welcome.settings)
+        self.outlines = outlines_of(self.settings)
         self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
         self._plan(welcome)
         for raw in welcome.recent:

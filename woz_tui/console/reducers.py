@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from woz_tui.console.parts import (
     DriverPicture,
+    KnobsPicture,
     LastRun,
     RecorderPicture,
     SensorPicture,
@@ -81,8 +82,11 @@ def _released(picture: Picture, message: m.StopReleased) -> None:
 
 def _driver(picture: Picture, message: m.DriverHealth) -> None:
     health = str(message.__struct_config__.tag).removeprefix("driver.")
+    before = picture.drivers.get(message.driver)
+    same = before is not None and before.health == health
+    since = before.t if before is not None and same else message.t
     picture.drivers[message.driver] = DriverPicture(
-        message.driver, health, message.detail, message.remedy
+        message.driver, health, message.detail, message.remedy, since
     )
 
 
@@ -109,6 +113,25 @@ def _engagement(picture: Picture, message: m.EngagementChanged) -> None:
 
 def _mode(picture: Picture, message: m.ModeChanged) -> None:
     picture.modes[message.driver] = message.now
+
+
+def _face(picture: Picture, message: m.FaceShown) -> None:
+    picture.faces[message.driver] = message
+
+
+def _body(picture: Picture, message: m.BodyChanged) -> None:
+    if isinstance(message.values, dict):
+        picture.bodies[message.driver] = message.values
+
+
+def _controls(picture: Picture, message: m.ControlsMoved) -> None:
+    if not isinstance(message.values, dict) or not isinstance(message.targets, dict):
+        return
+    knobs = picture.knobs.setdefault(message.driver, KnobsPicture())
+    knobs.values.update(message.values)
+    knobs.waiting, knobs.lit = frozenset(message.waiting), frozenset(message.lit)
+    knobs.targets = message.targets
+    knobs.moved = next(reversed(message.values), knobs.moved)
 
 
 def _mistake(picture: Picture, message: m.Mistake) -> None:
@@ -150,6 +173,9 @@ _REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
     m.SensorChanged: _sensor,
     m.EngagementChanged: _engagement,
     m.ModeChanged: _mode,
+    m.FaceShown: _face,
+    m.BodyChanged: _body,
+    m.ControlsMoved: _controls,
     m.Mistake: _mistake,
     m.ScriptMoved: _script,
     m.PanelLocked: _lock,

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from woz_tui.console.cells import Piece, Row, fit
+from collections.abc import Sequence
+
+from woz_tui.console.cells import Piece, Row, cut, fit
+from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
 
@@ -51,6 +54,17 @@ def joined(cells: list[Piece]) -> Row:
 
 def old(sensor: SensorPicture, frame: Frame) -> str:
     """How old a value is that should not be trusted any more."""
-    age = max(0, frame.now - sensor.t) / 1e6
-    shown = f"{age:.0f} s" if age < 99.5 else f"{age / 60:.0f} min"
-    return f"{frame.glyphs.stale}{shown} old"
+    return f"{frame.glyphs.stale}{age(frame.now - sensor.t)} old"
+
+
+def beside(blocks: Sequence[tuple[Sequence[Row], int]], height: int, gap: int = 1) -> list[Row]:
+    """Blocks of rows side by side, each in its own width, with blanks between them."""
+    rows: list[Row] = []
+    for y in range(height):
+        row: Row = ()
+        for number, (block, width) in enumerate(blocks):
+            if number:
+                row += ((" " * gap, "plain"),)
+            row += cut(block[y], width) if y < len(block) else ((" " * width, "plain"),)
+        rows.append(row)
+    return rows

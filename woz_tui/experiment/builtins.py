@@ -53,6 +53,8 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("preflight", "ctrl+f", "preflight: is everything ready"),
     Builtin("reload", "ctrl+e", "read the experiment file again"),
     Builtin("drivers", "ctrl+d", "how every driver is, and what to do"),
+    Builtin("body", ";", "the robot's face and links in full size, and all its values"),
+    Builtin("knobs", "+", "the MIDI panel: what each knob does, and where it stands"),
     Builtin("redraw", "ctrl+l", "draw the screen again"),
     Builtin("help", "?", "all keys as they are bound now"),
     Builtin("suspend", "ctrl+z", "leave the console for a moment; the robot goes on"),

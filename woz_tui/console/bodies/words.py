@@ -1,0 +1,182 @@
+"""What a body is doing and how it does it, in words and figures."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+
+from woz_tui.console.bodies.seen import SeenBody
+from woz_tui.console.cells import Row, clean, cut, fit
+from woz_tui.console.glyphs import Glyphs
+from woz_tui.core.messages import Json
+
+#: Cells of the names in front of values.
+NAMES = 11
+
+
+def emotion_of(seen: SeenBody) -> tuple[str, float | None]:
+    """The emotion that is shown, and how strongly, 0..1; neutral has no intensity."""
+    face = seen.face
+    emotion = str(seen.value("emotion") or (face.emotion if face is not None else "") or "")
+    told = seen.value("intensity")
+    strength = told if isinstance(told, int | float) else face.intensity if face else None
+    return emotion, None if emotion == "neutral" else strength
+
+
+def feeling(seen: SeenBody) -> str:
+    """`happy 80 %`."""
+    emotion, strength = emotion_of(seen)
+    return emotion if strength is None else f"{emotion} {percent(strength)}"
+
+
+def doing(seen: SeenBody, glyphs: Glyphs) -> Row:
+    """What it does, in one short line: the move, else the mode."""
+    move = str(seen.value("move") or "")
+    parts: Row = ()
+    if seen.mode != "normal" or not move:
+        parts += ((clean(seen.mode), "wait" if seen.mode != "normal" else "muted"),)
+    if move:
+        parts += ((" ", "plain"),) * bool(parts) + ((f"{glyphs.running} {clean(move)}", "run"),)
+    return parts
+
+
+def percent(share: Json) -> str:
+    """0..1 as a percentage."""
+    return f"{share:.0%}".replace("%", " %") if isinstance(share, int | float) else "-"
+
+
+def short_rows(seen: SeenBody, glyphs: Glyphs) -> list[Row]:
+    """The two lines for which there is always room."""
+    if seen.old:
+        return [((seen.old, "stale"),), doing(seen, glyphs)]
+    return [((clean(feeling(seen)), "plain"),), doing(seen, glyphs)]
+
+
+def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+    """As much as fits beside a face, the most important first."""
+    move = clean(str(seen.value("move") or "")) or glyphs.dash
+    lines: list[tuple[str, str, str]] = [
+        ("shows", feeling(seen) or glyphs.dash, "plain"),
+        ("mode", seen.mode, "plain" if seen.mode == "normal" else "wait"),
+        ("plays", move, "plain" if move == glyphs.dash else "run"),
+        ("is", str(seen.value("personality", "name") or "") or glyphs.dash, "plain"),
+        ("breathes", _breathing(seen, glyphs), "plain"),
+        ("blinks", _blinking(seen), "plain"),
+        ("tempo", figure("tempo", seen.value("tempo"), glyphs), "plain"),
+        ("seen", seen.old, "stale") if seen.old else ("", "", "plain"),
+    ]
+    if height < len(lines):
+        lines = [line for line in lines if line[1]][: max(1, height)]
+    names = NAMES if width >= 2 * NAMES else 6
+    return [
+        cut(((fit(name, names), "muted"), (clean(text), look)), width, glyphs.ellipsis)
+        for name, text, look in lines[:height]
+    ]
+
+
+def _on(value: Json) -> bool:
+    return value is not False
+
+
+def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
+    if not _on(seen.value("breathing on", "breathing")):
+        return "no"
+    rate = figure("breathing_rate", seen.value("breathing_rate"), glyphs)
+    return "yes" if rate == glyphs.dash else rate
+
+
+def _blinking(seen: SeenBody) -> str:
+    if not _on(seen.value("blinking")):
+        return "no"
+    rate = seen.value("blink_rate")
+    return f"{rate:.0f} a minute" if isinstance(rate, int | float) else "yes"
+
+
+# -- the whole table ------------------------------------------------------------------------------
+
+
+def _plain(value: float, _: Glyphs) -> str:
+    return f"{value:.2f}"
+
+
+def _share(value: float, _: Glyphs) -> str:
+    return percent(value)
+
+
+def _signed(value: float, _: Glyphs) -> str:
+    return f"{value:+.2f}"
+
+
+def _degrees(value: float, glyphs: Glyphs) -> str:
+    return f"{value:.1f}{glyphs.degrees}"
+
+
+def _hertz(value: float, _: Glyphs) -> str:
+    return f"{value:.2f} Hz"
+
+
+def _seconds(value: float, _: Glyphs) -> str:
+    return f"{value:.2f} s"
+
+
+def _a_minute(value: float, _: Glyphs) -> str:
+    return f"{value:.0f} a minute"
+
+
+Writer = Callable[[float, Glyphs], str]
+#: Values with their place in the table, and how numbers are written.
+ORDER: Mapping[str, Writer] = {
+    "mode": _plain,
+    "move": _plain,
+    "emotion": _plain,
+    "intensity": _share,
+    "valence": _signed,
+    "arousal": _signed,
+    "eye_x": _signed,
+    "eye_y": _signed,
+    "brightness": _share,
+    "personality": _plain,
+    "breathing_on": _plain,
+    "blinking": _plain,
+    "tempo": _hertz,
+    "breathing": _degrees,
+    "breathing_rate": _hertz,
+    "blink_rate": _a_minute,
+    "blink_time": _seconds,
+    "blink_irregularity": _plain,
+    "smoothing": _seconds,
+    "compression": _share,
+    "speed": _plain,
+    "amplitude": _plain,
+}
+
+
+def figure(name: str, value: Json, glyphs: Glyphs) -> str:
+    """A value with its unit."""
+    if value is None or value == "":
+        return glyphs.dash
+    if isinstance(value, bool):
+        return "on" if value else "off"
+    if isinstance(value, int | float):
+        return ORDER.get(name, _plain)(value, glyphs)
+    if isinstance(value, list):
+        return ", ".join(figure(name, one, glyphs) for one in value)
+    return clean(str(value))
+
+
+def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
+    """Every value the body tells, in as many columns as it needs; each has its fixed place."""
+    known = {name.replace("-", "_"): value for name, value in seen.values.items()}
+    names = [name for name in ORDER if name in known]
+    names += sorted(name for name in known if name not in ORDER)
+    if not names:
+        return [(("the body has not told its values yet", "muted"),)]
+    columns = max(1, -(-len(names) // max(1, height)))
+    each = max(12, width // columns)
+    front = max(len(name) for name in names) + 1
+    rows: list[Row] = [() for _ in range(min(height, len(names)))]
+    for number, name in enumerate(names):
+        value = fit(figure(name, known[name], glyphs), each - front, glyphs.ellipsis)
+        label = fit(name.replace("_", " "), front, glyphs.ellipsis)
+        look = "stale" if seen.old else "plain"
+        rows[number % len(rows)] += ((label, "muted"), (value, look))
+    return [cut(row, width, glyphs.ellipsis) for row in rows]

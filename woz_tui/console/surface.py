@@ -1,0 +1,77 @@
+"""The main screen's parts: put together, given their places, painted from the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from textual.app import ComposeResult
+from textual.geometry import Size
+from textual.screen import Screen
+
+from woz_tui.console.bodies.outlines import bodies
+from woz_tui.console.bodies.pane import BodyPane
+from woz_tui.console.cells import Cells, fit
+from woz_tui.console.events import Events
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.layout import LEAST, WHOLE, Body, Needs, Side
+from woz_tui.console.meters import Meters
+from woz_tui.console.panels import Panels
+from woz_tui.console.picture import Picture
+from woz_tui.console.script import Script
+from woz_tui.console.status import Line, Status
+from woz_tui.console.stopbar import Bar, StopBar
+
+SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
+
+
+@dataclass(slots=True)
+class Surface:
+    """Status on top, panels, meters and bodies, events, script, stop bar."""
+
+    status: Status = field(default_factory=Status)
+    panels: Panels = field(default_factory=Panels)
+    meters: Meters = field(default_factory=Meters)
+    bodies: BodyPane = field(default_factory=BodyPane)
+    events: Events = field(default_factory=Events)
+    script: Script = field(default_factory=Script)
+    bar: StopBar = field(default_factory=StopBar)
+    small: Cells = field(default_factory=lambda: Cells(id="small"))
+    body: Body = field(default_factory=Body)
+    side: Side = field(default_factory=Side)
+
+    def compose(self) -> ComposeResult:
+        """All widgets in their order."""
+        yield self.status
+        with self.body:
+            yield self.panels
+            with self.side:
+                yield from (self.meters, self.bodies)
+            yield from (self.events, self.script)
+        yield self.small
+        yield self.bar
+
+    def measure(self, size: Size, base: Screen[object], picture: Picture, glyphs: Glyphs) -> bool:
+        """Choose what fits: everything, no side, or a sentence and the stop. True: parts moved."""
+        width, height = size
+        base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
+        base.set_class(width < LEAST.width or height < LEAST.height, "-tiny")
+        return self.body.lay_out(
+            size,
+            Needs(
+                self.panels.needs(picture, glyphs),
+                self.meters.needs,
+                len(bodies(picture.outlines)),
+            ),
+        )
+
+    def paint(
+        self, picture: Picture, frame: Callable[[Cells], Frame], line: Line, bar: Bar, size: Size
+    ) -> None:
+        """Show what has changed; `frame` tells each part's room and the moment."""
+        self.status.paint(picture, frame(self.status), line)
+        for part in (self.panels, self.meters, self.bodies, self.events, self.script):
+            part.paint(picture, frame(part))
+        self.bar.paint(picture, frame(self.bar), bar)
+        ellipsis = frame(self.small).glyphs.ellipsis
+        self.small.show([((fit(f" {SMALL.format(*size)}", size.width, ellipsis), "warn"),)])

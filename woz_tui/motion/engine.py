@@ -1,0 +1,323 @@
+"""The body's engine: told what people want, asked for the setpoints of a moment.
+
+From the inside out: the primary's pose, cross-faded; compression; smoothing; breathing; safety.
+Same shape, moves, seed and inputs at the same ticks: same setpoints and same pictures.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.core.messages import Json
+from woz_tui.motion.asked import Asked, finite, quoted
+from woz_tui.motion.breathing import Breath
+from woz_tui.motion.face import FaceState, draw, prepare
+from woz_tui.motion.facework import FaceWork
+from woz_tui.motion.frames import Frame, blank
+from woz_tui.motion.inputs import CONTROL_KINDS, KINDS, offered
+from woz_tui.motion.kinematics import Chain
+from woz_tui.motion.layers import Shaping
+from woz_tui.motion.modes import BLINKS, BREATHES, Hand, Kind, Mode, counts
+from woz_tui.motion.move import Move
+from woz_tui.motion.orders import Orders
+from woz_tui.motion.personality import Character
+from woz_tui.motion.primaries import Moment
+from woz_tui.motion.saccade import Saccade
+from woz_tui.motion.safety import Safety
+from woz_tui.motion.setpoints import Seen, State
+from woz_tui.motion.shapes import BodyShape
+from woz_tui.motion.stance import beginning
+from woz_tui.motion.steering import ARRIVED, Steering
+from woz_tui.motion.ticks import Answer, Ended, Refused, Tick
+
+#: Time that counts between two ticks at most, in seconds; whoever slept longer goes on from there.
+LONGEST_S = 10.0
+#: Modes in which the head has to hit a target: it neither compresses nor smooths its way.
+EXACT = frozenset({Mode.TRACKING, Mode.SACCADE})
+#: The share of its breath that a body keeps while its eyes lead: they make up for it, and a whole
+#: breath would keep them wandering about the middle.
+SACCADE_BREATH = 0.3
+
+
+class Engine:
+    """One body.
+
+    Args:
+        shape: What it is made of; `shape.problems()` must be empty.
+        moves: What it can play, by name; `demo` is what the mode demo plays.
+        seed: Of everything that happens by chance (when it blinks).
+        present: Where its joints are, in degrees, if that is known: it begins there.
+    """
+
+    def __init__(
+        self,
+        shape: BodyShape,
+        moves: Mapping[str, Move],
+        *,
+        seed: int = 0,
+        present: Mapping[str, float] | None = None,
+    ) -> None:
+        self._shape = shape
+        self._takes = {
+            verb.name: tuple(argument.name for argument in verb.arguments)
+            for verb in offered(shape, moves)
+        }
+        pose = beginning(shape, present)
+        self._safety = Safety(shape.joints, {**pose, **(present or {})})
+        self._shaping = Shaping(shape.joints, pose)
+        self._steering = Steering(shape, self._shaping, pose)
+        self._breath = Breath(shape)
+        self._character = Character(shape.personality, shape.personalities)
+        self._face = FaceWork(seed)
+        self._orders = Orders(
+            shape=shape,
+            moves=moves,
+            chain=Chain(shape),
+            steering=self._steering,
+            face=self._face,
+            character=self._character,
+        )
+        self._orders.joints = self._safety.last
+        self._seen: Seen | None = None
+        self._frozen = ""
+        self._t: float | None = None
+        self._now = 0.0
+        self._notices: list[str] = []
+        self._failed: set[str] = set()
+        self._rejected: frozenset[str] = frozenset()
+        self._wanted: Mapping[str, float] = dict(self._safety.last)
+        self._drawn: FaceState | None = None
+        self._frame: Frame | None = None
+        if shape.face is not None:
+            prepare(shape.face)
+            self._frame = blank(shape.face.width, shape.face.height)
+
+    # -- inputs ---------------------------------------------------------------------------------
+
+    def apply(self, verb: str, args: Mapping[str, Json], hand: Hand = Hand.WIZARD) -> Answer:
+        """Do what somebody wants, from the next tick on.
+
+        Raises `Refused`, and nothing else, if that makes no sense or does not count now; then
+        nothing has changed.
+        """
+        try:
+            return self._apply(verb, args, hand)
+        except Refused:
+            raise
+        except Exception as error:
+            raise Refused(f"{quoted(verb)} failed inside: {error!r}") from error
+
+    def _apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
+        asked = Asked(verb, args, self._arguments(verb))
+        kind, joint_control = self._kind(verb, asked)
+        if self._frozen:
+            raise Refused(f"the robot stands still ({self._frozen})", "release the stop first")
+        mode = self._steering.mode
+        if counts(kind, mode, hand):
+            return self._orders.verbs[verb](asked)
+        if joint_control and hand is Hand.WIZARD:
+            answer = self._orders.verbs[verb](asked)
+            return Answer({**answer.sent, "waits": Mode.NORMAL.value})
+        raise Refused(f"in the mode {mode.value}, {kind.value} does not count", "stop it first")
+
+    def _arguments(self, verb: object) -> tuple[str, ...]:
+        takes = self._takes.get(verb) if isinstance(verb, str) else None
+        if takes is None:
+            raise Refused(f"this body cannot {quoted(verb)}", f"it can {', '.join(self._takes)}")
+        return takes
+
+    def _kind(self, verb: str, asked: Asked) -> tuple[Kind, bool]:
+        """The table's row, and whether it is a control of joints."""
+        if verb == "control":
+            kind = CONTROL_KINDS.get(self._orders.control(asked), Kind.JOINTS)
+            return kind, kind is Kind.JOINTS
+        if verb == "mode" and asked.choice("mode", tuple(m.value for m in Mode)) == "normal":
+            return Kind.STOP, False
+        return KINDS[verb], False
+
+    def see(self, seen: Seen | None) -> None:
+        """What the camera saw last."""
+        self._seen = seen
+
+    def freeze(self, why: str = "stop") -> None:
+        """Stand still at once, without a breath, until `resume`; whatever went on is over."""
+        joints = self._safety.last
+        still = all(abs(joints[j] - self._wanted[j]) < ARRIVED for j in joints)
+        self._safety.restart(joints)
+        self._orders.leave(f"stopped: {why}")
+        self._steering.freeze(f"stopped: {why}", joints, still)
+        self._breath.hold()
+        self._face.calm()
+        self._wanted = dict(joints)
+        self._frozen = why or "stop"
+
+    def resume(self) -> None:
+        """Stir again, in the pose where it stands."""
+        self._frozen = ""
+
+    def restart(self, present: Mapping[str, float]) -> None:
+        """Go on from this pose, in degrees, before the first servo moves."""
+        self._orders.leave("the joints are where they are")
+        self._safety.restart(present)
+        self._steering.restart(self._safety.last)
+        self._breath.hold()
+        self._wanted = dict(self._safety.last)
+        self._orders.joints = self._safety.last
+
+    # -- every tick -----------------------------------------------------------------------------
+
+    def tick(self, t: float) -> Tick:
+        """The body at `t` (seconds, monotonic). Never raises.
+
+        Time that goes back or is none counts as no time at all; the body holds.
+        """
+        dt = self._advance(t)
+        if not self._frozen:
+            self._move(dt)
+        steering, face = self._steering, self._face
+        self._draw(dt)
+        emotion, intensity = face.shown
+        return Tick(
+            t=self._t or 0.0,
+            joints=self._safety.last,
+            wanted=self._wanted,
+            mode=steering.mode,
+            emotion=emotion,
+            intensity=intensity,
+            face=self._frame,
+            brightness=face.brightness,
+            move=steering.move,
+            ended=self._ended(),
+            cues=steering.cues(),
+            notices=self._told(),
+        )
+
+    def _advance(self, t: float) -> float:
+        time = finite(t)
+        if time is None:
+            return 0.0
+        before, self._t = self._t, time
+        dt = 0.0 if before is None else min(max(time - before, 0.0), LONGEST_S)
+        self._now += dt
+        self._orders.now = self._now
+        return dt
+
+    def _move(self, dt: float) -> None:
+        steering, character = self._steering, self._character
+        character.step(dt, steering.mode in EXACT)
+        moment = Moment(
+            dt,
+            self._now,
+            steering.base,
+            self._safety.last,
+            self._seen,
+            character["tempo"],
+            character["speed"],
+            character.amplitude.value,
+        )
+        try:
+            pose = steering.step(moment)
+        except Exception as error:  # noqa: BLE001 - a stranger's move must not stop the body
+            self._drop(error)
+            pose = steering.here
+        shaped = self._shaping.step(
+            pose, character.compression.value, character.smoothing.value, dt
+        )
+        self._breathe(dt)
+        wanted = self._breath.on(shaped)
+        joints = self._safety.step(wanted, dt)
+        self._wanted = wanted
+        self._orders.joints = joints
+        self._tell_rejected()
+        lagging = {
+            name: angle - wanted[name] + shaped[name]
+            for name, angle in joints.items()
+            if abs(angle - wanted[name]) > ARRIVED
+        }
+        steering.settle(dt, lagging)
+
+    def _breathe(self, dt: float) -> None:
+        character, mode = self._character, self._steering.mode
+        size = character["breathing"] if character.breathes and mode in BREATHES else 0.0
+        if mode is Mode.SACCADE:
+            size *= SACCADE_BREATH
+        self._breath.step(dt, character["breathing_rate"], size)
+
+    def _draw(self, dt: float) -> None:
+        shape, face, steering = self._shape.face, self._face, self._steering
+        try:
+            if not self._frozen:
+                face.lead(steering.wish)
+                primary = steering.primary
+                face.led = primary.eyes(self._safety.last) if isinstance(primary, Saccade) else None
+                face.step(dt, self._character, steering.mode in BLINKS)
+            if shape is None:
+                return
+            state = face.state()
+            if state != self._drawn:
+                self._frame, self._drawn = draw(state, shape), state
+        except Exception as error:  # noqa: BLE001 - the joints go on without a face
+            self._say_once("the face", error)
+
+    # -- what goes wrong ------------------------------------------------------------------------
+
+    def _drop(self, error: Exception) -> None:
+        name = self._steering.primary.name or "holding a pose"
+        self._say_once(name, error)
+        if self._steering.mode is Mode.SACCADE:
+            self._orders.eyes_back()
+        self._steering.drop(f"{name} failed: {error}")
+
+    def _say_once(self, what: str, error: Exception) -> None:
+        sentence = f"{what} failed and was left out: {type(error).__name__}: {error}"
+        if sentence not in self._failed:
+            self._failed.add(sentence)
+            self._notices.append(sentence)
+
+    def _tell_rejected(self) -> None:
+        rejected = self._safety.rejected
+        if rejected or self._rejected:
+            new = {name: why for name, why in rejected.items() if name not in self._rejected}
+            self._rejected = frozenset(rejected)
+            self._notices += [f"{name} stays where it is: {why}" for name, why in new.items()]
+
+    def _ended(self) -> tuple[Ended, ...]:
+        return (*self._steering.ended(), *self._face.ended())
+
+    def _told(self) -> tuple[str, ...]:
+        notices, self._notices = [*self._notices, *self._steering.notices], []
+        self._steering.notices.clear()
+        return tuple(notices)
+
+    # -- what is known --------------------------------------------------------------------------
+
+    def state(self) -> State:
+        """What a control panel must know to agree with the body."""
+        return State(
+            controls=self._orders.places(),
+            mode=self._steering.mode.value,
+            emotion=self._face.shown[0],
+            move=self._steering.move,
+            personality=self._character.name,
+        )
+
+    def values(self) -> dict[str, Json]:
+        """Everything that can be said about the body but for its joints."""
+        face, character = self._face, self._character
+        emotion, intensity = face.shown
+        return {
+            "mode": self._steering.mode.value,
+            "move": self._steering.move,
+            "emotion": emotion,
+            "intensity": intensity,
+            "valence": face.valence,
+            "arousal": face.arousal,
+            "eye-x": face.x,
+            "eye-y": face.y,
+            "brightness": face.brightness,
+            "personality": character.name,
+            **character.traits,
+            "breathes": character.breathes,
+            "blinks": face.blinks_by_itself,
+            "stopped": bool(self._frozen),
+        }

@@ -1,0 +1,93 @@
+"""How a body does what it does: its traits now, their ranges, and changes without a jump.
+
+Rates (tempo, speed) may change at once, because whoever uses them counts on from where it is.
+Sizes (compression, smoothing, amplitude) would move the body by themselves, so they are eased.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import asdict, fields
+from typing import get_type_hints
+
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+from woz_tui.motion.asked import Asked
+from woz_tui.motion.controls import TRAITS
+from woz_tui.motion.easing import Eased
+from woz_tui.motion.shapes import Personality
+
+#: Time in which a changed size is reached, in seconds.
+EASE_S = 0.3
+
+#: The traits by name, in their order.
+NAMES = tuple(field.name for field in fields(Personality))
+
+
+def _ranges() -> Mapping[str, tuple[float, float]]:
+    hints = get_type_hints(Personality, include_extras=True)
+    ranges = {}
+    for name in NAMES:
+        limits = next(part for part in hints[name].__metadata__ if isinstance(part, Range))
+        ranges[name] = (float(limits.low or 0.0), float(limits.high or 0.0))
+    return ranges
+
+
+#: Lowest and highest value of each trait, as robot files have them.
+RANGES = _ranges()
+
+
+class Character:
+    """The traits of one body at this moment; units as in `shapes.Personality`."""
+
+    def __init__(self, first: Personality, named: Mapping[str, Personality]) -> None:
+        self._named = named
+        self._traits: dict[str, float | None] = asdict(first)
+        self.name = next((name for name, one in named.items() if one == first), "")
+        self.breathes = True
+        #: Sizes on their way to what they shall be.
+        self.compression = Eased(first.compression, EASE_S)
+        self.smoothing = Eased(first.smoothing, EASE_S)
+        self.amplitude = Eased(first.amplitude, EASE_S)
+
+    def __getitem__(self, trait: str) -> float:
+        """A trait as it is set; `breathing_rate` follows the tempo unless it was set."""
+        value = self._traits[trait]
+        return self["tempo"] / 4.0 if value is None else value
+
+    @property
+    def traits(self) -> dict[str, Json]:
+        """All traits as they are set."""
+        return dict(self._traits)
+
+    def become(self, asked: Asked) -> dict[str, Json]:
+        """Verb `personality`: a named set, single traits, or both; returns what was taken."""
+        name = asked.choice("name", ("", *self._named), "")
+        taken: dict[str, float | None] = asdict(self._named[name]) if name else {}
+        for trait in NAMES:
+            if asked.given(trait):
+                taken[trait] = asked.within(trait, *RANGES[trait])
+        self._traits.update(taken)
+        self.name = name or self.name
+        return {"name": name, **taken} if name else dict(taken)
+
+    def turn(self, trait: str, place: float) -> None:
+        """Move the knob of a trait."""
+        low, high = RANGES[trait]
+        self._traits[trait] = min(high, max(low, TRAITS[trait].value(place)))
+
+    def places(self) -> dict[str, float]:
+        """Where the traits' knobs stand, 0..1."""
+        return {trait: scale.place(self[trait]) for trait, scale in TRAITS.items()}
+
+    def step(self, dt: float, exact: bool) -> None:
+        """`dt` seconds later. `exact`: the body has to hit something, so it neither compresses
+        nor smooths.
+        """
+        for size, trait in (
+            (self.compression, "compression"),
+            (self.smoothing, "smoothing"),
+            (self.amplitude, "amplitude"),
+        ):
+            size.aim(0.0 if exact and trait != "amplitude" else self[trait])
+            size.step(dt)

@@ -1,0 +1,251 @@
+"""Who moves the joints: the pose people want, the one primary on it, the mode, and the changes.
+
+Priorities and resumption are decided here (docs/decisions/010-layers-of-motion.md has them).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from woz_tui.motion.easing import EASE
+from woz_tui.motion.layers import Fade, Shaping
+from woz_tui.motion.modes import Mode
+from woz_tui.motion.move import Cue, Move
+from woz_tui.motion.primaries import (
+    Hold,
+    Line,
+    Moment,
+    Playing,
+    Primary,
+    Wish,
+    legs_of,
+)
+from woz_tui.motion.shapes import BodyShape
+from woz_tui.motion.stance import Stance, beginning
+from woz_tui.motion.ticks import Ended
+
+#: In how long the body returns from a mode to the pose that the controls want, in seconds.
+RETURN_S = 1.0
+#: A joint counts as arrived this near to where it is wanted, in degrees; after so many seconds a
+#: movement is over even if a joint never gets there.
+ARRIVED, PATIENCE_S = 0.5, 2.0
+
+
+class Steering:
+    """Wants one pose at a time, in degrees.
+
+    Attributes:
+        mode: Changed by `enter`, by `stop` and by the end of a demo.
+        stance: The pose people want.
+        primary: Who decides now.
+        here: The pose that was wanted last: where new lines begin.
+    """
+
+    def __init__(
+        self,
+        shape: BodyShape,
+        shaping: Shaping,
+        pose: Mapping[str, float],
+    ) -> None:
+        self.mode = Mode.NORMAL
+        self.stance = Stance(shape, pose)
+        self.primary: Primary = Hold()
+        self.here: dict[str, float] = dict(self.stance.pose)
+        self.easing = shape.easing
+        self._shape = shape
+        self._shaping = shaping
+        self._fade = Fade(shape.crossfade)
+        self._fresh = False
+        #: The pose in which a mode began; it does not follow the controls.
+        self._base: Mapping[str, float] | None = None
+        self._lagging: Mapping[str, float] = {}
+        self._waited = 0.0
+        self._ended: list[Ended] = []
+        self.notices: list[str] = []
+
+    # -- what people want -----------------------------------------------------------------------
+
+    @property
+    def base(self) -> Mapping[str, float]:
+        """The pose that the primary works on."""
+        return self.stance.pose if self._base is None else self._base
+
+    @property
+    def move(self) -> str:
+        """The move being played, or empty."""
+        return self.primary.name if isinstance(self.primary, Playing) else ""
+
+    def turn(self, joint: str, place: float, by: str) -> None:
+        """A joint's own control; in modes it only counts for the way back."""
+        self.stance.turn(joint, place)
+        self._let_go({joint}, by)
+
+    def turn_zoom(self, place: float, by: str) -> None:
+        """The zoom's control; in modes it only counts for the way back."""
+        self.stance.turn_zoom(place)
+        self._let_go({name for name, share in self._shape.zoom.items() if share}, by)
+
+    def put(self, angles: Mapping[str, float], by: str) -> None:
+        """Joints directly, under whatever is being played."""
+        self.stance.take(angles)
+        self._let_go(set(angles), by)
+
+    def _let_go(self, joints: set[str], by: str) -> None:
+        """Take joints out of a line: they are where people want them now."""
+        line = self.primary
+        if self.mode is not Mode.NORMAL or not isinstance(line, Line):
+            return
+        for joint in joints & line.joints:
+            line.joints.discard(joint)
+            self._fade.add(joint, self.here[joint] - self.stance.pose[joint])
+        if not line.joints:
+            self._take(Hold(), f"replaced by {by}", fading=False)
+
+    # -- who decides ----------------------------------------------------------------------------
+
+    def go(
+        self,
+        name: str,
+        goals: Sequence[tuple[Mapping[str, float], float]],
+        token: int,
+        easing: str = "",
+    ) -> Line:
+        """Go through poses, each in its seconds (0: the soonest), from where the body is."""
+        easing = easing if easing in EASE else self.easing
+        line = Line(name, legs_of(self._start(), goals, self._shape, easing), easing, token)
+        self._take(line, f"replaced by {name}")
+        for goal, _ in goals:
+            self.stance.take(goal)
+        return line
+
+    def play(self, move: Move, speed: float, amplitude: float, token: int) -> Playing:
+        """Play a move around the pose of this moment, from its beginning."""
+        self._stay()
+        playing = Playing(move, self._shape, speed, amplitude, token)
+        self._take(playing, f"replaced by {move.name}")
+        return playing
+
+    def enter(self, mode: Mode, primary: Primary) -> None:
+        """Begin a mode: `primary` decides until the stop or its own end."""
+        base = self.here if isinstance(self.primary, Line) else self.stance.pose
+        self._take(primary, f"replaced by {mode.value}")
+        self._base = dict(base)
+        self.mode = mode
+
+    def stop(self, why: str) -> None:
+        """End whatever goes on and return to the pose wanted; a way back is not interrupted."""
+        if isinstance(self.primary, Line) and self.primary.returning:
+            return
+        seconds = RETURN_S if self.mode is not Mode.NORMAL else self._shape.crossfade
+        self._stay()
+        self._return(seconds, why)
+
+    def freeze(self, why: str, joints: Mapping[str, float], still: bool) -> None:
+        """End whatever goes on and want the pose in which the joints are.
+
+        `still`: they are where people want them, but for the breath: then that pose remains.
+        """
+        remains = still and isinstance(self.primary, Hold)
+        self._take(Hold(), why, fading=False)
+        self._fade.clear()
+        self._base, self.mode = None, Mode.NORMAL
+        self._shaping.restart(joints)
+        self.here = {name: self._shaping.undo(name, angle) for name, angle in joints.items()}
+        if remains:
+            self._fade.begin(self.here, self.stance.pose, self.here)
+        else:
+            self.stance.take(self.here)
+
+    def restart(self, present: Mapping[str, float]) -> None:
+        """Begin anew in this pose."""
+        self.freeze("the joints are where they are", beginning(self._shape, present), False)
+
+    def drop(self, why: str) -> None:
+        """The primary failed: hold the pose that is wanted."""
+        self._base = None
+        if self.mode is not Mode.NORMAL:
+            self.mode = Mode.NORMAL
+            self._return(RETURN_S, why)
+        else:
+            self._take(Hold(), why)
+
+    def _stay(self) -> None:
+        """A line that is under way ends where it is."""
+        if isinstance(self.primary, Line):
+            start = self._start()
+            self.stance.take({name: start[name] for name in self.primary.joints})
+
+    def _return(self, seconds: float, why: str) -> None:
+        """Lead back to the pose wanted, in a straight line."""
+        self._base, self.mode = None, Mode.NORMAL
+        start, goal = self._start(), dict(self.stance.pose)
+        if all(abs(start[name] - angle) < 1e-9 for name, angle in goal.items()):
+            self._take(Hold(), why)
+            return
+        legs = legs_of(start, [(goal, seconds)], self._shape, "linear")
+        self._take(Line("return", legs, "linear", returning=True), why)
+
+    def _start(self) -> dict[str, float]:
+        """Where lines begin: what was wanted last, or where a joint is that could not follow."""
+        for joint, angle in self._lagging.items():
+            self.here[joint] = self._shaping.undo(joint, angle)
+            self._shaping.restart({joint: angle})
+        self._lagging = {}
+        return dict(self.here)
+
+    def _take(self, primary: Primary, why: str, *, fading: bool = True) -> None:
+        if self.primary.token:
+            self._ended.append(Ended(self.primary.token, why))
+        self.primary = primary
+        self._fresh = fading
+        self._waited = 0.0
+
+    # -- every tick -----------------------------------------------------------------------------
+
+    def step(self, moment: Moment) -> dict[str, float]:
+        """The pose wanted now. An exception is the primary's; nothing has changed then."""
+        wanted = self.primary.step(moment)
+        if self._fresh:
+            self._fresh = False
+            lines = self.primary.joints if isinstance(self.primary, Line) else set()
+            self._fade.begin(self.here, wanted, set(wanted) - lines)
+        self.here = self._fade.over(wanted, moment.dt)
+        return self.here
+
+    def settle(self, dt: float, lagging: Mapping[str, float]) -> None:
+        """After safety: `lagging` are joints that are elsewhere than wanted, and where they are."""
+        self._lagging = lagging
+        primary = self.primary
+        if not primary.over:
+            return
+        if isinstance(primary, Line):
+            self._waited += dt
+            if not lagging.keys() & primary.joints or self._waited > PATIENCE_S:
+                self._take(Hold(), "", fading=False)
+            return
+        if self.mode is not Mode.NORMAL:
+            self.notices.append(f"the {self.mode.value} is over")
+            self._return(RETURN_S, "")
+        elif isinstance(primary, Playing) and primary.move.stays:
+            self.stance.take(self.here)
+            self._take(Hold(), "")
+        else:
+            self._return(self._shape.crossfade, "")
+
+    @property
+    def wish(self) -> Wish | None:
+        """What the primary wants of the face."""
+        return self.primary.wish
+
+    def cues(self) -> tuple[Cue, ...]:
+        """What happens at this moment of a move."""
+        primary = self.primary
+        if not isinstance(primary, Playing) or not primary.cues:
+            return ()
+        cues, primary.cues = tuple(primary.cues), []
+        return cues
+
+    def ended(self) -> list[Ended]:
+        """What ended since this was asked last."""
+        ended, self._ended = self._ended, []
+        return ended

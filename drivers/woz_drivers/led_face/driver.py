@@ -1,0 +1,219 @@
+"""The driver `led-face`: shows a body's face on the lights, picture by picture as it is drawn."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from woz_drivers.led_face.doctor import examined
+from woz_drivers.led_face.pictures import PATTERNS, asleep, mounted
+from woz_drivers.led_face.settings import LedFaceSettings
+from woz_drivers.led_face.talk import State, Talk, Wanted
+from woz_drivers.serial_line import SerialLine, Trouble
+from woz_tui.core.driver import (
+    Argument,
+    Finding,
+    Health,
+    Job,
+    Lost,
+    Outlet,
+    Probe,
+    Rejected,
+    Scope,
+    Verb,
+)
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+from woz_tui.motion.frames import Frame, blank
+from woz_tui.motion.setpoints import FACE, Lit
+
+#: How the conversation stands, as the wizard sees it.
+_HEALTH: Mapping[State, Health] = {
+    State.ASKING: Health.CONNECTING,
+    State.SILENT: Health.LOST,
+    State.STRANGE: Health.FAULTED,
+    State.TALKING: Health.CONNECTED,
+}
+#: How long `close` waits for the last picture to be confirmed, in seconds.
+_FAREWELL_S = 0.3
+
+_PATTERN = Verb(
+    "pattern",
+    "show a test picture for whoever mounts the lights",
+    (
+        Argument("picture", "choice", "which one", default="arrow", choices=tuple(PATTERNS)),
+        Argument("seconds", "seconds", "for so long", default=5.0, range=Range(0.1, 25, "s")),
+    ),
+    lane="face",
+)
+
+
+class LedFace:
+    """One matrix of lights on one port.
+
+    A stop leaves the picture as it is, for a face moves nothing, and ends a test pattern.
+    """
+
+    Settings: ClassVar[type] = LedFaceSettings
+    summary: ClassVar[str] = "a face of lights on a serial port (24 x 16 and other sizes)"
+
+    def __init__(self, name: str, settings: LedFaceSettings, outlet: Outlet) -> None:
+        self.name = name
+        self._settings = settings
+        self._outlet = outlet
+        self._lit = outlet.feed(FACE, of=settings.follows) if settings.follows else None
+        self._seen = 0
+        self._wanted = Wanted(blank(*settings.wired), 0.0)
+        self._pattern: Wanted | None = None
+        self._task: asyncio.Task[None] | None = None
+        self._line = SerialLine(
+            settings.port,
+            settings.baud,
+            on_open=self._opened,
+            on_bytes=self._received,
+            on_trouble=self._troubled,
+        )
+        self._talk = Talk(
+            settings.wired,
+            self._send,
+            self._tell,
+            # A little less than the pause, so that a tick that comes early is not in vain.
+            interval_us=round(950_000 / settings.rate),
+        )
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """Test pictures; what the face shows otherwise is up to the body."""
+        return (_PATTERN,)
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """It only shows."""
+        return ()
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Open the port, say hello, measure how fast the face answers. Shows nothing."""
+        return [await examined(probe.name, probe.settings)]
+
+    async def open(self) -> None:
+        """Begin to look for the port."""
+        self._outlet.health(Health.CONNECTING, f"looking for {self._settings.port}")
+        self._line.start()
+        self._task = asyncio.create_task(self._keep_showing())
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Show a test picture for a while."""
+        if job.verb != _PATTERN.name:
+            raise Rejected(f"{self.name} is a face of lights; it cannot {job.verb}")
+        self._need_face()
+        picture, seconds = str(job.args["picture"]), float(str(job.args["seconds"]))
+        job.expects(seconds)
+        self._pattern = Wanted(
+            self._mounted(PATTERNS[picture](self._settings.width, self._settings.height)),
+            self._settings.brightness,
+        )
+        try:
+            await asyncio.sleep(seconds)
+        finally:
+            self._pattern = None
+        return {"picture": picture, "seconds": seconds}
+
+    async def stop(self, scope: Scope) -> None:
+        """A face moves nothing: it keeps its picture."""
+
+    async def rest(self) -> None:
+        """The body knows what to look like."""
+
+    async def close(self) -> None:
+        """Show what the settings say for afterwards, and let go of the port."""
+        task, self._task = self._task, None
+        if task is not None:
+            task.cancel()
+            await asyncio.gather(task, return_exceptions=True)
+            await self._say_goodbye()
+        await self._line.close()
+
+    # -- what shall be shown -------------------------------------------------------------------
+
+    async def _keep_showing(self) -> None:
+        pause = 1 / (2 * self._settings.rate)
+        while True:
+            self._look()
+            self._step(self._pattern or self._wanted)
+            await asyncio.sleep(pause)
+
+    def _step(self, wanted: Wanted) -> None:
+        if self._line.connected:
+            self._talk.step(wanted, self._now())
+
+    def _look(self) -> None:
+        """Take the body's newest picture."""
+        if self._lit is None:
+            return
+        latest = self._lit.latest()
+        if latest.serial != self._seen and isinstance(latest.value, Lit):
+            self._seen = latest.serial
+            self._take(latest.value)
+
+    def _take(self, lit: Lit) -> None:
+        frame, settings = lit.frame, self._settings
+        if (frame.width, frame.height) == (settings.width, settings.height):
+            self._wanted = Wanted(self._mounted(frame), lit.brightness * settings.brightness)
+            return
+        self._lit = None  # a body's face keeps its size, so this is said once
+        self._outlet.notice(
+            "error",
+            f"the face of {settings.follows!r} is {frame.width} x {frame.height} lights,"
+            f" and these are {settings.width} x {settings.height}: nothing is shown",
+            "give both drivers the same width and height in the robot file",
+        )
+
+    def _mounted(self, frame: Frame) -> Frame:
+        return mounted(frame, self._settings)
+
+    async def _say_goodbye(self) -> None:
+        """The last picture; a second try is not worth waiting for."""
+        settings = self._settings
+        if settings.afterwards == "last" or self._talk.state is not State.TALKING:
+            return
+        last = Wanted(blank(*settings.wired), 0.0)
+        if settings.afterwards == "asleep":
+            last = Wanted(self._mounted(asleep(settings)), self._wanted.brightness)
+        loop = asyncio.get_running_loop()
+        end = loop.time() + _FAREWELL_S
+        while self._talk.shown != last and self._line.connected and loop.time() < end:
+            self._step(last)
+            await asyncio.sleep(0.01)
+
+    # -- the port ------------------------------------------------------------------------------
+
+    def _now(self) -> int:
+        return self._outlet.clock.now_us()
+
+    def _opened(self) -> None:
+        self._talk.begin(self._now())
+
+    def _received(self, data: bytes) -> None:
+        self._talk.received(data, self._now())
+
+    def _send(self, data: bytes) -> None:
+        with contextlib.suppress(Lost):  # whoever noticed the loss has told it
+            self._line.write(data)
+
+    def _troubled(self, trouble: Trouble) -> None:
+        self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
+
+    def _tell(self) -> None:
+        talk = self._talk
+        self._outlet.health(
+            _HEALTH[talk.state], f"{self._settings.port}: {talk.detail}", talk.remedy
+        )
+
+    def _need_face(self) -> None:
+        if not self._line.connected:
+            raise Lost(f"{self._settings.port} is not open", "see what its state says")
+        if self._talk.state is not State.TALKING:
+            raise Lost(self._talk.detail, self._talk.remedy)

@@ -23,6 +23,8 @@ OPENERS = {
     "ReloadDialog": "ctrl+e",
     "DriversDialog": "ctrl+d",
     "LeaveDialog": "ctrl+q",
+    "BodyDialog": "semicolon",
+    "KnobsDialog": "plus",
 }
 
 
@@ -48,9 +50,17 @@ OPENING: tuple[str, ...] = (
     "preflight",
     "reload",
 )
-OPENING += ("drivers", "leave")
+OPENING += ("drivers", "leave", "body", "knobs")
 #: What Textual's names of keys stand for.
-CHARACTERS = {"slash": "/", "colon": ":", "comma": ",", "question_mark": "?", "enter": "\r"}
+CHARACTERS = {
+    "slash": "/",
+    "colon": ":",
+    "comma": ",",
+    "question_mark": "?",
+    "semicolon": ";",
+    "plus": "+",
+    "enter": "\r",
+}
 
 
 def stops(seat: Sitting) -> int:

@@ -151,6 +151,18 @@ class Desk:
 
         self._open(DriversDialog())
 
+    def do_body(self) -> None:
+        """Show a body in full size."""
+        from woz_tui.console.screens.body import BodyDialog  # noqa: PLC0415
+
+        self._open(BodyDialog())
+
+    def do_knobs(self) -> None:
+        """Show the MIDI panel."""
+        from woz_tui.console.screens.knobs import KnobsDialog  # noqa: PLC0415
+
+        self._open(KnobsDialog())
+
     def do_leave(self) -> None:
         """End the session, leave it running, or stay."""
         from woz_tui.console.screens.leave import LeaveDialog  # noqa: PLC0415

@@ -120,18 +120,21 @@ def _face(picture: Picture, message: m.FaceShown) -> None:
 
 
 def _body(picture: Picture, message: m.BodyChanged) -> None:
-    if isinstance(message.values, dict):
-        picture.bodies[message.driver] = message.values
+    picture.bodies[message.driver] = _mapping(message.values)
 
 
 def _controls(picture: Picture, message: m.ControlsMoved) -> None:
-    if not isinstance(message.values, dict) or not isinstance(message.targets, dict):
-        return
     knobs = picture.knobs.setdefault(message.driver, KnobsPicture())
-    knobs.values.update(message.values)
+    moved = _mapping(message.values)
+    knobs.values.update(moved)
+    knobs.moved = next(reversed(moved), knobs.moved)
     knobs.waiting, knobs.lit = frozenset(message.waiting), frozenset(message.lit)
-    knobs.targets = message.targets
-    knobs.moved = next(reversed(message.values), knobs.moved)
+    knobs.targets = _mapping(message.targets)
+
+
+def _mapping(told: object) -> dict[str, Any]:
+    """`told` if it is what it should be: the log of another version may hold anything."""
+    return told if isinstance(told, dict) else {}
 
 
 def _mistake(picture: Picture, message: m.Mistake) -> None:

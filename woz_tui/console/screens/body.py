@@ -1,0 +1,29 @@
+"""One body in full size, with everything that it tells of itself."""
+
+from __future__ import annotations
+
+from woz_tui.console.bodies.full import full_rows
+from woz_tui.console.bodies.outlines import bodies
+from woz_tui.console.bodies.seen import seen_bodies
+from woz_tui.console.cells import Row
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.screens.drawing import Drawing
+
+
+class BodyDialog(Drawing):
+    """Face, both views, table of values."""
+
+    heading = "Body"
+    hint = "tab: the next one · ctrl+q closes"
+
+    def count(self) -> int:
+        """Bodies of the session."""
+        return len(bodies(self.picture.outlines))
+
+    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+        """The chosen body."""
+        return full_rows(seen_bodies(self.picture, frame.now, frame.glyphs)[chosen], frame)
+
+    def nothing(self) -> str:
+        """What stands there in a session without a body."""
+        return "No robot of this session has a body that could be drawn."

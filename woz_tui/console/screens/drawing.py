@@ -1,0 +1,75 @@
+"""A dialog that draws instead of writing: as large as the screen allows, alive while it is open."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.widget import Widget
+
+from woz_tui.console.cells import Cells, Row
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.screens.dialog import Dialog
+
+_NEXT, _BACK = ("tab", "right"), ("shift+tab", "left")
+
+
+class Drawing(Dialog):
+    """One of several drawings; tab shows the next."""
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._chosen = 0
+
+    def compose(self) -> ComposeResult:
+        """The frame, and cells to draw in."""
+        with Vertical(classes="dialog drawing") as box:
+            box.border_title = self.heading
+            box.border_subtitle = self.glyphs.plain(self.hint)
+            yield from self.body()
+
+    def body(self) -> Iterable[Widget]:
+        """Cells as large as the frame."""
+        yield Cells(id="drawing")
+
+    def count(self) -> int:
+        """How many there are to choose from."""
+        raise NotImplementedError
+
+    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+        """Draw one of them; `chosen` counts from 0 and is below `count`."""
+        raise NotImplementedError
+
+    def nothing(self) -> str:
+        """What stands there if there are none."""
+        raise NotImplementedError
+
+    def on_mount(self) -> None:
+        """Draw as soon as the size is known."""
+        self.call_after_refresh(self.refreshed)
+
+    def on_resize(self) -> None:
+        """Draw in the new size."""
+        self.call_after_refresh(self.refreshed)
+
+    def on_key(self, event: events.Key) -> None:
+        """Choose another one."""
+        by = (event.key in _NEXT) - (event.key in _BACK)
+        if by:
+            event.stop()
+            self._chosen += by
+            self.refreshed()
+
+    def refreshed(self) -> None:
+        """Draw what has changed."""
+        for cells in self.query("#drawing").results(Cells):
+            app = self.console_app
+            now = app.picture.now(app.clock.now_us())
+            frame = Frame(cells.size.width, cells.size.height, now, self.glyphs)
+            count = self.count()
+            if count:
+                cells.show(self.rows(self._chosen % count, frame))
+            else:
+                cells.show([((self.nothing(), "muted"),)])

@@ -1,0 +1,45 @@
+"""The MIDI panel as it lies on the table: where each control stands, what it does, what waits."""
+
+from __future__ import annotations
+
+from woz_tui.console.bodies.board import Board, board_rows
+from woz_tui.console.bodies.outlines import PanelOutline, boards
+from woz_tui.console.cells import Row, clean
+from woz_tui.console.figures import age
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.parts import KnobsPicture
+from woz_tui.console.screens.drawing import Drawing
+
+
+class KnobsDialog(Drawing):
+    """One panel."""
+
+    heading = "Knobs"
+    hint = "tab: the next panel · ctrl+q closes"
+
+    def count(self) -> int:
+        """Panels of the session."""
+        return len(boards(self.picture.outlines))
+
+    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+        """The chosen panel with its name."""
+        outline = boards(self.picture.outlines)[chosen]
+        knobs = self.picture.knobs.get(outline.driver, KnobsPicture())
+        title: Row = (
+            (clean(outline.driver), "title"),
+            (f"  {clean(outline.name)}", "muted"),
+        )
+        inner = Frame(frame.width, frame.height - 1, frame.now, frame.glyphs)
+        return [title, *board_rows(Board(outline, knobs, self._old(outline, frame)), inner)]
+
+    def _old(self, outline: PanelOutline, frame: Frame) -> str:
+        driver = self.picture.drivers.get(outline.driver)
+        if self.picture.lost:
+            return "the robot process is gone"
+        if driver is None or driver.health != "lost":
+            return ""
+        return f"lost {age(frame.now - driver.t)} ago"
+
+    def nothing(self) -> str:
+        """What stands there in a session without a panel."""
+        return "No MIDI panel belongs to this session."

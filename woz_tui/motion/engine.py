@@ -155,6 +155,14 @@ class Engine:
         """Stir again, in the pose where it stands."""
         self._frozen = ""
 
+    def drop(self, token: int, why: str = "cut short") -> None:
+        """End the input that `apply` gave this token to, if it still goes on.
+
+        A gaze or pose ends where it is, a move gives the pose from before back.
+        """
+        if token and token == self._steering.primary.token:
+            self._steering.stop(why)
+
     def restart(self, present: Mapping[str, float]) -> None:
         """Go on from this pose, in degrees, before the first servo moves."""
         self._orders.leave("the joints are where they are")
@@ -312,12 +320,12 @@ class Engine:
             "intensity": intensity,
             "valence": face.valence,
             "arousal": face.arousal,
-            "eye-x": face.x,
-            "eye-y": face.y,
+            "eye_x": face.x,
+            "eye_y": face.y,
             "brightness": face.brightness,
             "personality": character.name,
             **character.traits,
-            "breathes": character.breathes,
-            "blinks": face.blinks_by_itself,
+            "breathing_on": character.breathes,
+            "blinking": face.blinks_by_itself,
             "stopped": bool(self._frozen),
         }

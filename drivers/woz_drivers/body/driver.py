@@ -1,0 +1,258 @@
+"""The driver: verbs in, ticks out, by way of the ticker's thread."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar
+
+from woz_drivers.body.loop import BodyLoop
+from woz_drivers.body.settings import Settings as BodySettings
+from woz_drivers.body.ticker import ThreadTicker, Ticker
+from woz_tui.core.driver import (
+    DriverError,
+    Finding,
+    Health,
+    Job,
+    Lost,
+    Outlet,
+    Probe,
+    Rejected,
+    Scope,
+    Verb,
+)
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+from woz_tui.motion.inputs import offered
+from woz_tui.motion.kinematics import outline
+from woz_tui.motion.modes import Hand
+from woz_tui.motion.ticks import Answer, Ended, Refused
+
+#: The stop is confirmed by the next tick; after so many seconds nobody knows.
+STOP_S = 0.4
+#: The thread is given so long to end; one tick is enough.
+JOIN_S, LOOK_S = 2.0, 0.005
+#: A named pose takes so long at speed 1, in seconds.
+POSE_S = 1.0
+#: Sources that are other software's; every other one is the wizard's hand.
+PROGRAMS = frozenset({"program", "engagement"})
+
+#: Verbs whose end is not awaited, beside all streams: the next emotion must not wait for the film
+#: of a crash to end.
+BRIEF = frozenset({"emotion"})
+
+log = logging.getLogger(__name__)
+
+
+class Body:
+    """Joints with roles, a face and a personality, moved by an engine."""
+
+    Settings: ClassVar[type] = BodySettings
+    summary: ClassVar[str] = "a body: gaze, moves, moods and modes, for servos or only to be seen"
+    #: What keeps the rate, made with the rate and the driver's name.
+    ticker: ClassVar[Callable[[float, str], Ticker]] = ThreadTicker
+
+    def __init__(self, name: str, settings: BodySettings, outlet: Outlet) -> None:
+        self.settings = settings
+        self._name = name
+        self._outlet = outlet
+        self._ticker = type(self).ticker(settings.rate, name)
+        self.loop = BodyLoop(settings, outlet, self._ticker.lateness, self._on_ended)
+        offered = self.verbs(settings)
+        self._verbs = {verb.name for verb in offered}
+        self._brief = {verb.name for verb in offered if verb.stream} | BRIEF
+        self._running: dict[int, asyncio.Future[str]] = {}
+        self._events: asyncio.AbstractEventLoop | None = None
+        self._closed = False
+
+    @classmethod
+    def verbs(cls, settings: BodySettings) -> tuple[Verb, ...]:
+        """Everything a body can be asked for; what is about the face only if it has one."""
+        return offered(settings, settings.playable)
+
+    @classmethod
+    def joints(cls, settings: BodySettings) -> Mapping[str, Range]:
+        """Joints with their limits in degrees, so that `woz check` finds impossible poses."""
+        return {name: Range(joint.min, joint.max, "deg") for name, joint in settings.joints.items()}
+
+    @classmethod
+    def sensors(cls, settings: BodySettings) -> tuple[str, ...]:
+        """Setpoints in degrees (10 Hz), without servos the joints too, and how late the latest tick
+        of a second was, in milliseconds.
+        """
+        kinds = ("setpoint",) if settings.servos else ("setpoint", "joint")
+        return (*(f"{kind}.{name}" for kind in kinds for name in settings.joints), "tick")
+
+    @classmethod
+    def outline(cls, settings: BodySettings) -> dict[str, Json]:
+        """What it looks like: `kind`, and what `motion.kinematics.outline` says of the shape."""
+        return {"kind": "body", **outline(settings)}
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Say what it is made of; there is no hardware of its own to look at."""
+        settings: BodySettings = probe.settings
+        known = settings.repertoire
+        findings = [
+            Finding(
+                "ok",
+                probe.name,
+                f"{len(settings.joints)} joints ({', '.join(settings.joints)}),"
+                f" {len(known.moves)} moves, {len(settings.personalities)} personalities",
+            )
+        ]
+        findings += [Finding("error", probe.name, problem) for problem in known.problems]
+        if not settings.servos:
+            findings.append(
+                Finding(
+                    "info",
+                    probe.name,
+                    "moves no servos: it is seen in the console only",
+                    "name the driver of the servos in `servos`",
+                )
+            )
+        return findings
+
+    async def open(self) -> None:
+        """Begin to tick."""
+        self._events = asyncio.get_running_loop()
+        self._outlet.health(Health.CONNECTING, "before its first tick")
+        self._ticker.start(self.loop.step)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out a verb: the engine takes it at once, and what takes time is awaited.
+
+        Returns what was really taken; `ended` says why it was over early. A stream of setpoints
+        (gaze, joints ...) is not awaited: the next one takes its place.
+        """
+        if self._events is None or self._closed:
+            raise Lost("the body is not open")
+        if job.verb not in self._verbs:
+            raise Rejected(f"this body cannot {job.verb!r}")
+        hand = Hand.PROGRAM if job.source in PROGRAMS else Hand.WIZARD
+        verb, args = self._named_pose(job.verb, job.args)
+        answer = self._apply(verb, args, hand)
+        sent = dict(answer.sent)
+        if not answer.token:
+            return sent
+        if job.verb in self._brief:
+            return sent if answer.seconds is None else {**sent, "seconds": answer.seconds}
+        if answer.seconds is not None:
+            job.expects(answer.seconds)
+        why = await self._end_of(answer.token)
+        return {**sent, "ended": why} if why else sent
+
+    async def stop(self, scope: Scope) -> None:
+        """Stand still, breathing and blinking too, until `resume`.
+
+        Raises:
+            DriverError: No tick confirmed it.
+        """
+        if scope is Scope.DRIVE or self._events is None or self._closed:
+            return
+        still = asyncio.wrap_future(self.loop.freeze())
+        try:
+            async with asyncio.timeout(STOP_S):
+                await still
+        except TimeoutError:
+            raise DriverError(
+                "no tick has confirmed the stop", "servos hold by themselves; end the session"
+            ) from None
+
+    async def resume(self) -> None:
+        """The stop was released: breathe and blink again."""
+        if not self._closed:
+            self.loop.resume()
+
+    async def rest(self) -> None:
+        """Hold the breath and go slowly to the rest pose."""
+        if self._events is None or self._closed:
+            return
+        pose: dict[str, Json] = dict(self.settings.rest_pose)
+        try:
+            self._apply("mode", {"mode": "normal"}, Hand.WIZARD)
+            self._apply("breathing", {"on": False}, Hand.WIZARD)
+            answer = self._apply(
+                "pose", {"joints": pose, "seconds": self.settings.rest_time}, Hand.WIZARD
+            )
+        except Rejected as refused:
+            log.info("no rest pose: %s", refused.what)
+            return
+        if answer.token:
+            await self._end_of(answer.token)
+
+    async def close(self) -> None:
+        """End the thread; servos hold the last setpoints until they are closed themselves."""
+        if self._closed:
+            return
+        self._closed = True
+        if self._events is None:
+            return
+        self._ticker.end()
+        for _ in range(round(JOIN_S / LOOK_S)):
+            if self._ticker.ended:
+                break
+            await asyncio.sleep(LOOK_S)
+        else:
+            log.error("the body's thread hangs")
+        for future in self._running.values():
+            if not future.done():
+                future.set_exception(Lost("the body was closed"))
+        self._outlet.notice("info", str(self._ticker.lateness))
+
+    # -- inputs ----------------------------------------------------------------------------------
+
+    def _apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
+        try:
+            return self.loop.apply(verb, args, hand)
+        except Refused as refused:
+            raise Rejected(refused.what, refused.remedy) from None
+
+    def _named_pose(self, verb: str, args: Mapping[str, Json]) -> tuple[str, Mapping[str, Json]]:
+        """`play` of a named pose is a pose; `amplitude` is the share of the way from home."""
+        name = args.get("move")
+        pose = self.settings.poses.get(name) if verb == "play" and isinstance(name, str) else None
+        if pose is None:
+            return verb, args
+        speed, amplitude = (_number(args.get(key)) for key in ("speed", "amplitude"))
+        if speed <= 0:
+            raise Rejected(f"speed must be above 0, not {speed:g}")
+        home = {joint: self.settings.joints[joint].home for joint in pose}
+        joints: dict[str, Any] = {
+            joint: home[joint] + amplitude * (angle - home[joint]) for joint, angle in pose.items()
+        }
+        return "pose", {"joints": joints, "seconds": POSE_S / speed}
+
+    async def _end_of(self, token: int) -> str:
+        """Why the input `token` is over; empty if it came to its own end."""
+        assert self._events is not None
+        future: asyncio.Future[str] = self._events.create_future()
+        self._running[token] = future
+        try:
+            return await future
+        except asyncio.CancelledError:
+            self.loop.drop(token)
+            raise
+        finally:
+            self._running.pop(token, None)
+
+    def _on_ended(self, ended: tuple[Ended, ...]) -> None:
+        """From the ticking thread. Inputs are registered in the turn of the loop in which they were
+        applied, so none can be told of before it is known.
+        """
+        assert self._events is not None
+        with contextlib.suppress(RuntimeError):  # the loop has closed: the session is over
+            self._events.call_soon_threadsafe(self._ended, ended)
+
+    def _ended(self, ended: tuple[Ended, ...]) -> None:
+        for one in ended:
+            future = self._running.get(one.token)
+            if future is not None and not future.done():
+                future.set_result(one.why)
+
+
+def _number(value: Json) -> float:
+    """A share or a pace; 1 if there is none."""
+    return float(value) if isinstance(value, int | float) else 1.0

@@ -1,0 +1,84 @@
+"""What a robot file may say about a body, beside its shape."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from woz_drivers.body.repertoire import Repertoire, repertoire
+from woz_tui.core.fields import Doc, Path, Range, Seconds, Sibling
+from woz_tui.motion.shapes import BodyShape
+
+
+@dataclass(frozen=True, slots=True)
+class Settings(BodyShape):
+    """A body and what it works with."""
+
+    rate: Annotated[float, Range(20, 200, "Hz"), Doc("setpoints a second")] = 50.0
+    moves: Annotated[
+        str, Path(must_exist=True), Doc("folder of move files; the built-in moves are always there")
+    ] = ""
+    poses: Annotated[dict[str, dict[str, float]], Doc("named poses: joint names and degrees")] = (
+        field(default_factory=dict)
+    )
+    rest: Annotated[
+        dict[str, float], Doc("angles in which it may be left alone; joints not named go home")
+    ] = field(default_factory=dict)
+    rest_time: Annotated[float, Seconds(0.1, 8), Doc("the way to the rest pose takes so long")] = (
+        3.0
+    )
+    servos: Annotated[
+        str, Sibling(), Doc("the driver that moves the joints; empty: none, it is only seen")
+    ] = ""
+    camera: Annotated[
+        str, Sibling(), Doc("the camera whose findings object tracking follows; empty: none")
+    ] = ""
+    seed: Annotated[int, Range(0, 2**31), Doc("of blinks and other irregularities")] = 1
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What does not fit together: pairs of a setting's path and a sentence."""
+        found = [*BodyShape.problems(self), *self._angle_problems()]
+        # Move files name joints, so they are judged only by joints that are right.
+        return found or [*self._repertoire_problems()]
+
+    def _angle_problems(self) -> Iterator[tuple[str, str]]:
+        poses = {f"poses.{name}": pose for name, pose in self.poses.items()}
+        for path, pose in {**poses, "rest": self.rest}.items():
+            for name, angle in pose.items():
+                joint = self.joints.get(name)
+                if joint is None:
+                    known = ", ".join(self.joints)
+                    yield f"{path}.{name}", f"no joint is called {name!r}; there are {known}"
+                elif not (math.isfinite(angle) and joint.min <= angle <= joint.max):
+                    yield (
+                        f"{path}.{name}",
+                        f"{angle:g} lies outside {joint.min:g} to {joint.max:g} degrees",
+                    )
+
+    def _repertoire_problems(self) -> Iterator[tuple[str, str]]:
+        known = self.repertoire
+        for sentence in known.problems:
+            yield "moves", sentence
+        for name in self.poses:
+            if name in known.moves:
+                yield (
+                    f"poses.{name}",
+                    f"{name!r} names a move as well; `play` could not tell them apart",
+                )
+
+    @property
+    def repertoire(self) -> Repertoire:
+        """The moves it can play: built-in ones and those of the folder, read now."""
+        return repertoire(self.moves, tuple(self.joints))
+
+    @property
+    def playable(self) -> tuple[str, ...]:
+        """Everything that `play` takes."""
+        return (*self.repertoire.moves, *self.poses)
+
+    @property
+    def rest_pose(self) -> Mapping[str, float]:
+        """Where every joint goes when the robot is left alone."""
+        return {name: self.rest.get(name, joint.home) for name, joint in self.joints.items()}

@@ -1,0 +1,150 @@
+"""Bodies to be played with in virtual time: the event loop ticks them, no thread does."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any, ClassVar
+
+from woz_drivers.body import Body, Settings
+from woz_drivers.body.lateness import Lateness
+from woz_drivers.body.ticker import Step, Ticker
+
+from tests.drivers.heard import Heard, Ordered
+from tests.fakes.virtual_time import LoopClock
+from woz_tui.core.messages import Json, Notice
+from woz_tui.experiment.decode import load
+from woz_tui.motion.setpoints import FACE, SETPOINTS, STATE, Lit, Setpoints, State
+from woz_tui.motion.shapes import JointShape
+from woz_tui.plugins import installed
+
+ROBOTS = Path(__file__).parents[3] / "experiments" / "robots"
+
+
+class LoopTicker:
+    """Ticks in the event loop, at its time."""
+
+    def __init__(self, rate: float, name: str) -> None:
+        self.lateness = Lateness()
+        self.ended = False
+        self._period = 1.0 / rate
+
+    def start(self, step: Step) -> None:
+        asyncio.get_running_loop().call_soon(self._tick, step)
+
+    def end(self) -> None:
+        self.ended = True
+
+    def _tick(self, step: Step) -> None:
+        if self.ended:
+            return
+        loop = asyncio.get_running_loop()
+        self.lateness.count(0.0)
+        loop.call_later(self._period, self._tick, step)
+        step(loop.time())
+
+
+class SteppedBody(Body):
+    """A body without a thread."""
+
+    ticker: ClassVar[Callable[[float, str], Ticker]] = LoopTicker
+
+
+def robot(name: str, folder: Path, **changes: Any) -> Settings:
+    """The body of an example robot file, read as any session reads it."""
+    file = folder / "e.yaml"
+    file.write_text(
+        f"title: T\nrobot: {ROBOTS / name}.yaml\n"
+        "panels: [{title: P, actions: [{key: a, label: A, play: nod}]}]\n"
+    )
+    settings = next(spec.settings for spec in load(file, installed()).drivers if spec.type == "body")
+    assert isinstance(settings, Settings)
+    return replace(settings, **changes)
+
+
+def small(**changes: Any) -> Settings:
+    """A head of two joints that does not breathe."""
+    joints = {
+        "pan": JointShape("z", -90, 90, 300),
+        "tilt": JointShape("y", -30, 40, 200, home=10),
+    }
+    base = Settings(joints, roles={"pan": {"pan": 1}, "nod": {"tilt": 1}})
+    return replace(base, **changes)
+
+
+@dataclass
+class Stage:
+    """A body that ticks, and what it says."""
+
+    body: Body
+    heard: Heard
+
+    @classmethod
+    async def of(cls, settings: Settings, folder: Path) -> Stage:
+        """An open one, after its first tick."""
+        heard = Heard(folder, LoopClock(asyncio.get_running_loop()))
+        body = SteppedBody("it", settings, heard.outlet)
+        await body.open()
+        it = cls(body, heard)
+        await it.ticks(1)
+        return it
+
+    async def ticks(self, number: int) -> None:
+        """Let so many ticks pass."""
+        await asyncio.sleep(number / self.body.settings.rate + 1e-6)
+
+    async def do(self, verb: str, source: str = "key", **args: Json) -> Mapping[str, Json]:
+        """Perform a verb to its end."""
+        return await self.body.perform(Ordered(verb, args, source=source))
+
+    def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
+        """Begin a verb."""
+        return asyncio.create_task(self.do(verb, **args))
+
+    @property
+    def setpoints(self) -> Mapping[str, float]:
+        """What the servos would be given now."""
+        value = self.heard.outlet.feed(SETPOINTS).latest().value
+        assert isinstance(value, Setpoints)
+        return value.joints
+
+    @property
+    def state(self) -> State:
+        """What a panel would be told."""
+        value = self.heard.outlet.feed(STATE).latest().value
+        assert isinstance(value, State)
+        return value
+
+    @property
+    def lit(self) -> Lit:
+        """What lights would be given."""
+        value = self.heard.outlet.feed(FACE).latest().value
+        assert isinstance(value, Lit)
+        return value
+
+    async def path(self, number: int) -> list[Mapping[str, float]]:
+        """The setpoints of the next ticks."""
+        found = []
+        for _ in range(number):
+            await self.ticks(1)
+            found.append(self.setpoints)
+        return found
+
+    def notices(self) -> str:
+        """All notices so far."""
+        return " | ".join(notice.text for notice in self.heard.all(Notice))
+
+
+def within(settings: Settings, path: list[Mapping[str, float]]) -> bool:
+    """Whether setpoints of consecutive ticks keep range and speed."""
+    for name, joint in settings.joints.items():
+        low, high = joint.min + joint.zero, joint.max + joint.zero
+        if not all(low - 1e-6 <= pose[name] <= high + 1e-6 for pose in path):
+            return False
+        most = joint.speed / settings.rate * 1.001 + 1e-6
+        if any(abs(b[name] - a[name]) > most for a, b in itertools.pairwise(path)):
+            return False
+    return True

@@ -18,6 +18,7 @@ COMMANDS = {
     "attach": "join a running session",
     "check": "check an experiment file and show its keys",
     "doctor": "check this machine, its devices and this terminal for an experiment",
+    "midi": "learn the controls of a MIDI panel, or show what they do",
     "schema": "print the JSON Schema of experiment files, for editors",
 }
 

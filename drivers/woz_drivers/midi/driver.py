@@ -10,7 +10,7 @@ from woz_drivers.midi import doctor
 from woz_drivers.midi.fitted import Fitted, fitted, found_by
 from woz_drivers.midi.hands import Button, Knob
 from woz_drivers.midi.layouts import LAYOUTS, Signal
-from woz_drivers.midi.learning import Lesson, begin_lesson
+from woz_drivers.midi.learning import Lesson, begin_lesson, map_text
 from woz_drivers.midi.lights import Lights
 from woz_drivers.midi.port import MidiPort
 from woz_drivers.midi.settings import MidiSettings
@@ -59,7 +59,7 @@ class MidiPanel:
         )
         self._watch: asyncio.Task[None] | None = None
         self._moved: dict[str, int] = {}
-        self._shown: tuple[list[str], list[str]] = ([], [])
+        self._shown: tuple[dict[str, int | None], list[str]] = ({}, [])
         self._shown_us = -1_000_000
         self._stopped = False
         self._hinted = False
@@ -92,9 +92,19 @@ class MidiPanel:
         return tuple((panel.said_at(it.name), ask) for it in fitted(panel) for ask in it.asks())
 
     @classmethod
-    def lesson(cls, device: str, settings: Any) -> Lesson:
-        """Listen to a panel to learn its controls: `woz midi learn`."""
-        return begin_lesson(device, settings)
+    def lesson(cls, device: str, settings: Any, *, keep: bool) -> Lesson:
+        """Listen to a panel to learn its controls: `woz midi learn`. Raises `DriverError`."""
+        return begin_lesson(device, settings, keep=keep)
+
+    @classmethod
+    def map_file(cls, settings: Any) -> str:
+        """The map as a file would say it."""
+        return map_text(settings.panel)
+
+    @classmethod
+    def table(cls, settings: Any) -> tuple[tuple[str, str, str], ...]:
+        """For `woz midi show`: each control, what it sends, what it does."""
+        return tuple((it.name, str(it.control.signal), it.label) for it in fitted(settings))
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -223,14 +233,21 @@ class MidiPanel:
         lit = [name for name, button in self._buttons.items() if self._is_lit(button)]
         if self._with_lights and self._port.ready:
             self._port.write(self._lights.wanted(lit))
-        waiting = [name for name, knob in self._knobs.items() if knob.waiting]
+        waiting = {
+            name: knob.target(self._state(knob.fitted.on))
+            for name, knob in self._knobs.items()
+            if knob.waiting
+        }
         if not self._moved and (waiting, lit) == self._shown:
             return
         if self._now_us() - self._shown_us < LOOK_S * 1_000_000:
             return
         moved, self._moved = self._moved, {}
         self._shown, self._shown_us = (waiting, lit), self._now_us()
-        self._outlet.show(ControlsMoved(values=moved, waiting=waiting, lit=lit))
+        targets = {name: value for name, value in waiting.items() if value is not None}
+        self._outlet.show(
+            ControlsMoved(values=moved, waiting=list(waiting), targets=targets, lit=lit)
+        )
 
     def _is_lit(self, button: Button) -> bool:
         if button.fitted.mapped.stop == "all":

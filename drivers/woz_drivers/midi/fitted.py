@@ -11,7 +11,7 @@ from woz_drivers.midi.layouts import BUTTON, LAYOUTS, Control, Signal
 from woz_drivers.midi.mapped import START, Mapped
 from woz_drivers.midi.rules import kind_of
 from woz_drivers.midi.settings import MidiSettings, PanelMap
-from woz_drivers.midi.wire import place
+from woz_drivers.midi.wire import place, value_at
 from woz_tui.core.driver import Ask
 from woz_tui.core.messages import Json
 
@@ -53,6 +53,12 @@ class Fitted:
         low, high = self.mapped.range
         share = place(value)
         return low + (high - low) * (1 - share if self.mapped.reversed else share)
+
+    def value(self, where: float) -> int:
+        """The value 0..127 at which it stands for `where`: the inverse of `place`."""
+        low, high = self.mapped.range
+        share = (where - low) / (high - low)
+        return value_at(1 - share if self.mapped.reversed else share)
 
     def turned(self, to: float) -> Ask:
         """What is asked for when it stands for `to`."""

@@ -77,6 +77,11 @@ class Knob:
         """Whether the hand has moved it without getting hold of the value."""
         return self.pickup.hand is not None and not self.pickup.held
 
+    def target(self, state: State | None) -> int | None:
+        """The value 0..127 at which a waiting knob begins to count; None if nobody knows."""
+        present = self._present(state)
+        return None if present is None else self.fitted.value(present)
+
     def take(self, value: int, state: State | None) -> None:
         """The hand moved it to `value`, 0..127."""
         self.look(state)

@@ -29,6 +29,10 @@ class Signal:
     number: int
     channel: int = 0
 
+    def __str__(self) -> str:
+        channel = f", channel {self.channel}" if self.channel else ""
+        return f"{self.kind} {self.number}{channel}"
+
 
 @dataclass(frozen=True, slots=True)
 class Control:

@@ -42,15 +42,17 @@ class Lesson:
         panel: The map whose targets are asked for.
         card: What the panel's sound card is called; empty for a bare path.
         fd: Where its bytes come from; -1 for a lesson without a panel.
+        keep: Whether targets that are not learnt stay where `panel` has them.
     """
 
-    def __init__(self, panel: PanelMap, card: str, fd: int) -> None:
+    def __init__(self, panel: PanelMap, card: str, fd: int, *, keep: bool = False) -> None:
         self._panel = panel
         self._card = card
         self._fd = fd
+        self._keep = keep
         self._decoder = Decoder()
-        known = fitted(MidiSettings(map=PanelMap(layout=_layout_of(card))))
-        self._known = found_by(known)
+        self._layout = panel.layout if keep else _layout_of(card)
+        self._known = found_by(fitted(MidiSettings(map=PanelMap(layout=self._layout))))
         self._asked = [it for it in fitted(MidiSettings(map=panel)) if not it.free]
         self._taught: list[Taught] = []
         self._heard: dict[Signal, set[int]] = {}
@@ -144,10 +146,12 @@ class Lesson:
         """The map file with what has been learnt so far."""
         head = {
             "title": self._panel.title or "learnt panel",
-            "layout": _layout_of(self._card),
-            "device": self._card,
+            "layout": self._layout,
+            "device": self._card or (self._panel.device if self._keep else ""),
         }
         controls = {one.name: self._entry(one) for one in self._taught}
+        if self._keep:
+            controls |= self._left(set(controls))
         plain = {name: value for name, value in head.items() if value}
         return written({**plain, "controls": controls})
 
@@ -156,9 +160,18 @@ class Lesson:
         doing = replace(it.mapped, **{name: _DEFAULTS[name] for name in _PHYSICAL})
         return {**self._sends(one, it), **said(doing)}
 
+    def _left(self, taken: set[str]) -> dict[str, dict[str, object]]:
+        """What the map says already of targets that were not learnt."""
+        learnt = {one.question for one in self._taught}
+        return {
+            it.name: said(it.mapped)
+            for question, it in enumerate(self._asked)
+            if question not in learnt and it.name not in taken
+        }
+
     def _sends(self, one: Taught, it: Fitted) -> dict[str, object]:
         """What the file must say of the control itself; nothing for one that a layout knows."""
-        if one.name in LAYOUTS[_layout_of(self._card)].controls:
+        if one.name in LAYOUTS[self._layout].controls:
             return {}
         signal = one.signal
         sends: dict[str, object] = {"kind": it.control.kind, "channel": signal.channel}
@@ -173,7 +186,7 @@ class Lesson:
             self._fd = -1
 
 
-def begin_lesson(device: str, settings: MidiSettings) -> Lesson:
+def begin_lesson(device: str, settings: MidiSettings, *, keep: bool) -> Lesson:
     """Open the panel `device` (path, card's name; empty: the first one). Raises `DriverError`."""
     try:
         path = devices.path_of(device, Path.cwd())
@@ -181,7 +194,7 @@ def begin_lesson(device: str, settings: MidiSettings) -> Lesson:
     except devices.DeviceError as error:
         raise DriverError(error.what, error.remedy) from error
     card = next((it.card for it in devices.present() if it.path == path), "")
-    return Lesson(settings.panel, card, fd)
+    return Lesson(settings.panel, card, fd, keep=keep)
 
 
 def map_text(panel: PanelMap) -> str:

@@ -41,8 +41,7 @@ def claimed_twice(panel: _Panel, names: Collection[str]) -> Found:
             if other != name and (name in names or other in names):
                 wrong = name if name in names else other
                 same = other if wrong == name else name
-                sends = f"{signal.kind} {signal.number}"
-                yield f"controls.{wrong}", f"sends {sends}, and so does {same!r}"
+                yield f"controls.{wrong}", f"sends {signal}, and so does {same!r}"
 
 
 def kind_of(name: str, mapped: Mapped, layout: Layout) -> str:

@@ -9,7 +9,7 @@ from typing import Annotated
 from woz_drivers.midi.layouts import LAYOUTS
 from woz_drivers.midi.mapped import JUMP, SOFT, Mapped
 from woz_drivers.midi.rules import claimed_twice, found_in
-from woz_tui.core.fields import Doc, Included, OneOf
+from woz_tui.core.fields import Doc, Included, OneOf, Sibling
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +46,7 @@ class MidiSettings:
     controls: Annotated[
         dict[str, Mapped], Doc("controls that do something else than the map says")
     ] = field(default_factory=dict)
-    on: Annotated[str, Doc("the driver whose controls these are")] = "body"
+    on: Annotated[str, Sibling(), Doc("the driver whose controls these are")] = "body"
     take_over: Annotated[
         str,
         OneOf((SOFT, JUMP)),

@@ -1,0 +1,258 @@
+"""The driver on a pseudo-terminal: what is asked for, shown and lit."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from woz_drivers.midi import MidiPanel
+from woz_drivers.midi.mapped import Mapped
+from woz_drivers.midi.settings import MidiSettings, PanelMap
+
+from tests.drivers.heard import until
+from tests.drivers.midi.stand import Desk, stand
+from tests.fakes.listening import PlainJob
+from woz_tui.core import conformance
+from woz_tui.core.driver import Health, Rejected, Scope
+
+
+async def test_keeps_the_contract(tmp_path: Path) -> None:
+    settings = MidiSettings(device=str(tmp_path / "nothing"))
+    findings = await conformance.check(MidiPanel, settings)
+    assert [finding for finding in findings if finding.level == "error"] == []
+
+
+@pytest.mark.toolkit("G7")
+async def test_the_first_touch_of_a_slider_at_its_end_asks_for_nothing(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.panel.turn(16, 127)
+        await it.seen(knob_1=127)
+        assert it.desk.asks == []
+        assert it.desk.moved()[-1].waiting == ["knob-1"]
+        assert it.desk.moved()[-1].targets == {"knob-1": 64}
+        [(level, text, remedy)] = it.desk.notices
+        assert (level, remedy) == (
+            "info",
+            "turn it past the mark; from there on the robot follows",
+        )
+        assert "knob-1 does not move pitch" in text
+        it.panel.turn(16, 100, 63, 20)
+        await it.asked(2)
+        assert it.desk.turned("pitch") == [round(63 / 128, 4), round(20 / 128, 4)]
+        await until(lambda: it.desk.moved()[-1].waiting == [])
+        assert len(it.desk.notices) == 1
+
+
+@pytest.mark.toolkit("G7")
+async def test_a_value_changed_by_a_key_must_be_picked_up_again(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.panel.turn(16, 64, 80)
+        await it.asked(2)
+        it.desk.tell(controls={"pitch": 0.1})
+        await until(lambda: it.desk.moved()[-1].waiting == ["knob-1"])
+        it.panel.turn(16, 81, 82)
+        await it.seen(knob_1=82)
+        assert len(it.desk.asks) == 2
+        it.panel.turn(16, 5)
+        await it.asked(3)
+
+
+async def test_take_over_lets_the_robot_jump_to_the_hand(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.panel.turn(16, 127)
+        it.panel.turn(18, 0)
+        await it.seen(knob_1=127, knob_3=0)
+        sent = await it.driver.perform(PlainJob("take-over"))
+        assert sent == {"controls": "knob-1, knob-3"}
+        assert (it.desk.turned("pitch"), it.desk.turned("smoothing")) == ([1.0], [0.0])
+        with pytest.raises(Rejected):
+            await it.driver.perform(PlainJob("nod"))
+
+
+@pytest.mark.toolkit("K3")
+async def test_one_ask_at_a_time_and_the_last_value_is_not_lost(tmp_path: Path) -> None:
+    async with stand(tmp_path, take_over="jump") as it:
+        it.desk.slow = True
+        for number in (16, 17, 18, 19):
+            it.panel.turn(number, *range(100))
+        await it.seen(knob_1=99, knob_2=99, knob_3=99, knob_4=99)
+        assert len(it.desk.asks) == 4
+        while it.desk.open:
+            it.desk.answer()
+        last = round(0.5 + 35 / 126, 4)
+        for control in ("pitch", "tempo", "smoothing", "compression"):
+            assert it.desk.turned(control)[-1] == last
+            assert it.desk.turned(control) == sorted(it.desk.turned(control), key=str)
+
+
+async def test_refused_it_waits_for_the_hand_to_come_by_again(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.desk.refuses = "the demo is playing"
+        it.panel.turn(16, 64, 80)
+        await until(lambda: bool(it.desk.moved()) and it.desk.moved()[-1].waiting == ["knob-1"])
+        it.desk.refuses = ""
+        before = len(it.desk.asks)
+        it.panel.turn(16, 90)
+        await it.seen(knob_1=90)
+        assert len(it.desk.asks) == before
+
+
+@pytest.mark.toolkit("K1")
+async def test_unplugged_in_mid_use_and_put_back(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.panel.turn(16, 64)
+        await it.asked(1)
+        it.panel.send(bytes((0xB0, 16)))  # cut off in the middle of a message
+        it.panel.unplug()
+        await until(lambda: it.desk.healths[-1][0] is Health.LOST)
+        assert (
+            "plug it in again" in it.desk.healths[-1][2]
+            or "plug the panel in" in (it.desk.healths[-1][2])
+        )
+        assert len(it.desk.asks) == 1, "the robot holds its pose"
+        it.panel.plug()
+        await it.connected()
+        it.panel.send(bytes((99,)))  # the rest of it means nothing now
+        it.panel.turn(16, 127)
+        await it.seen(knob_1=127)
+        assert len(it.desk.asks) == 1, "after a replug the value must be picked up again"
+        it.panel.turn(16, 64, 65)
+        await it.asked(3)
+
+
+@pytest.mark.toolkit("K1")
+async def test_unknown_messages_and_free_controls_do_nothing(tmp_path: Path) -> None:
+    async with stand(tmp_path, map="thesis") as it:
+        it.panel.send(bytes.fromhex("f0 42 40 10 7f f7 c0 05 e0 00 40 90 3c 7f fe f8 f2 10 7f"))
+        for number in (*range(20, 23), *range(32, 38), 63, 127):
+            it.panel.turn(number, 127, 0)
+        it.panel.press(60)
+        it.panel.turn(16, 64)
+        await it.asked(1)
+        assert it.desk.said() == [("verb", "control", {"control": "pitch", "value": 0.5})]
+
+
+@pytest.mark.toolkit("K2")
+async def test_the_console_gets_a_picture_and_its_values(tmp_path: Path) -> None:
+    drawn = MidiPanel.outline(MidiSettings(map="thesis"))
+    assert drawn["kind"] == "panel"
+    controls = drawn["controls"]
+    assert isinstance(controls, list)
+    places = {(it["column"], it["row"]) for it in controls if isinstance(it, dict)}
+    assert len(places) == len(controls) == 51
+    assert {
+        "name": "slider-3",
+        "kind": "slider",
+        "column": 6,
+        "row": 5,
+        "label": "zoom",
+        "takes_over": True,
+    } in controls
+    async with stand(tmp_path) as it:
+        it.panel.turn(0, 1, 2, 3, 90)
+        it.panel.turn(32, 127)
+        await it.seen(slider_1=90, button_1=127)
+        it.panel.turn(32, 0)
+        await it.seen(button_1=0)
+
+
+@pytest.mark.toolkit("K2")
+async def test_the_lights_of_buttons_follow_the_robot(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        it.desk.tell(emotion="happy", mode="demo", move="nod")
+        await until(lambda: it.panel.lamps() == {39, 36, 34})
+        assert it.panel.hear().startswith(bytes.fromhex("f0 42 40 00 01 13 00 00 00 01 f7"))
+        await until(lambda: it.desk.moved()[-1].lit == ["button-3", "button-5", "button-8"])
+        it.desk.tell(emotion="sad", mode="normal", move="")
+        await until(lambda: it.panel.lamps() == {70})
+        await it.driver.stop(Scope.ALL)
+        await until(lambda: it.panel.lamps() == {70, 42})
+        await it.driver.resume()
+        await until(lambda: it.panel.lamps() == {70})
+        it.panel.unplug()
+        await until(lambda: it.desk.healths[-1][0] is Health.LOST)
+        it.panel.plug()
+        await until(lambda: it.panel.lamps() == {70})
+        await it.driver.close()
+        assert it.panel.lamps() == set()
+        assert it.panel.hear().endswith(bytes.fromhex("f0 42 40 00 01 13 00 00 00 00 f7"))
+
+
+async def test_a_panel_that_takes_no_bytes_blocks_nobody(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        for turn in range(3000):  # nobody reads at the other end: its buffer runs full
+            it.desk.tell(emotion=("happy", "sad")[turn % 2])
+            await it.driver.resume()  # looks at once; by the clock it would take minutes
+        it.panel.turn(16, 64)
+        await it.asked(1)
+        await until(lambda: it.panel.lamps() == {70})
+
+
+@pytest.mark.parametrize("kind", ["fifo", "file"])
+async def test_bytes_from_a_fifo_and_from_a_recording(tmp_path: Path, kind: str) -> None:
+    path = tmp_path / "bytes"
+    if kind == "fifo":
+        os.mkfifo(path)
+    else:
+        path.write_bytes(b"")
+    desk = Desk(tmp_path)
+    driver = MidiPanel("panel", MidiSettings(device="./bytes"), desk)
+    await driver.open()
+    await until(lambda: desk.connected)
+    with path.open("ab", buffering=0) as file:
+        file.write(bytes.fromhex("b0 10 40 22 7f"))
+        await until(lambda: len(desk.asks) == 2)
+    if kind == "fifo":
+        await until(lambda: desk.healths[-1][0] is Health.LOST)
+    await driver.close()
+
+
+async def test_presses_of_pads_momentary_and_toggling_buttons(tmp_path: Path) -> None:
+    panel = PanelMap(
+        controls={
+            "pad": Mapped(note=60, play="nod"),
+            "held": Mapped(note=61, mode="demo", press="momentary"),
+            "switch": Mapped(cc=80, emotion="happy", press="toggle"),
+            "breath": Mapped(
+                cc=81, verb="breathing", args={"on": True}, back={"on": False}, press="toggle"
+            ),
+            "loud": Mapped(
+                bend=True, verb="volume", argument="level", range=(0.2, 1.0), on="voice"
+            ),
+            "half": Mapped(cc=82, control="zoom", range=(0.0, 0.5), reversed=True, kind="slider"),
+        }
+    )
+    async with stand(tmp_path, map=panel) as it:
+        it.panel.send(bytes.fromhex("90 3c 01 3c 00 3d 64 3d 00"))
+        await it.asked(3)
+        assert it.desk.said() == [
+            ("verb", "play", {"move": "nod"}),
+            ("verb", "mode", {"mode": "demo"}),
+            ("verb", "mode", {"mode": "normal"}),
+        ]
+        assert it.desk.asks[0].when_busy == "replace"
+        it.desk.asks.clear()
+        it.panel.press(80)
+        await it.asked(1)
+        it.desk.tell(emotion="happy")
+        it.panel.press(80)
+        it.panel.press(81)
+        it.panel.press(81)
+        await it.asked(4)
+        assert [ask.args for ask in it.desk.asks] == [
+            {"emotion": "happy"},
+            {"emotion": "neutral"},
+            {"on": True},
+            {"on": False},
+        ]
+        it.desk.asks.clear()
+        it.panel.send(bytes.fromhex("e0 7f 7f"))
+        it.panel.turn(82, 0, 127)
+        await it.asked(3)
+        assert it.desk.said() == [
+            ("verb", "volume", {"level": 1.0}),
+            ("verb", "control", {"control": "zoom", "value": 0.5}),
+            ("verb", "control", {"control": "zoom", "value": 0.0}),
+        ]
+        assert it.desk.asks[0].on == "voice"

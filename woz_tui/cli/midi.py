@@ -1,0 +1,194 @@
+"""`woz midi`: learn which control of a panel does what, and show a map."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import os
+import select
+import sys
+import tempfile
+import termios
+import tty
+from collections.abc import Iterator, Mapping
+from pathlib import Path
+from typing import Any, Protocol
+
+from rich.console import Console
+from rich.table import Table
+
+from woz_tui import plugins
+from woz_tui.cli.failure import explained
+from woz_tui.core.driver import Driver, DriverError
+from woz_tui.experiment.given import settings_of
+
+#: The driver that knows panels.
+DRIVER = "midi"
+_STANDARD = "nanokontrol2"
+_HELP = "s skips, b goes back, q ends"
+
+
+class _Lesson(Protocol):
+    """What the driver offers for `learn`; see `woz_drivers.midi.learning`."""
+
+    @property
+    def over(self) -> bool: ...
+
+    @property
+    def question(self) -> str: ...
+
+    @property
+    def count(self) -> int: ...
+
+    def skip(self) -> None: ...
+
+    def back(self) -> None: ...
+
+    def fileno(self) -> int: ...
+
+    def hear(self) -> str: ...
+
+    def text(self) -> str: ...
+
+    def close(self) -> None: ...
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    learn = commands.add_parser("learn", help="move each control once; writes a map file")
+    learn.add_argument(
+        "file", type=Path, help="map file to write; if it is there, what it asks for"
+    )
+    learn.add_argument(
+        "--device", default="", help="the panel: its card's name or a path (default: the first)"
+    )
+    learn.add_argument(
+        "--like",
+        default="",
+        metavar="MAP",
+        help=f"whose targets are asked for: nanokontrol2, thesis or a file (default: {_STANDARD})",
+    )
+    learn.set_defaults(run=lambda arguments: explained(lambda: _told(_learn, arguments)))
+    show = commands.add_parser("show", help="show what each control sends and does")
+    show.add_argument(
+        "map", nargs="?", default=_STANDARD, help="nanokontrol2, thesis or a map file"
+    )
+    show.add_argument("--yaml", action="store_true", help="as a map file, to begin one's own with")
+    show.set_defaults(run=lambda arguments: explained(lambda: _show(arguments)))
+
+
+def _told(work: Any, arguments: argparse.Namespace) -> int:
+    try:
+        code: int = work(arguments)
+    except DriverError as error:
+        remedy = f" ({error.remedy})" if error.remedy else ""
+        print(f"woz: {error.what}{remedy}", file=sys.stderr)
+        return 1
+    return code
+
+
+def _panel(catalogue: Mapping[str, type[Driver]]) -> Any:
+    if DRIVER not in catalogue:
+        raise plugins.PluginError(f"no installed package offers the driver {DRIVER!r}")
+    return catalogue[DRIVER]
+
+
+def _settings(panel: Any, name: str) -> Any:
+    return settings_of(panel.Settings, {"map": name}, Path.cwd())
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    panel = _panel(plugins.installed())
+    settings = _settings(panel, arguments.map)
+    if arguments.yaml:
+        print(panel.map_file(settings), end="")
+        return 0
+    table = Table("control", "sends", "does", box=None)
+    for row in panel.table(settings):
+        table.add_row(*row)
+    Console(highlight=False).print(table)
+    return 0
+
+
+# -- learning -----------------------------------------------------------------------------------
+
+
+def _learn(arguments: argparse.Namespace) -> int:
+    file: Path = arguments.file
+    panel = _panel(plugins.installed())
+    again = file.exists() and not arguments.like
+    settings = _settings(panel, str(file) if again else arguments.like or _STANDARD)
+    lesson: _Lesson = panel.lesson(arguments.device, settings, keep=again)
+    try:
+        print(f"Learning {file}: {_HELP}.")
+        with _keys():
+            _converse(lesson)
+        if not lesson.count:
+            print("Nothing was learnt; no file was written.")
+            return 1
+        replace(file, lesson.text())
+    finally:
+        lesson.close()
+    print(f"{file}: {lesson.count} controls. In the robot file, at the panel: map: {file}")
+    return 0
+
+
+def _converse(lesson: _Lesson) -> None:
+    """Ask until all is answered or the wizard has enough."""
+    asked = ""
+    sources: list[Any] = [lesson, sys.stdin]
+    while not lesson.over:
+        if lesson.question != asked:
+            asked = lesson.question
+            print(asked, flush=True)
+        ready, _, _ = select.select(sources, [], [])
+        if lesson in ready:
+            said = lesson.hear()
+            if said:
+                print(f"    {said}", flush=True)
+        if sys.stdin in ready and not _obey(lesson, os.read(sys.stdin.fileno(), 64)):
+            return
+
+
+def _obey(lesson: _Lesson, typed: bytes) -> bool:
+    """Do what the keys say; False ends. So does the end of the input."""
+    for key in typed.decode("utf-8", "replace").lower():
+        if key in "q\x04":
+            return False
+        if key == "s" and not lesson.over:
+            lesson.skip()
+        elif key == "b":
+            lesson.back()
+    return bool(typed)
+
+
+@contextlib.contextmanager
+def _keys() -> Iterator[None]:
+    """Keys come singly and are not echoed, if there is a terminal."""
+    if not sys.stdin.isatty():
+        yield
+        return
+    before = termios.tcgetattr(sys.stdin)
+    tty.setcbreak(sys.stdin)
+    try:
+        yield
+    finally:
+        termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
+
+
+def replace(file: Path, text: str) -> None:
+    """Write `text` so that at every moment the old file is there or the new one, whole."""
+    folder = file.absolute().parent
+    descriptor, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=folder)
+    try:
+        with os.fdopen(descriptor, "w", encoding="utf-8") as out:
+            out.write(text)
+            out.flush()
+            os.fsync(out.fileno())
+        mode = file.stat().st_mode & 0o777 if file.exists() else 0o644
+        Path(temporary).chmod(mode)
+        Path(temporary).replace(file)
+    except BaseException:
+        Path(temporary).unlink(missing_ok=True)
+        raise

@@ -26,7 +26,7 @@ from woz_tui.motion.saccade import Saccade
 from woz_tui.motion.safety import Safety
 from woz_tui.motion.setpoints import Seen, State
 from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.stance import beginning
+from woz_tui.motion.stance import beginning, found
 from woz_tui.motion.steering import ARRIVED, Steering
 from woz_tui.motion.ticks import Answer, Ended, Refused, Tick
 
@@ -63,7 +63,7 @@ class Engine:
             for verb in offered(shape, moves)
         }
         pose = beginning(shape, present)
-        self._safety = Safety(shape.joints, {**pose, **(present or {})})
+        self._safety = Safety(shape.joints, {**pose, **found(shape, present)})
         self._shaping = Shaping(shape.joints, pose)
         self._steering = Steering(shape, self._shaping, pose)
         self._breath = Breath(shape)

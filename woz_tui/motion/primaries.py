@@ -18,6 +18,10 @@ from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.tracking import Tracker
 
 
+#: Sums of ticks are this much too short or too long, in seconds; what is due then is due now.
+INSTANT_S = 1e-9
+
+
 @dataclass(slots=True)
 class Moment:
     """What a primary may look at.
@@ -136,7 +140,7 @@ class Line:
         pose = dict(moment.base)
         since = self._elapsed
         for leg in self._legs:
-            if since < leg.seconds:
+            if since < leg.seconds - INSTANT_S:
                 break
             since -= leg.seconds
         else:
@@ -187,7 +191,7 @@ class Playing:
     @property
     def over(self) -> bool:
         """Whether the move has come to its end."""
-        return self._place >= self.move.length
+        return self._place >= self.move.length - INSTANT_S
 
     def rate(self, tempo: float, speed: float) -> float:
         """How much of the move passes in a second."""

@@ -98,14 +98,16 @@ def within(shape: JointShape, angle: float) -> float:
     return min(shape.max, max(shape.min, angle))
 
 
+def found(shape: BodyShape, present: Mapping[str, float] | None) -> dict[str, float]:
+    """Where the joints are, as far as that is known: those of the body, finite angles only."""
+    angles = {name: finite(angle) for name, angle in (present or {}).items()}
+    return {name: a for name, a in angles.items() if name in shape.joints and a is not None}
+
+
 def beginning(shape: BodyShape, present: Mapping[str, float] | None = None) -> dict[str, float]:
     """The pose to begin with: where the joints are, as far as that is known, else their start."""
-    pose = {
-        name: within(joint, joint.home if joint.start is None else joint.start)
+    known = found(shape, present)
+    return {
+        name: within(joint, known.get(name, joint.home if joint.start is None else joint.start))
         for name, joint in shape.joints.items()
     }
-    for name, angle in (present or {}).items():
-        found = finite(angle)
-        if name in pose and found is not None:
-            pose[name] = within(shape.joints[name], found)
-    return pose

@@ -1,0 +1,311 @@
+"""The driver of a face of lights, over a pseudo-terminal with the compiled firmware behind it."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Awaitable, Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.led_face import LedFace, LedFaceSettings, doctor
+from woz_drivers.led_face.pictures import PATTERNS, asleep, mounted
+from woz_drivers.led_face.wire import HERE, Packet
+
+from tests.drivers.heard import Heard, Ordered, until
+from tests.fakes.led_face import Board, PluggedFace
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.conformance import check
+from woz_tui.core.driver import Driver, Finding, Lost, Probe, Rejected, Scope
+from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost, Notice
+from woz_tui.motion.face import FaceState, draw
+from woz_tui.motion.frames import Frame
+from woz_tui.motion.setpoints import FACE, Lit
+from woz_tui.motion.shapes import FaceShape
+
+pytestmark = pytest.mark.cpp
+
+HAPPY = draw(FaceState(0.3, 0, "happy", 1.0), FaceShape())
+SAD = draw(FaceState(-0.3, 0, "sad", 1.0), FaceShape())
+
+
+@dataclass
+class Stand:
+    """A driver at work, the board it talks to, and everything it said."""
+
+    driver: LedFace
+    face: PluggedFace
+    heard: Heard
+    clock: ManualClock
+
+    def show(self, frame: Frame, brightness: float = 1.0) -> None:
+        """The body draws a face."""
+        self.heard.outlet.feed(FACE, of="body").put(Lit(frame, brightness))
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        """Let time pass until it holds; the driver has a turn for each bit of it."""
+
+        def later() -> bool:
+            self.clock.advance(0.01)
+            return holds()
+
+        await until(later)
+
+    async def shown(self, frame: Frame) -> None:
+        """Return when the lights show this frame."""
+        await self.until(lambda: self.face.board.frame == frame)
+
+
+Begin = Callable[..., Awaitable[Stand]]
+
+
+@pytest.fixture
+async def begin(tmp_path: Path) -> AsyncIterator[Begin]:
+    stands: list[Stand] = []
+
+    async def started(board: Board | None = None, **settings: Any) -> Stand:
+        clock = ManualClock()
+        heard = Heard(tmp_path, clock)
+        face = PluggedFace(tmp_path / "face", board)
+        made = LedFaceSettings(port=str(face.port), **{"follows": "body", **settings})
+        stand = Stand(LedFace("it", made, heard.outlet), face, heard, clock)
+        stands.append(stand)
+        await stand.driver.open()
+        return stand
+
+    yield started
+    for stand in stands:
+        await stand.driver.close()
+        stand.face.unplug()
+
+
+@pytest.mark.toolkit("F1", "V1")
+async def test_the_lights_show_the_bodys_face_bit_for_bit(begin: Begin) -> None:
+    stand = await begin()
+    connected = await stand.heard.first(DriverConnected)
+    assert connected.detail == f"{stand.face.port}: memory, 24 x 16"
+    for frame, brightness in ((HAPPY, 1.0), (SAD, 0.5), (HAPPY, 0.25)):
+        stand.show(frame, brightness)
+        await stand.shown(frame)
+        await stand.until(lambda: stand.face.board.brightness == round(255 * brightness))  # noqa: B023
+    assert stand.face.board.frame == Frame.of_hex(24, HAPPY.hex)
+
+
+async def test_the_settings_bound_the_brightness(begin: Begin) -> None:
+    stand = await begin(brightness=0.5)
+    stand.show(HAPPY, 0.5)
+    await stand.shown(HAPPY)
+    assert stand.face.board.brightness == 64
+
+
+async def test_an_unchanged_face_is_sent_about_once_a_second(begin: Begin) -> None:
+    stand = await begin()
+    stand.show(HAPPY)
+    await stand.shown(HAPPY)
+    before = stand.face.board.frames
+    began = stand.clock.now_us()
+    await stand.until(lambda: stand.face.board.frames >= before + 3)
+    assert stand.clock.now_us() - began >= 2_000_000
+
+
+@pytest.mark.toolkit("G1")
+async def test_unplugged_and_put_back(begin: Begin) -> None:
+    stand = await begin()
+    stand.show(HAPPY)
+    await stand.shown(HAPPY)
+    stand.face.unplug()
+    lost = await stand.heard.first(DriverLost)
+    assert "was lost" in lost.detail
+    assert lost.remedy
+    with pytest.raises(Lost):
+        await stand.driver.perform(Ordered("pattern", {"picture": "all", "seconds": 5}))
+    stand.show(SAD)
+    stand.face.board = Board()
+    stand.face.plug()
+    await stand.heard.first(DriverConnected, after=1)
+    await stand.shown(SAD)
+
+
+async def test_a_face_that_falls_silent_is_lost_and_found(begin: Begin) -> None:
+    stand = await begin()
+    await stand.heard.first(DriverConnected)
+    stand.face.mute = True
+    await stand.until(lambda: bool(stand.heard.all(DriverLost)))
+    assert "does not answer any more" in stand.heard.all(DriverLost)[0].detail
+    stand.face.mute = False
+    await stand.until(lambda: len(stand.heard.all(DriverConnected)) == 2)
+
+
+async def test_a_reset_face_is_lit_again(begin: Begin) -> None:
+    stand = await begin()
+    stand.show(HAPPY)
+    await stand.shown(HAPPY)
+    stand.face.reset()
+    assert stand.face.board.frame is None
+    await stand.shown(HAPPY)
+    assert not stand.heard.all(DriverLost)
+
+
+async def test_a_face_of_another_size_is_named_with_a_remedy(begin: Begin) -> None:
+    stand = await begin(Board(16, 24))
+    fault = await stand.heard.first(DriverFaulted)
+    assert "wired as 16 x 24 lights, and the settings say 24 x 16" in fault.detail
+    assert "rotate" in fault.remedy
+    with pytest.raises(Lost, match="16 x 24"):
+        await stand.driver.perform(Ordered("pattern", {"picture": "all", "seconds": 5}))
+
+
+async def test_a_face_of_another_version_is_named_with_a_remedy(begin: Begin) -> None:
+    stand = await begin()
+    await stand.heard.first(DriverConnected)
+    stand.face.hello = Packet(HERE, 0, b"\x09\x18\x10later").encoded()
+    stand.face.unplug()
+    stand.face.plug()
+    fault = await stand.heard.first(DriverFaulted)
+    assert "version 9" in fault.detail
+    assert "firmware" in fault.remedy
+
+
+async def test_a_bodys_face_of_another_size_is_said_once(begin: Begin) -> None:
+    stand = await begin()
+    await stand.heard.first(DriverConnected)
+    for row in (1, 2, 3):
+        stand.show(Frame(32, (row,) * 8))
+    notice = await stand.heard.first(Notice)
+    assert "'body' is 32 x 8 lights, and these are 24 x 16" in notice.text
+    assert notice.remedy
+    assert len(stand.heard.all(Notice)) == 1
+
+
+@pytest.mark.parametrize("picture", ["arrow", "chessboard", "all"])
+async def test_a_pattern_is_shown_until_the_stop_and_then_the_face(
+    begin: Begin, picture: str
+) -> None:
+    stand = await begin()
+    stand.show(HAPPY)
+    await stand.shown(HAPPY)
+    job = Ordered("pattern", {"picture": picture, "seconds": 20.0})
+    running = asyncio.create_task(stand.driver.perform(job))
+    await stand.shown(PATTERNS[picture](24, 16))
+    assert job.announced == [20.0]
+    running.cancel()
+    await stand.driver.stop(Scope.ALL)
+    await asyncio.wait([running])
+    assert running.cancelled()
+    await stand.shown(HAPPY)  # a stop leaves the face as it is
+
+
+async def test_a_pattern_ends_by_itself(begin: Begin) -> None:
+    stand = await begin(follows="")
+    await stand.heard.first(DriverConnected)
+    sent = await stand.driver.perform(Ordered("pattern", {"picture": "rows", "seconds": 0.1}))
+    assert sent == {"picture": "rows", "seconds": 0.1}
+    with pytest.raises(Rejected):
+        await stand.driver.perform(Ordered("say", {"text": "hello"}))
+
+
+@pytest.mark.parametrize("afterwards", ["dark", "asleep", "last"])
+async def test_what_stays_when_the_session_has_ended(begin: Begin, afterwards: str) -> None:
+    stand = await begin(afterwards=afterwards)
+    stand.show(HAPPY)
+    await stand.shown(HAPPY)
+
+    async def time_passes() -> None:
+        while True:
+            stand.clock.advance(0.05)
+            await asyncio.sleep(0.005)
+
+    passing = asyncio.create_task(time_passes())
+    await stand.driver.close()
+    passing.cancel()
+    asleep_face = asleep(LedFaceSettings("x"))
+    expected = {"dark": Frame(24, (0,) * 16), "asleep": asleep_face, "last": HAPPY}[afterwards]
+    await stand.shown(expected)
+    await stand.driver.close()  # a second time is no harm
+
+
+@pytest.mark.parametrize("rotate", ["0", "90", "180", "270"])
+@given(data=st.data(), mirror=st.booleans())
+def test_a_mounted_picture_is_seen_upright(rotate: str, data: st.DataObject, mirror: bool) -> None:
+    rows = data.draw(st.lists(st.integers(0, (1 << 12) - 1), min_size=9, max_size=9))
+    frame = Frame(12, tuple(rows))
+    settings = LedFaceSettings("x", width=12, height=9, rotate=rotate, mirror=mirror)
+    seen = mounted(frame, settings)
+    assert (seen.width, seen.height) == settings.wired
+    for _ in range(int(rotate) // 90):  # turn the matrix as it was mounted: clockwise
+        seen = Frame(
+            seen.height,
+            tuple(
+                sum(
+                    seen.lit(column, row) << row  # the lowest row comes to the left
+                    for row in range(seen.height)
+                )
+                for column in range(seen.width)
+            ),
+        )
+    for y in range(9):
+        for x in range(12):
+            assert seen.lit(11 - x if mirror else x, y) == frame.lit(x, y)
+
+
+def test_patterns_tell_every_way_of_mounting_apart() -> None:
+    arrow = PATTERNS["arrow"](24, 16)
+    ways = {
+        mounted(arrow, LedFaceSettings("x", rotate=rotate, mirror=mirror))
+        for rotate in ("0", "90", "180", "270")
+        for mirror in (False, True)
+    }
+    assert len(ways) == 8
+    assert {name: picture(24, 16).height for name, picture in PATTERNS.items()} == dict.fromkeys(
+        PATTERNS, 16
+    )
+
+
+# -- woz doctor -----------------------------------------------------------------------------------
+
+
+async def examined(face: PluggedFace, **settings: Any) -> Finding:
+    (finding,) = await LedFace.examine(
+        Probe("face", LedFaceSettings(port=str(face.port), **settings))
+    )
+    return finding
+
+
+async def test_the_doctor_measures_and_leaves_the_picture_alone(tmp_path: Path) -> None:
+    face = PluggedFace(tmp_path / "face")
+    finding = await examined(face)
+    assert finding.level == "ok", finding
+    assert "memory, 24 x 16, protocol 1, answers in" in finding.text
+    assert face.board.frames == 0
+    assert (await examined(face, rotate="90")).level == "error"
+    face.unplug()
+    gone = await examined(face)
+    assert (gone.level, bool(gone.remedy)) == ("error", True)
+
+
+async def test_the_doctor_names_a_face_that_says_nothing(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(doctor, "_ANSWER_S", 0.02)
+    monkeypatch.setattr(doctor, "_PATIENCE_S", 0.06)
+    face = PluggedFace(tmp_path / "face")
+    face.mute = True
+    finding = await examined(face)
+    assert finding.level == "error"
+    assert "no face answers" in finding.text
+    assert "firmware" in finding.remedy
+    face.unplug()
+
+
+async def test_it_keeps_the_contract(tmp_path: Path) -> None:
+    findings = await check(LedFace, LedFaceSettings(port=str(tmp_path / "none")))
+    assert [finding for finding in findings if finding.level == "error"] == []
+
+
+def test_its_type_is_a_driver(tmp_path: Path) -> None:
+    driver: type[Driver] = LedFace
+    assert [verb.name for verb in driver.verbs(LedFaceSettings("x"))] == ["pattern"]
+    assert driver.sensors(None) == ()

@@ -1,0 +1,262 @@
+"""The conversation with a face of lights, on a clock that stands still: what is sent, and when."""
+
+from __future__ import annotations
+
+import itertools
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from woz_drivers.led_face.talk import (
+    ANSWER_US,
+    HELLO_US,
+    MISSES,
+    REFRESH_US,
+    SILENCE_US,
+    State,
+    Talk,
+    Wanted,
+)
+from woz_drivers.led_face.wire import FRAME, HELLO, HERE, SHOWN, WRONG, Packet, Reader
+
+from tests.fakes.led_face import Board
+from woz_tui.motion.frames import Frame, blank
+
+pytestmark = pytest.mark.cpp
+
+INTERVAL_US = 33_000
+
+
+def wanted(number: int, brightness: float = 1.0) -> Wanted:
+    return Wanted(Frame(24, (number, *[0] * 15)), brightness)
+
+
+class Stand:
+    """A talk with a board, and the time. `lose` says what happens to the next pieces sent."""
+
+    def __init__(self) -> None:
+        self.board = Board()
+        self.now = 1_000_000
+        self.sent: list[Packet] = []
+        self.states: list[State] = []
+        self.deaf = self.mute = False
+        self._reader = Reader()
+        self._answers = b""
+        self.talk = Talk(
+            (24, 16),
+            self._take,
+            lambda: self.states.append(self.talk.state),
+            interval_us=INTERVAL_US,
+        )
+
+    def _take(self, data: bytes) -> None:
+        self.sent += self._reader.feed(data)
+        if not self.deaf:
+            self._answers += self.board.take(data)
+
+    def step(self, picture: Wanted, after_us: int = 0) -> None:
+        """Some time passes, answers arrive, then it is the talk's turn."""
+        self.now += after_us
+        answers, self._answers = self._answers, b""
+        if not self.mute:
+            self.talk.received(answers, self.now)
+        self.talk.step(picture, self.now)
+
+    def begin(self) -> None:
+        self.talk.begin(self.now)
+        self.step(wanted(0))
+        self.step(wanted(0))  # its answer
+
+    def state(self) -> State:
+        return self.talk.state
+
+    def count(self, kind: int) -> int:
+        return sum(packet.type == kind for packet in self.sent)
+
+
+@pytest.fixture
+def stand() -> Stand:
+    return Stand()
+
+
+def test_hello_first_then_the_picture(stand: Stand) -> None:
+    stand.talk.begin(stand.now)
+    assert [packet.type for packet in stand.sent] == [HELLO]
+    assert stand.state() is State.ASKING
+    stand.step(wanted(5))
+    assert stand.state() is State.TALKING
+    assert stand.talk.detail == "memory, 24 x 16"
+    assert stand.board.frame == wanted(5).frame
+
+
+def test_a_picture_is_sent_on_a_change_and_every_second(stand: Stand) -> None:
+    stand.begin()
+    for _ in range(30):
+        stand.step(wanted(0), INTERVAL_US)
+    assert stand.count(FRAME) == 1
+    stand.step(wanted(0), REFRESH_US)
+    assert stand.count(FRAME) == 2
+    stand.step(wanted(1), INTERVAL_US)
+    assert stand.count(FRAME) == 3
+    stand.step(wanted(1, 0.5), INTERVAL_US)
+    assert stand.board.brightness == 128
+
+
+def test_only_the_newest_of_many_pictures_is_sent(stand: Stand) -> None:
+    stand.begin()
+    for number in range(1, 100):
+        stand.step(wanted(number), INTERVAL_US // 20)
+    assert stand.count(FRAME) <= 1 + 99 // 20 + 1
+    stand.step(wanted(99), INTERVAL_US)
+    assert stand.board.frame == wanted(99).frame
+
+
+def test_one_packet_is_under_way_at_a_time(stand: Stand) -> None:
+    stand.begin()
+    stand.mute = True
+    stand.step(wanted(1), INTERVAL_US)
+    sent = stand.count(FRAME)
+    stand.step(wanted(2), ANSWER_US - 1)
+    assert stand.count(FRAME) == sent
+    stand.step(wanted(2), 1)
+    assert stand.count(FRAME) == sent + 1
+    assert stand.board.frame == wanted(2).frame
+
+
+def test_a_lost_frame_is_sent_again_with_another_number(stand: Stand) -> None:
+    stand.begin()
+    stand.deaf = True
+    stand.step(wanted(1), INTERVAL_US)
+    stand.deaf = False
+    stand.step(wanted(1), ANSWER_US)
+    assert stand.board.frame == wanted(1).frame
+    first, again = [packet for packet in stand.sent if packet.type == FRAME][-2:]
+    assert first.number != again.number
+    assert first.payload == again.payload
+
+
+def test_an_answer_to_an_older_packet_confirms_nothing(stand: Stand) -> None:
+    stand.begin()
+    stand.mute = True
+    stand.step(wanted(1), INTERVAL_US)
+    under_way = stand.sent[-1]
+    stand.talk.received(Packet(SHOWN, (under_way.number - 1) % 256, b"\0").encoded(), stand.now)
+    assert stand.talk.shown != wanted(1)
+    stand.talk.received(Packet(SHOWN, under_way.number, b"\0").encoded(), stand.now)
+    assert stand.talk.shown == wanted(1)
+
+
+def test_it_is_silent_after_many_misses_and_found_again(stand: Stand) -> None:
+    stand.begin()
+    stand.deaf = True
+    for _ in range(MISSES + 1):
+        stand.step(wanted(1), ANSWER_US)
+    assert stand.state() is State.SILENT
+    assert stand.talk.detail == "the face does not answer any more"
+    assert stand.talk.remedy
+    hellos = stand.count(HELLO)
+    for _ in range(10):
+        stand.step(wanted(1), HELLO_US // 2)
+    assert stand.count(HELLO) == hellos + 5
+    stand.deaf = False
+    for _ in range(3):
+        stand.step(wanted(1), HELLO_US)
+    assert stand.state() is State.TALKING
+    assert stand.board.frame == wanted(1).frame
+    assert stand.states[-2:] == [State.SILENT, State.TALKING]
+
+
+def test_a_face_that_started_anew_gets_its_picture_at_once(stand: Stand) -> None:
+    stand.begin()
+    stand.step(wanted(1), INTERVAL_US)
+    stand.step(wanted(1), INTERVAL_US)
+    stand.board = Board()
+    stand.talk.received(stand.board.introduce(), stand.now)
+    stand.step(wanted(1), INTERVAL_US)
+    assert stand.board.frame == wanted(1).frame
+    assert stand.states.count(State.TALKING) == 1  # nobody needs to hear of it
+
+
+@pytest.mark.parametrize(
+    ("said", "why"),
+    [
+        (b"", "nothing came"),
+        (b"\x05hello\0\x05world\0", "only 2 damaged packets came"),
+    ],
+)
+def test_nobody_there(stand: Stand, said: bytes, why: str) -> None:
+    stand.deaf = True
+    stand.talk.begin(stand.now)
+    stand.talk.received(said, stand.now)
+    for _ in range(SILENCE_US // HELLO_US + 1):
+        stand.step(wanted(1), HELLO_US)
+    assert (stand.talk.state, stand.talk.detail) == (State.SILENT, f"no face answers: {why}")
+    assert "led_face" in stand.talk.remedy
+    assert stand.count(FRAME) == 0
+
+
+@pytest.mark.parametrize(
+    ("here", "what"),
+    [
+        (b"\x02\x18\x10new", "speaks version 2 of the protocol, and this is 1"),
+        (b"\x01\x10\x18turned", "wired as 16 x 24 lights, and the settings say 24 x 16"),
+    ],
+)
+def test_another_face_gets_no_pictures(stand: Stand, here: bytes, what: str) -> None:
+    stand.deaf = True
+    stand.talk.begin(stand.now)
+    for _ in range(5):
+        stand.talk.received(Packet(HERE, 1, here).encoded(), stand.now)
+        stand.step(wanted(1), HELLO_US)
+    assert stand.state() is State.STRANGE
+    assert what in stand.talk.detail
+    assert stand.talk.remedy
+    assert stand.count(FRAME) == 0
+    assert len(stand.states) == 2  # it is said once
+
+
+def test_a_refused_packet_is_said_once(stand: Stand) -> None:
+    stand.begin()
+    stand.talk.received(Packet(WRONG, 2, b"\2").encoded(), stand.now)
+    for _ in range(5):
+        stand.step(wanted(1), HELLO_US)
+    assert stand.state() is State.STRANGE
+    assert stand.talk.detail == "the face refused a packet: the frame has another size"
+    assert stand.states == [State.ASKING, State.TALKING, State.STRANGE]
+    stand.begin()
+    assert stand.talk.detail == "memory, 24 x 16"
+
+
+@given(st.lists(st.binary(max_size=80), max_size=10))
+def test_noise_is_no_answer(pieces: list[bytes]) -> None:
+    stand = Stand()
+    stand.deaf = True
+    stand.talk.begin(stand.now)
+    for piece in pieces:
+        stand.talk.received(piece, stand.now)
+        stand.step(wanted(1), 1000)
+    assert stand.state() is State.ASKING
+
+
+@given(st.lists(st.tuples(st.integers(0, 9), st.booleans(), st.booleans()), max_size=60))
+@settings(max_examples=60)
+def test_in_the_end_the_face_shows_what_is_wanted(
+    story: list[tuple[int, bool, bool]],
+) -> None:
+    stand = Stand()
+    stand.begin()
+    for (number, deaf, mute), after in zip(story, itertools.cycle((7_000, 90_000)), strict=False):
+        stand.deaf, stand.mute = deaf, mute
+        stand.step(wanted(number), after)
+    stand.deaf = stand.mute = False
+    for _ in range(40):
+        stand.step(wanted(77), ANSWER_US)
+    assert stand.state() is State.TALKING
+    assert stand.board.frame == wanted(77).frame
+    assert stand.talk.shown == wanted(77)
+
+
+def test_nothing_wanted_is_dark(stand: Stand) -> None:
+    stand.begin()
+    stand.step(Wanted(blank(24, 16), 0.0), INTERVAL_US)
+    assert stand.board.brightness == 0

@@ -1,0 +1,259 @@
+"""Moves made of key frames and recordings, in layers that play in sync.
+
+A frame is a moment at which something is reached. It moves what it names, from the frame before to
+its own moment; what it does not name stays. Angles are relative to the pose held when the move
+began, or absolute. A layer has frames, dense samples or both; layers lie on each other in their
+order, each added to what is below or taking its place, with a share from 0 to 1.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, field
+
+from woz_tui.motion.move import Cue, FaceWish, Posture
+from woz_tui.motion.tracks import Drawing, Sampled, Steps, Track
+
+#: How a layer lies on those below: its values are added, or take the place of theirs.
+MIXES = ("add", "replace")
+#: What a face has that is a number, and where it is while nobody says otherwise.
+FEATURES: Mapping[str, float] = {"intensity": 0.0, "x": 0.0, "y": 0.0, "lid": 1.0}
+NEUTRAL = "neutral"
+
+#: Places are kept to a microsecond, so that adding up times and taking them apart agree.
+PLACE_DECIMALS = 6
+
+
+@dataclass(frozen=True, slots=True)
+class KeyFrame:
+    """What is reached at the place `at` (seconds or beats from the beginning), by `easing`.
+
+    Angles are degrees; `joints` are relative or absolute as the layer is, `roles` always relative.
+    An emotion comes on over the way to the frame, from no intensity; without one an intensity is
+    that of the emotion before. The `sound` (absolute path) begins when the frame is reached.
+    """
+
+    at: float
+    roles: Mapping[str, float] = field(default_factory=dict)
+    joints: Mapping[str, float] = field(default_factory=dict)
+    easing: str = "smooth"
+    emotion: str | None = None
+    intensity: float | None = None
+    x: float | None = None
+    y: float | None = None
+    lid: float | None = None
+    sound: str = ""
+    volume: float = 1.0
+
+
+@dataclass(frozen=True, slots=True)
+class Samples:
+    """Values at equal distances, `rate` a second or beat, the first at the beginning.
+
+    `face` has lists for x, y, lid and intensity.
+    """
+
+    rate: float
+    roles: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    joints: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+    face: Mapping[str, tuple[float, ...]] = field(default_factory=dict)
+
+    @property
+    def length(self) -> float:
+        """Place of the last sample of the longest list."""
+        lists = [*self.roles.values(), *self.joints.values(), *self.face.values()]
+        return max((len(values) - 1 for values in lists), default=0) / self.rate
+
+
+@dataclass(frozen=True, slots=True)
+class Layer:
+    """A part of a move that is made, muted and redone by itself."""
+
+    name: str
+    frames: tuple[KeyFrame, ...] = ()
+    samples: Samples | None = None
+    #: Whether joints are added to the pose held before, or are angles themselves.
+    relative: bool = True
+    mix: str = "add"
+    #: How much of it counts: 0 nothing, 1 all.
+    share: float = 1.0
+    muted: bool = False
+
+    @property
+    def length(self) -> float:
+        """Where it ends."""
+        frames = self.frames[-1].at if self.frames else 0.0
+        return max(frames, self.samples.length if self.samples is not None else 0.0)
+
+
+@dataclass(frozen=True, slots=True)
+class KeyframeMove:
+    """A move of layers. Muted layers count for its length, so muting changes nobody's timing."""
+
+    name: str
+    summary: str
+    layers: tuple[Layer, ...]
+    beats: bool = False
+    stays: bool = False
+    length: float = field(init=False)
+    cues: tuple[Cue, ...] = field(init=False)
+    _playing: tuple[_Playing, ...] = field(init=False, repr=False, compare=False)
+
+    def __post_init__(self) -> None:
+        heard = [layer for layer in self.layers if not layer.muted and layer.share > 0]
+        derived = {
+            "length": max((layer.length for layer in self.layers), default=0.0),
+            "cues": tuple(sorted(_cues(heard), key=lambda cue: cue.at)),
+            "_playing": tuple(_Playing.of(layer) for layer in heard),
+        }
+        for name, value in derived.items():
+            object.__setattr__(self, name, value)
+
+    def at(self, place: float) -> Posture:
+        """What it wants at `place`; before the beginning and after the end as there."""
+        place = min(self.length, max(0.0, place))
+        mixed = _Mixed()
+        for layer in self._playing:
+            layer.onto(mixed, place)
+        return mixed.posture()
+
+
+def _cues(layers: list[Layer]) -> Iterator[Cue]:
+    for layer in layers:
+        for frame in layer.frames:
+            if frame.sound:
+                yield Cue(frame.at, frame.sound, frame.volume * layer.share)
+
+
+# -- playing ------------------------------------------------------------------------------------
+
+
+@dataclass(slots=True)
+class _Mixed:
+    """Layers as far as they have been laid on each other."""
+
+    roles: dict[str, float] = field(default_factory=dict)
+    joints: dict[str, float] = field(default_factory=dict)
+    places: dict[str, float] = field(default_factory=dict)
+    features: dict[str, float] = field(default_factory=dict)
+    emotion: str | None = None
+
+    def posture(self) -> Posture:
+        face = None
+        if self.features or self.emotion is not None:
+            face = FaceWish(emotion=self.emotion, **self.features)
+        return Posture(self.roles, self.joints, self.places, face)
+
+
+@dataclass(frozen=True, slots=True)
+class _Playing:
+    """A layer made ready."""
+
+    relative: bool
+    replaces: bool
+    share: float
+    roles: Mapping[str, Track]
+    joints: Mapping[str, Track]
+    features: Mapping[str, Track]
+    emotions: Steps
+
+    @classmethod
+    def of(cls, layer: Layer) -> _Playing:
+        dense = layer.samples or Samples(1.0)
+        drawn = _Drawn(layer.relative)
+        before = 0.0
+        for frame in layer.frames:
+            drawn.frame(frame, before)
+            before = frame.at
+        return cls(
+            layer.relative,
+            layer.mix == "replace",
+            layer.share,
+            {**_sampled(dense, dense.roles), **_keyed(drawn.roles)},
+            {**_sampled(dense, dense.joints), **_keyed(drawn.joints)},
+            {**_keyed(drawn.features), **_sampled(dense, dense.face)},
+            Steps.of(drawn.emotions),
+        )
+
+    def onto(self, mixed: _Mixed, place: float) -> None:
+        for role, track in self.roles.items():
+            mixed.roles[role] = self._over(mixed.roles.get(role, 0.0), track.at(place))
+        for joint, track in self.joints.items():
+            self._joint(mixed, joint, track.at(place))
+        emotion = self.emotions.at(place)
+        if emotion is not None:
+            mixed.emotion = emotion
+        for feature, track in self.features.items():
+            if place >= track.begins:
+                below = mixed.features.get(feature, FEATURES[feature])
+                mixed.features[feature] = below + self.share * (track.at(place) - below)
+
+    def _joint(self, mixed: _Mixed, joint: str, value: float) -> None:
+        if self.relative:
+            mixed.joints[joint] = self._over(mixed.joints.get(joint, 0.0), value)
+            return
+        below = mixed.places.get(joint, value)
+        mixed.places[joint] = below + self.share * (value - below)
+
+    def _over(self, below: float, value: float) -> float:
+        if self.replaces:
+            return below + self.share * (value - below)
+        return below + self.share * value
+
+
+def _keyed(drawings: Mapping[str, Drawing]) -> dict[str, Track]:
+    return {name: drawing.keyed() for name, drawing in drawings.items()}
+
+
+def _sampled(dense: Samples, lists: Mapping[str, tuple[float, ...]]) -> dict[str, Track]:
+    return {name: Sampled(dense.rate, values) for name, values in lists.items()}
+
+
+@dataclass(slots=True)
+class _Drawn:
+    """A layer's frames, taken apart into tracks."""
+
+    relative: bool
+    roles: dict[str, Drawing] = field(default_factory=dict)
+    joints: dict[str, Drawing] = field(default_factory=dict)
+    features: dict[str, Drawing] = field(default_factory=dict)
+    emotions: list[tuple[float, str]] = field(default_factory=list)
+
+    def frame(self, frame: KeyFrame, before: float) -> None:
+        """The next frame; the one before it is at `before`."""
+        for name, angle in frame.roles.items():
+            track = self.roles.setdefault(name, Drawing())
+            track.leg(before, frame.at, angle, frame.easing, 0.0)
+        for name, angle in frame.joints.items():
+            # Where an absolute joint comes from nobody knows here: the engine leads it over.
+            track = self.joints.setdefault(name, Drawing())
+            first = 0.0 if self.relative else angle
+            track.leg(before, frame.at, angle, frame.easing, first)
+        self._mood(frame, before)
+        for name in ("x", "y", "lid"):
+            value = getattr(frame, name)
+            if value is not None:
+                track = self.features.setdefault(name, Drawing())
+                track.leg(before, frame.at, value, frame.easing, FEATURES[name])
+
+    def _mood(self, frame: KeyFrame, before: float) -> None:
+        """One emotion goes, in half the time, before another comes; neutral is no intensity."""
+        if frame.emotion is None and frame.intensity is None:
+            return
+        track = self.features.setdefault("intensity", Drawing())
+        was = self.emotions[-1][1] if self.emotions else None
+        now = frame.emotion or was
+        wanted = 1.0 if frame.intensity is None else frame.intensity
+        goal = 0.0 if now == NEUTRAL else wanted
+        visible = was not in (None, NEUTRAL) and bool(track.values) and track.values[-1] > 0
+        if now == was or not visible:
+            switch = before
+        elif now == NEUTRAL:
+            switch = frame.at
+        else:
+            switch = (before + frame.at) / 2
+            track.leg(before, switch, 0.0, frame.easing, 0.0)
+        if now is not None and now != was:
+            self.emotions.append((switch, now))
+        track.leg(max(before, switch) if switch < frame.at else before, frame.at, goal,
+                  frame.easing, 0.0)  # fmt: skip

@@ -21,6 +21,7 @@ from woz_tui.core import fields
 from woz_tui.experiment.include import include
 from woz_tui.experiment.nodes import Items, Node, Scalar, Table, described
 from woz_tui.experiment.report import Report, join
+from woz_tui.experiment.shape import Problem
 from woz_tui.experiment.spot import (
     Spot,
     missing,
@@ -118,13 +119,26 @@ def _made(spot: Spot, shape: type, values: dict[str, Any]) -> Any:
     try:
         made = shape(**values)
         problems = list(made.problems()) if hasattr(made, "problems") else []
+        spot.report.included += made.sources() if hasattr(made, "sources") else []
     except Exception as error:  # noqa: BLE001 - a plug-in's code; its failure is the file's error
         spot.error(str(error) or type(error).__name__)
         return BAD
-    for path, message in problems:
-        full = _below(spot.path, path)
-        spot.report.error(spot.report.place(full, spot.place.file), full, message)
-    return BAD if problems else made
+    return BAD if any([_wrong(spot, problem) for problem in problems]) else made
+
+
+def _wrong(spot: Spot, problem: Problem | tuple[str, str]) -> bool:
+    """Report what the settings find themselves: a setting's path and a sentence, or a place in a
+    file that they name. Whether it is an error.
+    """
+    if isinstance(problem, Problem):
+        spot.report.file(problem.place.file)
+        say = spot.report.warning if problem.warning else spot.report.error
+        say(problem.place, problem.path, problem.message)
+        return not problem.warning
+    path, message = problem
+    full = _below(spot.path, path)
+    spot.report.error(spot.report.place(full, spot.place.file), full, message)
+    return True
 
 
 def _below(path: str, inner: str) -> str:

@@ -16,6 +16,7 @@ from typing import Any
 from woz_tui.core.driver import Driver
 from woz_tui.experiment import check, template
 from woz_tui.experiment.actions import PanelReader, titles
+from woz_tui.experiment.asked import check_asks
 from woz_tui.experiment.calls import Vocabulary
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table, described, tree
@@ -117,6 +118,8 @@ class _Decoder:
             sections={name: raw(table[name].node) for name in RAW_SECTIONS if name in table},
             files=tuple(source.path.absolute() for source in self._sources),
         )
+        names = [action.name for panel in experiment.panels for action in panel.actions]
+        check_asks(robots, vocabulary.session, names, self._report)
         check.across(experiment, panels.drafts, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
 

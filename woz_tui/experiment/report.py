@@ -37,6 +37,10 @@ class Report:
         """Remember where `path` stands in its file."""
         self._places[place.file, path] = place
 
+    def knows(self, path: str, file: str) -> bool:
+        """Whether `path` itself stands in this file."""
+        return (file, path) in self._places
+
     def place(self, path: str, file: str | None = None) -> Place:
         """Where `path` stands, or the nearest thing that holds it.
 

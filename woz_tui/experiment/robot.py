@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from woz_tui.core.driver import Driver, Verb
+from woz_tui.core.driver import Ask, Driver, Verb
 from woz_tui.core.fields import Range, Sibling
 from woz_tui.experiment.nodes import Node, Table, described, tree
 from woz_tui.experiment.report import Report, join, quoted
@@ -34,12 +34,23 @@ class Offer:
     joints: Mapping[str, Range] | None = None
 
 
+@dataclass(frozen=True, slots=True)
+class Asking:
+    """What a driver will ask for, each ask with the path of its setting below `path` in `file`."""
+
+    driver: str
+    path: str
+    file: str
+    asks: tuple[tuple[str, Ask], ...]
+
+
 @dataclass(slots=True)
 class Robots:
     """Everything the robots of an experiment bring along."""
 
     drivers: list[DriverSpec] = field(default_factory=list)
     offers: dict[str, list[Offer]] = field(default_factory=dict)
+    asking: list[Asking] = field(default_factory=list)
     #: Robot names, if there are several robots.
     names: list[str] = field(default_factory=list)
     #: Whether some driver could not be decoded, so that verbs may be missing.
@@ -232,10 +243,13 @@ class RobotReader:
                 place=spot.place,
             )
             joints = _joints(driver, settings)
+            asks = _asks(driver, settings)
         except Exception as error:  # noqa: BLE001 - a plug-in's code
             spot.error(f"the driver {kind!r} fails with these settings: {error!r}")
             return
         self._robots.drivers.append(spec)
+        if asks:
+            self._robots.asking.append(Asking(name, spot.path, spot.place.file, asks))
         for verb in spec.verbs:
             self._robots.offers.setdefault(verb.name, []).append(Offer(name, verb, joints))
 
@@ -244,6 +258,12 @@ def _joints(driver: type[Driver], settings: Any) -> Mapping[str, Range] | None:
     """A driver class may tell its joints: `joints(settings) -> Mapping[str, Range]`, in degrees."""
     tell = getattr(driver, "joints", None)
     return dict(tell(settings)) if callable(tell) else None
+
+
+def _asks(driver: type[Driver], settings: Any) -> tuple[tuple[str, Ask], ...]:
+    """A driver class may tell what it will ask for; see `experiment.asked`."""
+    tell = getattr(driver, "asks", None)
+    return tuple(tell(settings)) if callable(tell) else ()
 
 
 def _named(spot: Spot, name: str) -> bool:

@@ -1,0 +1,112 @@
+"""What drivers will ask the session for, checked when the file is read: a panel's buttons name
+verbs, controls and actions that must exist.
+
+A driver class tells by `asks(settings) -> Iterable[tuple[str, Ask]]`: each with the path of the
+setting that says so, below the driver's own.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+
+from woz_tui.core.driver import Argument, Ask, Verb
+from woz_tui.core.messages import Json
+from woz_tui.experiment.report import Report, join, quoted
+from woz_tui.experiment.robot import Asking, Offer, Robots
+from woz_tui.experiment.shape import Place
+
+
+@dataclass(frozen=True, slots=True)
+class _Known:
+    """What can be asked for in this experiment."""
+
+    robots: Robots
+    session: Mapping[str, Verb]
+    actions: Collection[str]
+
+
+def check_asks(
+    robots: Robots, session: Mapping[str, Verb], actions: Collection[str], report: Report
+) -> None:
+    """Report what nobody could carry out. What stands in no file of the user is only warned of."""
+    if robots.incomplete:
+        return
+    known = _Known(robots, session, actions)
+    for asking in robots.asking:
+        for path, ask in asking.asks:
+            for message in _wrong(ask, asking, known, report):
+                full, place, written = _where(asking, path, report)
+                (report.error if written else report.warning)(place, full, message)
+
+
+def _where(asking: Asking, path: str, report: Report) -> tuple[str, Place, bool]:
+    """The path and place of a setting, and whether it stands in a file: its own, or included."""
+    full = join(asking.path, path)
+    if report.knows(full, asking.file):
+        return full, report.place(full, asking.file), "." in path
+    inner = path.partition(".")[2]
+    for source in report.included:
+        if inner and report.knows(inner, source.name):
+            return inner, report.place(inner, source.name), True
+    return full, report.place(full, asking.file), False
+
+
+def _wrong(ask: Ask, asking: Asking, known: _Known, report: Report) -> Iterator[str]:
+    if ask.what == "action" and ask.name not in known.actions:
+        near = report.hint(ask.name, known.actions, or_list="actions are")
+        yield f"there is no action {quoted(ask.name)}{near}"
+    if ask.what != "verb":
+        return
+    offers = _offers(ask, asking, known)
+    if len(offers) == 1:
+        for name, value in ask.args.items():
+            yield from _argument(offers[0].verb, name, value, report)
+        for argument in offers[0].verb.arguments:
+            if argument.required and argument.name not in ask.args:
+                yield f"{ask.name} needs {argument.name!r}"
+    elif offers:
+        who = " and ".join(offer.driver for offer in offers)
+        yield f"{ask.name!r} is offered by {who}; name one of them with on"
+    else:
+        verbs = [*known.robots.offers, *known.session]
+        whom = f"{ask.on!r} does not offer" if ask.on else "nobody offers"
+        yield f"{whom} {ask.name!r}{report.hint(ask.name, verbs)}"
+
+
+def _offers(ask: Ask, asking: Asking, known: _Known) -> Sequence[Offer]:
+    """Who would carry it out: robots of an experiment keep to themselves."""
+    offers = known.robots.offers.get(ask.name, [])
+    if not ask.on and ask.name in known.session:
+        offers = [Offer("session", known.session[ask.name])]
+    robot, dot, _ = asking.driver.rpartition(".")
+    on = f"{robot}{dot}{ask.on}" if ask.on else robot
+    if not on:
+        return offers
+    return [one for one in offers if one.driver == on or one.driver.startswith(f"{on}.")]
+
+
+def _argument(verb: Verb, name: str, value: Json, report: Report) -> Iterator[str]:
+    takes = {argument.name: argument for argument in verb.arguments}
+    argument = takes.get(name)
+    if argument is None:
+        yield f"{verb.name} has no argument {name!r}{report.hint(name, takes, or_list='it takes')}"
+        return
+    yield from _value(argument, value, report)
+
+
+def _value(argument: Argument, value: Json, report: Report) -> Iterator[str]:
+    if argument.choices and value not in argument.choices:
+        near = report.hint(str(value), argument.choices, or_list="there are")
+        yield f"{quoted(str(value))} is no {argument.name}{near}"
+    numeric = argument.kind in ("number", "whole", "seconds")
+    if numeric and (isinstance(value, bool) or not isinstance(value, int | float)):
+        yield f"{argument.name} must be a number, not {quoted(str(value))}"
+    elif isinstance(value, int | float) and _outside(argument, value):
+        yield f"{argument.name} must be {argument.range}, not {value:g}"
+    if argument.kind == "flag" and not isinstance(value, bool):
+        yield f"{argument.name} must be true or false, not {quoted(str(value))}"
+
+
+def _outside(argument: Argument, value: float) -> bool:
+    return argument.range is not None and not argument.range.contains(value)

@@ -22,6 +22,7 @@ from woz_tui.experiment.include import include
 from woz_tui.experiment.nodes import Items, Node, Scalar, Table, described
 from woz_tui.experiment.report import Report, join
 from woz_tui.experiment.shape import Problem
+from woz_tui.experiment.source import Source
 from woz_tui.experiment.spot import (
     Spot,
     missing,
@@ -119,26 +120,44 @@ def _made(spot: Spot, shape: type, values: dict[str, Any]) -> Any:
     try:
         made = shape(**values)
         problems = list(made.problems()) if hasattr(made, "problems") else []
-        spot.report.included += made.sources() if hasattr(made, "sources") else []
+        included = made.included() if not problems and hasattr(made, "included") else None
     except Exception as error:  # noqa: BLE001 - a plug-in's code; its failure is the file's error
         spot.error(str(error) or type(error).__name__)
         return BAD
-    return BAD if any([_wrong(spot, problem) for problem in problems]) else made
+    for path, message in problems:
+        full = _below(spot.path, path)
+        spot.report.error(spot.report.place(full, spot.place.file), full, message)
+    if included is not None and not _taken(spot.report, included):
+        return BAD
+    return BAD if problems else made
 
 
-def _wrong(spot: Spot, problem: Problem | tuple[str, str]) -> bool:
-    """Report what the settings find themselves: a setting's path and a sentence, or a place in a
-    file that they name. Whether it is an error.
+class Included(typing.Protocol):
+    """Files that settings name and read themselves (`included()`): what is wrong in them, with
+    their lines, and the files, which belong to the experiment from then on.
     """
-    if isinstance(problem, Problem):
-        spot.report.file(problem.place.file)
-        say = spot.report.warning if problem.warning else spot.report.error
+
+    @property
+    def problems(self) -> Sequence[Problem]:
+        """Errors and warnings."""
+        ...
+
+    @property
+    def sources(self) -> Sequence[Source]:
+        """Every file that was read."""
+        ...
+
+
+def _taken(report: Report, included: Included) -> bool:
+    """Whether all of the files are right."""
+    for source in included.sources:
+        report.file(source.name)
+        report.included.append(source)
+    for problem in included.problems:
+        report.file(problem.place.file)
+        say = report.warning if problem.warning else report.error
         say(problem.place, problem.path, problem.message)
-        return not problem.warning
-    path, message = problem
-    full = _below(spot.path, path)
-    spot.report.error(spot.report.place(full, spot.place.file), full, message)
-    return True
+    return all(problem.warning for problem in included.problems)
 
 
 def _below(path: str, inner: str) -> str:

@@ -4,19 +4,23 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.move import Move
+from woz_tui.motion.movefile import MoveFolder, read_folder
+from woz_tui.motion.shapes import BodyShape
 
 
 @dataclass(frozen=True, slots=True)
 class Repertoire:
-    """Moves by name, and what is wrong with their files."""
+    """Moves by name, and what the folder holds, with all that is wrong with its files."""
 
     moves: Mapping[str, Move]
-    problems: tuple[str, ...] = ()
+    folder: MoveFolder
 
 
-def repertoire(folder: str, joints: tuple[str, ...]) -> Repertoire:
+def repertoire(folder: str, shape: BodyShape) -> Repertoire:
     """The built-in moves, and those of the files in `folder` (empty: none)."""
-    return Repertoire(BUILT_IN)
+    found = read_folder(Path(folder), shape) if folder else MoveFolder({}, ())
+    return Repertoire({**BUILT_IN, **found.moves}, found)

@@ -9,6 +9,7 @@ from typing import Annotated
 
 from woz_drivers.body.repertoire import Repertoire, repertoire
 from woz_tui.core.fields import Doc, Path, Range, Seconds, Sibling
+from woz_tui.motion.movefile import MoveFolder
 from woz_tui.motion.shapes import BodyShape
 
 
@@ -18,7 +19,7 @@ class Settings(BodyShape):
 
     rate: Annotated[float, Range(20, 200, "Hz"), Doc("setpoints a second")] = 50.0
     moves: Annotated[
-        str, Path(must_exist=True), Doc("folder of move files; the built-in moves are always there")
+        str, Path(), Doc("folder of move files; the built-in moves are always there")
     ] = ""
     poses: Annotated[dict[str, dict[str, float]], Doc("named poses: joint names and degrees")] = (
         field(default_factory=dict)
@@ -40,8 +41,12 @@ class Settings(BodyShape):
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""
         found = [*BodyShape.problems(self), *self._angle_problems()]
-        # Move files name joints, so they are judged only by joints that are right.
-        return found or [*self._repertoire_problems()]
+        # Move files name joints, so they are read only where the joints are right.
+        return found or [*self._name_problems()]
+
+    def included(self) -> MoveFolder:
+        """The move files, which belong to the experiment as its other files do."""
+        return self.repertoire.folder
 
     def _angle_problems(self) -> Iterator[tuple[str, str]]:
         poses = {f"poses.{name}": pose for name, pose in self.poses.items()}
@@ -57,10 +62,8 @@ class Settings(BodyShape):
                         f"{angle:g} lies outside {joint.min:g} to {joint.max:g} degrees",
                     )
 
-    def _repertoire_problems(self) -> Iterator[tuple[str, str]]:
+    def _name_problems(self) -> Iterator[tuple[str, str]]:
         known = self.repertoire
-        for sentence in known.problems:
-            yield "moves", sentence
         for name in self.poses:
             if name in known.moves:
                 yield (
@@ -71,7 +74,7 @@ class Settings(BodyShape):
     @property
     def repertoire(self) -> Repertoire:
         """The moves it can play: built-in ones and those of the folder, read now."""
-        return repertoire(self.moves, tuple(self.joints))
+        return repertoire(self.moves, self)
 
     @property
     def playable(self) -> tuple[str, ...]:

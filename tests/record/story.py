@@ -131,6 +131,23 @@ def _morning() -> list[m.AnyMessage]:
         m.PanelLocked(panel="Emotion", locked=True),
         m.ModeChanged(driver="head", was="normal", now="demo", why="nobody near"),
         m.SessionChanged(condition="cold", trial=2),
+        m.FaceShown(
+            driver="body",
+            width=8,
+            rows="00 3c 7e 66 66 7e 3c 00",
+            emotion="happy",
+            intensity=0.75,
+            brightness=0.5,
+        ),
+        m.BodyChanged(driver="body", values={"mode": "normal", "tempo": 2.133, "breathing": True}),
+        m.ControlsMoved(
+            driver="panel",
+            values={"pitch": 66, "tempo": 3},
+            waiting=["tempo"],
+            targets={"tempo": 40},
+            lit=["happy"],
+        ),
+        m.ProfileChanged(profile="child", source="palette"),
     ]
 
 

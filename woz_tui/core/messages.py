@@ -289,6 +289,15 @@ class PanelLocked(Message, frozen=True, kw_only=True, omit_defaults=True, tag="p
     locked: bool
 
 
+class ProfileChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="profile.changed"):
+    """What the wizard may use changed: only what `profile` of the experiment names; an empty one is
+    everything.
+    """
+
+    profile: str = msgspec.field(default_factory=str)
+    source: str = msgspec.field(default_factory=lambda: "key")
+
+
 class ExperimentReloaded(
     Message, frozen=True, kw_only=True, omit_defaults=True, tag="experiment.reloaded"
 ):
@@ -360,6 +369,7 @@ AnyMessage = (
     | Mistake
     | ScriptMoved
     | PanelLocked
+    | ProfileChanged
     | ExperimentReloaded
     | ConsoleAttached
     | ConsoleLost

@@ -145,6 +145,13 @@ class AskLock(Request, frozen=True, kw_only=True, omit_defaults=True, tag="lock"
     locked: bool
 
 
+class AskProfile(Request, frozen=True, kw_only=True, omit_defaults=True, tag="profile"):
+    """Play with what a profile of the experiment allows; an empty one allows everything."""
+
+    profile: str = ""
+    source: str = "program"
+
+
 class AskReload(Request, frozen=True, kw_only=True, omit_defaults=True, tag="reload"):
     """Read the experiment file again. `dry_run` only tells the differences or errors."""
 
@@ -180,6 +187,7 @@ AnyRequest = (
     | AskNote
     | AskMistake
     | AskLock
+    | AskProfile
     | AskReload
     | AskPreflight
     | AskEnd
@@ -236,8 +244,9 @@ class Welcome(
     recorder state, script position, locks); a client treats them like any other. `recent` is the
     tail of the log, oldest first, for the console's list. `seq` is the last one contained.
     `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
-    -> [lowest, highest angle] in degrees, for those whose driver tells them, and `values`:
-    variable -> its value at this moment.
+    -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
+    what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
+    `profiles`: their names, and `profile`: the one in use, or nothing.
     """
 
     protocol: int
@@ -271,7 +280,9 @@ class Pulse(
 class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
-    """After a reload: the new panels and script, and the variables' present values."""
+    """After a reload or a change of profile: the panels and the script as they are now, and the
+    variables' present values.
+    """
 
     title: str
     panels: list[PanelView]
@@ -280,6 +291,8 @@ class PanelsChanged(
     conditions: list[str]
     keyboard: str
     values: dict[str, str] = {}
+    profiles: list[str] = []
+    profile: str = ""
 
 
 #: Lines from the host that are not messages of the session.

@@ -1,4 +1,4 @@
-"""Draws every face as a sheet: `python docs/face_sheet.py` writes `docs/images/faces.svg`.
+"""Draws every face as a sheet: `python -m docs.face_sheet` writes `docs/images/faces.svg`.
 
 Rows are emotions, columns are how strong they are, where the eyes look and how far they are open;
 below are stills of the breakdown.

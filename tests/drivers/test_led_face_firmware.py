@@ -130,6 +130,7 @@ def test_noise_before_a_frame_costs_nothing_but_the_noise(
 
 
 @given(frames, st.data())
+@settings(derandomize=True)  # one in 65536 damages is no damage to a CRC of 16 bits
 def test_a_damaged_frame_is_not_shown(frame: Frame, data: st.DataObject) -> None:
     packet = frame_packet(frame)
     place = data.draw(st.integers(0, len(packet) - 2))
@@ -142,6 +143,7 @@ def test_a_damaged_frame_is_not_shown(frame: Frame, data: st.DataObject) -> None
 
 
 @given(frames, st.data())
+@settings(derandomize=True)  # one in 65536 damages is no damage to a CRC of 16 bits
 def test_a_frame_cut_short_is_not_shown(frame: Frame, data: st.DataObject) -> None:
     packet = frame_packet(frame)
     board = Board()

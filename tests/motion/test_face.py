@@ -10,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from docs import face_sheet
 from woz_tui.motion.eyes import OPEN, eye, layout
 from woz_tui.motion.face import CRASH_S, STEPS, FaceState, draw, prepare, squeezed
 from woz_tui.motion.frames import Frame, blank
@@ -272,3 +273,8 @@ def test_prepared_faces_are_those_drawn() -> None:
     shape = FaceShape(48, 16)
     prepare(shape)
     assert draw(FaceState(0, 0, "sad", 1), shape) == draw(FaceState(0, 0, "sad", 1.0), shape)
+
+
+def test_the_documentations_sheet_shows_these_faces() -> None:
+    drawn_again = "python -m docs.face_sheet draws it again"
+    assert face_sheet.SHEET.read_text("utf-8") == face_sheet.sheet(), drawn_again

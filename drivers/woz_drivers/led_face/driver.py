@@ -109,10 +109,12 @@ class LedFace:
         if job.verb != _PATTERN.name:
             raise Rejected(f"{self.name} is a face of lights; it cannot {job.verb}")
         self._need_face()
-        picture, seconds = str(job.args["picture"]), float(str(job.args["seconds"]))
+        picture, seconds = job.args["picture"], job.args["seconds"]
+        if not isinstance(seconds, int | float) or picture not in PATTERNS:
+            raise Rejected(f"there is no pattern {picture!r} of {seconds!r} seconds")
         job.expects(seconds)
         self._pattern = Wanted(
-            self._mounted(PATTERNS[picture](self._settings.width, self._settings.height)),
+            self._mounted(PATTERNS[str(picture)](self._settings.width, self._settings.height)),
             self._settings.brightness,
         )
         try:

@@ -57,14 +57,20 @@ def old(sensor: SensorPicture, frame: Frame) -> str:
     return f"{frame.glyphs.stale}{age(frame.now - sensor.t)} old"
 
 
-def beside(blocks: Sequence[tuple[Sequence[Row], int]], height: int, gap: int = 1) -> list[Row]:
-    """Blocks of rows side by side, each in its own width, with blanks between them."""
+def beside(
+    blocks: Sequence[tuple[Sequence[Row], int]], height: int, glyphs: Glyphs, gap: int = 1
+) -> list[Row]:
+    """Blocks of rows side by side, each in its own width, with `gap` blanks between them."""
     rows: list[Row] = []
     for y in range(height):
         row: Row = ()
         for number, (block, width) in enumerate(blocks):
             if number:
                 row += ((" " * gap, "plain"),)
-            row += cut(block[y], width) if y < len(block) else ((" " * width, "plain"),)
+            row += (
+                cut(block[y], width, glyphs.ellipsis)
+                if y < len(block)
+                else ((" " * width, "plain"),)
+            )
         rows.append(row)
     return rows

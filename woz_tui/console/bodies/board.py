@@ -93,7 +93,7 @@ def _grid(board: Board, controls: Sequence[Control], frame: Frame) -> list[Row]:
             (_control(board, one, width - 1, frame.glyphs) if one is not None else [], width - 1)
             for one in here
         ]
-        rows += beside(blocks, height)
+        rows += beside(blocks, height, frame.glyphs)
     return rows
 
 
@@ -103,7 +103,10 @@ def _control(board: Board, control: Control, width: int, glyphs: Glyphs) -> list
     draw = _knob if control.kind == "knob" else _slider
     label = clean(control.label)
     look = "faint" if not label else "warn" if board.waits(control) else _tone(board, "plain")
-    return [*draw(board, control, glyphs), ((fit(label or glyphs.middle, width), look),)]
+    return [
+        *draw(board, control, glyphs),
+        ((fit(label or glyphs.middle, width, glyphs.ellipsis), look),),
+    ]
 
 
 def _tone(board: Board, look: str) -> str:

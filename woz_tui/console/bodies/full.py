@@ -39,4 +39,4 @@ def _picture(seen: SeenBody, frame: Frame, lines: int) -> list[Row]:
     face = face_rows(seen, frame.glyphs, compact=compact)
     room = frame.width - columns - GAP
     views = view_rows(seen, frame.glyphs, room, lines) if room >= 2 * VIEW[0] + GAP else []
-    return beside([(face, columns), (views, max(0, room))], lines, GAP)
+    return beside([(face, columns), (views, max(0, room))], lines, frame.glyphs, GAP)

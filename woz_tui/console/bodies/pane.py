@@ -38,13 +38,19 @@ def pane_rows(picture: Picture, frame: Frame) -> list[Row]:
         (_column(one, Frame(each, frame.height, frame.now, frame.glyphs), more), each)
         for one in seen[:count]
     ]
-    return [cut(row, frame.width) for row in beside(blocks, frame.height, GAP)]
+    return [
+        cut(row, frame.width, frame.glyphs.ellipsis)
+        for row in beside(blocks, frame.height, frame.glyphs, GAP)
+    ]
 
 
 def _column(seen: SeenBody, frame: Frame, more: int) -> list[Row]:
-    rows = [_title(seen, frame, more)]
-    inner = Frame(frame.width - 1, frame.height - 1, frame.now, frame.glyphs)
-    return rows + [((" ", "plain"), *row) for row in _arranged(seen, inner)]
+    lights = seen.outline.face
+    tight = lights is not None and face_size(*lights, compact=False)[0] == frame.width
+    indent = 0 if tight else 1
+    inner = Frame(frame.width - indent, frame.height - 1, frame.now, frame.glyphs)
+    front: Row = ((" " * indent, "plain"),)
+    return [_title(seen, frame, more), *(front + row for row in _arranged(seen, inner))]
 
 
 def _title(seen: SeenBody, frame: Frame, more: int) -> Row:
@@ -54,7 +60,8 @@ def _title(seen: SeenBody, frame: Frame, more: int) -> Row:
     old = f" {seen.old} " if seen.old and frame.width >= cell_len(title) + 14 else ""
     room = frame.width - cell_len(title) - cell_len(old) - cell_len(others)
     rule = glyphs.rule * max(0, room)
-    return cut(((title, "title"), (rule, "faint"), (others, "muted"), (old, "stale")), frame.width)
+    row: Row = ((title, "title"), (rule, "faint"), (others, "muted"), (old, "stale"))
+    return cut(row, frame.width, glyphs.ellipsis)
 
 
 def _arranged(seen: SeenBody, frame: Frame) -> list[Row]:
@@ -74,7 +81,7 @@ def _large(seen: SeenBody, frame: Frame, size: tuple[int, int]) -> list[Row]:
     face = face_rows(seen, frame.glyphs, compact=False)
     if words >= WORDS:
         described = word_rows(seen, frame.glyphs, words, lines)
-        rows = beside([(face, columns), (described, words)], lines, GAP)
+        rows = beside([(face, columns), (described, words)], lines, frame.glyphs, GAP)
     else:
         rows = [*face, *short_rows(seen, frame.glyphs)]
     return rows + view_rows(seen, frame.glyphs, frame.width, frame.height - len(rows))
@@ -89,7 +96,7 @@ def _low(seen: SeenBody, frame: Frame, columns: int) -> list[Row]:
         (_drawn(seen, {SIDE: (view, height)}, frame.glyphs)[SIDE], view),
         (described, WORDS),
     ]
-    return beside(blocks, height, GAP)
+    return beside(blocks, height, frame.glyphs, GAP)
 
 
 def _slim(seen: SeenBody, frame: Frame, size: tuple[int, int]) -> list[Row]:
@@ -110,7 +117,9 @@ def face_rows(seen: SeenBody, glyphs: Glyphs, *, compact: bool) -> list[Row]:
     rows = light_rows(frame, glyphs, look, compact=compact)
     if seen.face is None:
         columns, _ = face_size(*size, compact=compact)
-        rows[len(rows) // 2] = ((fit("no face yet".center(columns), columns), "muted"),)
+        rows[len(rows) // 2] = (
+            (fit("no face yet".center(columns), columns, glyphs.ellipsis), "muted"),
+        )
     return rows
 
 
@@ -123,10 +132,10 @@ def view_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
     side = width - GAP - above
     drawn = _drawn(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
     captions: Row = (
-        (fit(f"side, front {glyphs.next}", side + GAP), "faint"),
-        (fit(f"top, front {glyphs.up}", above), "faint"),
+        (fit(f"side, front {glyphs.next}", side + GAP, glyphs.ellipsis), "faint"),
+        (fit(f"top, front {glyphs.up}", above, glyphs.ellipsis), "faint"),
     )
-    return [captions, *beside([(drawn[SIDE], side), (drawn[ABOVE], above)], lines, GAP)]
+    return [captions, *beside([(drawn[SIDE], side), (drawn[ABOVE], above)], lines, glyphs, GAP)]
 
 
 def _drawn(

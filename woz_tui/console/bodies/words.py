@@ -9,8 +9,8 @@ from woz_tui.console.cells import Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.core.messages import Json
 
-#: Cells of the names in front of values.
-NAMES = 11
+#: Cells of the names in front of values, and where there is little room.
+NAMES, SHORT_NAMES = 11, 6
 
 
 def emotion_of(seen: SeenBody) -> tuple[str, float | None]:
@@ -66,9 +66,9 @@ def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
     ]
     if height < len(lines):
         lines = [line for line in lines if line[1]][: max(1, height)]
-    names = NAMES if width >= 2 * NAMES else 6
+    names = NAMES if width >= 2 * NAMES else SHORT_NAMES
     return [
-        cut(((fit(name, names), "muted"), (clean(text), look)), width, glyphs.ellipsis)
+        cut(((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look)), width, glyphs.ellipsis)
         for name, text, look in lines[:height]
     ]
 
@@ -78,7 +78,7 @@ def _on(value: Json) -> bool:
 
 
 def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
-    if not _on(seen.value("breathing on", "breathing")):
+    if not _on(seen.value("breathing_on")):
         return "no"
     rate = figure("breathing_rate", seen.value("breathing_rate"), glyphs)
     return "yes" if rate == glyphs.dash else rate
@@ -137,6 +137,7 @@ ORDER: Mapping[str, Writer] = {
     "personality": _plain,
     "breathing_on": _plain,
     "blinking": _plain,
+    "stopped": _plain,
     "tempo": _hertz,
     "breathing": _degrees,
     "breathing_rate": _hertz,

@@ -1,0 +1,157 @@
+from __future__ import annotations
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.console import bodies
+from tests.console.driving import sitting
+from woz_tui.console.bodies.board import Board, board_rows
+from woz_tui.console.bodies.outlines import PanelOutline, outlines_of
+from woz_tui.console.cells import Row, length
+from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.parts import KnobsPicture
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+
+SMALL = Frame(76, 18, bodies.NOW)
+
+
+def outline() -> PanelOutline:
+    found = outlines_of({"outlines": {"panel": bodies.panel()}})["panel"]
+    assert isinstance(found, PanelOutline)
+    return found
+
+
+def knobs(*moved: m.ControlsMoved) -> KnobsPicture:
+    picture = Picture()
+    picture.take([bodies.welcome(), *moved], 0)
+    return picture.knobs.get("panel", KnobsPicture())
+
+
+def text(rows: list[Row]) -> str:
+    return "\n".join("".join(piece for piece, _ in row) for row in rows)
+
+
+def drawn(*moved: m.ControlsMoved, frame: Frame = SMALL, old: str = "") -> str:
+    return text(board_rows(Board(outline(), knobs(*moved), old), frame))
+
+
+@pytest.mark.toolkit("K2")
+def test_every_control_that_does_something_is_there_at_80_columns() -> None:
+    shown = drawn()
+    for label in ("pitch", "tempo", "eye-x", "middle", "top", "zoom", "arousal", "valence", "nod",
+                  "shake", "dance", "normal", "demo", "crash", "sleepy", "sad", "happy", "amazed",
+                  "angry", "release", "script", "mark", "smooth", "compr", "track", "sacca",
+                  "neutr", "intens"):  # fmt: skip
+        assert label in shown, label
+    assert len(shown.splitlines()) <= SMALL.height
+
+
+@pytest.mark.toolkit("K2")
+def test_values_stand_at_their_controls() -> None:
+    before = drawn()
+    shown = drawn(bodies.moved({"knob-1": 64, "slider-3": 101}))
+    assert " 64" in shown.splitlines()[0]
+    assert "101" in shown
+    assert "101" not in before
+    low = drawn(bodies.moved({"slider-1": 0}))
+    high = drawn(bodies.moved({"slider-1": 127}))
+    assert low.count("█") < high.count("█")
+
+
+@pytest.mark.toolkit("K2")
+def test_a_knob_shows_how_far_it_is_turned() -> None:
+    def turned(to: int) -> int:
+        rows = board_rows(Board(outline(), knobs(bodies.moved({"knob-5": to}))), SMALL)
+        signs = [sign for row in rows[:2] for text, look in row if look == "run" for sign in text]
+        return sum((ord(sign) - 0x2800).bit_count() for sign in signs)
+
+    shown = [turned(value) for value in (0, 32, 64, 96, 127)]
+    assert shown == sorted(set(shown))
+
+
+@pytest.mark.toolkit("K2")
+def test_lights_are_lit_and_pressed_buttons_flash() -> None:
+    rows = board_rows(
+        Board(outline(), knobs(bodies.moved({"button-7": 127}, lit=("button-22",)))), SMALL
+    )
+    looks = {piece.strip("●○ "): (piece[0], look) for row in rows for piece, look in row if piece}
+    assert looks["nod"] == ("●", "flash")
+    assert looks["happy"] == ("●", "run")
+    assert looks["sad"] == ("○", "muted")
+
+
+@pytest.mark.toolkit("K2", "G7")
+def test_what_waits_for_take_over_says_which_way_to_turn() -> None:
+    shown = drawn(bodies.moved({"knob-4": 127, "slider-1": 80}, {"knob-4": 20, "slider-1": 100}))
+    assert "↓20" in shown
+    assert "↑100" in shown
+    assert "2 wait for take-over" in shown
+    assert "move it up to 100" in shown
+    done = drawn(
+        bodies.moved({"knob-4": 127}, {"knob-4": 20}),
+        bodies.moved({"knob-4": 19}),
+    )
+    assert "wait for take-over" not in done
+    assert "↓" not in done
+
+
+def test_a_panel_that_tells_no_targets_still_says_what_waits() -> None:
+    moved = msgspec.structs.replace(bodies.moved({"knob-4": 9}, {"knob-4": 20}), targets={})
+    shown = drawn(moved)
+    assert "▲" in shown
+    assert "until it has passed the robot's value" in shown
+
+
+@pytest.mark.toolkit("G7")
+def test_the_hint_for_the_beginning_is_there_until_something_waits() -> None:
+    assert "into the middle" in drawn()
+    assert "passed the robot's own value" in drawn()
+
+
+def test_a_panel_that_is_not_there_is_grey() -> None:
+    rows = board_rows(Board(outline(), knobs(bodies.moved({"knob-1": 64})), "lost 4 s ago"), SMALL)
+    assert "lost 4 s ago" in text(rows)
+    assert not {"run", "strong", "flash"} & {look for row in rows for _, look in row}
+
+
+@given(
+    st.integers(10, 140),
+    st.integers(1, 40),
+    st.sampled_from([UNICODE, ASCII]),
+    st.dictionaries(
+        st.sampled_from([*(f"knob-{n}" for n in range(9)), "slider-2", "button-7", "odd"]),
+        st.integers(-5, 300),
+    ),
+)
+@settings(deadline=None)
+def test_the_board_keeps_to_its_frame(
+    width: int, height: int, glyphs: Glyphs, values: dict[str, int]
+) -> None:
+    frame = Frame(width, height, bodies.NOW, glyphs)
+    rows = board_rows(Board(outline(), knobs(bodies.moved(values, {"knob-1": 3}))), frame)
+    assert len(rows) <= height
+    assert all(length(row) == width for row in rows)
+    assert glyphs is UNICODE or text(rows).isascii()
+
+
+@pytest.mark.toolkit("K2")
+@pytest.mark.parametrize("size", [(80, 24), (160, 50), (60, 20)])
+async def test_the_panel_has_a_key_and_follows_the_hand(size: tuple[int, int]) -> None:
+    async with sitting(bodies.welcome(), size=size) as seat:
+        await seat.press("plus")
+        await seat.until(lambda: "appendix A" in seat.drawn(), "the panel")
+        await seat.tell(bodies.moved({"knob-2": 90}))
+        await seat.until(lambda: "tempo: 90 of 127" in seat.drawn(), "the knob")
+        await seat.tell(m.DriverLost(driver="panel", detail="unplugged", t=bodies.NOW))
+        await seat.until(lambda: "the panel is not there" in seat.drawn(), "the loss")
+        await seat.press("ctrl+q")
+        assert seat.console.dialog is None
+
+
+async def test_without_a_panel_the_dialog_says_so() -> None:
+    async with sitting(bodies.welcome(knobs=False)) as seat:
+        await seat.press("plus")
+        await seat.until(lambda: "No MIDI panel" in seat.drawn(), "the sentence")

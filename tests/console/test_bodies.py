@@ -1,0 +1,240 @@
+"""Bodies on the console's main screen and in their dialog."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.console import bodies, scenes
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.bodies.pane import pane_rows
+from woz_tui.console.cells import Row, length
+from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.look import Look
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+
+NOW = bodies.NOW
+ROOMY, NARROW = (160, 50), (80, 24)
+#: The eyes in half blocks and in braille.
+LARGE, COMPACT = "▄█████▄", "⢀⣶⣷⣆"
+
+
+def pictured(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> Picture:
+    picture = Picture()
+    picture.take([bodies.welcome(robots=robots), *messages], 0)
+    return picture
+
+
+def text(rows: list[Row]) -> str:
+    return "\n".join("".join(piece for piece, _ in row) for row in rows)
+
+
+def pane(*messages: m.AnyMessage, size: tuple[int, int] = (50, 20), now: int = NOW) -> str:
+    return text(pane_rows(pictured(*messages), Frame(*size, now)))
+
+
+def places(seat: Sitting) -> list[object]:
+    parts = ("Panels", "Meters", "BodyPane", "Events", "Script")
+    return [seat.console.query_one(name).region for name in parts]
+
+
+@pytest.mark.toolkit("V1", "F1")
+@pytest.mark.parametrize(
+    ("size", "eyes"), [(ROOMY, LARGE), (NARROW, COMPACT), ((120, 30), COMPACT)]
+)
+async def test_the_face_is_on_the_main_screen(size: tuple[int, int], eyes: str) -> None:
+    async with sitting(bodies.welcome(bodies.alive()), size=size) as seat:
+        shown = seat.text("BodyPane")
+        assert eyes in shown
+        assert "happy 80 %" in shown
+        assert eyes in seat.drawn()
+
+
+@pytest.mark.toolkit("V1")
+@pytest.mark.parametrize("size", [ROOMY, NARROW, (80, 36), (120, 30)])
+async def test_nothing_moves_about_while_the_robot_moves(size: tuple[int, int]) -> None:
+    async with sitting(bodies.welcome([*scenes.sensors(), *bodies.alive()]), size=size) as seat:
+        before = places(seat)
+        await seat.tell(*bodies.joints({"pitch": 9.0, "middle": 80.0, "top": 3.0}, {}))
+        await seat.tell(*bodies.alive(mode="demo", move="dance", emotion="neutral"))
+        await seat.tell(m.DriverLost(driver="body", t=NOW), m.StopPressed(source="key", t=NOW))
+        assert places(seat) == before
+
+
+async def test_a_session_without_a_body_has_no_room_for_one() -> None:
+    async with sitting(size=NARROW) as seat:
+        assert not seat.console.query_one("BodyPane").display
+        meters = seat.console.query_one("Meters").region
+        assert meters.width == 39
+
+
+@pytest.mark.toolkit("U1", "V1")
+@pytest.mark.parametrize("size", [ROOMY, NARROW])
+async def test_two_robots_stand_side_by_side(size: tuple[int, int]) -> None:
+    robots = ("left.", "right.")
+    state = [*bodies.alive("left.", emotion="angry"), *bodies.alive("right.", emotion="sad")]
+    async with sitting(bodies.welcome(state, robots), size=size) as seat:
+        shown = seat.text("BodyPane")
+        title = shown.splitlines()[0]
+        assert title.index("left") < title.index("right")
+        assert shown.count(LARGE if size == ROOMY else COMPACT) == (4 if size == ROOMY else 2)
+        assert "angry 80 %" in shown
+        assert "sad 80 %" in shown
+
+
+@pytest.mark.toolkit("V1")
+async def test_the_views_follow_the_setpoints() -> None:
+    async with sitting(bodies.welcome(bodies.alive()), size=ROOMY) as seat:
+        before = seat.text("BodyPane")
+        await seat.tell(*bodies.joints({"pitch": -80.0, "middle": 5.0, "top": 5.0}, {}))
+        assert seat.text("BodyPane") != before
+
+
+@pytest.mark.toolkit("V1")
+def test_what_it_does_is_said_beside_the_face() -> None:
+    shown = pane(*bodies.alive(mode="demo", move="nod", personality="grumpy", blink_rate=20.0))
+    for words in ("happy 80 %", "demo", "nod", "grumpy", "0.53 Hz", "20 a minute", "2.13 Hz"):
+        assert words in shown
+    still = pane(*bodies.alive(breathing_on=False, blinking=False))
+    assert "breathes   no" in still
+    assert "blinks     no" in still
+
+
+@pytest.mark.toolkit("G1")
+def test_a_lost_body_is_grey_and_says_since_when() -> None:
+    lost = m.DriverLost(driver="body", detail="gone", t=NOW)
+    rows = pane_rows(pictured(*bodies.alive(), lost), Frame(50, 20, NOW + 7_000_000))
+    assert "~7 s old" in text(rows)
+    looks = {look for row in rows for _, look in row}
+    assert "stale" in looks
+    assert not looks & {"strong", "run", "face-4"}
+    assert LARGE in text(rows)
+
+
+def test_joints_that_nobody_speaks_of_any_more_are_old() -> None:
+    shown = pane(*bodies.alive(), now=NOW + 5_000_000)
+    assert "~5 s old" in shown
+    fresh = pane(*bodies.alive(), now=NOW + 500_000)
+    assert "old" not in fresh
+
+
+def test_a_lost_session_makes_everything_old() -> None:
+    picture = pictured(*bodies.alive())
+    picture.lose("closed")
+    assert "old" in text(pane_rows(picture, Frame(50, 20, NOW)))
+
+
+def test_before_the_first_face_its_place_is_kept() -> None:
+    empty, full = pane().splitlines(), pane(*bodies.alive()).splitlines()
+    assert "no face yet" in "\n".join(empty)
+    assert len(empty) == len(full)
+    assert [line.index("shows") for line in empty if "shows" in line] == [
+        line.index("shows") for line in full if "shows" in line
+    ]
+
+
+def test_a_body_without_a_face_shows_its_links() -> None:
+    told = {**bodies.EYEPI, "face": None}
+    welcome = msgspec.structs.replace(bodies.welcome(), settings={"outlines": {"body": told}})
+    picture = Picture()
+    picture.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
+    shown = text(pane_rows(picture, Frame(50, 20, NOW)))
+    assert "side, front" in shown
+    assert any("⠀" <= sign <= "⣿" for sign in shown)
+
+
+@pytest.mark.toolkit("F5", "F3")
+def test_brightness_is_seen_in_the_lights_colour() -> None:
+    def look(brightness: float) -> set[str]:
+        picture = pictured(bodies.face(brightness=brightness))
+        rows = pane_rows(picture, Frame(50, 20, NOW))
+        return {look for row in rows for piece, look in row if "█" in piece}
+
+    assert look(1.0) == {"face-4"}
+    assert look(0.2) == {"face-1"}
+
+
+@given(
+    st.integers(13, 120),
+    st.integers(2, 50),
+    st.sampled_from([UNICODE, ASCII]),
+    st.sampled_from([("",), ("left.", "right."), ("a.", "b.", "c.", "d.")]),
+)
+@settings(deadline=None, max_examples=60)
+def test_the_pane_keeps_to_its_frame(
+    width: int, height: int, glyphs: Glyphs, robots: tuple[str, ...]
+) -> None:
+    told = [message for robot in robots for message in bodies.alive(robot)]
+    rows = pane_rows(pictured(*told, robots=robots), Frame(width, height, NOW, glyphs))
+    assert len(rows) == height
+    assert all(length(row) == width for row in rows)
+    assert glyphs is UNICODE or text(rows).isascii()
+
+
+# -- the dialog -----------------------------------------------------------------------------------
+
+
+@pytest.mark.toolkit("V1", "P5")
+@pytest.mark.parametrize("size", [NARROW, ROOMY])
+async def test_the_body_in_full_size_with_all_its_values(size: tuple[int, int]) -> None:
+    async with sitting(bodies.welcome(bodies.alive()), size=size) as seat:
+        await seat.press("semicolon")
+        await seat.until(lambda: "side, front" in seat.drawn(), "the views")
+        shown = seat.drawn()
+        assert LARGE in shown
+        for words in ("personality", "upbeat", "valence", "+0.60", "compression", "25 %"):
+            assert words in shown
+        await seat.tell(bodies.changed(compression=0.5, odd_trait=3))
+        await seat.until(lambda: "50 %" in seat.drawn(), "the new value")
+        assert "odd trait" in seat.drawn()
+
+
+async def test_tab_turns_to_the_other_body_and_escape_stops() -> None:
+    robots = ("left.", "right.")
+    state = [message for robot in robots for message in bodies.alive(robot)]
+    async with sitting(bodies.welcome(state, robots)) as seat:
+        await seat.press("semicolon")
+        await seat.until(lambda: "left.body" in seat.drawn(), "the first")
+        await seat.press("tab")
+        await seat.until(lambda: "right.body" in seat.drawn(), "the second")
+        await seat.press("shift+tab")
+        await seat.until(lambda: "left.body" in seat.drawn(), "the first again")
+        await seat.press("escape")
+        assert seat.console.dialog is None
+
+
+async def test_without_a_body_the_dialog_says_so() -> None:
+    async with sitting() as seat:
+        await seat.press("semicolon")
+        await seat.until(lambda: "No robot of this session" in seat.drawn(), "the sentence")
+
+
+# -- other terminals ------------------------------------------------------------------------------
+
+
+async def test_without_colours_and_in_ascii_the_face_is_there(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    look = Look(ASCII, "woz-16")
+    async with sitting(bodies.welcome(bodies.alive()), size=ROOMY, look=look) as seat:
+        shown = seat.text("BodyPane")
+        assert shown.isascii()
+        assert ".#####." in shown
+        assert "O" in shown
+
+
+def test_the_console_draws_bodies_without_numpy() -> None:
+    code = (
+        "import sys; import woz_tui.console.app, woz_tui.motion.kinematics; "
+        "sys.exit('numpy' in sys.modules)"
+    )
+    done = subprocess.run([sys.executable, "-c", code], env={**os.environ}, check=False, timeout=60)
+    assert done.returncode == 0

@@ -186,19 +186,24 @@ class _Playing:
         for feature, track in self.features.items():
             if place >= track.begins:
                 below = mixed.features.get(feature, FEATURES[feature])
-                mixed.features[feature] = below + self.share * (track.at(place) - below)
+                mixed.features[feature] = _blended(below, track.at(place), self.share)
 
     def _joint(self, mixed: _Mixed, joint: str, value: float) -> None:
         if self.relative:
             mixed.joints[joint] = self._over(mixed.joints.get(joint, 0.0), value)
             return
         below = mixed.places.get(joint, value)
-        mixed.places[joint] = below + self.share * (value - below)
+        mixed.places[joint] = _blended(below, value, self.share)
 
     def _over(self, below: float, value: float) -> float:
         if self.replaces:
-            return below + self.share * (value - below)
+            return _blended(below, value, self.share)
         return below + self.share * value
+
+
+def _blended(below: float, value: float, share: float) -> float:
+    """Between both; exactly one of them at 0 and 1."""
+    return below * (1 - share) + value * share
 
 
 def _keyed(drawings: Mapping[str, Drawing]) -> dict[str, Track]:

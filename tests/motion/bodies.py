@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 
@@ -120,7 +121,7 @@ def moves_safely(shape: BodyShape, ticks: list[Tick]) -> bool:
     )
     slow = all(
         abs(after[name] - before[name]) <= joint.speed * DT + 1e-6
-        for before, after in zip(rows, rows[1:], strict=False)
+        for before, after in itertools.pairwise(rows)
         for name, joint in shape.joints.items()
     )
     return inside and slow

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 import random
 
@@ -72,7 +73,7 @@ def test_other_easings_are_slow_at_both_ends(easing: str, middle: float) -> None
     rig = Rig()
     answer = rig.do("pose", joints={"pitch": 60.0}, seconds=2.0, easing=easing)
     ticks = rig.wait(answer)
-    steps = [b.joints["pitch"] - a.joints["pitch"] for a, b in zip(ticks, ticks[1:], strict=False)]
+    steps = [b.joints["pitch"] - a.joints["pitch"] for a, b in itertools.pairwise(ticks)]
     assert max(steps) == pytest.approx(middle * 30 * DT, rel=0.01)
     assert steps[0] < 0.1 * max(steps)
     assert ticks[-1].joints["pitch"] == pytest.approx(60.0)

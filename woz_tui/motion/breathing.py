@@ -9,11 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from woz_tui.motion.easing import Eased
+from woz_tui.motion.gliding import Gliding
 from woz_tui.motion.shapes import BodyShape
 
-#: How long it takes to begin, to stop and to change the size of its breath, in seconds.
-FADE_S = 0.5
+#: How fast breath begins, stops and changes its size, 1/s: by 95 % in 0.6 s.
+GLIDES = 8.0
 
 
 class Breath:
@@ -26,7 +26,7 @@ class Breath:
             if share
         ]
         self._phase = 0.0
-        self._size = Eased(0.0, FADE_S)
+        self._size = Gliding(0.0, GLIDES)
 
     @property
     def size(self) -> float:
@@ -35,13 +35,12 @@ class Breath:
 
     def hold(self) -> None:
         """Be without breath at once; it comes back gently."""
-        self._size = Eased(0.0, FADE_S)
+        self._size = Gliding(0.0, GLIDES)
 
     def step(self, dt: float, rate: float, amplitude: float) -> None:
         """Go on for `dt` seconds; `amplitude` is 0 for one who does not breathe."""
         self._phase = (self._phase + dt * rate) % 1.0
-        self._size.aim(amplitude)
-        self._size.step(dt)
+        self._size.step(amplitude, dt)
 
     def on(self, pose: Mapping[str, float]) -> dict[str, float]:
         """The pose with the breath of this moment."""

@@ -299,6 +299,11 @@ class Engine:
 
     # -- what is known --------------------------------------------------------------------------
 
+    @property
+    def eyes(self) -> tuple[float, float]:
+        """Where the eyes are seen to look on the face, -1..1: to its left, up."""
+        return self._face.eyes
+
     def state(self) -> State:
         """What a control panel must know to agree with the body."""
         return State(

@@ -14,11 +14,12 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.motion.asked import Asked
 from woz_tui.motion.controls import TRAITS
-from woz_tui.motion.easing import Eased
+from woz_tui.motion.gliding import Gliding
 from woz_tui.motion.shapes import Personality
 
-#: Time in which a changed size is reached, in seconds.
-EASE_S = 0.3
+#: How fast changed sizes glide, 1/s: by 95 % in 0.6 s, and a pose at the end of a range of 180
+#: degrees comes to its middle with no more than 270 degrees a second.
+GLIDES = 8.0
 
 #: The traits by name, in their order.
 NAMES = tuple(field.name for field in fields(Personality))
@@ -46,9 +47,9 @@ class Character:
         self.name = next((name for name, one in named.items() if one == first), "")
         self.breathes = True
         #: Sizes on their way to what they shall be.
-        self.compression = Eased(first.compression, EASE_S)
-        self.smoothing = Eased(first.smoothing, EASE_S)
-        self.amplitude = Eased(first.amplitude, EASE_S)
+        self.compression = Gliding(first.compression, GLIDES)
+        self.smoothing = Gliding(first.smoothing, GLIDES)
+        self.amplitude = Gliding(first.amplitude, GLIDES)
 
     def __getitem__(self, trait: str) -> float:
         """A trait as it is set; `breathing_rate` follows the tempo unless it was set."""
@@ -89,5 +90,4 @@ class Character:
             (self.smoothing, "smoothing"),
             (self.amplitude, "amplitude"),
         ):
-            size.aim(0.0 if exact and trait != "amplitude" else self[trait])
-            size.step(dt)
+            size.step(0.0 if exact and trait != "amplitude" else self[trait], dt)

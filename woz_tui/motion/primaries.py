@@ -17,7 +17,6 @@ from woz_tui.motion.setpoints import Seen
 from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.tracking import Tracker
 
-
 #: Sums of ticks are this much too short or too long, in seconds; what is due then is due now.
 INSTANT_S = 1e-9
 
@@ -202,7 +201,9 @@ class Playing:
         """The move's posture at its place now."""
         gone = moment.dt * self.rate(moment.tempo, moment.speed)
         self._place = min(self.move.length, self._place + gone)
-        self.cues += [cue for cue in self.move.cues if self._cued < cue.at <= self._place]
+        if self.over:
+            self._place = self.move.length
+        self.cues = [cue for cue in self.move.cues if self._cued < cue.at <= self._place]
         self._cued = self._place
         posture = self.move.at(self._place)
         size = self._amplitude if self._own_pace else self._amplitude * moment.amplitude

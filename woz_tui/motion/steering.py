@@ -61,6 +61,7 @@ class Steering:
         self._lagging: Mapping[str, float] = {}
         self._waited = 0.0
         self._ended: list[Ended] = []
+        self._cues: tuple[Cue, ...] = ()
         self.notices: list[str] = []
 
     # -- what people want -----------------------------------------------------------------------
@@ -210,6 +211,8 @@ class Steering:
             lines = self.primary.joints if isinstance(self.primary, Line) else set()
             self._fade.begin(self.here, wanted, set(wanted) - lines)
         self.here = self._fade.over(wanted, moment.dt)
+        if isinstance(self.primary, Playing):
+            self._cues = tuple(self.primary.cues)
         return self.here
 
     def settle(self, dt: float, lagging: Mapping[str, float]) -> None:
@@ -239,10 +242,7 @@ class Steering:
 
     def cues(self) -> tuple[Cue, ...]:
         """What happens at this moment of a move."""
-        primary = self.primary
-        if not isinstance(primary, Playing) or not primary.cues:
-            return ()
-        cues, primary.cues = tuple(primary.cues), []
+        cues, self._cues = self._cues, ()
         return cues
 
     def ended(self) -> list[Ended]:

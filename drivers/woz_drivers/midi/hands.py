@@ -16,7 +16,7 @@ Asking = Callable[[Ask, Callable[[bool, str], None]], None]
 #: next press. More are presses of nobody's finger; of those the last one counts.
 PRESSES_AT_ONCE = 8
 #: After an answer it takes so long, in microseconds, until the robot's state surely shows it.
-SETTLED_US = 100_000
+SETTLED_US = 250_000
 
 
 class Line:

@@ -20,8 +20,10 @@ from woz_tui.core.driver import Argument, Finding, Health, Job, Outlet, Scope, V
 from woz_tui.core.driver import Probe as DoctorProbe
 from woz_tui.core.fields import Doc
 from woz_tui.core.messages import Json
+from woz_tui.motion.setpoints import SEEN, Seen
 
 READINGS_HZ = 30
+FRAMES_HZ = 32
 LINES_EACH = 10
 
 
@@ -99,3 +101,44 @@ class Probe:
         if self._task is not None:
             self._task.cancel()
         os.close(self._journal)
+
+
+@dataclass(frozen=True, slots=True)
+class EyeSettings:
+    """No settings."""
+
+
+class Eye(Probe):
+    """A camera that claims to see something that wanders to and fro, 32 times a second."""
+
+    Settings: ClassVar[type] = EyeSettings
+    summary: ClassVar[str] = "claims to see something"
+
+    def __init__(self, name: str, settings: EyeSettings, outlet: Outlet) -> None:
+        self._outlet = outlet
+        self._task: asyncio.Task[None] | None = None
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        return ()
+
+    async def open(self) -> None:
+        self._outlet.health(Health.CONNECTED, "sees")
+        self._task = asyncio.create_task(self._look())
+
+    async def _look(self) -> None:
+        loop, feed, frame = asyncio.get_running_loop(), self._outlet.feed(SEEN), 0
+        due = loop.time()
+        while True:
+            frame += 1
+            x = 0.6 * math.sin(frame / FRAMES_HZ)
+            feed.put(Seen(time.monotonic_ns() // 1000, frame, x, 0.0, 0.05))
+            due += 1 / FRAMES_HZ
+            await asyncio.sleep(max(0.0, due - loop.time()))
+
+    async def stop(self, scope: Scope) -> None:
+        return None
+
+    async def close(self) -> None:
+        if self._task is not None:
+            self._task.cancel()

@@ -8,6 +8,9 @@ from dataclasses import dataclass, field
 from pathlib import Path as FilePath
 from typing import Annotated, Any, ClassVar, Literal
 
+from woz_drivers.body import Body
+from woz_drivers.dynamixel import DynamixelServos
+
 from woz_tui.core.driver import Argument, Driver, Finding, Job, Outlet, Probe, Scope, Verb
 from woz_tui.core.fields import Doc, OneOf, Path, Pattern, Range, Seconds
 from woz_tui.core.messages import Json
@@ -208,4 +211,6 @@ CATALOGUE: Mapping[str, type[Driver]] = {
     "voice": Voice,
     "simulated": Simulated,
     "failing": Failing,
+    "body": Body,
+    "dynamixel": DynamixelServos,
 }

@@ -103,7 +103,10 @@ class Body:
                 f" {len(known.moves)} moves, {len(settings.personalities)} personalities",
             )
         ]
-        findings += [Finding("error", probe.name, problem) for problem in known.problems]
+        findings += [
+            Finding("warning" if problem.warning else "error", probe.name, str(problem))
+            for problem in known.folder.problems
+        ]
         if not settings.servos:
             findings.append(
                 Finding(

@@ -30,7 +30,8 @@ class Due:
         """Whether it is time; then the next time is `every` seconds later."""
         if now + SLACK_S < self._next:
             return False
-        self._next = max(self._next + self._every, now)
+        after = self._next + self._every
+        self._next = after if after > now else now + self._every
         return True
 
 

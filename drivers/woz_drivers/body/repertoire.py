@@ -21,6 +21,10 @@ class Repertoire:
 
 
 def repertoire(folder: str, shape: BodyShape) -> Repertoire:
-    """The built-in moves, and those of the files in `folder` (empty: none)."""
-    found = read_folder(Path(folder), shape) if folder else MoveFolder({}, ())
+    """The built-in moves, and those of the files in `folder` (empty: none).
+
+    A file's move takes the place of the built-in one of that name: a body's own way to nod.
+    """
+    there = folder and Path(folder).is_dir()
+    found = read_folder(Path(folder), shape) if there else MoveFolder({}, ())
     return Repertoire({**BUILT_IN, **found.moves}, found)

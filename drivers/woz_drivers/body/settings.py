@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import pathlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
@@ -63,6 +64,8 @@ class Settings(BodyShape):
                     )
 
     def _name_problems(self) -> Iterator[tuple[str, str]]:
+        if self.moves and not pathlib.Path(self.moves).is_dir():
+            yield "moves", f"there is no folder {pathlib.Path(self.moves).name!r}"
         known = self.repertoire
         for name in self.poses:
             if name in known.moves:

@@ -60,7 +60,9 @@ def robot(name: str, folder: Path, **changes: Any) -> Settings:
         f"title: T\nrobot: {ROBOTS / name}.yaml\n"
         "panels: [{title: P, actions: [{key: a, label: A, play: nod}]}]\n"
     )
-    settings = next(spec.settings for spec in load(file, installed()).drivers if spec.type == "body")
+    settings = next(
+        spec.settings for spec in load(file, installed()).drivers if spec.type == "body"
+    )
     assert isinstance(settings, Settings)
     return replace(settings, **changes)
 
@@ -96,9 +98,9 @@ class Stage:
         """Let so many ticks pass."""
         await asyncio.sleep(number / self.body.settings.rate + 1e-6)
 
-    async def do(self, verb: str, source: str = "key", **args: Json) -> Mapping[str, Json]:
+    async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
         """Perform a verb to its end."""
-        return await self.body.perform(Ordered(verb, args, source=source))
+        return await self.body.perform(Ordered(verb, args))
 
     def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
         """Begin a verb."""

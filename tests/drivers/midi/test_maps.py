@@ -113,7 +113,7 @@ def test_every_mistake_of_a_map_file_has_its_place(tmp_path: Path) -> None:
         "m.yaml:5:28: controls.knob-3.range: the low end comes first: [low, high]; `reversed`"
         " turns it round",
         "m.yaml:7:25: controls.button-2.mode: it does one thing: play stands here already",
-        "m.yaml:9:30: controls.button-4.press: action cannot be taken back: leave press out",
+        "m.yaml:9:29: controls.button-4.press: action cannot be taken back: leave press out",
         "m.yaml:10:3: controls.buton-5: nobody knows what it sends: say cc, note, program or"
         " bend; did you mean 'button-5'?",
         "m.yaml:12:3: controls.b: sends cc 16, and so does 'a'",
@@ -134,7 +134,7 @@ def test_what_nobody_could_carry_out_is_found_too(tmp_path: Path) -> None:
     )
     assert problems(tmp_path, "    type: midi\n    map: m.yaml\n") == [
         "m.yaml:3:3: controls.knob-1: 'pich' is no control; did you mean 'pitch'?",
-        "m.yaml:4:3: controls.knob-2: 'body' does not offer 'volume'",
+        "m.yaml:4:3: controls.knob-2: 'body' does not offer 'volume'; did you mean 'home'?",
         "m.yaml:5:3: controls.knob-3: yaw must be -180 to 180 deg, not -400",
         "m.yaml:6:3: controls.button-1: 'hapy' is no emotion; did you mean 'happy'?",
         "m.yaml:7:3: controls.button-2: there is no action 'Helo'; did you mean 'Hello'?",

@@ -1,0 +1,97 @@
+"""Finding devices, and what `woz doctor` says of them."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from woz_drivers.midi import devices
+from woz_drivers.midi.devices import Device, DeviceError
+from woz_drivers.midi.doctor import examine
+from woz_drivers.midi.settings import MidiSettings, PanelMap
+
+CARDS = """\
+ 0 [PCH            ]: HDA-Intel - HDA Intel PCH
+                      HDA Intel PCH at 0xf7f10000 irq 30
+ 1 [nanoKONTROL2   ]: USB-Audio - nanoKONTROL2
+                      KORG INC. nanoKONTROL2 at usb-0000:00:14.0-2, full speed
+ 2 [LPD8           ]: USB-Audio - Akai LPD8 mk2
+                      Akai LPD8 at usb-0000:00:14.0-3, full speed
+"""
+
+
+@pytest.fixture
+def system(tmp_path: Path) -> tuple[Path, Path]:
+    """Stand-ins for /dev/snd and /proc/asound."""
+    dev, proc = tmp_path / "snd", tmp_path / "asound"
+    dev.mkdir()
+    proc.mkdir()
+    (proc / "cards").write_text(CARDS, encoding="utf-8")
+    for name in ("controlC0", "midiC2D0", "midiC1D0", "midiC10D1"):
+        (dev / name).write_bytes(b"")
+    return dev, proc
+
+
+def test_devices_are_known_by_their_cards(system: tuple[Path, Path]) -> None:
+    dev, _ = system
+    assert devices.present(*system) == [
+        Device(str(dev / "midiC1D0"), "nanoKONTROL2", "nanoKONTROL2"),
+        Device(str(dev / "midiC2D0"), "LPD8", "Akai LPD8 mk2"),
+        Device(str(dev / "midiC10D1"), "card 10", ""),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("wanted", "found"),
+    [
+        *(("nanokontrol2", "midiC1D0"), ("LPD8", "midiC2D0"), ("akai lpd8", "midiC2D0")),
+        *(("", "midiC1D0"), ("card 10", "midiC10D1")),
+    ],
+)
+def test_a_device_by_its_name(system: tuple[Path, Path], wanted: str, found: str) -> None:
+    assert devices.path_of(wanted, Path("/"), *system) == str(system[0] / found)
+
+
+def test_a_device_by_its_path_and_one_that_is_not_there(system: tuple[Path, Path]) -> None:
+    assert devices.path_of("./a", Path("/x"), *system) == "/x/a"
+    assert devices.path_of("/dev/snd/b", Path("/x"), *system) == "/dev/snd/b"
+    with pytest.raises(DeviceError) as raised:
+        devices.path_of("BCF2000", Path("/"), *system)
+    assert raised.value.what == "no MIDI device is called 'BCF2000'"
+    assert "plugged in now: nanoKONTROL2 (" in raised.value.remedy
+    assert devices.present(Path("/nowhere"), Path("/nowhere")) == []
+
+
+def test_doctor_tells_devices_the_one_that_is_used_and_free_controls(
+    system: tuple[Path, Path], tmp_path: Path
+) -> None:
+    found = examine("panel", MidiSettings(map="thesis"), tmp_path, *system)
+    assert [finding.level for finding in found] == ["info", "info", "info", "ok", "info"]
+    assert "midiC1D0 can be opened; its lights cannot be switched" in found[3].text
+    assert found[4].text.startswith("31 controls do something; free: knob-5, knob-6, knob-7,")
+
+
+def test_doctor_tells_what_is_missing(system: tuple[Path, Path], tmp_path: Path) -> None:
+    settings = MidiSettings(map=PanelMap(), device="BCF2000")
+    found = examine("panel", settings, tmp_path, *system)
+    assert [(finding.level, finding.text) for finding in found[3:]] == [
+        ("error", "no MIDI device is called 'BCF2000'"),
+        ("warning", "no control does anything"),
+    ]
+
+
+@pytest.mark.parametrize(
+    ("number", "text"),
+    [
+        (2, "x is not there"),
+        (13, "no permission to open x"),
+        (16, "x is in use by another program"),
+        (5, "x is not there"),
+        (22, "x cannot be opened: Invalid argument"),
+    ],
+)
+def test_why_a_device_cannot_be_opened(number: int, text: str) -> None:
+    error = devices.explained("x", OSError(number, os.strerror(number)))
+    assert error.what == text
+    assert error.remedy

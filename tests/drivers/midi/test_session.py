@@ -1,0 +1,215 @@
+"""A panel in a whole session: bytes, driver, bus, body, and back to lights and console."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from pathlib import Path
+
+import pytest
+from woz_drivers.midi.fitted import fitted
+from woz_drivers.midi.maps import BUILT_IN
+from woz_drivers.midi.settings import MidiSettings
+
+from tests.drivers.heard import PATIENCE_S
+from tests.drivers.midi.test_maps import BODY
+from tests.fakes.midi_panel import MidiPanelFake
+from woz_tui import plugins
+from woz_tui.bus.arguments import checked
+from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
+from woz_tui.experiment.builtins import builtin
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Call, Together
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import Identity
+from woz_tui.session.session import Session
+
+#: What panels ask of the session, and the console's key for the same.
+KEYS = {
+    "stop": "stop",
+    "release": "release",
+    "script": "script_next",
+    "mark": "marker",
+}
+
+
+class Room:
+    """A running session with everything it published."""
+
+    def __init__(self, session: Session, panel: MidiPanelFake) -> None:
+        self.session = session
+        self.panel = panel
+        self.lines: list[m.AnyMessage] = []
+        self._news = asyncio.Event()
+        session.hub.listen(self._take)
+
+    def _take(self, message: m.AnyMessage) -> None:
+        self.lines.append(message)
+        self._news.set()
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        """Return when `holds()`; it is asked after every message, and a body publishes often."""
+        async with asyncio.timeout(PATIENCE_S):
+            while not holds():
+                self._news.clear()
+                await self._news.wait()
+
+    def setpoint(self, joint: str) -> float | None:
+        values = [
+            line.value
+            for line in self.lines
+            if isinstance(line, m.Reading) and line.sensor.endswith(f"setpoint.{joint}")
+        ]
+        return values[-1] if values else None
+
+    def at(self, **joints: float) -> bool:
+        """Whether the body wants these angles, within a degree: it breathes no further here."""
+        return all(
+            (value := self.setpoint(joint)) is not None and abs(value - angle) <= 1
+            for joint, angle in joints.items()
+        )
+
+    def commands(self) -> list[m.Command]:
+        return [line for line in self.lines if isinstance(line, m.Command)]
+
+
+@asynccontextmanager
+async def room(folder: Path, panel: str) -> AsyncIterator[Room]:
+    """A session with a body that does not breathe, and this panel."""
+    fake = MidiPanelFake(folder / "midiC1D0")
+    body = f"{BODY}    personality: {{breathing: 0}}\n"
+    device = f"    type: midi\n    device: {fake.port}\n"
+    (folder / "robot.yaml").write_text(f"drivers:{body}  panel:\n{device}{panel}")
+    (folder / "it.yaml").write_text(
+        "title: it\nrobot: robot.yaml\nscript: [Hello]\npanels:\n  - title: P\n    actions:\n"
+        "      - {key: h, label: Hello, emotion: happy}\n"
+    )
+    catalogue = plugins.installed()
+    clock = RealClock()
+    recorder = Recorder(folder / "recordings", "it", clock, on_state=lambda state: None)
+    session = Session(load(folder / "it.yaml", catalogue), catalogue, Identity(), recorder, clock)
+    it = Room(session, fake)
+    try:
+        await session.open()
+        await it.until(lambda: it.at(pitch=0))
+        await it.until(
+            lambda: any(
+                isinstance(line, m.DriverConnected) and line.driver == "panel" for line in it.lines
+            )
+        )
+        yield it
+    finally:
+        await session.close("test", rest=False)
+        fake.unplug()
+
+
+@pytest.mark.toolkit("K1", "K3", "G7")
+async def test_four_hands_full_of_knobs_and_a_pulled_cable(tmp_path: Path) -> None:
+    async with room(tmp_path, "    map: thesis\n") as it:
+        it.panel.turn(16, 127)
+        await it.until(lambda: any(isinstance(line, m.Notice) for line in it.lines))
+        assert it.commands() == [], "the first touch moves nothing"
+        # Each from one end to the other, so that it passes the robot's value on the way.
+        for number in (16, 0, 1, 17):
+            it.panel.turn(number, *range(0, 128, 3), *range(127, 95, -1))
+        await it.until(lambda: it.at(pitch=45.7, middle=67.9, top=67.9))
+        assert {command.source for command in it.commands()} == {"midi"}
+        assert {command.key for command in it.commands()} == {
+            *("knob-1", "knob-2", "slider-1", "slider-2")
+        }
+        last = {command.key: command.args["value"] for command in it.commands()}
+        assert set(last.values()) == {round(0.5 + 32 / 126, 4)}
+        before = len(it.commands())
+        it.panel.unplug()
+        await it.until(lambda: any(isinstance(line, m.DriverLost) for line in it.lines))
+        assert it.at(pitch=45.7, middle=67.9, top=67.9)
+        it.panel.plug()
+        await it.until(
+            lambda: (
+                [line.driver for line in it.lines if isinstance(line, m.DriverConnected)].count(
+                    "panel"
+                )
+                == 2
+            )
+        )
+        it.panel.turn(16, 0)
+        await it.until(lambda: _value(it, "knob-1") == 0)
+        assert len(it.commands()) == before
+        assert not any(isinstance(line, m.Failed | m.Refused) for line in it.lines)
+
+
+@pytest.mark.toolkit("K2")
+async def test_buttons_lights_actions_and_both_stops(tmp_path: Path) -> None:
+    async with room(tmp_path, "    map: thesis\n    controls: {button-1: {action: Hello}}\n") as it:
+        it.panel.press(32)
+        await it.until(lambda: _lit(it) == ["button-22"])
+        it.panel.press(52)
+        await it.until(lambda: "button-13" in _lit(it))
+        it.panel.press(49)
+        await it.until(lambda: "button-13" not in _lit(it))
+        it.panel.press(42)
+        await it.until(lambda: "stop" in _lit(it))
+        it.panel.press(38)
+        await it.until(lambda: any(isinstance(line, m.Refused) for line in it.lines))
+        it.panel.press(46)
+        await it.until(lambda: "stop" not in _lit(it))
+        it.panel.press(41)
+        await it.until(lambda: any(isinstance(line, m.ScriptMoved) for line in it.lines))
+        it.panel.press(45)
+        await it.until(lambda: any(isinstance(line, m.Marker) for line in it.lines))
+        asked = [line for line in it.lines if isinstance(line, m.ActionRequested)]
+        assert [(line.source, line.key) for line in asked] == [
+            ("midi", "button-1"),
+            ("midi", "play"),
+        ]
+
+
+def _value(it: Room, control: str) -> int | None:
+    moved = [line for line in it.lines if isinstance(line, m.ControlsMoved)]
+    values = [line.values[control] for line in moved if control in line.values]
+    return values[-1] if values else None
+
+
+def _lit(it: Room) -> list[str]:
+    moved = [line for line in it.lines if isinstance(line, m.ControlsMoved)]
+    return list(moved[-1].lit) if moved else []
+
+
+# -- everything a panel does, keys can do -------------------------------------------------------
+
+TARGETS = {
+    f"{name} {it.name} {number}": (it, ask)
+    for name in BUILT_IN
+    for it in fitted(MidiSettings(map=name))
+    for number, ask in enumerate(it.asks())
+}
+
+
+def test_everything_a_control_of_a_panel_does_a_key_does_too(tmp_path: Path) -> None:
+    """Each target as an action of an experiment file: it decodes to the same call, which the bus
+    takes; or the console has a key of its own for it.
+    """
+    keyed = {name: ask for name, (_, ask) in TARGETS.items() if ask.what == "verb"}
+    rest = [ask for _, ask in TARGETS.values() if ask.what != "verb"]
+    assert rest
+    assert all(builtin(KEYS[ask.what]) is not None for ask in rest)
+    actions = "".join(
+        f"      - {{label: {name!r}, {ask.name}: {dict(ask.args)!r}}}\n"
+        for name, ask in keyed.items()
+    )
+    (tmp_path / "it.yaml").write_text(
+        f"title: it\nrobot:\n  drivers:{BODY.replace(chr(10), chr(10) + '  ')}\npanels:\n"
+        f"  - title: P\n    actions:\n{actions}"
+    )
+    found = load(tmp_path / "it.yaml", plugins.installed())
+    verbs = {verb.name: verb for verb in found.drivers[0].verbs}
+    by_name = {action.name: action for panel in found.panels for action in panel.actions}
+    assert set(by_name) == set(keyed)
+    for name, ask in keyed.items():
+        [step] = by_name[name].steps
+        assert isinstance(step, Together)
+        [call] = step.calls
+        assert call == Call(ask.name, dict(ask.args), ask.on, call.place)
+        assert checked(verbs[ask.name], call.args)

@@ -10,7 +10,9 @@ import pytest
 from woz_tui.cli import schema
 
 
-@pytest.mark.parametrize(("options", "title"), [([], "experiment"), (["--robot"], "robot")])
+@pytest.mark.parametrize(
+    ("options", "title"), [([], "experiment"), (["--robot"], "robot"), (["--move"], "move")]
+)
 def test_it_prints_one_schema(
     options: list[str], title: str, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -141,6 +141,7 @@ class _Decoder:
     def __init__(self, root: Spot, shape: BodyShape) -> None:
         self._root = root
         self._shape = shape
+        self._broken = len(root.report.errors)
         self._table = dict(root.entries())
         self._beats = self._flag("beats", False)
         self._relative = self._flag("relative", True)
@@ -161,7 +162,8 @@ class _Decoder:
             beats=self._beats,
             stays=self._flag("stays", False),
         )
-        self._length(move)
+        if len(self._root.report.errors) == self._broken:
+            self._length(move)
         return move
 
     def _name(self, path: Path) -> str:

@@ -135,6 +135,7 @@ async def test_a_stop_holds_and_a_release_follows_again_slowly(tmp_path: Path) -
         say(it, {"pan": 40.0})
         await until(lambda: bool(it.bus.goals(11)) and it.bus.goals(11)[-1] > raw(5.0))
         await it.driver.stop(Scope.ALL)
+        await it.ticks(3)  # the servos have heard of it
         held = it.bus.goals(11)[-1]
         say(it, {"pan": -40.0})
         await it.ticks(10)

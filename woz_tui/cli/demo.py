@@ -1,4 +1,4 @@
-"""`woz demo`: a session with a simulated robot and a simulated visitor."""
+"""`woz demo`: a session with a robot that needs no hardware."""
 
 from __future__ import annotations
 
@@ -11,25 +11,42 @@ from woz_tui.cli import run as run_command
 from woz_tui.cli.keymap import add_keymap
 from woz_tui.cli.options import add_session
 
+#: Robots that can be shown: their experiment, and the condition and participant it begins with.
+DEMOS: dict[str, tuple[str, str, str]] = {
+    "simulated": ("demo.yaml", "warm", "P01"),
+    "eyepi": ("eyepi.yaml", "upbeat", "P01"),
+    "show": ("show.yaml", "", "S1"),
+}
+
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
+    parser.add_argument(
+        "--robot",
+        choices=tuple(DEMOS),
+        default="simulated",
+        help="simulated: a museum guide and a visitor; eyepi: a body with a face to be played by"
+        " hand; show: two of these",
+    )
     add_session(parser)
     add_keymap(parser)
-    parser.set_defaults(run=run, participant="P01", condition="warm")
+    parser.set_defaults(run=run)
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Play the demo experiment that comes with woz-tui."""
-    experiment = demo_file()
+    """Play a demo experiment that comes with woz-tui."""
+    name, condition, participant = DEMOS[arguments.robot]
+    experiment = demo_file(name)
     if experiment is None:
-        print("woz: this installation lacks experiments/demo.yaml", file=sys.stderr)
+        print(f"woz: this installation lacks experiments/{name}", file=sys.stderr)
         return 1
+    arguments.condition = arguments.condition or condition
+    arguments.participant = arguments.participant or participant
     return run_command.play(arguments, experiment)
 
 
-def demo_file() -> Path | None:
-    """`demo.yaml` of the installed package, or of the source tree it runs from."""
+def demo_file(name: str = "demo.yaml") -> Path | None:
+    """The experiment `name` of the installed package, or of the source tree it runs from."""
     package = Path(str(files("woz_tui")))
-    candidates = (package / "_experiments" / "demo.yaml", package.parent / "experiments/demo.yaml")
+    candidates = (package / "_experiments" / name, package.parent / "experiments" / name)
     return next((path for path in candidates if path.exists()), None)

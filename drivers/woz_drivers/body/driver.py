@@ -25,6 +25,7 @@ from woz_tui.core.driver import (
 )
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
+from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import offered
 from woz_tui.motion.kinematics import outline
 from woz_tui.motion.modes import Hand
@@ -91,6 +92,15 @@ class Body:
         return {"kind": "body", **outline(settings)}
 
     @classmethod
+    def engine(cls, settings: BodySettings, *, seed: int | None = None) -> Engine:
+        """A body in time of its own, for `woz render`; `seed` instead of the file's."""
+        return Engine(
+            settings,
+            settings.repertoire.moves,
+            seed=settings.seed if seed is None else seed,
+        )
+
+    @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Say what it is made of; there is no hardware of its own to look at."""
         settings: BodySettings = probe.settings
@@ -135,7 +145,7 @@ class Body:
         if job.verb not in self._verbs:
             raise Rejected(f"this body cannot {job.verb!r}")
         hand = Hand.PROGRAM if job.source in PROGRAMS else Hand.WIZARD
-        verb, args = self._named_pose(job.verb, job.args)
+        verb, args = self.translated(self.settings, job.verb, job.args)
         answer = self._apply(verb, args, hand)
         sent = dict(answer.sent)
         if not answer.token:
@@ -213,16 +223,21 @@ class Body:
         except Refused as refused:
             raise Rejected(refused.what, refused.remedy) from None
 
-    def _named_pose(self, verb: str, args: Mapping[str, Json]) -> tuple[str, Mapping[str, Json]]:
-        """`play` of a named pose is a pose; `amplitude` is the share of the way from home."""
+    @classmethod
+    def translated(
+        cls, settings: BodySettings, verb: str, args: Mapping[str, Json]
+    ) -> tuple[str, Mapping[str, Json]]:
+        """An input as the engine knows it: `play` of a named pose is a pose; `amplitude` is the
+        share of the way from home.
+        """
         name = args.get("move")
-        pose = self.settings.poses.get(name) if verb == "play" and isinstance(name, str) else None
+        pose = settings.poses.get(name) if verb == "play" and isinstance(name, str) else None
         if pose is None:
             return verb, args
         speed, amplitude = (_number(args.get(key)) for key in ("speed", "amplitude"))
         if speed <= 0:
             raise Rejected(f"speed must be above 0, not {speed:g}")
-        home = {joint: self.settings.joints[joint].home for joint in pose}
+        home = {joint: settings.joints[joint].home for joint in pose}
         joints: dict[str, Any] = {
             joint: home[joint] + amplitude * (angle - home[joint]) for joint, angle in pose.items()
         }

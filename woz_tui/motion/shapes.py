@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_tui.core.fields import Doc, OneOf, Range
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds
 
 Vector = tuple[float, float, float]
 
@@ -106,6 +106,28 @@ class Personality:
     amplitude: Annotated[float, Range(0, 3), Doc("size of animations; 1: as written")] = 1.0
 
 
+@dataclass(frozen=True, slots=True)
+class Tracking:
+    """How a body follows what its camera sees, and how it takes its absence."""
+
+    field_of_view: Annotated[
+        tuple[float, float],
+        Range(5, 170, "deg"),
+        Doc("what the camera sees: width and height of the picture as angles"),
+    ] = (62.0, 49.0)
+    gain: Annotated[
+        float, Range(0.2, 20, "/s"), Doc("how eagerly it turns: 4 is nine tenths in 0.6 s")
+    ] = 4.0
+    latency: Annotated[
+        float, Seconds(0, 0.5), Doc("how old a picture is when it has been looked at")
+    ] = 0.06
+    happy_in: Annotated[float, Seconds(0.1, 60), Doc("seen for so long it is wholly happy")] = 3.0
+    sad_after: Annotated[float, Seconds(0.1, 3600), Doc("unseen for so long it gets sad")] = 3.0
+    home_after: Annotated[
+        float, Seconds(0.1, 3600), Doc("unseen for so long it goes home, and is neutral again")
+    ] = 10.0
+
+
 def by_default() -> dict[str, dict[str, float]]:
     """Without `roles` in the file: none; moves then do what they can without joints."""
     return {}
@@ -140,6 +162,9 @@ class BodyShape:
         Range(1, 90, "deg"),
         Doc("how far the eyes may lead the head: sideways, up and down"),
     ] = (15.0, 20.0)
+    tracking: Annotated[Tracking, Doc("how object tracking behaves")] = field(
+        default_factory=Tracking
+    )
     personality: Annotated[Personality, Doc("how it is when the session begins")] = field(
         default_factory=Personality
     )
@@ -149,7 +174,7 @@ class BodyShape:
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""
-        return [*self._joint_problems(), *self._share_problems()]
+        return [*self._joint_problems(), *self._share_problems(), *self._tracking_problems()]
 
     def _joint_problems(self) -> Iterator[tuple[str, str]]:
         if not self.joints:
@@ -180,3 +205,8 @@ class BodyShape:
             for name in joints:
                 if name not in self.joints:
                     yield f"{path}.{name}", f"no joint is called {name!r}; there are {known}"
+
+    def _tracking_problems(self) -> Iterator[tuple[str, str]]:
+        sad, home = self.tracking.sad_after, self.tracking.home_after
+        if home <= sad:
+            yield "tracking.home_after", f"{home:g} s is not later than sad_after ({sad:g} s)"

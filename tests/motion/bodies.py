@@ -81,7 +81,7 @@ class Rig:
         self.count = 0
         self.last = self.engine.tick(0.0)
 
-    def do(self, verb: str, /, hand: Hand = Hand.WIZARD, **args: Json) -> Answer:
+    def do(self, verb: str, hand: Hand = Hand.WIZARD, /, **args: Json) -> Answer:
         """An input between two ticks."""
         return self.engine.apply(verb, args, hand)
 

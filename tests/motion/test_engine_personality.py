@@ -151,7 +151,8 @@ def test_a_trait_out_of_its_range_is_refused(trait: str) -> None:
     engine = Engine(EYEPI, BUILT_IN)
     before = engine.values()
     low, high = RANGES[trait]
-    for wrong in (low - 1.0, high + 1.0, math.nan, "much", [], True):
+    wrongs: list[Json] = [low - 1.0, high + 1.0, math.nan, "much", [], True]
+    for wrong in wrongs:
         with pytest.raises(Refused):
             engine.apply("personality", {"tempo": 1.5, trait: wrong, "name": "upbeat"})
     with pytest.raises(Refused, match="cannot be"):
@@ -181,7 +182,13 @@ def test_every_control_reads_back_where_it_was_put(control: str) -> None:
     assert answer.sent == {"control": control, "value": 0.75}
     assert rig.do("control", control=control, by=0.5).sent["clamped"] == {control: 1.25}
     assert rig.engine.state().controls[control] == 1.0
-    for wrong in ({}, {"value": 0.1, "by": 0.1}, {"value": math.nan}, {"value": "up"}):
+    wrongs: list[dict[str, Json]] = [
+        {},
+        {"value": 0.1, "by": 0.1},
+        {"value": math.nan},
+        {"value": "up"},
+    ]
+    for wrong in wrongs:
         with pytest.raises(Refused):
             rig.engine.apply("control", {"control": control, **wrong})
     assert rig.engine.state().controls[control] == 1.0

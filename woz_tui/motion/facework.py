@@ -7,6 +7,8 @@ or a mode wants of the face lies on top as long as it lasts, except for what peo
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 from woz_tui.core.messages import Json
 from woz_tui.motion.asked import Asked
 from woz_tui.motion.blinking import Blinks
@@ -47,16 +49,18 @@ class FaceWork:
 
     # -- what people write ----------------------------------------------------------------------
 
-    def show(self, asked: Asked, token: int) -> Answer:
-        """Verb `emotion`. A breakdown plays and leads back to the emotion from before."""
+    def show(self, asked: Asked, token: Callable[[], int]) -> Answer:
+        """Verb `emotion`. A breakdown plays and leads back to the emotion from before; it takes
+        time, so it gets a `token`.
+        """
         emotion = asked.choice("emotion", EMOTIONS)
         intensity = asked.within("intensity", 0.0, 1.0, self.intensity)
         self._mine |= {"emotion", "intensity"}
         self._end_crash(f"replaced by {emotion}")
         sent: dict[str, Json] = {"emotion": emotion, "intensity": intensity}
         if emotion == CRASH:
-            self._crash, self._crash_token = 0.0, token
-            return Answer(sent, token, CRASH_S)
+            self._crash, self._crash_token = 0.0, token()
+            return Answer(sent, self._crash_token, CRASH_S)
         self._feel(emotion, intensity)
         return Answer(sent)
 

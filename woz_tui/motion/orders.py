@@ -236,7 +236,7 @@ class Orders:
     # -- face and ways --------------------------------------------------------------------------
 
     def _emotion(self, asked: Asked) -> Answer:
-        return self._face.show(asked, self._token())
+        return self._face.show(asked, self._token)
 
     def _affect(self, asked: Asked) -> Answer:
         valence = asked.within("valence", -1.0, 1.0)

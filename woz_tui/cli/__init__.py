@@ -19,6 +19,8 @@ COMMANDS = {
     "check": "check an experiment file and show its keys",
     "doctor": "check this machine, its devices and this terminal for an experiment",
     "midi": "learn the controls of a MIDI panel, or show what they do",
+    "render": "compute what a body would do: setpoints and face as lines, or curves",
+    "modes": "which mode takes which input",
     "schema": "print the JSON Schema of experiment files, for editors",
 }
 

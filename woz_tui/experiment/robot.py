@@ -88,6 +88,11 @@ class RobotReader:
             self._robots.incomplete = True
         return self._robots
 
+    def read_file(self, root: Spot) -> Robots:
+        """The drivers of a robot file, whose top level `root` is."""
+        self._drivers(root, "")
+        return self._robots
+
     def _several(self, spot: Spot) -> None:
         table = spot.table("a mapping such as {left: robots/a.yaml, right: simulated}")
         if table is None:

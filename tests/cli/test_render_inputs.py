@@ -1,0 +1,254 @@
+"""Inputs for `woz render`: scripts, session logs, and what may be wrong with them."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from tests.cli.test_render import CALM
+from woz_tui.cli import inputs as inputs_command
+from woz_tui.cli import main, modes
+from woz_tui.cli.plot import Curve, chart, time_axis
+
+DOCS = Path(__file__).parents[2] / "docs"
+
+
+@pytest.fixture
+def calm(tmp_path: Path) -> Path:
+    """A robot that neither breathes nor blinks."""
+    file = tmp_path / "calm.yaml"
+    file.write_text(CALM, encoding="utf-8")
+    return file
+
+
+def written(folder: Path, *lines: object) -> Path:
+    """A file of inputs."""
+    file = folder / "inputs.jsonl"
+    file.write_text(
+        "".join((line if isinstance(line, str) else json.dumps(line)) + "\n" for line in lines)
+    )
+    return file
+
+
+@pytest.mark.parametrize(
+    ("line", "wrong"),
+    [
+        ("{", "no JSON"),
+        ("[1]", "expected an object in braces, not [1]"),
+        ('{"t":0}{"t":1}', "no JSON"),
+        ('{"t":0}', None),
+        ('{"t":0,"yaw":1}', '"input" is missing'),
+        ('{"t":0,"input":"gase"}', "no input is called 'gase'; did you mean 'gaze'?"),
+        ('{"input":"gaze"}', '"t" is a number of seconds from 0 up, not null'),
+        ('{"t":-1,"input":"gaze"}', '"t" is a number of seconds from 0 up, not -1'),
+        ('{"t":NaN,"input":"gaze"}', "no JSON: NaN is no number in JSON"),
+        ('{"t":1e999,"input":"gaze"}', '"t" is a number'),
+        ('{"t":true,"input":"gaze"}', '"t" is a number'),
+        ('{"t":0.1,"input":"gaze","hand":"left"}', '"hand" is wizard or program, not "left"'),
+        ('{"t":0.1,"input":"gaze"}', "t 0.1 lies before 0.5, which stands above"),
+        ('{"kind":"command.requested","driver":"body","verb":"play","t":"x","args":{}}', '"t" is'),
+        ('{"kind":"command.requested","driver":"body","verb":"play","t":1}', '"args" is'),
+    ],
+)
+def test_wrong_lines_are_told_with_their_place_and_nothing_is_printed(
+    capsys: pytest.CaptureFixture[str], calm: Path, line: str, wrong: str | None
+) -> None:
+    file = written(calm.parent, {"t": 0.5, "input": "blink"}, line)
+    code = main(["render", str(calm), "idle", "--seconds", "1", "--inputs", str(file)])
+    out, err = capsys.readouterr()
+    if wrong is None:
+        assert code == 0
+        return
+    assert (code, out) == (2, "")
+    assert f"{file}:2: " in err
+    assert wrong in err
+
+
+def test_lenient_leaves_wrong_lines_out(capsys: pytest.CaptureFixture[str], calm: Path) -> None:
+    pose = {"t": 0, "input": "pose", "joints": {"pitch": 20}}
+    file = written(calm.parent, "nonsense", pose)
+    assert main(["render", str(calm), "idle", "--lenient", "--inputs", str(file)]) == 0
+    out, err = capsys.readouterr()
+    assert f"{file}:1: no JSON" in err
+    assert json.loads(out.splitlines()[-1])["joints"]["pitch"] == pytest.approx(20)
+
+
+@pytest.mark.toolkit("R4", "M2")
+def test_refused_inputs_are_told_with_their_time_and_the_rest_goes_on(
+    capsys: pytest.CaptureFixture[str], calm: Path
+) -> None:
+    file = written(
+        calm.parent,
+        {"t": 0.1, "input": "gaze", "yaw": "left"},
+        '{"t":0.2,"input":"pose","joints":{"pitch":1e999}}',
+        {"t": 0.3, "input": "mode", "mode": "demo"},
+        {"t": 0.4, "input": "play", "move": "nod"},
+        {"t": 0.5, "input": "stop"},
+        {"t": 0.6, "input": "pose", "joints": {"pitch": 20}, "seconds": 0.2},
+    )
+    assert main(["render", str(calm), "idle", "--inputs", str(file)]) == 0
+    out, err = capsys.readouterr()
+    assert f"at 0.100 s: {file}:1: gaze refused" in err
+    assert f"at 0.400 s: {file}:4: play refused" in err
+    assert json.loads(out.splitlines()[-1])["joints"]["pitch"] == pytest.approx(20)
+
+
+def test_the_stop_freezes_and_the_release_lets_it_stir_again(
+    capsys: pytest.CaptureFixture[str], calm: Path
+) -> None:
+    file = written(
+        calm.parent,
+        {"t": 0, "input": "pose", "joints": {"pitch": 50}, "seconds": 2},
+        {"t": 1, "input": "freeze"},
+        {"t": 1.5, "input": "pose", "joints": {"pitch": 0}},
+        {"t": 2, "input": "resume"},
+    )
+    assert main(["render", str(calm), "idle", "--inputs", str(file), "--seconds", "3"]) == 0
+    out, err = capsys.readouterr()
+    at = {line["t"]: line["joints"]["pitch"] for line in map(json.loads, out.splitlines())}
+    assert at[1.02] == pytest.approx(25, abs=0.5)
+    assert at[1.02] == at[1.98] == at[3.0]
+    assert "the robot stands still" in err
+
+
+@pytest.mark.toolkit("O4", "M1")
+def test_what_is_seen_turns_the_head(capsys: pytest.CaptureFixture[str], calm: Path) -> None:
+    seen = [
+        {"t": index / 10, "input": "seen", "x": 0.5, "y": 0.0, "size": 0.02} for index in range(10)
+    ]
+    file = written(calm.parent, *seen)
+    assert main(["render", str(calm), "tracking", "--inputs", str(file), "--seconds", "1"]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert lines[0]["mode"] == "normal"
+    assert lines[-1]["mode"] == "tracking"
+    assert lines[-1]["joints"]["pitch"] < -1  # to its right
+
+
+@pytest.mark.toolkit("U1")
+def test_a_session_is_rendered_again_from_its_log(
+    capsys: pytest.CaptureFixture[str], calm: Path
+) -> None:
+    def asked(command: str, t: float, verb: str, **args: object) -> dict[str, object]:
+        return {
+            **{"kind": "command.requested", "seq": 1, "t": round(t * 1e6), "command": command},
+            **{"verb": verb, "args": args, "driver": "body", "source": "key"},
+        }
+
+    def said(kind: str, t: float, command: str) -> dict[str, object]:
+        return {"kind": f"command.{kind}", "t": round(t * 1e6), "command": command}
+
+    file = written(
+        calm.parent,
+        {"kind": "session.start", "t": 0, "session": "S01"},
+        asked("c1", 0.2, "pose", joints={"pitch": 40}, seconds=1),
+        said("dispatched", 0.3, "c1"),
+        asked("c2", 0.5, "pose", joints={"pitch": -80}, seconds=1),
+        said("refused", 0.5, "c2"),
+        {**asked("c3", 0.6, "say", text="Hello"), "driver": "voice"},
+        asked("c4", 1.5, "emotion", emotion="happy", intensity=1),
+        said("dispatched", 1.5, "c4"),
+        said("done", 1.6, "c4"),
+    )
+    assert main(["render", str(calm), "idle", "--inputs", str(file)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    lines = {line["t"]: line for line in map(json.loads, out.splitlines())}
+    assert lines[0.8]["joints"]["pitch"] == pytest.approx(20, abs=1e-4)
+    assert lines[1.3]["joints"]["pitch"] == pytest.approx(40, abs=1e-4)
+    assert [*lines.values()][-1]["emotion"] == "happy"
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["nood"], "did you mean 'nod'?"),
+        (["nod", "--body", "boddy"], "did you mean 'body'?"),
+        (["nod", "--inputs", "/nowhere/at/all"], "No such file"),
+        ([], "woz render FILE NAME"),
+    ],
+)
+def test_what_is_wrong_is_said_and_2_returned(
+    capsys: pytest.CaptureFixture[str], calm: Path, words: list[str], said: str
+) -> None:
+    assert main(["render", str(calm), *words]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert said in err
+
+
+@pytest.mark.toolkit("R6")
+@pytest.mark.parametrize(
+    ("before", "after", "said"),
+    [
+        ("min: -90", "min: 95", ":6:"),
+        ("speed: 250", "speed: 0", ":7:"),
+        ("pitch: {axis: z,", "pitch: {axis: up,", ":6:"),
+        ("top: {axis", "middle: {axis", ":8:"),
+        ("type: body", "type: boddy", "did you mean 'body'?"),
+        ("drivers:", "[", ""),
+    ],
+)
+def test_a_wrong_robot_file_is_told_with_its_line(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, before: str, after: str, said: str
+) -> None:
+    file = tmp_path / "wrong.yaml"
+    file.write_text(CALM.replace(before, after, 1), encoding="utf-8")
+    assert main(["render", str(file), "nod"]) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert f"{file}:" in err
+    assert said in err
+
+
+# -- curves and documents -----------------------------------------------------------------------
+
+
+def test_a_rising_line_rises_from_the_lower_left_to_the_upper_right() -> None:
+    lines = chart(Curve("pan", [-90, 90], -90, 90), 28, 4)
+    assert lines[0].strip() == "pan"
+    assert lines[1].startswith("    90°┤")
+    assert lines[-1].startswith("   -90°┤")
+    assert lines[1][-1] != "⠀"
+    assert lines[-1][8] != "⠀"
+    assert lines[1][8] == "⠀"
+    assert {len(line) for line in lines[1:]} == {28}
+
+
+@pytest.mark.parametrize("values", [[], [5.0], [1e9, -1e9], [0.0] * 1000])
+@pytest.mark.parametrize("width", [1, 20, 300])
+def test_any_curve_fits_its_place(values: list[float], width: int) -> None:
+    lines = chart(Curve("x", values, -1, 1), width, 3)
+    assert len(lines) == 4
+    assert len({len(line) for line in lines[1:]}) == 1
+    assert all(len(line) <= max(width, 16) for line in (*lines, time_axis(9.5, width)[0]))
+
+
+def test_the_plot_goes_through_a_pipe_without_colours(
+    capsys: pytest.CaptureFixture[str], calm: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "72")
+    assert main(["render", str(calm), "nod", "--plot"]) == 0
+    out = capsys.readouterr().out
+    assert "\x1b" not in out
+    assert max(map(len, out.splitlines())) <= 72
+    assert all(text in out for text in ("pitch", "middle", "top", "90°", "-90°", "┬"))
+
+
+def test_the_document_lists_the_inputs_that_there_are(capsys: pytest.CaptureFixture[str]) -> None:
+    page = (DOCS / "render.md").read_text(encoding="utf-8")
+    assert inputs_command.refreshed(page) == page, "run `python -m woz_tui.cli.inputs`"
+    assert main(["render", "--help-inputs"]) == 0
+    assert capsys.readouterr().out.strip() in page
+
+
+@pytest.mark.toolkit("M2")
+def test_the_document_has_the_modes_as_they_are(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["modes", "--markdown"]) == 0
+    said = capsys.readouterr().out
+    page = (DOCS / "modes.md").read_text(encoding="utf-8")
+    assert said == page, "run `woz modes --markdown > docs/modes.md`"
+    assert main(["modes"]) == 0
+    assert "joint controls" in capsys.readouterr().out
+    assert len(modes.rows()) == 11

@@ -1,0 +1,96 @@
+"""`woz modes`: which mode takes which input, from the table that the body itself is held to."""
+
+from __future__ import annotations
+
+import argparse
+import os
+
+from rich.console import Console
+from rich.table import Table
+
+from woz_tui.motion.inputs import CONTROL_KINDS, KINDS
+from woz_tui.motion.modes import BLINKS, BREATHES, TABLE, Kind, Mode, Row
+
+#: Columns of a page that goes into a file or a pipe.
+_PAGE = 120
+
+#: What counts for the stop and what a body does by itself, beside the table of inputs.
+_ITSELF = (("breathing", BREATHES), ("blinking", BLINKS))
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "--markdown", action="store_true", help="as Markdown: the tables of docs/modes.md"
+    )
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the table."""
+    if arguments.markdown:
+        print(markdown())
+        return 0
+    console = Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(highlight=False, width=_PAGE)
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for title in _heads():
+        table.add_column(title, overflow="fold")
+    for row in rows():
+        table.add_row(*row)
+    console.print(table)
+    return 0
+
+
+def markdown() -> str:
+    """The same as a page of Markdown."""
+    heads = _heads()
+    lines = [
+        "# Modes",
+        "",
+        "Which input counts in which mode; `woz modes` prints this table. An input that does not",
+        "count is refused and changes nothing. The stop counts everywhere.",
+        "",
+        f"| {' | '.join(heads)} |",
+        f"|{'---|' * len(heads)}",
+        *(f"| {' | '.join(row)} |" for row in rows()),
+        "",
+        "Where the wizard and other software differ, both are named. Other software is whatever",
+        "comes over the socket with the source `program`, and the engagement machine.",
+    ]
+    return "\n".join(lines)
+
+
+def rows() -> list[tuple[str, ...]]:
+    """The table's rows: an input, one cell for each mode, the verbs that belong to it, a note."""
+    inputs = [
+        (kind.value, *(_cell(row, mode) for mode in Mode), _verbs(kind), row.note)
+        for kind, row in TABLE.items()
+    ]
+    itself = [
+        (name, *("on" if mode in modes else "off" for mode in Mode), "", "by itself")
+        for name, modes in _ITSELF
+    ]
+    return [*inputs, *itself]
+
+
+def _heads() -> tuple[str, ...]:
+    return ("input", *(mode.value for mode in Mode), "verbs and controls", "note")
+
+
+def _cell(row: Row, mode: Mode) -> str:
+    wizard, program = mode in row.wizard, mode in row.program
+    if wizard == program:
+        return "yes" if wizard else "no"
+    return "wizard" if wizard else "program"
+
+
+def _verbs(kind: Kind) -> str:
+    if kind is Kind.STOP:
+        return "mode: normal, stop"
+    names = [verb for verb, row in KINDS.items() if row is kind]
+    controls = [name for name, row in CONTROL_KINDS.items() if row is kind]
+    joints = ["of each joint"] if kind is Kind.JOINTS else []
+    knobs = [*joints, *controls]
+    return ", ".join([*names, *([f"control {', '.join(knobs)}"] if knobs else [])])

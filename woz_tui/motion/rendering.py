@@ -1,0 +1,213 @@
+"""What a body does, computed instead of performed: ticks of an engine in time of their own.
+
+The same engine, score and rate give the same ticks. An input takes effect at its very moment, also
+between two ticks of the rate, so that what follows does not depend on the rate.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.core.messages import Json
+from woz_tui.motion.engine import Engine
+from woz_tui.motion.modes import Hand, Mode
+from woz_tui.motion.setpoints import Seen
+from woz_tui.motion.ticks import Refused, Tick
+
+#: Nothing takes longer than this, in seconds, unless it is asked for.
+LONGEST_S = 600.0
+#: Joints count as held when they are this near to where they are wanted, in degrees; after so many
+#: seconds a rendering ends even if one of them never is.
+HELD, PATIENCE_S = 0.01, 5.0
+#: Inputs that are no verb of a body.
+SEEN, FREEZE, RESUME, STOP = "seen", "freeze", "resume", "stop"
+BEYOND_VERBS = (SEEN, FREEZE, RESUME, STOP)
+
+
+@dataclass(frozen=True, slots=True)
+class Input:
+    """An input at `t` seconds: a verb of the body, or one of `BEYOND_VERBS`.
+
+    `place` says where it was written, for whoever has to mend it.
+    """
+
+    t: float
+    verb: str
+    args: Mapping[str, Json] = field(default_factory=dict)
+    hand: Hand = Hand.WIZARD
+    place: str = ""
+
+
+#: Inputs that begin together, or a pause in seconds.
+Step = Sequence[Input] | float
+
+
+@dataclass(frozen=True, slots=True)
+class Score:
+    """What happens in a rendering.
+
+    `steps` are taken one after the other, each when all that the one before began has ended;
+    `inputs` come at their own times, sorted. `awaited`: verbs whose end the next step waits for.
+    """
+
+    steps: Sequence[Step] = ()
+    inputs: Sequence[Input] = ()
+    awaited: frozenset[str] = frozenset()
+
+
+#: Told of what the body says: its time in seconds, and a sentence.
+Tell = Callable[[float, str], None]
+
+
+class Rendering:
+    """One performance in virtual time.
+
+    Args:
+        engine: A fresh one.
+        score: What happens.
+        rate: Ticks a second.
+        tell: Hears of inputs that were refused and of the body's own notices.
+    """
+
+    def __init__(self, engine: Engine, score: Score, rate: float, tell: Tell) -> None:
+        self._engine = engine
+        self._rate = rate
+        self._tell = tell
+        self._awaited = score.awaited
+        self._steps = list(score.steps)
+        self._inputs = list(score.inputs)
+        self._running: set[int] = set()
+        self._pending: set[int] = set()
+        self._pause_until = 0.0
+        self._frames = 0
+        self._last: Tick | None = None
+
+    def ticks(self, seconds: float | None, settle: float = 0.0) -> Iterator[Tick]:
+        """All ticks from 0 to `seconds`; without it, until everything has ended and the pose has
+        been held for `settle` seconds.
+        """
+        count = 0
+        quiet_since: float | None = None
+        while True:
+            t = count / self._rate
+            if seconds is not None and t > seconds + 1e-9:
+                return
+            tick = self._advance(t)
+            yield tick
+            if seconds is None:
+                busy = self._busy(tick)
+                quiet_since = None if busy else (t if quiet_since is None else quiet_since)
+                if quiet_since is not None and self._held(tick, t - quiet_since, settle):
+                    return
+                if t > LONGEST_S:
+                    self._tell(t, f"cut off after {LONGEST_S:g} s; --seconds allows more")
+                    return
+            count += 1
+
+    def _advance(self, t: float) -> Tick:
+        """The tick at `t`, with every input up to `t` taken at its own moment."""
+        while (moment := self._due(t)) is not None:
+            if self._last is None or moment > self._last.t:
+                self._tick(moment)
+            self._take(moment)
+        tick = self._last
+        if tick is None or tick.t < t:
+            tick = self._tick(t)
+        self._take(t)
+        return tick
+
+    def _due(self, t: float) -> float | None:
+        """The first moment before `t` at which something is to be done."""
+        moments = [one.t for one in self._inputs[:1]]
+        if self._steps and not self._pending:
+            moments.append(self._pause_until)
+        due = [moment for moment in moments if moment < t]
+        if not due:
+            return None
+        return max(min(due), self._last.t if self._last is not None else 0.0)
+
+    def _take(self, now: float) -> None:
+        """Everything that is to be done by `now`."""
+        while self._inputs and self._inputs[0].t <= now:
+            self._apply(self._inputs.pop(0), now)
+        while self._steps and not self._pending and self._pause_until <= now:
+            step = self._steps.pop(0)
+            if isinstance(step, float | int):
+                self._pause_until = now + step
+                continue
+            for one in step:
+                token = self._apply(one, now)
+                if token and one.verb in self._awaited:
+                    self._pending.add(token)
+
+    def _apply(self, one: Input, now: float) -> int:
+        """Its token, if it takes time."""
+        engine = self._engine
+        try:
+            if one.verb == SEEN:
+                self._see(one, now)
+            elif one.verb == FREEZE:
+                engine.freeze()
+            elif one.verb == RESUME:
+                engine.resume()
+            else:
+                verb, args = (
+                    ("mode", {"mode": Mode.NORMAL.value})
+                    if one.verb == STOP
+                    else (one.verb, one.args)
+                )
+                token = engine.apply(verb, args, one.hand).token
+                if token:
+                    self._running.add(token)
+                return token
+        except Refused as refused:
+            where = f"{one.place}: " if one.place else ""
+            remedy = f" ({refused.remedy})" if refused.remedy else ""
+            self._tell(now, f"{where}{one.verb} refused: {refused.what}{remedy}")
+        return 0
+
+    def _see(self, one: Input, now: float) -> None:
+        self._frames += 1
+        x, y = _place(one.args.get("x")), _place(one.args.get("y"))
+        size = one.args.get("size")
+        there = x is not None and y is not None
+        self._engine.see(
+            Seen(
+                t_us=round(now * 1_000_000),
+                frame=self._frames,
+                x=x if there else None,
+                y=y if there else None,
+                size=float(size) if there and isinstance(size, int | float) else 0.0,
+            )
+        )
+
+    def _tick(self, t: float) -> Tick:
+        tick = self._last = self._engine.tick(t)
+        over = {one.token for one in tick.ended}
+        self._running -= over
+        self._pending -= over
+        for notice in tick.notices:
+            self._tell(t, notice)
+        return tick
+
+    def _busy(self, tick: Tick) -> bool:
+        return bool(
+            self._steps
+            or self._inputs
+            or self._running
+            or tick.move
+            or tick.mode is Mode.DEMO
+            or tick.t < self._pause_until
+        )
+
+    @staticmethod
+    def _held(tick: Tick, quiet: float, settle: float) -> bool:
+        if quiet < settle:
+            return False
+        there = all(abs(tick.joints[name] - tick.wanted[name]) <= HELD for name in tick.joints)
+        return there or quiet > settle + PATIENCE_S
+
+
+def _place(value: Json) -> float | None:
+    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None

@@ -1,0 +1,170 @@
+"""Inputs written down as JSON lines, by hand or as a session's log, and what is wrong with them.
+
+A line by hand is `{"t": seconds, "input": verb, arguments ...}`. A line with `kind` is one of a
+session's log: the commands that the body carried out and the stop are taken from it.
+"""
+
+from __future__ import annotations
+
+import json
+import math
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from woz_tui.experiment.report import nearest
+from woz_tui.motion.modes import Hand
+from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, Input
+
+#: Sources of commands that are other software's; every other one is the wizard's hand.
+PROGRAMS = frozenset({"program", "engagement"})
+#: Ends of commands that may never have begun.
+_NEVER_BEGAN = frozenset({"command.refused", "command.superseded", "command.stopped"})
+
+
+class InputLineError(ValueError):
+    """A line that is no input; the text says where and why."""
+
+
+def read_inputs(
+    lines: Iterable[str],
+    name: str,
+    verbs: Iterable[str],
+    body: str,
+    complain: Any = None,
+) -> list[Input]:
+    """All inputs of `lines`, sorted by time.
+
+    Args:
+        lines: Of the file called `name`.
+        name: For errors: `name:line: what is wrong`.
+        verbs: What the body can be asked for.
+        body: The body's name among the drivers, for logs.
+        complain: Hears of every wrong line, which is then left out; without it the first one
+            raises `InputLineError`.
+    """
+    reader = _Reader(name, (*verbs, *BEYOND_VERBS), body)
+    for number, line in enumerate(lines, 1):
+        if not line.strip():
+            continue
+        try:
+            reader.line(number, line)
+        except InputLineError as error:
+            if complain is None:
+                raise
+            complain(str(error))
+    return reader.inputs()
+
+
+class _Reader:
+    def __init__(self, name: str, verbs: tuple[str, ...], body: str) -> None:
+        self._name = name
+        self._verbs = verbs
+        self._body = body
+        self._hand = Hand.WIZARD
+        self._found: list[Input] = []
+        self._last = 0.0
+        #: Commands of a log: id -> when and what was asked, and when it began.
+        self._asked: dict[str, Input] = {}
+        self._begun: dict[str, float] = {}
+        self._unbegun: set[str] = set()
+
+    def inputs(self) -> list[Input]:
+        commands = [
+            Input(self._begun.get(key, one.t), one.verb, one.args, one.hand, one.place)
+            for key, one in self._asked.items()
+            if key in self._begun or key not in self._unbegun
+        ]
+        return sorted([*self._found, *commands], key=lambda one: one.t)
+
+    def line(self, number: int, line: str) -> None:
+        place = f"{self._name}:{number}"
+        try:
+            read = json.loads(line, parse_constant=_no_constant)
+        except (ValueError, RecursionError) as error:
+            raise InputLineError(f"{place}: no JSON: {error}") from None
+        if not isinstance(read, dict):
+            raise InputLineError(f"{place}: expected an object in braces, not {_shown(read)}")
+        if "kind" in read:
+            self._logged(place, read)
+        else:
+            self._written(place, read)
+
+    # -- by hand ------------------------------------------------------------------------------
+
+    def _written(self, place: str, read: dict[str, Any]) -> None:
+        hand = self._hand_of(place, read.pop("hand", self._hand.value))
+        verb = read.pop("input", None)
+        if verb is None and not read.keys() - {"t"}:
+            self._hand = hand
+            return
+        if not isinstance(verb, str):
+            raise InputLineError(f'{place}: "input" is missing: which verb')
+        if verb not in self._verbs:
+            near = nearest(verb, self._verbs)
+            means = f"did you mean {near!r}?" if near else f"there are {', '.join(self._verbs)}"
+            raise InputLineError(f"{place}: no input is called {verb!r}; {means}")
+        t = read.pop("t", None)
+        if not _finite(t) or t < 0:
+            raise InputLineError(f'{place}: "t" is a number of seconds from 0 up, not {_shown(t)}')
+        if t < self._last:
+            raise InputLineError(f"{place}: t {t:g} lies before {self._last:g}, which stands above")
+        self._last = float(t)
+        self._found.append(Input(self._last, verb, read, hand, place))
+
+    @staticmethod
+    def _hand_of(place: str, said: object) -> Hand:
+        for hand in Hand:
+            if said == hand.value:
+                return hand
+        raise InputLineError(f'{place}: "hand" is wizard or program, not {_shown(said)}')
+
+    # -- a session's log ------------------------------------------------------------------------
+
+    def _logged(self, place: str, read: Mapping[str, Any]) -> None:
+        kind = read["kind"]
+        if kind == "stop.pressed" and read.get("scope", "all") == "all":
+            self._found.append(Input(self._seconds(place, read), FREEZE, {}, place=place))
+        elif kind == "stop.released":
+            self._found.append(Input(self._seconds(place, read), RESUME, {}, place=place))
+        elif kind == "command.requested":
+            self._command(place, read)
+        elif kind == "command.dispatched" and read.get("command") in self._asked:
+            self._begun[read["command"]] = self._seconds(place, read)
+        elif isinstance(kind, str) and kind in _NEVER_BEGAN:
+            self._unbegun.add(str(read.get("command")))
+
+    def _command(self, place: str, read: Mapping[str, Any]) -> None:
+        verb, args = read.get("verb"), read.get("args")
+        if read.get("driver") != self._body or verb not in self._verbs:
+            return
+        if not isinstance(args, dict):
+            raise InputLineError(f'{place}: "args" is a mapping of arguments')
+        hand = Hand.PROGRAM if read.get("source") in PROGRAMS else Hand.WIZARD
+        self._asked[str(read.get("command"))] = Input(
+            self._seconds(place, read), str(verb), args, hand, place
+        )
+
+    @staticmethod
+    def _seconds(place: str, read: Mapping[str, Any]) -> float:
+        t = read.get("t", 0)
+        if not _finite(t) or t < 0:
+            raise InputLineError(f'{place}: "t" is a number of microseconds, not {_shown(t)}')
+        return float(t) / 1_000_000
+
+
+def _finite(value: Any) -> bool:
+    if isinstance(value, bool) or not isinstance(value, int | float):
+        return False
+    try:
+        return math.isfinite(value)
+    except OverflowError:
+        return False
+
+
+def _no_constant(word: str) -> float:
+    raise ValueError(f"{word} is no number in JSON")
+
+
+def _shown(value: object) -> str:
+    text = json.dumps(value, default=repr)
+    return text if len(text) <= 40 else f"{text[:37]}..."

@@ -16,7 +16,8 @@ ROBOTS = Path(__file__).parents[2] / "experiments" / "robots"
 def test_an_example_robot_is_read_without_a_warning(path: Path, tmp_path: Path) -> None:
     file = tmp_path / "e.yaml"
     file.write_text(
-        f"title: T\nrobot: {path}\npanels: [{{title: P, actions: [{{key: a, label: A, mark: x}}]}}]\n"
+        f"title: T\nrobot: {path}\n"
+        "panels: [{title: P, actions: [{key: a, label: A, mark: x}]}]\n"
     )
     experiment = load(file, installed())
     assert experiment.warnings == ()

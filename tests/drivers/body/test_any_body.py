@@ -1,4 +1,4 @@
-"""Bodies of two to six joints do what EyePi does: nothing but their file knows how many they are."""
+"""Bodies of two to six joints do what EyePi does: their number is in their file alone."""
 
 from __future__ import annotations
 

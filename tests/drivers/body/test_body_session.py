@@ -1,0 +1,235 @@
+"""A body in a whole session: real bus, hub, recorder and experiment file, in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.simulated import SimulatedRobot
+from woz_drivers.simulated.pace import Pace
+
+from tests.drivers.body.rig import SteppedBody, within
+from tests.fakes.virtual_time import LoopClock, run_virtual
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Ask, Driver, Outlet
+from woz_tui.experiment.decode import load
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.runner import Origin
+from woz_tui.session.session import Session
+
+EXPERIMENTS = Path(__file__).parents[3] / "experiments"
+KEY = Origin("key", "h", "con1")
+PROGRAM = Origin("program", "", "bridge1")
+
+
+class LoopPace(Pace):
+    """The loop's time."""
+
+    def now(self) -> float:
+        return asyncio.get_running_loop().time()
+
+
+class LoopRobot(SimulatedRobot):
+    """Speaks in the loop's time."""
+
+    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
+        super().__init__(name, settings, outlet, pace=LoopPace())
+
+
+class Stage:
+    """A session on an example, and everything it published."""
+
+    def __init__(self, tmp_path: Path, name: str) -> None:
+        catalogue: dict[str, type[Driver]] = {"body": SteppedBody, "simulated": LoopRobot}
+        clock = LoopClock(asyncio.get_running_loop())
+        self.lines: list[m.AnyMessage] = []
+        experiment = load(EXPERIMENTS / f"{name}.yaml", catalogue)
+        self.session = Session(
+            experiment,
+            catalogue,
+            Identity(participant="P01", condition=next(iter(experiment.conditions), "")),
+            Recorder(tmp_path, "made", clock, on_state=lambda state: None),
+            clock,
+        )
+        self.session.hub.listen(self.lines.append)
+
+    def body(self, name: str = "body") -> SteppedBody:
+        driver = self.session.drivers[name]
+        assert isinstance(driver, SteppedBody)
+        return driver
+
+    def kinds(self, *kinds: type[m.Message]) -> list[str]:
+        return [type(line).__name__ for line in self.lines if isinstance(line, kinds)]
+
+    def values(self, sensor: str) -> list[float]:
+        return [
+            line.value
+            for line in self.lines
+            if isinstance(line, m.Reading) and line.sensor == sensor and line.value is not None
+        ]
+
+
+def on_stage(
+    tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]], name: str = "eyepi"
+) -> Stage:
+    async def go() -> Stage:
+        stage = Stage(tmp_path, name)
+        await stage.session.open()
+        await asyncio.sleep(0.5)
+        await scenario(stage)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+@pytest.mark.toolkit("L2", "L7", "M1")
+def test_it_plays_gazes_stops_and_stirs_again(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Dance", KEY)
+        await asyncio.sleep(2)
+        stage.session.play("Left", KEY)  # a gaze: the dance is over
+        await asyncio.sleep(2)
+        assert stage.kinds(m.ActionDone) == ["ActionDone", "ActionDone"]
+        assert stage.values("setpoint.pitch")[-1] == pytest.approx(45.0, abs=1.0)
+        stage.session.play("Dance", KEY)
+        await asyncio.sleep(1)
+        stage.session.stop("key")
+        await asyncio.sleep(0.6)
+        stopped = [line for line in stage.lines if isinstance(line, m.StopConfirmed)]
+        assert "body" in stopped[-1].confirmed and not stopped[-1].missing
+        held = stage.values("joint.pitch")[-1], stage.values("joint.top")[-1]
+        await asyncio.sleep(2)
+        assert (stage.values("joint.pitch")[-1], stage.values("joint.top")[-1]) == held
+        with pytest.raises(AskError, match="stop"):
+            stage.session.play("Nod", KEY)
+        stage.session.release("key")
+        await asyncio.sleep(3)
+        breath = stage.values("joint.top")[-20:]
+        assert max(breath) - min(breath) > 1.0
+        stage.session.play("Nod", KEY)
+        await asyncio.sleep(3)
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.kinds(m.ActionDone)[-1] == "ActionDone"
+    modes = [line.now for line in stage.lines if isinstance(line, m.ModeChanged)]
+    assert modes == ["normal"]
+    assert not stage.kinds(m.Failed, m.DriverFaulted, m.LaneFaulted)
+
+
+@pytest.mark.toolkit("M2", "M3", "E4")
+def test_programs_cannot_interrupt_the_demo_and_the_wizard_can(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Demo", KEY)
+        await asyncio.sleep(5)
+        stage.session.send("gaze", {"yaw": 20}, "", PROGRAM)
+        await asyncio.sleep(0.1)
+        refused = [line for line in stage.lines if isinstance(line, m.Refused)]
+        assert "demo" in refused[-1].reason
+        stage.session.play("Normal", KEY)
+        await asyncio.sleep(2)
+        stage.session.send("gaze", {"yaw": 20}, "", PROGRAM)
+        await asyncio.sleep(1)
+        assert stage.values("setpoint.pitch")[-1] == pytest.approx(20.0, abs=1.0)
+
+    stage = on_stage(tmp_path, scenario)
+    modes = [line.now for line in stage.lines if isinstance(line, m.ModeChanged)]
+    assert modes == ["normal", "demo", "normal"]
+    assert len(stage.kinds(m.Refused)) == 1
+
+
+def test_replacing_a_move_ends_it_and_begins_anew(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Dance", KEY)
+        await asyncio.sleep(1)
+        stage.session.play("Nod", KEY, when_busy="replace")
+        await asyncio.sleep(3)
+
+    stage = on_stage(tmp_path, scenario)
+    assert len(stage.kinds(m.Superseded)) == 1
+    assert "ActionDone" in stage.kinds(m.ActionDone)
+
+
+@pytest.mark.toolkit("U1", "P5")
+def test_the_show_is_played_to_its_end_by_two_robots(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        script = stage.session.experiment.script
+        for number in range(len(script)):
+            stage.session.script_next(KEY)
+            for _ in range(400):
+                await asyncio.sleep(0.1)
+                if len(stage.kinds(m.ActionDone, m.ActionFailed)) > number:
+                    break
+        await asyncio.sleep(1)
+
+    stage = on_stage(tmp_path, scenario, "show")
+    script = stage.session.experiment.script
+    assert stage.kinds(m.ActionEnd) == ["ActionDone"] * len(script)
+    ways = {
+        line.driver: line.values["personality"]
+        for line in stage.lines
+        if isinstance(line, m.BodyChanged)
+    }
+    assert ways == {"joy.body": "upbeat", "grim.body": "grumpy"}
+    faces = {
+        driver: {
+            line.emotion
+            for line in stage.lines
+            if isinstance(line, m.FaceShown) and line.driver == driver
+        }
+        for driver in ("joy.body", "grim.body")
+    }
+    assert faces["joy.body"] >= {"sleepy", "amazed", "happy", "sad"}
+    assert faces["grim.body"] >= {"sleepy", "amazed", "angry", "crash", "happy"}
+    for robot, name in (("joy", "joint.pitch"), ("grim", "joint.pitch")):
+        turned = stage.values(f"{robot}.{name}")
+        assert max(turned) - min(turned) > 20
+    settings = stage.body("joy.body").settings
+    path = [{"pitch": angle} for angle in stage.values("joy.joint.pitch")]
+    assert all(settings.joints["pitch"].min <= pose["pitch"] <= 90 for pose in path)
+
+
+@pytest.mark.toolkit("U4", "L8")
+def test_ten_minutes_without_input_it_stays_alive_where_it_was(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        await asyncio.sleep(600)
+        tops = stage.values("joint.top")[50:]
+        first, last = tops[:600], tops[-600:]
+        assert max(first) - min(first) > 3.0
+        assert max(last) - min(last) > 3.0
+        assert sum(first) / 600 == pytest.approx(sum(last) / 600, abs=0.1)
+
+    stage = on_stage(tmp_path, scenario)
+    assert len({line.rows for line in stage.lines if isinstance(line, m.FaceShown)}) > 1
+
+
+def test_a_body_may_ask_for_the_sound_of_a_move(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        heard: list[tuple[bool, str]] = []
+        outlet = stage.body()._outlet
+        outlet.ask(
+            Ask("verb", "sound", {"file": "media/gong.wav"}, source="body"),
+            lambda carried, why: heard.append((carried, why)),
+        )
+        await asyncio.sleep(5)
+        assert heard == [(True, "")]
+
+    stage = on_stage(tmp_path, scenario)
+    command = next(line for line in stage.lines if isinstance(line, m.Command))
+    assert (command.driver, command.verb, command.source) == ("voice", "sound", "body")
+
+
+def test_readings_keep_the_limits_at_rest_and_in_the_end(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        await asyncio.sleep(1)
+
+    stage = on_stage(tmp_path, scenario)
+    settings = stage.body().settings
+    last = {name: stage.values(f"joint.{name}")[-1] for name in settings.joints}
+    # The last reading is up to a tenth of a second older than the arrival.
+    assert last == pytest.approx(dict(settings.rest_pose), abs=2.0)
+    assert within(settings, [last])

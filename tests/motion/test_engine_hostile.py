@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import contextlib
-import math
 from collections.abc import Mapping
 from typing import Any
 
@@ -13,37 +12,14 @@ from hypothesis import strategies as st
 
 from tests.motion.bodies import BODIES, EYEPI, Rig
 from tests.motion.hostile import ABSURD, ARGUMENTS, VERBS, Hostile
+from tests.motion.watch import Watch
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand, Mode
-from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.ticks import Refused, Tick
+from woz_tui.motion.ticks import Refused
 
 #: Inputs of each run; there are ten runs.
 INPUTS = 10_000
-
-
-class Watch:
-    """Sees to it that no tick of a body is what it must not be."""
-
-    def __init__(self, shape: BodyShape, first: Tick) -> None:
-        self._shape = shape
-        self._last = first
-
-    def check(self, tick: Tick) -> None:
-        """In range, finite, no faster than allowed since the tick before; nothing missing."""
-        elapsed = max(0.0, tick.t - self._last.t)
-        assert math.isfinite(tick.t)
-        assert tick.joints.keys() == self._shape.joints.keys()
-        for name, joint in self._shape.joints.items():
-            angle = tick.joints[name]
-            assert joint.min - 1e-9 <= angle <= joint.max + 1e-9
-            assert math.isfinite(tick.wanted[name])
-            step = abs(angle - self._last.joints[name])
-            assert step <= joint.speed * elapsed + 1e-6
-        assert 0.0 <= tick.intensity <= 1.0
-        assert 0.0 <= tick.brightness <= 1.0
-        self._last = tick
 
 
 def applied(engine: Engine, verb: Any, args: Any, hand: Hand, *, look: bool = True) -> bool:

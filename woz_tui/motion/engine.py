@@ -83,7 +83,7 @@ class Engine:
         self._t: float | None = None
         self._now = 0.0
         self._notices: list[str] = []
-        self._failed: set[str] = set()
+        self._failed: set[tuple[str, str]] = set()
         self._rejected: frozenset[str] = frozenset()
         self._wanted: Mapping[str, float] = dict(self._safety.last)
         self._drawn: FaceState | None = None
@@ -277,10 +277,10 @@ class Engine:
         self._steering.drop(f"{name} failed: {error}")
 
     def _say_once(self, what: str, error: Exception) -> None:
-        sentence = f"{what} failed and was left out: {type(error).__name__}: {error}"
-        if sentence not in self._failed:
-            self._failed.add(sentence)
-            self._notices.append(sentence)
+        kind = type(error).__name__
+        if (what, kind) not in self._failed:
+            self._failed.add((what, kind))
+            self._notices.append(f"{what} failed and was left out: {kind}: {error}")
 
     def _tell_rejected(self) -> None:
         rejected = self._safety.rejected

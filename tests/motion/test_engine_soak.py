@@ -1,0 +1,39 @@
+"""A soak of two virtual minutes; `python -m tests.motion.soak` runs one of eight hours."""
+
+from __future__ import annotations
+
+import gc
+import tracemalloc
+
+import pytest
+
+from tests.motion.soak import Soak, soak
+
+
+@pytest.mark.toolkit("U5", "R4")
+def test_two_minutes_of_anything_leave_no_memory_behind() -> None:
+    one = Soak("eyepi", seed=7)
+    one.part(40.0)
+    gc.collect()
+    tracemalloc.start()
+    try:
+        one.part(20.0)
+        gc.collect()
+        before, _ = tracemalloc.get_traced_memory()
+        last = one.part(60.0)
+        gc.collect()
+        after, _ = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert after - before < 64 * 1024
+    assert last.ticks == 6000
+    assert last.taken > 50
+    assert last.refused > 50
+
+
+def test_a_soak_tells_its_parts() -> None:
+    lines: list[str] = []
+    parts = soak(10 / 3600, "five", 2, lines.append)
+    assert len(parts) == 10
+    assert len(lines) == 11
+    assert parts[-1].ticks == 500

@@ -43,6 +43,8 @@ MESSAGES_A_SECOND = 100
 #: A joint's whole way: one degree for each value, so that no speed limit is in the way.
 DEGREES = 128.0
 _LOOK_S = 0.0005
+#: Seconds that the session is left alone before and after.
+SETTLE_S = 0.5
 
 _ROBOT = """
 drivers:
@@ -170,9 +172,9 @@ async def session(folder: Path, hand: Hand, device: str, rate: float) -> tuple[i
     ends: list[m.AnyMessage] = []
     made.hub.listen(lambda message: ends.append(message) if isinstance(message, m.End) else None)
     await made.open()
-    await asyncio.sleep(1.0)
+    await asyncio.sleep(SETTLE_S)
     await asyncio.to_thread(hand.play)
-    await asyncio.sleep(1.0)
+    await asyncio.sleep(SETTLE_S)
     await made.close("measured", rest=False)
     done = sum(isinstance(end, m.Done) for end in ends)
     return done, len(ends) - done

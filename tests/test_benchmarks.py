@@ -18,6 +18,7 @@ ROOT = Path(__file__).parents[1]
 TABLES = {
     "key_latency.py": ("idle: key to perform", "load: key to perform", "50 Hz loop"),
     "stop_latency.py": ("idle: escape + key", "asleep: ctrl+c", "spinning: escape"),
+    "midi_latency.py": ("a body at 50 Hz", "a body at 100 Hz", "byte to setpoint"),
     "screen_bytes.py": ("calm 80x24", "demo 80x24", "load 80x24"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }

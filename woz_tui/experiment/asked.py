@@ -83,6 +83,8 @@ def _offers(ask: Ask, asking: Asking, known: _Known) -> Sequence[Offer]:
     on = f"{robot}{dot}{ask.on}" if ask.on else robot
     if not on:
         return offers
+    if all(spec.name != on for spec in known.robots.drivers) and ask.on:
+        on = ask.on  # of another robot
     return [one for one in offers if one.driver == on or one.driver.startswith(f"{on}.")]
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from woz_drivers.midi.layouts import Control, Layout
-from woz_drivers.midi.wire import NOTE, control_change, note_on
+from woz_drivers.midi.wire import CC, NOTE, control_change, note_on
 
 _ON, _OFF = 127, 0
 
@@ -15,7 +15,11 @@ class Lights:
 
     def __init__(self, layout: Layout, controls: Iterable[Control]) -> None:
         self._layout = layout
-        self._lamps = {control.name: control for control in controls if control.lamp}
+        self._lamps = {
+            control.name: control
+            for control in controls
+            if control.lamp and control.signal.kind in (CC, NOTE)
+        }
         self._shown: dict[str, bool] = {}
 
     def forget(self) -> None:

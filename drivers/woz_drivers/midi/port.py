@@ -93,20 +93,26 @@ class MidiPort:
             except DeviceError as error:
                 self._tell(error.what, error.remedy)
             else:
-                await self._attach(path, fd, writable)
+                await self._attend(path, fd, writable)
                 self._gone.clear()
             await asyncio.sleep(POLL_S)
 
-    async def _attach(self, path: str, fd: int, writable: bool) -> None:
+    async def _attend(self, path: str, fd: int, writable: bool) -> None:
+        """Read until the device is lost."""
+        plain = stat.S_ISREG(os.fstat(fd).st_mode)
+        if not plain:
+            try:
+                asyncio.get_running_loop().add_reader(fd, self._read)
+            except OSError:  # a folder, /dev/null: nothing that ever becomes readable
+                os.close(fd)
+                self._tell(f"{path} is no MIDI device", "name a card, or a path under /dev/snd")
+                return
         self.path, self._fd, self._writable = path, fd, writable
         self._trouble = ("", "")
         self._on_open(path)
-        if stat.S_ISREG(os.fstat(fd).st_mode):
-            while not self._gone.is_set():
-                self._read(end_is_loss=os.fstat(fd).st_nlink == 0)
-                await asyncio.sleep(_FILE_S)
-            return
-        asyncio.get_running_loop().add_reader(fd, self._read)
+        while plain and not self._gone.is_set():
+            self._read(end_is_loss=os.fstat(fd).st_nlink == 0)
+            await asyncio.sleep(_FILE_S)
         await self._gone.wait()
 
     def _lose(self, reason: str) -> None:

@@ -208,6 +208,16 @@ async def test_bytes_from_a_fifo_and_from_a_recording(tmp_path: Path, kind: str)
     await driver.close()
 
 
+@pytest.mark.parametrize("path", ["/dev/null", "."])
+async def test_what_is_no_device_is_told(tmp_path: Path, path: str) -> None:
+    desk = Desk(tmp_path)
+    driver = MidiPanel("panel", MidiSettings(device=f"./{path}" if path == "." else path), desk)
+    await driver.open()
+    await until(lambda: desk.healths[-1][0] is Health.LOST)
+    assert "is no MIDI device" in desk.healths[-1][1]
+    await driver.close()
+
+
 async def test_presses_of_pads_momentary_and_toggling_buttons(tmp_path: Path) -> None:
     panel = PanelMap(
         controls={

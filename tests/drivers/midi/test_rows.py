@@ -12,8 +12,12 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 from woz_drivers.body.settings import Settings as BodySettings
 from woz_drivers.midi import MidiPanel
+from woz_drivers.midi.fitted import fitted
+from woz_drivers.midi.maps import BUILT_IN
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.fakes.listening import ListeningOutlet
@@ -34,9 +38,9 @@ pytestmark = pytest.mark.toolkit("K1")
 @cache
 def eyepi() -> BodySettings:
     found = load(ROOT / "experiments" / "eyepi.yaml", plugins.installed())
-    settings = next(spec.settings for spec in found.drivers if spec.name == "body")
-    assert isinstance(settings, BodySettings)
-    return settings
+    body = next(spec.settings for spec in found.drivers if spec.name == "body")
+    assert isinstance(body, BodySettings)
+    return body
 
 
 @cache
@@ -47,7 +51,7 @@ def verbs() -> Mapping[str, Verb]:
 class Stage(ListeningOutlet):
     """The panel in front of the engine; `jump`: without soft take-over."""
 
-    def __init__(self, folder: Path, name: str = "thesis") -> None:
+    def __init__(self, folder: Path, name: str = "thesis", take_over: str = "jump") -> None:
         super().__init__(folder)
         self.engine = Engine(eyepi(), eyepi().repertoire.moves)
         self.engine.apply("breathing", {"on": False})
@@ -55,7 +59,7 @@ class Stage(ListeningOutlet):
         self.refused: list[str] = []
         self.tick = self.engine.tick(self.now)
         self.play(2.0)
-        self.panel = MidiPanel("panel", MidiSettings(map=name, take_over="jump"), self)
+        self.panel = MidiPanel("panel", MidiSettings(map=name, take_over=take_over), self)
 
     def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
         self.asks.append(ask)
@@ -261,6 +265,52 @@ def test_what_is_not_mapped_has_no_effect(stage: Stage, number: int) -> None:
     stage.hear(f"b0 {number:02x} 00 {number:02x} 7f {number:02x} 40").play(0.5)
     assert stage.asks == []
     assert stage.tick.joints == before
+
+
+@pytest.mark.toolkit("G7")
+@pytest.mark.parametrize("name", BUILT_IN)
+def test_the_first_touch_of_anything_that_turns_changes_nothing(tmp_path: Path, name: str) -> None:
+    stage = Stage(tmp_path, name, take_over="soft")
+    values, joints = stage.values(), stage.tick.joints
+    turning = [it for it in fitted(MidiSettings(map=name)) if not it.pressed and not it.free]
+    at_the_end = [it for it in turning if abs(stage.places()[it.mapped.control] - 1) < 0.02]
+    for it in turning:
+        value = 0 if it in at_the_end and not it.mapped.reversed else 127
+        stage.turn(it.control.signal.number, value)
+        ticks = stage.play(0.2)
+        assert all(tick.joints == pytest.approx(joints) for tick in ticks), it.name
+    assert stage.asks == []
+    assert stage.values() == values
+
+
+@pytest.mark.toolkit("R4")
+@settings(
+    max_examples=40, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(
+    data=st.lists(st.binary(max_size=40), max_size=12), take_over=st.sampled_from(["soft", "jump"])
+)
+def test_whatever_the_panel_sends_the_body_stays_within_its_limits(
+    tmp_path: Path, data: list[bytes], take_over: str
+) -> None:
+    stage = Stage(tmp_path, "nanokontrol2", take_over)
+    for piece in data:
+        # Half of it as control changes of known numbers, so that it means something.
+        stage.hear(piece.hex()).hear("b0 " + bytes(byte & 0x7F for byte in piece).hex())
+        for tick in stage.play(0.1):
+            for joint, angle in tick.joints.items():
+                shape = eyepi().joints[joint]
+                assert shape.min <= angle <= shape.max
+
+
+@pytest.mark.toolkit("M3")
+def test_sliders_moved_during_the_demo_count_for_the_way_back(stage: Stage) -> None:
+    stage.turn(16, 64).press(52).play(3.0)
+    stage.turn(16, 127)
+    assert stage.refused == []
+    stage.press(49).play(3.0)
+    assert stage.tick.mode.value == "normal"
+    assert stage.tick.joints["pitch"] == pytest.approx(90, abs=0.01)
 
 
 @pytest.mark.toolkit("G5")

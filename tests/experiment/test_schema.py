@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
@@ -46,8 +47,8 @@ def validator(schema: Mapping[str, Any]) -> jsonschema.Draft202012Validator:
 def bundled() -> dict[str, Any]:
     """Our own drivers, whatever else is installed on this machine."""
     catalogue = installed()
-    ours = ("simulated", "dynamixel", "rangefinder", "microphone", "speech")
-    return {name: catalogue[name] for name in ours}
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    return {name: catalogue[name] for name in project["entry-points"]["woz_tui.drivers"]}
 
 
 @pytest.mark.parametrize(
@@ -100,7 +101,7 @@ def test_what_editors_show() -> None:
     schema = experiment_schema(CATALOGUE)
     action = schema["$defs"]["action"]["properties"]
     assert action["say"]["description"] == "speak"
-    assert action["speed"]["description"] == "(of play, say)"
+    assert action["speed"]["description"] == "1: as written (of play, personality, say)"
     assert {"key", "label", "steps", "on", "when_busy", "torque", "wave"} - set(action) == {"wave"}
     head = robot_schema(CATALOGUE)["properties"]["drivers"]["additionalProperties"]["oneOf"][1]
     assert head["properties"]["rate"]["maximum"] == 200

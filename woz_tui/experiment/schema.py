@@ -272,9 +272,20 @@ def _merged(one: Verb, other: Verb) -> Verb:
 
 
 def _sample(shape: type) -> Any:
-    """An instance with the least that is required."""
-    required = (item for item in fields_of(shape) if item.required)
-    return shape(**{item.attribute: _sample_value(item.annotation) for item in required})
+    """An instance with what is required, and with all parts that may be left out: a robot may
+    have a face, and its editor shall know what faces can do.
+    """
+    given = (item for item in fields_of(shape) if item.required or _part(item.annotation))
+    return shape(**{item.attribute: _sample_value(item.annotation) for item in given})
+
+
+def _part(annotation: Any) -> type | None:
+    """The dataclass of an annotation such as `FaceShape | None`."""
+    bare, _ = split(annotation)
+    if typing.get_origin(bare) not in (typing.Union, types.UnionType):
+        return None
+    kinds = (kind for kind in typing.get_args(bare) if isinstance(kind, type))
+    return next((kind for kind in kinds if dataclasses.is_dataclass(kind)), None)
 
 
 def _sample_value(annotation: Any) -> Any:
@@ -283,6 +294,8 @@ def _sample_value(annotation: Any) -> Any:
         return one_of.choices[0]
     if (allowed := note(notes, fields.Range)) is not None and bare in (int, float):
         return bare(allowed.low if allowed.low is not None else allowed.high or 0)
+    if (part := _part(annotation)) is not None:
+        return _sample(part)
     origin = typing.get_origin(bare) or bare
     if origin in (dict, Mapping):
         return {"sample": _sample_value(typing.get_args(bare)[1])}

@@ -1,4 +1,4 @@
-"""The demo experiment on its simulated robot, played in virtual time: always the same session.
+"""Experiments on robots without hardware, played in virtual time: always the same sessions.
 
 Session, bus, log and driver are the real ones; only the clock is not, so that minutes pass at once
 and every drawing shows the same moment.
@@ -16,19 +16,26 @@ from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.robot import SimulatedRobot
 from woz_drivers.simulated.settings import Settings
 
+from tests.drivers.body.rig import SteppedBody
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.driver import Outlet
 from woz_tui.core.requests import PROTOCOL, Welcome
 from woz_tui.experiment.decode import load
-from woz_tui.host.views import joint_limits, panel_views, variable_names, verb_names
+from woz_tui.host.views import (
+    joint_limits,
+    outlines,
+    panel_views,
+    variable_names,
+    verb_names,
+)
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.identity import Identity
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
 
-EXPERIMENT = Path(__file__).parent.parent / "experiments" / "demo.yaml"
+EXPERIMENTS = Path(__file__).parent.parent / "experiments"
 LOG = "recordings/2026-03-01T10-00-00_P07_S01.jsonl"
 KEY = Origin("key", "", "con1")
 #: How far the log lags behind in the picture; the real figure depends on the disk.
@@ -81,33 +88,59 @@ WORKING: tuple[Step, ...] = (
 MOMENT = 61.2
 STOPPED: tuple[Step, ...] = (*WORKING, (MOMENT - 0.1, lambda session: session.stop("key")))
 
+#: EyePi by hand: it points while the wizard has just said something.
+EYEPI: tuple[Step, ...] = (
+    (3.0, play("Upbeat")),
+    (5.0, play("Hello")),
+    (9.0, play("Happy")),
+    (12.0, play("Dance")),
+    (18.0, play("Amazed")),
+    (20.0, lambda session: session.mark("", "key")),
+    (24.0, play("Yes")),
+    (29.0, play("Happy")),
+    (29.6, play("Point left")),
+)
+EYEPI_MOMENT = 30.1
+SHOW: tuple[Step, ...] = tuple((at, space) for at in (1.0, 3.5, 10.0, 17.0, 21.0))
+SHOW_MOMENT = 24.6
 
-def demo(steps: tuple[Step, ...], moment: float = MOMENT) -> Welcome:
-    """What a console is told that attaches at `moment`."""
-    return run_virtual(_demo(steps, moment))
+
+def demo(
+    steps: tuple[Step, ...],
+    moment: float = MOMENT,
+    experiment: str = "demo",
+    watch: Callable[[Session], None] = lambda session: None,
+) -> Welcome:
+    """What a console is told that attaches at `moment`; `watch` gets the session as it begins."""
+    return run_virtual(_demo(steps, moment, EXPERIMENTS / f"{experiment}.yaml", watch))
 
 
-async def _demo(steps: tuple[Step, ...], moment: float) -> Welcome:
+async def _demo(
+    steps: tuple[Step, ...], moment: float, file: Path, watch: Callable[[Session], None]
+) -> Welcome:
     loop = asyncio.get_running_loop()
     clock = LoopClock(loop)
-    experiment = load(EXPERIMENT, {"simulated": _Robot})
+    catalogue = {"simulated": _Robot, "body": SteppedBody}
+    experiment = load(file, catalogue)
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder), "demo", clock)
         identity = Identity(participant="P07", condition="warm", wizard="W2", seed=7)
-        session = Session(experiment, {"simulated": _Robot}, identity, recorder, clock)
+        session = Session(experiment, catalogue, identity, recorder, clock)
         await session.open()
+        watch(session)
         session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
         session.bus.unwatched = ""
         for at, act in steps:
             await asyncio.sleep(at - loop.time())
             act(session)
         await asyncio.sleep(moment - loop.time())
-        told = _welcome(session)
+        told = welcome(session)
         await session.close("drawn", rest=False)
     return told
 
 
-def _welcome(session: Session) -> Welcome:
+def welcome(session: Session) -> Welcome:
+    """What a console is told that attaches now."""
     experiment = session.experiment
     return Welcome(
         protocol=PROTOCOL,
@@ -129,6 +162,7 @@ def _welcome(session: Session) -> Welcome:
         settings={
             "participant_pattern": experiment.participant_pattern,
             "joints": joint_limits(session),
+            "outlines": outlines(session),
         },
     )
 

@@ -15,7 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from docs import demo_session
-from tests.console import scenes
+from tests.console import bodies, scenes
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.app import Console
 from woz_tui.console.feed import Feed
@@ -24,6 +24,7 @@ from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.look import Look
 from woz_tui.core import messages as m
 from woz_tui.core.clock import ManualClock
+from woz_tui.core.requests import Welcome
 
 FOLDER = Path(__file__).parent / "images"
 
@@ -47,6 +48,35 @@ def demo() -> ScriptedFeed:
     feed.round_trip_us = 23_000
     feed.begin_with(demo_session.demo(demo_session.WORKING))
     return feed
+
+
+def eyepi() -> ScriptedFeed:
+    """EyePi on its way to a point at its left."""
+    return _told(demo_session.demo(demo_session.EYEPI, demo_session.EYEPI_MOMENT, "eyepi"))
+
+
+def show() -> ScriptedFeed:
+    """Two robots in the middle of their show."""
+    return _told(demo_session.demo(demo_session.SHOW, demo_session.SHOW_MOMENT, "show"))
+
+
+def _told(first: Welcome) -> ScriptedFeed:
+    feed = ScriptedFeed()
+    feed.round_trip_us = 23_000
+    feed.begin_with(first)
+    return feed
+
+
+def knobs() -> ScriptedFeed:
+    """A panel in use: two of its controls wait for take-over."""
+    places = {"knob-1": 64, "knob-2": 88, "knob-3": 20, "knob-4": 110, "knob-8": 70}
+    places |= {"slider-1": 41, "slider-2": 77, "slider-3": 64, "slider-5": 90, "slider-6": 100}
+    moved = bodies.moved(
+        {**places, "slider-7": 112},
+        {"knob-4": 0, "slider-1": 101},
+        ("button-22", "cycle"),
+    )
+    return _told(bodies.welcome([*bodies.alive(), moved]))
 
 
 def working() -> ScriptedFeed:
@@ -84,6 +114,11 @@ SHOTS = (
     Shot("console-80x24", 80, 24, demo),
     Shot("console-160x50", 160, 50, demo),
     Shot("console-100x36", 100, 36, demo),
+    Shot("eyepi", 160, 50, eyepi),
+    Shot("eyepi-small", 80, 24, eyepi),
+    Shot("eyepi-body", 80, 24, eyepi, keys=(";",)),
+    Shot("two-robots", 160, 50, show),
+    Shot("knobs", 80, 24, knobs, keys=("+",)),
     Shot("stop", 80, 24, stopped),
     Shot("help", 80, 24, demo, keys=("?",)),
     Shot("say", 80, 24, demo, keys=("/", "P", "l", "e")),

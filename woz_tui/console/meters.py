@@ -37,14 +37,16 @@ def zone(metres: float) -> str:
 
 def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
-    near = [name for name in sorted(picture.sensors) if name.rpartition(".")[2] == "distance"]
+    known = [name for name in sorted(picture.sensors) if name.rpartition(".")[2] in _KNOWN]
+    near = [name for name in known if name.endswith("distance")]
+    loud = [name for name in known if name.endswith("loudness")]
     rows = [
         *(row for name in near for row in _distance(picture, name, frame)),
-        *_loudness(picture, frame),
-        *_verdicts(picture, frame),
+        *(row for name in loud for row in _loudness(picture, name, frame)),
+        *(row for robot in _robots(known) for row in _verdicts(picture, robot, frame)),
         *_engagement(picture, frame),
     ]
-    others = other_rows(picture, frame, (*_KNOWN, *near))
+    others = other_rows(picture, frame, known)
     rows += joint_rows(picture, frame, frame.height - len(rows), len(others))
     rows += others
     if not rows:
@@ -78,23 +80,26 @@ def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
 
 def _short(name: str) -> str:
     """`distance`, or whose it is: `left dist`."""
-    whose, _, _ = name.rpartition(".")
-    return f"{fit(whose, NAME - 7).rstrip()} dist" if whose else name
+    whose, _, kind = name.rpartition(".")
+    return f"{fit(whose, NAME - 7).rstrip()} {kind[:4]}" if whose else name
 
 
-def _loudness(picture: Picture, frame: Frame) -> list[Row]:
+def _robots(names: list[str]) -> list[str]:
+    """What stands before the sensors of each robot: `left.`, or nothing."""
+    return list(dict.fromkeys(name[: -len(name.rpartition(".")[2])] for name in names))
+
+
+def _loudness(picture: Picture, name: str, frame: Frame) -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
-    sensor = picture.sensors.get("loudness")
-    if sensor is None:
-        return []
+    sensor = picture.sensors[name]
     glyphs, width = frame.glyphs, track(frame)
     if sensor.value is None or _stale(picture, sensor, frame):
         empty: Row = ((glyphs.track * width, "faint"),)
-        return [labelled("loudness", empty, old(sensor, frame), "stale")]
+        return [labelled(_short(name), empty, old(sensor, frame), "stale")]
     level = decibels(sensor.value)
     speaking = sensor.state == "speaking"
     full = at(1 - level / SILENCE_DB, width + 1)
-    threshold = _threshold(picture)
+    threshold = _threshold(picture, name)
     mark_at = None if threshold is None else at(1 - decibels(threshold) / SILENCE_DB, width)
     loud = "good" if speaking else "muted"
     cells = [(glyphs.bar, loud) if x < full else (glyphs.track, "faint") for x in range(width)]
@@ -102,12 +107,12 @@ def _loudness(picture: Picture, frame: Frame) -> list[Row]:
         cells[mark_at] = (glyphs.tick, "strong")
     mark = f"{glyphs.yes} voice" if speaking else clean(sensor.state)
     look = "good" if speaking else "warn" if sensor.state in ("clipping", "silent") else "plain"
-    return [labelled("loudness", joined(cells), f"{level:3.0f} dB {mark}", look)]
+    return [labelled(_short(name), joined(cells), f"{level:3.0f} dB {mark}", look)]
 
 
-def _threshold(picture: Picture) -> float | None:
+def _threshold(picture: Picture, loudness: str) -> float | None:
     """RMS from which a voice counts, as the microphone published it or the host told."""
-    published = picture.sensors.get("loudness.threshold")
+    published = picture.sensors.get(f"{loudness}.threshold")
     if published is not None:
         return published.value
     told = picture.settings.get("loudness_threshold")
@@ -117,21 +122,21 @@ def _threshold(picture: Picture) -> float | None:
 # -- who is there, and what the robot makes of it -------------------------------------------------
 
 
-def _verdicts(picture: Picture, frame: Frame) -> list[Row]:
+def _verdicts(picture: Picture, robot: str, frame: Frame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
     pieces: list[Piece] = []
     for name, word in (("presence", "person"), ("gaze", "looks")):
-        sensor = picture.sensors.get(name)
+        sensor = picture.sensors.get(f"{robot}{name}")
         if sensor is None:
             continue
         pieces.append(_verdict(sensor, word, _stale(picture, sensor, frame), frame.glyphs))
         pieces.append(("  ", "plain"))
-    who = picture.sensors.get("identity")
+    who = picture.sensors.get(f"{robot}identity")
     if who is not None:
         name = clean(who.text) or "unknown"
         look = "stale" if _stale(picture, who, frame) else "plain" if who.text else "muted"
         pieces.append((name, look))
-    return [(named("visitor"), *pieces)] if pieces else []
+    return [(named(f"{robot}visitor"), *pieces)] if pieces else []
 
 
 def _verdict(sensor: SensorPicture, word: str, stale: bool, glyphs: Glyphs) -> Piece:

@@ -15,6 +15,8 @@ from woz_tui.console.rows import NAME, at, labelled, named, old, ruler, track
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
 _JOINT = re.compile(r"(?P<whose>.*\.)?(?P<kind>joint|setpoint)\.(?P<name>.+)")
+#: Belongs to a loudness, and is drawn with it.
+_THRESHOLD = re.compile(r"(.*\.)?loudness\..+")
 #: Digits behind the point by unit, so that a value does not change its width.
 _DIGITS = {"m": 2, "deg": 0, "C": 0, "V": 1, "%": 0}
 #: Half of a joint's range where nobody has told its limits, in degrees.
@@ -80,11 +82,11 @@ def _joint(picture: Picture, name: str, shown: str, frame: Frame) -> Row:
     spots: dict[int, tuple[str, str]] = {}
     texts = []
     if here is not None:
-        texts.append(f"{here:4.0f}{glyphs.degrees}")
+        texts.append(f"{round(here):4}{glyphs.degrees}")
     if there is not None:
         spots[at((there - low) / (high - low), width)] = (glyphs.target, "run")
         if here is None or abs(there - here) >= 1:
-            texts.append(f"{glyphs.next} {there:.0f}{glyphs.degrees}")
+            texts.append(f"{glyphs.next} {round(there)}{glyphs.degrees}")
     if here is not None:
         spots[at((here - low) / (high - low), width)] = (
             glyphs.position,
@@ -112,7 +114,7 @@ def _folded(picture: Picture, joints: dict[str, str], frame: Frame, room: int) -
     for name, short in joints.items():
         sensor = _sensor(picture, "joint", name) or _sensor(picture, "setpoint", name)
         if sensor is not None:
-            value = "?" if sensor.value is None else f"{sensor.value:.0f}{frame.glyphs.degrees}"
+            value = "?" if sensor.value is None else f"{round(sensor.value)}{frame.glyphs.degrees}"
             pieces.append(_member(short, f"{value:<4}", picture.is_stale(sensor, frame.now), frame))
     return _wrapped(named("pose"), pieces, frame, room)
 
@@ -144,7 +146,7 @@ def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row
     """
     groups: dict[str, list[SensorPicture]] = {}
     for name, sensor in sorted(picture.sensors.items(), key=lambda item: (len(item[0]), item[0])):
-        if name not in known and not _JOINT.match(name) and not name.startswith("loudness."):
+        if name not in known and not _JOINT.match(name) and not _THRESHOLD.match(name):
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
     return [_group(name, groups[name], picture, frame) for name in names]

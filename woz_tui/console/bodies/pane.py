@@ -20,6 +20,8 @@ from woz_tui.console.rows import beside
 
 #: Cells that words beside a face need, and a view at the least (columns, lines).
 WORDS, VIEW = 16, (10, 4)
+#: Cells that the longer caption of a view needs.
+CAPTION = 14
 #: Cells between bodies.
 GAP = 2
 #: The narrowest place in which a body can be shown.
@@ -131,9 +133,10 @@ def view_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
     above = max(VIEW[0], (width - GAP) * 2 // 5)
     side = width - GAP - above
     drawn = _drawn(seen, {SIDE: (side, lines), ABOVE: (above, lines)}, glyphs)
+    front = ", front " if above >= CAPTION else " "
     captions: Row = (
-        (fit(f"side, front {glyphs.next}", side + GAP, glyphs.ellipsis), "faint"),
-        (fit(f"top, front {glyphs.up}", above, glyphs.ellipsis), "faint"),
+        (fit(f"side{front}{glyphs.next}", side + GAP, glyphs.ellipsis), "faint"),
+        (fit(f"top{front}{glyphs.up}", above, glyphs.ellipsis), "faint"),
     )
     return [captions, *beside([(drawn[SIDE], side), (drawn[ABOVE], above)], lines, glyphs, GAP)]
 

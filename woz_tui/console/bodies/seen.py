@@ -38,11 +38,13 @@ def seen_bodies(picture: Picture, now: int, glyphs: Glyphs) -> list[SeenBody]:
 def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> SeenBody:
     driver = outline.driver
     values = dict(_flat(picture.bodies.get(driver, {})))
-    reached = _angles(picture, outline, "joint")
-    wanted = _angles(picture, outline, "setpoint")
-    newest = max((sensor.t for sensor in (*reached, *wanted)), default=None)
+    reached = _sensors(picture, outline, "joint")
+    wanted = _sensors(picture, outline, "setpoint")
+    newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
     lost = picture.health(driver) == "lost"
-    stale = bool(picture.lost) or lost or any(picture.is_stale(one, now) for one in reached)
+    stale = (
+        bool(picture.lost) or lost or any(picture.is_stale(one, now) for one in reached.values())
+    )
     since = picture.drivers[driver].t if lost else newest
     old = ""
     if stale:
@@ -57,16 +59,25 @@ def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> S
     )
 
 
-def _angles(picture: Picture, outline: BodyOutline, kind: str) -> list[SensorPicture]:
-    """What was heard of this body's joints; a joint's name is the last part of its sensor's."""
-    names = (f"{outline.robot}{kind}.{joint}" for joint in outline.home)
-    found = (picture.sensors.get(name) for name in names)
-    return [sensor for sensor in found if sensor is not None]
+def _sensors(picture: Picture, outline: BodyOutline, kind: str) -> dict[str, SensorPicture]:
+    """What was heard of this robot's joints, by joint, whichever of its drivers said it; where
+    several did, the body itself counts.
+    """
+    found: dict[str, SensorPicture] = {}
+    for name, sensor in picture.sensors.items():
+        head, _, joint = name.rpartition(".")
+        if head.rpartition(".")[2] != kind or joint not in outline.home:
+            continue
+        if not sensor.driver.startswith(outline.robot):
+            continue
+        if joint not in found or sensor.driver == outline.driver:
+            found[joint] = sensor
+    return found
 
 
-def _placed(outline: BodyOutline, sensors: list[SensorPicture]) -> dict[str, float] | None:
+def _placed(outline: BodyOutline, sensors: Mapping[str, SensorPicture]) -> dict[str, float] | None:
     """Degrees by joint; a joint that nobody speaks of stands at home. None: nobody says any."""
-    known = {one.name.rpartition(".")[2]: one.value for one in sensors if one.value is not None}
+    known = {joint: one.value for joint, one in sensors.items() if one.value is not None}
     if not known:
         return None
     return {joint: known.get(joint, home) for joint, home in outline.home.items()}

@@ -9,6 +9,8 @@ from woz_tui.console.cells import Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.core.messages import Json
 
+#: A body that was told no rate of its own breathes once in so many beats.
+BEATS_A_BREATH = 4
 #: Cells of the names in front of values, and where there is little room.
 NAMES, SHORT_NAMES = 11, 6
 
@@ -68,7 +70,11 @@ def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
         lines = [line for line in lines if line[1]][: max(1, height)]
     names = NAMES if width >= 2 * NAMES else SHORT_NAMES
     return [
-        cut(((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look)), width, glyphs.ellipsis)
+        cut(
+            ((fit(name, names, glyphs.ellipsis), "muted"), (clean(text), look)),
+            width,
+            glyphs.ellipsis,
+        )
         for name, text, look in lines[:height]
     ]
 
@@ -80,8 +86,10 @@ def _on(value: Json) -> bool:
 def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
     if not _on(seen.value("breathing_on")):
         return "no"
-    rate = figure("breathing_rate", seen.value("breathing_rate"), glyphs)
-    return "yes" if rate == glyphs.dash else rate
+    rate, tempo = seen.value("breathing_rate"), seen.value("tempo")
+    if rate is None and isinstance(tempo, int | float):
+        rate = tempo / BEATS_A_BREATH
+    return "yes" if rate is None else figure("breathing_rate", rate, glyphs)
 
 
 def _blinking(seen: SeenBody) -> str:
@@ -164,6 +172,10 @@ def figure(name: str, value: Json, glyphs: Glyphs) -> str:
     return clean(str(value))
 
 
+#: Cells of a value at the least.
+VALUES = 6
+
+
 def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
     """Every value the body tells, in as many columns as it needs; each has its fixed place."""
     known = {name.replace("-", "_"): value for name, value in seen.values.items()}
@@ -171,13 +183,15 @@ def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[
     names += sorted(name for name in known if name not in ORDER)
     if not names:
         return [(("the body has not told its values yet", "muted"),)]
-    columns = max(1, -(-len(names) // max(1, height)))
-    each = max(12, width // columns)
-    front = max(len(name) for name in names) + 1
-    rows: list[Row] = [() for _ in range(min(height, len(names)))]
-    for number, name in enumerate(names):
-        value = fit(figure(name, known[name], glyphs), each - front, glyphs.ellipsis)
-        label = fit(name.replace("_", " "), front, glyphs.ellipsis)
-        look = "stale" if seen.old else "plain"
-        rows[number % len(rows)] += ((label, "muted"), (value, look))
+    lines = max(1, min(height, len(names)))
+    columns = [names[start : start + lines] for start in range(0, len(names), lines)]
+    each = max(12, width // len(columns))
+    look = "stale" if seen.old else "plain"
+    rows: list[Row] = [() for _ in range(lines)]
+    for column in columns:
+        front = min(each - VALUES, max(map(len, column)) + 1)
+        for line, name in enumerate(column):
+            label = fit(name.replace("_", " "), front, glyphs.ellipsis)
+            value = fit(figure(name, known[name], glyphs), each - front - 1, glyphs.ellipsis)
+            rows[line] += ((label, "muted"), (value, look), (" ", "plain"))
     return [cut(row, width, glyphs.ellipsis) for row in rows]

@@ -21,7 +21,7 @@ from woz_tui.motion.modes import BLINKS, BREATHES, Hand, Kind, Mode, counts
 from woz_tui.motion.move import Move
 from woz_tui.motion.orders import Orders
 from woz_tui.motion.personality import Character
-from woz_tui.motion.primaries import Moment
+from woz_tui.motion.primaries import Line, Moment
 from woz_tui.motion.saccade import Saccade
 from woz_tui.motion.safety import Safety
 from woz_tui.motion.setpoints import Seen, State
@@ -303,6 +303,14 @@ class Engine:
     def eyes(self) -> tuple[float, float]:
         """Where the eyes are seen to look on the face, -1..1: to its left, up."""
         return self._face.eyes
+
+    @property
+    def held(self) -> Mapping[str, float]:
+        """The pose that hands hold the body in, in degrees: what moves and modes are played on,
+        or where a gaze or a pose has led so far.
+        """
+        steering = self._steering
+        return dict(steering.here if isinstance(steering.primary, Line) else steering.base)
 
     def state(self) -> State:
         """What a control panel must know to agree with the body."""

@@ -103,7 +103,8 @@ def test_what_editors_show() -> None:
     assert action["say"]["description"] == "speak"
     assert action["speed"]["description"] == "1: as written (of play, personality, say)"
     assert {"key", "label", "steps", "on", "when_busy", "torque", "wave"} - set(action) == {"wave"}
-    head = robot_schema(CATALOGUE)["properties"]["drivers"]["additionalProperties"]["oneOf"][1]
+    drivers = robot_schema(CATALOGUE)["properties"]["drivers"]["additionalProperties"]["oneOf"]
+    head = next(one for one in drivers if one["properties"]["type"]["const"] == "head")
     assert head["properties"]["rate"]["maximum"] == 200
     assert head["required"] == ["type", "port", "joints"]
     assert head["properties"]["port"]["description"] == "where it is"

@@ -5,11 +5,14 @@ from __future__ import annotations
 import itertools
 import math
 import random
+from dataclasses import replace
 
 import pytest
 
-from tests.motion.bodies import DT, EYEPI, FIVE, STILL, Rig, moves_safely
+from tests.motion.bodies import CALM, DT, EYEPI, FIVE, STILL, Rig, moves_safely
 from woz_tui.core.messages import Json
+from woz_tui.motion.kinematics import Chain
+from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.ticks import Refused
 
 RAD = math.degrees(1e-6)
@@ -108,6 +111,35 @@ def test_a_gaze_nobody_can_reach_is_flagged() -> None:
     assert answer.sent["reachable"] is False
     rig.wait(answer)
     assert "reachable" not in rig.do("gaze", x=2.0, y=0.5, z=0.1).sent
+
+
+@pytest.mark.toolkit("L5")
+@pytest.mark.parametrize("shape", [STILL, replace(FIVE, personality=CALM)], ids=["three", "five"])
+def test_the_line_of_sight_passes_the_target(shape: BodyShape) -> None:
+    chance, chain, reached = random.Random(5), Chain(shape), 0
+    rig = Rig(shape)
+    for _ in range(20):
+        target = (chance.uniform(0.5, 3), chance.uniform(-1.5, 1.5), chance.uniform(-0.5, 1))
+        answer = rig.do("gaze", x=target[0], y=target[1], z=target[2], seconds=0.5)
+        rig.wait(answer)
+        rig.run(1.0)
+        eyes, ray = chain.ray(rig.last.joints)
+        way = [a - b for a, b in zip(target, eyes, strict=True)]
+        cosine = sum(a * b for a, b in zip(way, ray, strict=True)) / math.hypot(*way)
+        if "reachable" not in answer.sent:
+            reached += 1
+            assert math.degrees(math.acos(min(1.0, cosine))) < 2.0
+    assert reached > 10
+
+
+@pytest.mark.toolkit("L5")
+def test_a_gaze_at_the_head_itself_is_refused() -> None:
+    rig = Rig()
+    x, y, z = Chain(STILL).ray(rig.last.joints)[0]
+    with pytest.raises(Refused):
+        rig.do("gaze", x=x, y=y, z=z)
+    rig.run(0.1)
+    assert rig.last.joints == {"pitch": 0, "middle": 45, "top": 28.65}
 
 
 @pytest.mark.toolkit("L5")

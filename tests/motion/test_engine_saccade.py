@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import pytest
-from woz_tui.motion.kinematics import Chain
 
-from tests.motion.bodies import DT, EYEPI, STILL, Rig, moves_safely
+from tests.motion.bodies import CALM, DT, EYEPI, FIVE, STILL, Rig, moves_safely
 from woz_tui.core.messages import Json
 from woz_tui.motion.frames import Frame
+from woz_tui.motion.kinematics import Chain
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.saccade import SPAN, direction
 from woz_tui.motion.shapes import BodyShape
@@ -109,6 +110,19 @@ def test_the_knob_leads_as_the_verb_does_and_leaving_centres_the_eyes() -> None:
     assert rig.last.mode is Mode.NORMAL
     assert rig.last.joints["pitch"] == pytest.approx(0.0)
     assert rig.engine.eyes == (0.0, 0.0)
+
+
+@pytest.mark.toolkit("S1")
+def test_the_same_place_of_the_eyes_is_the_same_pose_each_time() -> None:
+    rig = started(replace(FIVE, personality=CALM))
+    begun = dict(rig.last.joints)
+    poses = []
+    for x, y in ((0.5, 0.2), (-1.0, 0.9), (0.5, 0.2), (0.0, 0.0)):
+        rig.do("look", x=x, y=y)
+        rig.run(5.0)
+        poses.append(dict(rig.last.joints))
+    assert poses[2] == pytest.approx(poses[0], abs=1e-3)
+    assert poses[3] == pytest.approx(begun, abs=1e-3)
 
 
 @pytest.mark.toolkit("S1")

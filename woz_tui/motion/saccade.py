@@ -55,8 +55,9 @@ class Saccade:
     ) -> None:
         self._chain = chain
         self._lead = shape.saccade
+        self._begun = dict(pose)
         self._pose = dict(pose)
-        self._goal: Mapping[str, float] = dict(pose)
+        self._goal: Mapping[str, float] = self._begun
         self._ahead = direction(chain, pose)
         self._target = self._ahead
         if eyes != (0.0, 0.0):
@@ -82,7 +83,9 @@ class Saccade:
         yaw = (self._ahead[0] + place[0] * span[0] + 180.0) % 360.0 - 180.0
         pitch = min(STEEPEST, max(-STEEPEST, self._ahead[1] + place[1] * span[1]))
         self._target = (yaw, pitch)
-        self._goal = self._chain.aim_along(yaw, pitch, self._pose).joints
+        # From the pose of the beginning, so that the same place is the same pose each time.
+        away = place != (0.0, 0.0)
+        self._goal = self._chain.aim_along(yaw, pitch, self._begun).joints if away else self._begun
 
 
 def _unit(value: float) -> float:

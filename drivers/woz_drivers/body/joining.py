@@ -13,13 +13,15 @@ from woz_tui.motion.setpoints import PRESENT, Present, State
 MOVED = 2.0
 #: Older news of the servos count no more, in seconds.
 FRESH_S = 0.5
+#: So long after an input the body goes by what was asked of it, in seconds.
+BUSY_S = 3.0
 
 
 class Joining:
     """Says when the engine must begin anew at the pose in which the servos are.
 
     While no joint is held, hands may move them; the engine then goes on from where they were left.
-    A move that is played in the meantime, to rehearse it, is not disturbed.
+    What is asked of the body in the meantime, to rehearse it, is not disturbed.
     """
 
     def __init__(self, settings: Settings, outlet: Outlet) -> None:
@@ -27,6 +29,11 @@ class Joining:
         self._feed = outlet.feed(PRESENT, of=settings.servos)
         self._serial = 0
         self._found: Mapping[str, float] = {}
+        self._busy_until = float("-inf")
+
+    def touched(self, now: float) -> None:
+        """Somebody has asked something of the body."""
+        self._busy_until = now + BUSY_S
 
     def place(self, now: float, state: State) -> Mapping[str, float] | None:
         """The joints' angles, in the body's degrees, if the engine is to begin at them."""
@@ -42,7 +49,8 @@ class Joining:
             for name, angle in present.joints.items()
             if name in self._zero
         }
-        if present.held or state.move or state.mode != Mode.NORMAL.value or not self._moved(joints):
+        busy = now < self._busy_until or state.move or state.mode != Mode.NORMAL.value
+        if present.held or busy or not self._moved(joints):
             return None
         self._found = {**self._found, **joints}
         return joints

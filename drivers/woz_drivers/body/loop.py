@@ -143,6 +143,8 @@ class BodyLoop:
     def _look(self, now: float) -> None:
         """Take what servos and camera say."""
         if self._joining is not None:
+            if self._touched:
+                self._joining.touched(now)
             place = self._joining.place(now, self.engine.state())
             if place is not None:
                 self.engine.restart(place)

@@ -1,0 +1,177 @@
+"""A body's own thread and real servos' threads, over a pseudo-terminal: what is written there."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import itertools
+import sys
+from collections.abc import AsyncIterator
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+from woz_drivers.body import Body, Settings
+from woz_drivers.dynamixel import DynamixelServos, Joint
+from woz_drivers.dynamixel import Settings as ServoSettings
+
+from tests.drivers.body.rig import robot
+from tests.drivers.heard import Ordered, until
+from tests.drivers.servo_stand import PATIENT_MS, PATIENT_WATCHDOG_MS
+from tests.fakes.servos import ServoBus
+from woz_tui.core.clock import RealClock
+from woz_tui.core.driver import Driver, Scope
+from woz_tui.core.feeds import Feeds
+from woz_tui.core.hub import Hub
+from woz_tui.core.messages import AnyMessage, DriverConnected, Notice, Reading
+from woz_tui.session.outlet import DriverOutlet
+
+COUNT = 360 / 4096
+IDS = (21, 22, 23, 24, 25)
+SPEED = 300.0
+
+
+@dataclass
+class Robot:
+    """Both drivers of one robot, and what they said."""
+
+    body: Body
+    servos: DynamixelServos
+    bus: ServoBus
+    said: list[AnyMessage]
+
+    def goals(self, name: str) -> list[float]:
+        """Every goal written to a joint's servo, in degrees."""
+        number = IDS[list(self.body.settings.joints).index(name)]
+        return [(raw - 2048) * COUNT for raw in self.bus.goals(number)]
+
+    def at(self, name: str) -> float:
+        """The newest goal."""
+        return self.goals(name)[-1]
+
+    async def torque(self) -> None:
+        await self.servos.perform(Ordered("torque", {"on": True}))
+
+    def safe(self) -> bool:
+        """Whether every goal ever written keeps the joint's range and the servo's speed."""
+        # A late tick may make up for two periods; a count to each side is rounding.
+        most = SPEED * 0.02 * 2 + 2 * COUNT
+        for name, joint in self.body.settings.joints.items():
+            goals = self.goals(name)
+            if not all(joint.min - COUNT <= goal <= joint.max + COUNT for goal in goals):
+                return False
+            if any(abs(b - a) > most for a, b in itertools.pairwise(goals)):
+                return False
+        return True
+
+
+@contextlib.asynccontextmanager
+async def assembled(tmp_path: Path, settings: Settings) -> AsyncIterator[Robot]:
+    """The five joints' body with five servos that follow it, open and found."""
+    said: list[AnyMessage] = []
+    clock, feeds = RealClock(), Feeds()
+    hub = Hub(clock, lambda message, line: None)
+    hub.listen(said.append)
+    with ServoBus(IDS, tmp_path / "servos") as bus:
+        joints = {
+            name: Joint(id=number, min=joint.min, max=joint.max, speed=SPEED)
+            for number, (name, joint) in zip(IDS, settings.joints.items(), strict=True)
+        }
+        followers = ServoSettings(
+            port=str(bus.link),
+            joints=joints,
+            follows="body",
+            reply_timeout=PATIENT_MS,
+            watchdog=PATIENT_WATCHDOG_MS,
+            rest_speed=200.0,
+        )
+
+        def outlet(name: str) -> DriverOutlet:
+            return DriverOutlet(name, hub, clock, tmp_path, feeds=feeds)
+
+        body = Body("body", settings, outlet("body"))
+        servos = DynamixelServos("head", followers, outlet("head"))
+        drivers: tuple[Driver, ...] = (body, servos)
+        for driver in drivers:
+            await driver.open()
+        try:
+            await until(lambda: sum(isinstance(one, DriverConnected) for one in said) >= 2)
+            yield Robot(body, servos, bus, said)
+        finally:
+            for driver in drivers:
+                await driver.close()
+
+
+def five(tmp_path: Path) -> Settings:
+    return robot("five-joints", tmp_path, servos="head")
+
+
+@pytest.mark.toolkit("R4", "R6", "G1")
+async def test_five_servos_play_what_the_body_plays_within_all_limits(tmp_path: Path) -> None:
+    async with assembled(tmp_path, five(tmp_path)) as it:
+        await it.torque()
+        await it.body.perform(Ordered("pose", {"joints": {"base": 30.0, "roll": 10.0}}))
+        await until(lambda: abs(it.at("base") - 30.0) < 1.0 and abs(it.at("roll") - 10.0) < 1.0)
+        await it.body.perform(Ordered("play", {"move": "nod", "speed": 1.5, "amplitude": 1.0}))
+        nods = it.goals("nod")
+        assert max(nods) - min(nods) > 5.0
+        assert it.safe()
+        goals = {name: it.goals(name)[0] for name in it.body.settings.joints}
+        assert goals == pytest.approx(dict.fromkeys(goals, 0.0), abs=COUNT)  # where they were
+        assert {one.driver for one in it.said if isinstance(one, Reading)} == {"body", "head"}
+        names = {one.sensor for one in it.said if isinstance(one, Reading)}
+        assert {"joint.base", "setpoint.base", "tick"} <= names
+
+
+@pytest.mark.toolkit("G1")
+async def test_servos_keep_the_last_safe_pose_when_the_body_dies(tmp_path: Path) -> None:
+    async with assembled(tmp_path, five(tmp_path)) as it:
+        await it.torque()
+        await until(lambda: len(it.goals("base")) > 3)
+        dancing = asyncio.create_task(
+            it.body.perform(Ordered("play", {"move": "dance", "speed": 1.0, "amplitude": 1.0}))
+        )
+        await until(lambda: abs(it.at("base")) > 5.0)
+        it.body._ticker.end()  # its thread is gone, without a word
+        await until(lambda: it.body._ticker.ended)
+        await until(
+            lambda: any(
+                isinstance(one, Notice) and "says nothing any more" in one.text for one in it.said
+            )
+        )
+        held = {name: it.at(name) for name in it.body.settings.joints}
+        ticks = it.servos.loop.ticks
+        await until(lambda: it.servos.loop.ticks > ticks + 10)
+        assert {name: it.at(name) for name in held} == held
+        assert all(it.bus.servo(number).torque for number in IDS)
+        assert it.safe()
+        dancing.cancel()
+        await asyncio.gather(dancing, return_exceptions=True)
+
+
+@pytest.mark.toolkit("M4", "E4")
+async def test_a_stop_reaches_the_servos_and_a_release_brings_them_back(tmp_path: Path) -> None:
+    async with assembled(tmp_path, five(tmp_path)) as it:
+        await it.torque()
+        await until(lambda: len(it.goals("base")) > 3)
+        dancing = asyncio.create_task(
+            it.body.perform(Ordered("play", {"move": "dance", "speed": 1.0, "amplitude": 1.0}))
+        )
+        await until(lambda: abs(it.at("base")) > 5.0)
+        await asyncio.gather(it.body.stop(Scope.ALL), it.servos.stop(Scope.ALL))
+        ticks = it.servos.loop.ticks
+        await until(lambda: it.servos.loop.ticks > ticks + 3)
+        held = {name: it.at(name) for name in it.body.settings.joints}
+        await until(lambda: it.servos.loop.ticks > ticks + 20)
+        assert {name: it.at(name) for name in held} == held
+        await asyncio.gather(it.body.resume(), it.servos.resume(), dancing)
+        await it.body.perform(Ordered("pose", {"joints": {"base": -20.0}}))
+        await until(lambda: abs(it.at("base") + 20.0) < 1.0)
+        assert it.safe()
+
+
+async def test_the_thread_leaves_the_interpreter_as_it_was(tmp_path: Path) -> None:
+    before = sys.getswitchinterval()
+    async with assembled(tmp_path, five(tmp_path)) as it:
+        assert it.body._ticker.lateness.ticks >= 1
+    assert sys.getswitchinterval() == before

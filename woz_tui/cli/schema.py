@@ -1,4 +1,4 @@
-"""`woz schema`: the JSON Schema of experiment, robot or move files, for editors."""
+"""`woz schema`: the JSON Schema of experiment, robot, move or map files, for editors."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import sys
 from typing import Any
 
 from woz_tui import plugins
-from woz_tui.experiment.schema import experiment_schema, robot_schema
+from woz_tui.experiment.schema import experiment_schema, included_schema, robot_schema
 from woz_tui.motion.moveschema import move_schema
 
 
@@ -19,6 +19,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--robot", action="store_true", help="of robot files instead of experiment files"
     )
     kind.add_argument("--move", action="store_true", help="of move files")
+    kind.add_argument("--midi", action="store_true", help="of maps of MIDI panels")
     parser.set_defaults(run=run)
 
 
@@ -37,4 +38,8 @@ def _schema(arguments: argparse.Namespace) -> dict[str, Any]:
     if arguments.move:
         return move_schema()
     catalogue = plugins.installed()
+    if arguments.midi:
+        if "midi" not in catalogue:
+            raise plugins.PluginError("no installed package offers the driver 'midi'")
+        return included_schema(catalogue["midi"], "map")
     return robot_schema(catalogue) if arguments.robot else experiment_schema(catalogue)

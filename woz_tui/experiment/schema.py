@@ -20,6 +20,7 @@ from woz_tui.core.driver import Argument, Driver, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import WHEN_BUSY
 from woz_tui.experiment.layouts import LAYOUTS
+from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.experiment.robot import SIMULATED
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import SessionSettings
@@ -93,6 +94,11 @@ def experiment_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
                 "session": _settings(SessionSettings),
                 "engagement": {"type": "object", "description": "when the robot engages"},
                 "panels": {"type": "array", "items": {"$ref": "#/$defs/panel"}, "minItems": 1},
+                "profiles": {
+                    "type": "object",
+                    "description": "what a wizard may use, by the profile's name",
+                    "additionalProperties": _profile(),
+                },
                 "script": {
                     "type": "array",
                     "items": _TEXT,
@@ -114,6 +120,18 @@ def experiment_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
 def robot_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
     """The schema of robot files for these drivers."""
     return {"$schema": _DIALECT, "title": "woz-tui robot", **_robot(catalogue)}
+
+
+def included_schema(driver: type[Driver], setting: str) -> Schema:
+    """The schema of files in which a setting of this driver may stand (`core.fields.Included`)."""
+    annotation = next(
+        item for item in fields_of(driver.Settings) if item.name == setting
+    ).annotation
+    shape = next(
+        kind for kind in typing.get_args(split(annotation)[0]) if dataclasses.is_dataclass(kind)
+    )
+    assert isinstance(shape, type)
+    return {"$schema": _DIALECT, "title": f"woz-tui {setting}", **_settings(shape)}
 
 
 def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
@@ -140,6 +158,11 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
         },
     }
     return _object({"name": _TEXT, "drivers": drivers}, required=("drivers",))
+
+
+def _profile() -> Schema:
+    names: Schema = {"type": "array", "items": _TEXT}
+    return _object({**dict.fromkeys(PROFILE_FIELDS, names), "hide": _FLAG})
 
 
 def _panel() -> Schema:

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
 from pathlib import Path
 
+import jsonschema
 import pytest
+import yaml
 from woz_drivers.midi import MidiPanel
 from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.maps import BUILT_IN
@@ -14,6 +17,7 @@ from woz_tui import plugins
 from woz_tui.core.driver import Ask
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.given import settings_of
+from woz_tui.experiment.schema import included_schema
 from woz_tui.experiment.shape import Experiment, ExperimentError
 
 ROOT = Path(__file__).parents[3]
@@ -65,6 +69,19 @@ def test_the_files_to_begin_with_say_what_is_built_in(name: str) -> None:
     assert found.map == BUILT_IN[name]
     written = MidiPanel.map_file(MidiSettings(map=name))
     assert file.read_text(encoding="utf-8").endswith(written)
+
+
+def test_the_committed_schema_of_map_files_is_fresh_and_fits_them() -> None:
+    committed = json.loads((ROOT / "experiments/schema/midi.schema.json").read_text("utf-8"))
+    assert committed == json.loads(json.dumps(included_schema(MidiPanel, "map"))), (
+        "run: woz schema --midi > experiments/schema/midi.schema.json"
+    )
+    validator = jsonschema.Draft202012Validator(committed)
+    for name in BUILT_IN:
+        text = (ROOT / "experiments" / "midi" / f"{name}.yaml").read_text("utf-8")
+        validator.validate(yaml.safe_load(text))
+    wrong = {"controls": {"a": {"controll": "pitch"}}}
+    assert not validator.is_valid(wrong)
 
 
 def test_a_robot_changes_some_controls_of_a_map_in_a_file(tmp_path: Path) -> None:

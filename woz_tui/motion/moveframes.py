@@ -25,13 +25,13 @@ FRAME = (
 #: Degrees that a frame may name at most, and seconds or beats it may take.
 ANGLES = Range(-360, 360, "deg")
 LENGTHS = Range(0, 600)
-RATES = Range(1, 200)
+RATES = Range(0.1, 1000)
 UNIT = Range(0, 1)
 BOTH = Range(-1, 1)
 #: Range of each number of a face.
 FEATURE_RANGES: Mapping[str, Range] = {"x": BOTH, "y": BOTH, "lid": UNIT, "intensity": UNIT}
 
-_SAMPLE = re.compile(r"[-+]?(\d{1,9}(\.\d{0,15})?|\.\d{1,15})([eE][-+]?\d{1,2})?")
+_SAMPLE = re.compile(r"[-+]?(\d{1,9}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
 
 
 class FrameReader:

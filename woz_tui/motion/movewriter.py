@@ -84,7 +84,7 @@ def written(move: KeyframeMove, folder: Path) -> str:
 
 
 def _lines(move: KeyframeMove, folder: Path) -> Iterator[str]:
-    relative = all(layer.relative for layer in move.layers)
+    relative = not move.layers or move.layers[0].relative
     yield f"name: {move.name}"
     if move.summary:
         yield f"about: {_text(move.summary)}"

@@ -37,6 +37,7 @@ def run(arguments: argparse.Namespace) -> int:
                 recordings=arguments.recordings,
                 spill=arguments.spill,
                 announce=arguments.announce,
+                profile=arguments.profile,
             )
         )
 

@@ -20,6 +20,9 @@ def add_session(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--participant", default="", help="participant code, never a name")
     parser.add_argument("--condition", default="", help="one of the experiment's conditions")
     parser.add_argument("--wizard", default="", help="the wizard's code")
+    parser.add_argument(
+        "--profile", default="", help="what the wizard may use: a profile of the experiment"
+    )
     parser.add_argument("--seed", type=int, default=0, help="seed of everything random")
     parser.add_argument(
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"

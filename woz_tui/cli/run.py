@@ -85,6 +85,7 @@ def _host_command(arguments: argparse.Namespace, experiment: Path) -> list[str]:
             "participant": who.participant,
             "condition": who.condition,
             "wizard": who.wizard,
+            "profile": arguments.profile,
             "seed": str(who.seed) if who.seed else "",
         },
     )

@@ -116,8 +116,8 @@ class TimedOut(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.
 
 
 class Refused(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.refused"):
-    """It never began: `code` is stopped, late, stale, full, busy, faulted, unknown, unwatched or
-    args.
+    """It never began: `code` is stopped, late, stale, profile, full, busy, faulted, unknown,
+    unwatched or args.
     """
 
     code: str

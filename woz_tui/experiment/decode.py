@@ -20,6 +20,7 @@ from woz_tui.experiment.asked import check_asks
 from woz_tui.experiment.calls import Vocabulary
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table, described, tree
+from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.robot import RobotReader
 from woz_tui.experiment.settings import BAD, raw, read_settings
@@ -33,7 +34,7 @@ RAW_SECTIONS = ("engagement",)
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("session", "panels", "script"),
+    *("session", "panels", "script", "profiles"),
     *RAW_SECTIONS,
 )
 
@@ -103,18 +104,22 @@ class _Decoder:
             dict.fromkeys((*template.BUILT_IN, *variables)),
         )
         panels = PanelReader(vocabulary, layout)
+        read = tuple(panels.read(panels_spot)) if panels_spot is not None else ()
+        offered = [verb for spec in robots.drivers for verb in spec.verbs]
+        known = Known.of(read, [*offered, *vocabulary.session.values()])
         experiment = Experiment(
             title=(title and read_text(title)) or "",
             path=self._path.absolute(),
             sha256=hashlib.sha256(b"".join(source.data for source in self._sources)).hexdigest(),
             drivers=tuple(robots.drivers),
-            panels=tuple(panels.read(panels_spot)) if panels_spot is not None else (),
+            panels=read,
             script=_words(table.get("script"), once=False),
             participant_pattern=_pattern(table.get("participants")),
             conditions=conditions,
             variables=variables,
             keyboard=layout,
             session=_session(table.get("session")),
+            profiles=read_profiles(table.get("profiles"), known),
             sections={name: raw(table[name].node) for name in RAW_SECTIONS if name in table},
             files=tuple(source.path.absolute() for source in self._sources),
         )

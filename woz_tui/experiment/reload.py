@@ -62,6 +62,7 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         yield f"conditions are {', '.join(new.conditions) or 'none'}"
     yield from _entries("variable", old.variables, new.variables)
     yield from _entries("section", old.sections, new.sections)
+    yield from _entries("profile", old.profiles, new.profiles)
     yield from _panels(old, new)
     yield from _actions(old, new)
     if old.script != new.script:

@@ -17,16 +17,14 @@ from typing import Any, Literal
 
 from woz_tui.core import fields
 from woz_tui.core.driver import Argument, Driver, Verb
-from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import WHEN_BUSY
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.experiment.robot import SIMULATED
+from woz_tui.experiment.schema_parts import Schema, bounds, either, mapping
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import SessionSettings
 from woz_tui.experiment.verbs import WAIT, session_verbs
-
-Schema = dict[str, Any]
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _TEXT: Schema = {"type": ["string", "number", "boolean"]}
@@ -67,7 +65,7 @@ def experiment_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
     return {
         "$schema": _DIALECT,
         "title": "woz-tui experiment",
-        **_object(
+        **mapping(
             {
                 "title": {**_TEXT, "description": "name of the experiment"},
                 "robot": {
@@ -80,7 +78,7 @@ def experiment_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
                     "additionalProperties": robot,
                     "minProperties": 1,
                 },
-                "participants": _object(
+                "participants": mapping(
                     {"pattern": {"type": "string", "description": "regular expression of codes"}}
                 ),
                 "conditions": {"type": "array", "items": _TEXT, "uniqueItems": True},
@@ -136,7 +134,7 @@ def included_schema(driver: type[Driver], setting: str) -> Schema:
 
 def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
     kinds = [
-        _object(
+        mapping(
             {
                 "type": {"const": name, "description": driver.summary},
                 **_settings(driver.Settings)["properties"],
@@ -157,16 +155,16 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
             "oneOf": kinds,
         },
     }
-    return _object({"name": _TEXT, "drivers": drivers}, required=("drivers",))
+    return mapping({"name": _TEXT, "drivers": drivers}, required=("drivers",))
 
 
 def _profile() -> Schema:
     names: Schema = {"type": "array", "items": _TEXT}
-    return _object({**dict.fromkeys(PROFILE_FIELDS, names), "hide": _FLAG})
+    return mapping({**dict.fromkeys(PROFILE_FIELDS, names), "hide": _FLAG})
 
 
 def _panel() -> Schema:
-    return _object(
+    return mapping(
         {
             "title": {**_TEXT, "description": "unique in the file"},
             "locked": {**_FLAG, "description": "takes no input until it is unlocked"},
@@ -196,14 +194,14 @@ def _action(verbs: Sequence[Verb]) -> Schema:
             "description": "one after the other; verbs in one step run together",
         },
     }
-    schema = _object(properties)
+    schema = mapping(properties)
     schema["anyOf"] = [{"required": ["label"]}, {"required": ["name"]}]
     return schema
 
 
 def _step(verbs: Sequence[Verb]) -> Schema:
     wait = {**_SECONDS, "description": WAIT.summary}
-    schema = _object({**_spoken(verbs), "on": _ON, "wait": wait})
+    schema = mapping({**_spoken(verbs), "on": _ON, "wait": wait})
     schema["minProperties"] = 1
     return schema
 
@@ -221,7 +219,7 @@ def _spoken(verbs: Sequence[Verb]) -> Schema:
 
 
 def _beside(found: Sequence[tuple[str, Argument]]) -> Schema:
-    schema = _either([_argument(argument) for _, argument in found])
+    schema = either([_argument(argument) for _, argument in found])
     owners = ", ".join(dict.fromkeys(verb for verb, _ in found))
     summary = next((argument.summary for _, argument in found if argument.summary), "")
     return {**schema, "description": f"{summary} (of {owners})".strip()}
@@ -229,7 +227,7 @@ def _beside(found: Sequence[tuple[str, Argument]]) -> Schema:
 
 def _verb(verb: Verb, as_argument: Schema | None) -> Schema:
     """The main argument, or a mapping of arguments, or nothing if none is needed."""
-    under = _object(
+    under = mapping(
         {
             **{
                 argument.name: {**_argument(argument), "description": argument.summary}
@@ -249,13 +247,13 @@ def _verb(verb: Verb, as_argument: Schema | None) -> Schema:
         forms.append({"const": True})
     if as_argument is not None:
         forms.append({name: value for name, value in as_argument.items() if name != "description"})
-    return {**_either(forms), "description": verb.summary}
+    return {**either(forms), "description": verb.summary}
 
 
 def _argument(argument: Argument) -> Schema:
     if argument.kind in ("number", "whole"):
         kind = "number" if argument.kind == "number" else "integer"
-        return {"type": kind, **_bounds(argument.range)}
+        return {"type": kind, **bounds(argument.range)}
     if argument.kind in _KINDS:
         return _KINDS[argument.kind]
     return {"enum": list(argument.choices)} if argument.choices else _TEXT
@@ -340,7 +338,7 @@ def _settings(shape: type) -> Schema:
         if isinstance(default, str | int | float | bool) and default != "":
             schema = {**schema, "default": default}
         properties[item.name] = schema
-    return _object(properties, required=_required(shape))
+    return mapping(properties, required=_required(shape))
 
 
 def _required(shape: type) -> tuple[str, ...]:
@@ -352,12 +350,12 @@ def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
     notes = (*own, *notes)
     origin = typing.get_origin(bare) or bare
     if origin in (typing.Union, types.UnionType):
-        return _either([_type(kind, notes) for kind in typing.get_args(bare)])
+        return either([_type(kind, notes) for kind in typing.get_args(bare)])
     if origin is Literal:
         return {"enum": [str(word) for word in typing.get_args(bare)]}
     if origin in (tuple, list, Sequence):
         inner = typing.get_args(bare) or (Any,)
-        return {"type": "array", "items": _either([_type(k, notes) for k in inner if k is not ...])}
+        return {"type": "array", "items": either([_type(k, notes) for k in inner if k is not ...])}
     if origin in (dict, Mapping):
         inner = typing.get_args(bare) or (str, Any)
         return {"type": "object", "additionalProperties": _type(inner[1], notes)}
@@ -375,33 +373,7 @@ def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
         return _SECONDS
     if bare in (int, float) and bare is not bool:
         kind = "integer" if bare is int else "number"
-        return {"type": kind, **_bounds(note(notes, fields.Range))}
+        return {"type": kind, **bounds(note(notes, fields.Range))}
     if isinstance(bare, type) and issubclass(bare, pathlib.Path):
         return {"type": "string"}
     return {bool: _FLAG, str: _TEXT, type(None): {"type": "null"}}.get(bare, {})
-
-
-def _bounds(allowed: fields.Range | None) -> Schema:
-    if allowed is None:
-        return {}
-    bounds = {"minimum": allowed.low, "maximum": allowed.high}
-    return {name: value for name, value in bounds.items() if value is not None}
-
-
-def _object(properties: Schema, required: Iterable[str] = ()) -> Schema:
-    schema: Schema = {
-        "type": "object",
-        "properties": properties,
-        "additionalProperties": False,
-    }
-    names = list(required)
-    return {**schema, "required": names} if names else schema
-
-
-def _either(schemas: Sequence[Schema]) -> Schema:
-    different: list[Schema] = []
-    for schema in schemas:
-        plain: Json = {name: value for name, value in schema.items() if name != "description"}
-        if plain not in different and isinstance(plain, dict):
-            different.append(plain)
-    return different[0] if len(different) == 1 else {"anyOf": different}

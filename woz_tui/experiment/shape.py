@@ -121,6 +121,26 @@ class Panel:
 
 
 @dataclass(frozen=True, slots=True)
+class Profile:
+    """What a wizard may use: actions of these panels and these actions; by themselves (from keys of
+    the console, the palette, a control panel, a program) these verbs and controls.
+
+    `hide`: what may not be used is not even shown.
+    """
+
+    name: str
+    panels: frozenset[str] = frozenset()
+    actions: frozenset[str] = frozenset()
+    controls: frozenset[str] = frozenset()
+    verbs: frozenset[str] = frozenset()
+    hide: bool = False
+
+    def plays(self, action: Action) -> bool:
+        """Whether the action may be played."""
+        return action.panel in self.panels or action.name in self.actions
+
+
+@dataclass(frozen=True, slots=True)
 class SessionSettings:
     """How a session is run."""
 
@@ -160,6 +180,8 @@ class Experiment:
     #: Keyboard layout: us, gb, de, es, fr ...
     keyboard: str = "us"
     session: SessionSettings = field(default_factory=SessionSettings)
+    #: What wizards may use, by name of the profile.
+    profiles: Mapping[str, Profile] = field(default_factory=dict)
     #: Further sections, kept as read for the rooms that will use them (engagement ...).
     sections: Mapping[str, Any] = field(default_factory=dict)
     #: Every file that was read, for the hash and for watching.

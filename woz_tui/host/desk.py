@@ -20,6 +20,7 @@ from woz_tui.core.requests import (
     AskMistake,
     AskNote,
     AskPreflight,
+    AskProfile,
     AskRelease,
     AskReload,
     AskScript,
@@ -99,19 +100,27 @@ class Desk:
                 session.cancel(wanted)
             case AskSet(participant=participant, condition=condition, trial=trial):
                 session.set(participant, condition, trial)
-            case AskMarker(text=text):
-                session.mark(text, client.role)
-            case AskNote(text=text):
-                session.note(text)
-            case AskMistake(run=wrong, text=text):
-                session.mistake(wrong, text)
+            case AskMarker() | AskNote() | AskMistake():
+                self._write(client, request)
             case AskLock(panel=panel, locked=locked):
                 session.lock(panel, locked)
+            case AskProfile(profile=profile, source=source):
+                session.use_profile(profile, source)
+                self.on_panels()
             case AskEnd(reason=reason):
                 self.on_end(reason)
             case _:
                 raise AskError(f"{type(request).__name__} cannot be asked here")
         return run
+
+    def _write(self, client: Client, request: AskMarker | AskNote | AskMistake) -> None:
+        match request:
+            case AskMarker(text=text):
+                self._session.mark(text, client.role)
+            case AskNote(text=text):
+                self._session.note(text)
+            case AskMistake(run=wrong, text=text):
+                self._session.mistake(wrong, text)
 
     def _action(self, client: Client, request: AskAction) -> str:
         return self._session.play(

@@ -24,6 +24,7 @@ from woz_tui.host.server import Host
 from woz_tui.plugins import Catalogue, installed
 from woz_tui.record.recorder import Recorder, stem
 from woz_tui.session.identity import Identity, check_code, check_participant
+from woz_tui.session.profiles import Profiles
 from woz_tui.session.session import Session
 
 #: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
@@ -44,6 +45,7 @@ class HostOptions:
 
     `name` is the socket's; `recordings` the folder of logs; `spill` a second folder for when the
     first one fails. `announce` writes one JSON line with socket and log to standard output.
+    `profile` is what the wizard may use at the beginning; empty: everything.
     """
 
     experiment: Path
@@ -52,6 +54,7 @@ class HostOptions:
     recordings: Path
     spill: Path | None = None
     announce: bool = False
+    profile: str = ""
 
 
 def run(options: HostOptions) -> int:
@@ -64,6 +67,8 @@ def run(options: HostOptions) -> int:
     catalogue = installed()
     experiment = load(options.experiment, catalogue)
     _check_identity(options.identity, experiment)
+    if options.profile:
+        Profiles(lambda message: None).use(options.profile, experiment, "")
     return asyncio.run(_serve(options, catalogue, experiment))
 
 
@@ -107,6 +112,8 @@ async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experim
     )
     session = Session(experiment, catalogue, options.identity, recorder, clock)
     sessions.append(session)
+    if options.profile:
+        session.use_profile(options.profile, "start")
     desk = Desk(session, lambda: load(options.experiment, catalogue))
     host = Host(session, path, desk)
     for number in (signal.SIGTERM, signal.SIGINT):

@@ -222,7 +222,7 @@ class Host:
             t=session.hub.now(),
             title=experiment.title,
             log=str(session.recorder.path),
-            panels=panel_views(experiment, session.locked),
+            panels=panel_views(experiment, session.locked, session.profiles.current),
             script=list(experiment.script),
             verbs=verb_names(experiment),
             variables=variable_names(session),
@@ -238,6 +238,8 @@ class Host:
                 "joints": joint_limits(session),
                 "outlines": outlines(session),
                 "values": dict(session.values()),
+                "profiles": [*experiment.profiles],
+                "profile": _profile(session),
             },
         )
 
@@ -245,12 +247,14 @@ class Host:
         experiment = self.session.experiment
         news = PanelsChanged(
             title=experiment.title,
-            panels=panel_views(experiment, self.session.locked),
+            panels=panel_views(experiment, self.session.locked, self.session.profiles.current),
             script=list(experiment.script),
             verbs=verb_names(experiment),
             conditions=list(experiment.conditions),
             keyboard=experiment.keyboard,
             values=dict(self.session.values()),
+            profiles=[*experiment.profiles],
+            profile=_profile(self.session),
         )
         for client in self._clients:
             client.send(news)
@@ -304,3 +308,8 @@ class Host:
 
 def _raw(lines: list[m.AnyMessage]) -> list[msgspec.Raw]:
     return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]
+
+
+def _profile(session: Session) -> str:
+    """The name of the profile in use, or nothing."""
+    return session.profiles.current.name if session.profiles.current is not None else ""

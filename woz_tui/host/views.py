@@ -7,24 +7,39 @@ from collections.abc import Mapping
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.core.requests import ActionView, PanelView
-from woz_tui.experiment.shape import Action, Call, Experiment, Together
+from woz_tui.experiment.shape import Action, Call, Experiment, Panel, Profile, Together
 from woz_tui.session.sensors import published_names
 from woz_tui.session.session import Session
 
 
-def panel_views(experiment: Experiment, locked: Mapping[str, bool]) -> list[PanelView]:
-    """All panels with their actions, in the file's order."""
-    return [
+def panel_views(
+    experiment: Experiment, locked: Mapping[str, bool], profile: Profile | None = None
+) -> list[PanelView]:
+    """All panels with their actions, in the file's order.
+
+    What `profile` does not allow is locked, or left out where it says `hide`.
+    """
+    views = [
         PanelView(
             title=panel.title,
-            actions=[_action_view(action) for action in panel.actions],
-            locked=locked.get(panel.title, panel.locked),
+            actions=[
+                _action_view(action, profile)
+                for action in panel.actions
+                if profile is None or not profile.hide or profile.plays(action)
+            ],
+            locked=locked.get(panel.title, panel.locked) or _shut(panel, profile),
         )
         for panel in experiment.panels
     ]
+    return [view for view in views if view.actions or not (profile and profile.hide)]
 
 
-def _action_view(action: Action) -> ActionView:
+def _shut(panel: Panel, profile: Profile | None) -> bool:
+    """Whether nothing of a panel is in the profile."""
+    return profile is not None and not any(map(profile.plays, panel.actions))
+
+
+def _action_view(action: Action, profile: Profile | None) -> ActionView:
     calls = _calls(action)
     return ActionView(
         name=action.name,
@@ -35,7 +50,7 @@ def _action_view(action: Action) -> ActionView:
         utterances=[
             text for call in calls if isinstance(text := call.args.get("text"), str) and text
         ],
-        locked=action.locked,
+        locked=action.locked or (profile is not None and not profile.plays(action)),
     )
 
 

@@ -8,12 +8,12 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Ask
 from woz_tui.experiment.shape import Call
 from woz_tui.session.identity import AskError
-from woz_tui.session.runner import Origin
+from woz_tui.session.runner import Origin, Refusal
 
 #: Told how an ask ended: whether it was carried out, and why not.
 Told = Callable[[bool, str], None]
 #: Sends a call on to the bus, which is told what to do while it is busy, and tells its end.
-Send = Callable[[Call, Origin, str, Callable[[m.End], None]], object]
+Send = Callable[[Call, Origin, str, Refusal | None, Callable[[m.End], None]], object]
 
 
 class Asking:
@@ -24,6 +24,7 @@ class Asking:
         call: Makes a call of a verb: raises `AskError` if no driver can be named.
         send: Sends it.
         names: Names of all drivers.
+        refuses: Why a verb is not even tried; the refusal is logged.
     """
 
     def __init__(
@@ -32,11 +33,13 @@ class Asking:
         call: Callable[[str, Mapping[str, m.Json], str], Call],
         send: Send,
         names: Container[str],
+        refuses: Callable[[Ask], Refusal | None] = lambda ask: None,
     ) -> None:
         self._carry = carry
         self._call = call
         self._send = send
         self._names = names
+        self._refuses = refuses
 
     def ask(self, driver: str, ask: Ask, done: Told | None = None) -> None:
         """Carry out what `driver` asks for; `done` hears how it ended."""
@@ -46,9 +49,16 @@ class Asking:
             if ask.what == "verb":
                 call = self._call(ask.name, ask.args, self._within(driver, ask.on))
                 busy = ask.when_busy or "queue"
+                refusal = self._refuses(ask)
                 self._send(
-                    call, origin, busy, lambda end: tell(isinstance(end, m.Done), end.reason)
+                    call,
+                    origin,
+                    busy,
+                    refusal,
+                    lambda end: tell(isinstance(end, m.Done), end.reason),
                 )
+                if refusal is not None:
+                    tell(False, refusal.reason)
                 return
             carry = self._carry.get(ask.what)
             if carry is None:

@@ -27,6 +27,14 @@ class Origin:
     console: str = ""
 
 
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Why a command is not even tried: as a word (of `m.Refused`) and in a sentence."""
+
+    code: str
+    reason: str
+
+
 @dataclass
 class Run:
     """One action being played; `pending` are the commands of the present step."""
@@ -98,14 +106,14 @@ class Runner:
         call: Call,
         origin: Origin,
         when_busy: str = "queue",
-        stale: str = "",
+        refusal: Refusal | None = None,
         on_end: Callable[[m.End], None] | None = None,
     ) -> m.Command:
-        """Send one command that belongs to no action; `stale` says why it is refused at once."""
+        """Send one command that belongs to no action; with a `refusal` it is only logged."""
         command = self._command(call, origin, when_busy=when_busy)
         self._remember(command.command, call.verb)
-        if stale:
-            return self._bus.refuse(command, "stale", stale)
+        if refusal is not None:
+            return self._bus.refuse(command, refusal.code, refusal.reason)
         return self._bus.submit(command, on_end)
 
     def _remember(self, played: str, name: str) -> None:

@@ -9,9 +9,7 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from pathlib import Path
 
-from woz_tui import __version__
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, timestamp
@@ -22,10 +20,12 @@ from woz_tui.experiment.shape import Call, Experiment, Place
 from woz_tui.plugins import PluginError
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
+from woz_tui.session.beginning import session_start
 from woz_tui.session.crew import Crew
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.outlet import DriverOutlet
-from woz_tui.session.runner import Origin, Runner
+from woz_tui.session.profiles import Profiles
+from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.sensors import published_names
 from woz_tui.session.standing import Standing
 from woz_tui.session.utterances import utterances
@@ -64,7 +64,8 @@ class Session:
         self.hub = Hub(self.clock, self.recorder.record)
         self.standing = Standing()
         self.hub.listen(self.standing.see)
-        self._publish_start()
+        self.hub.publish(session_start(self.identity, self.experiment, self.clock))
+        self.profiles = Profiles(self.hub.publish)
         self._make_drivers()
         self._crew = Crew(self.drivers, self.hub)
         self.verbs = {spec.name: spec.verbs for spec in self.experiment.drivers}
@@ -103,32 +104,12 @@ class Session:
                 "mark": lambda ask, origin: self.mark(ask.name, origin.source),
             },
             self._call,
-            lambda call, origin, busy, on_end: self.runner.send(call, origin, busy, on_end=on_end),
+            self.runner.send,
             self.drivers,
+            self.profiles.no_ask,
         )
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
-
-    def _publish_start(self) -> None:
-        wall = timestamp(self.clock.wall())
-        self.hub.publish(
-            m.SessionStart(
-                session=self.identity.session,
-                participant=self.identity.participant,
-                condition=self.identity.condition,
-                wizard=self.identity.wizard,
-                software={"name": "woz-tui", "version": __version__},
-                experiment=self.experiment.path.name,
-                experiment_sha256=self.experiment.sha256,
-                seed=self.identity.seed,
-                clock={
-                    "source": "monotonic",
-                    "unit": "us",
-                    "wall_at_t0": wall,
-                    "boot_id": _boot_id(),
-                },
-            )
-        )
 
     def _make_drivers(self) -> None:
         folder = self.experiment.path.parent
@@ -237,7 +218,7 @@ class Session:
             return f"the panel {action.panel!r} is locked"
         if self.bus.latched:
             return "the stop is pressed"
-        return ""
+        return self.profiles.no_action(action)
 
     def send(
         self,
@@ -254,9 +235,10 @@ class Session:
         `stale`: why the press is too old to be sent; the refusal is in the log too.
         """
         call = self._call(verb, args, on)
-        command = self.runner.send(call, origin, when_busy or "queue", stale).command
-        if stale:
-            raise AskError(stale)
+        refusal = Refusal("stale", stale) if stale else self.profiles.no_verb(verb, args)
+        command = self.runner.send(call, origin, when_busy or "queue", refusal).command
+        if refusal is not None:
+            raise AskError(refusal.reason)
         return command
 
     def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
@@ -365,6 +347,10 @@ class Session:
             trial if isinstance(trial, int) else None,
         )
 
+    def use_profile(self, name: str, source: str) -> None:
+        """From here on the wizard may use what this profile allows; an empty name: everything."""
+        self.profiles.use(name, self.experiment, source)
+
     def lock(self, panel: str, locked: bool) -> None:
         """Lock or unlock a panel."""
         if panel not in {known.title for known in self.experiment.panels}:
@@ -383,17 +369,12 @@ class Session:
         self.experiment = experiment
         self.runner.deadline = experiment.session.deadline
         self.hub.publish(m.ExperimentReloaded(experiment_sha256=experiment.sha256, changes=changes))
+        kept = self.profiles.adopt(experiment)
+        if kept:
+            self.hub.publish(m.Notice(level="warning", text=kept, remedy="choose another profile"))
         for panel in experiment.panels:
             if before.get(panel.title) is not panel.locked:
                 self.lock(panel.title, panel.locked)
         if self.script_at > len(experiment.script):
             self.script_to(len(experiment.script))
         self._prepare()
-
-
-def _boot_id() -> str:
-    """Identifies this boot of the machine (it is random, so it tells nothing about it)."""
-    try:
-        return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
-    except OSError:
-        return ""

@@ -99,6 +99,7 @@ _SLOTS: dict[type, tuple[str, ...]] = {
     m.BodyChanged: ("driver",),
     m.ScriptMoved: (),
     m.PanelLocked: ("panel",),
+    m.ProfileChanged: (),
 }
 
 

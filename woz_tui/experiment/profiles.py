@@ -1,0 +1,92 @@
+"""Profiles: what a wizard may use, for those who shall not have everything before them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+
+from woz_tui.core.driver import Verb
+from woz_tui.experiment.report import quoted
+from woz_tui.experiment.shape import Panel, Profile
+from woz_tui.experiment.spot import Spot, read_flag, read_text
+
+#: What a profile may say.
+FIELDS = ("panels", "actions", "controls", "verbs", "hide")
+#: The verb that turns a knob; its first argument's choices are all controls there are.
+CONTROL = "control"
+
+
+@dataclass(frozen=True, slots=True)
+class Known:
+    """Everything that a profile can name."""
+
+    panels: Sequence[str]
+    actions: Sequence[str]
+    controls: Sequence[str]
+    verbs: Sequence[str]
+
+    @classmethod
+    def of(cls, panels: Iterable[Panel], verbs: Iterable[Verb]) -> Known:
+        """Of these panels and of the verbs of all drivers."""
+        offered, rows = [*verbs], [*panels]
+        controls = [
+            choice
+            for verb in offered
+            if verb.name == CONTROL and verb.arguments
+            for choice in verb.arguments[0].choices
+        ]
+        return cls(
+            [panel.title for panel in rows],
+            [action.name for panel in rows for action in panel.actions],
+            [*dict.fromkeys(controls)],
+            [*dict.fromkeys(verb.name for verb in offered)],
+        )
+
+
+def read_profiles(spot: Spot | None, known: Known) -> dict[str, Profile]:
+    """The section `profiles`: profiles by name. What is wrong is reported where it stands."""
+    table = spot.table("a mapping of profiles by name") if spot is not None else None
+    return {
+        name: profile
+        for name, entry in (table or {}).items()
+        if (profile := _profile(name, entry, known)) is not None
+    }
+
+
+def _profile(name: str, spot: Spot, known: Known) -> Profile | None:
+    table = spot.table("a mapping, such as {panels: [Speech]}")
+    if table is None:
+        return None
+    if not name.strip():
+        spot.error("a profile needs a name")
+    for field, entry in table.items():
+        if field not in FIELDS:
+            entry.unknown(FIELDS, "a profile has")
+    hide = table.get("hide")
+
+    def names(field: str, there: Sequence[str], what: Callable[[str], str]) -> frozenset[str]:
+        return frozenset(_names(table.get(field), there, what))
+
+    profile = Profile(
+        name=name,
+        panels=names("panels", known.panels, lambda n: f"there is no panel {n}"),
+        actions=names("actions", known.actions, lambda n: f"there is no action {n}"),
+        controls=names("controls", known.controls, lambda n: f"no body has a control {n}"),
+        verbs=names("verbs", known.verbs, lambda n: f"no driver offers {n}"),
+        hide=bool(hide is not None and read_flag(hide)),
+    )
+    if not any(field in table for field in FIELDS[:-1]):
+        spot.error(f"allows nothing; name some of {', '.join(FIELDS[:-1])}")
+    return profile
+
+
+def _names(spot: Spot | None, there: Sequence[str], unknown: Callable[[str], str]) -> Iterable[str]:
+    entries = spot.list("a list of names") if spot is not None else None
+    for entry in entries or ():
+        name = read_text(entry)
+        if name is None:
+            continue
+        if name not in there:
+            near = entry.report.hint(name, there, or_list="there are")
+            entry.error(f"{unknown(quoted(name))}{near}")
+        yield name

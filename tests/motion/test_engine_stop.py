@@ -9,6 +9,7 @@ from typing import Any
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely
+from woz_tui.core.messages import Json
 from woz_tui.motion import engine as engines
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.ticks import Refused
@@ -50,6 +51,32 @@ def test_a_freeze_ends_what_takes_time() -> None:
         (gaze.token, "stopped: escape"),
         (crash.token, "stopped: escape"),
     }
+
+
+@pytest.mark.parametrize("verb", ["gaze", "play", "emotion"])
+def test_one_input_can_be_cut_short(verb: str) -> None:
+    rig = Rig(STILL)
+    args: dict[str, dict[str, Json]] = {
+        "gaze": {"yaw": 60.0, "seconds": 2.0},
+        "play": {"move": "dance"},
+        "emotion": {"emotion": "crash"},
+    }
+    nod = rig.do("play", move="nod")
+    answer = rig.do(verb, **args[verb])
+    rig.run(0.6)
+    rig.engine.drop(nod.token if verb != "emotion" else 99)  # that is over, or never was
+    assert rig.tick().ended == ()
+    rig.engine.drop(answer.token)
+    rig.tick()
+    assert [(e.token, e.why) for e in rig.last.ended] == [(answer.token, "cut short")]
+    at = rig.last.joints["pitch"]
+    rig.run(3.0)
+    assert (rig.last.move, rig.last.emotion) == ("", "neutral")
+    if verb == "gaze":
+        assert 10 < at < 30
+        assert rig.last.joints["pitch"] == pytest.approx(at)
+    else:
+        assert rig.last.joints["pitch"] == pytest.approx(0.0)
 
 
 def test_many_stops_do_not_let_the_pose_drift_by_the_breath() -> None:

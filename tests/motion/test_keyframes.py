@@ -10,7 +10,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.motion.easing import EASINGS, Eased, ease, followed, swell
+from woz_tui.motion.easing import EASINGS, ease, followed, swell
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, Layer, Samples
 from woz_tui.motion.move import Cue, FaceWish
 
@@ -57,19 +57,6 @@ def test_a_filter_does_not_depend_on_its_steps() -> None:
         value = followed(value, 1, 0.3, 0.02)
     assert value == pytest.approx(followed(0, 1, 0.3, 0.2))
     assert followed(0, 1, 0, 0.02) == 1
-
-
-def test_an_eased_value_arrives_and_does_not_jump_when_its_goal_changes() -> None:
-    eased = Eased(0, 1)
-    eased.aim(10)
-    seen = []
-    for index in range(20):
-        if index == 5:
-            eased.aim(-10)
-        eased.step(0.1)
-        seen.append(eased.value)
-    assert seen[-1] == -10
-    assert max(abs(a - b) for a, b in itertools.pairwise([0.0, *seen])) < 4
 
 
 def test_a_frame_moves_what_it_names_and_the_rest_stays() -> None:

@@ -67,28 +67,3 @@ def followed(value: float, goal: float, time_constant: float, dt: float) -> floa
     if time_constant <= 0.0:
         return goal
     return goal + (value - goal) * math.exp(-dt / time_constant)
-
-
-class Eased:
-    """A value that takes `seconds` for each change, from rest to rest, and never jumps."""
-
-    def __init__(self, value: float, seconds: float) -> None:
-        self.value = value
-        self._goal = value
-        self._start = value
-        self._seconds = seconds
-        self._elapsed = seconds
-
-    def aim(self, goal: float) -> None:
-        """Where to; the same goal again changes nothing."""
-        if goal != self._goal:
-            self._start, self._goal, self._elapsed = self.value, goal, 0.0
-
-    def step(self, dt: float) -> None:
-        """Go on for `dt` seconds."""
-        self._elapsed += dt
-        if self._elapsed >= self._seconds:
-            self.value = self._goal
-            return
-        share = smooth(self._elapsed / self._seconds)
-        self.value = self._start + (self._goal - self._start) * share

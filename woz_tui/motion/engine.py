@@ -158,10 +158,12 @@ class Engine:
     def drop(self, token: int, why: str = "cut short") -> None:
         """End the input that `apply` gave this token to, if it still goes on.
 
-        A gaze or pose ends where it is, a move gives the pose from before back.
+        A gaze or pose ends where it is, a move gives the pose from before back, a breakdown the
+        emotion.
         """
         if token and token == self._steering.primary.token:
             self._steering.stop(why)
+        self._face.drop(token, why)
 
     def restart(self, present: Mapping[str, float]) -> None:
         """Go on from this pose, in degrees, before the first servo moves."""

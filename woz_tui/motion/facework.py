@@ -107,6 +107,11 @@ class FaceWork:
         """End a breakdown."""
         self._end_crash(why)
 
+    def drop(self, token: int, why: str) -> None:
+        """End a breakdown if it has this token."""
+        if token == self._crash_token:
+            self._end_crash(why)
+
     def calm(self) -> None:
         """Have the eyes open, and nobody but people say what the face shows."""
         self._blinks.open()

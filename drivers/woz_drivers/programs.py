@@ -36,6 +36,10 @@ PACKAGES: Mapping[str, str] = {
     "pico2wave": "libttspico-utils",
     "spd-say": "speech-dispatcher",
     "ssh": "openssh-client",
+    "rpicam-vid": "rpicam-apps",
+    "libcamera-vid": "libcamera-apps",
+    "v4l2-ctl": "v4l-utils",
+    "gst-launch-1.0": "gstreamer1.0-tools",
 }
 
 _PLACEHOLDER = re.compile(r"\{([a-z_]+)\}")

@@ -1,0 +1,111 @@
+"""What `woz doctor` finds out about a camera: its program, the size of its pictures, a look."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+
+from woz_drivers import child
+from woz_drivers.camera.blob import Finder
+from woz_drivers.camera.settings import CameraSettings
+from woz_tui.core.driver import DriverError, Finding, Probe
+
+#: How long is looked once pictures come, and how long they may take to come, in seconds.
+_LOOK_S = 2.0
+_PATIENCE_S = 10.0
+#: If so many times the rate (or one over it) arrive, pictures are probably of another size.
+_ODD = 1.5
+
+
+async def examine(probe: Probe, settings: CameraSettings) -> list[Finding]:
+    """What two seconds of pictures look like, or why there are none. Never raises."""
+    try:
+        words = settings.words
+        taken = await _take(settings, words, probe)
+    except DriverError as error:
+        return [Finding("error", probe.name, error.what, error.remedy)]
+    return [_judge(probe.name, settings, taken)]
+
+
+class _Taken:
+    """The first picture, and how much came in how long."""
+
+    def __init__(self, size: int) -> None:
+        self._size = size
+        self.first = bytearray()
+        self.total = 0
+        self.came = asyncio.Event()
+        self.seconds = 0.0
+        self.ended = False
+        self._began = 0.0
+
+    def take(self, data: bytes) -> None:
+        if not self.total:
+            self._began = time.monotonic()
+            self.came.set()
+        self.total += len(data)
+        self.seconds = time.monotonic() - self._began
+        if len(self.first) < self._size:
+            self.first += data[: self._size - len(self.first)]
+
+
+async def _take(settings: CameraSettings, words: tuple[str, ...], probe: Probe) -> _Taken:
+    taken = _Taken(settings.layout.size)
+    running = await child.start(words, probe.folder, on_output=taken.take)
+    ended = asyncio.ensure_future(running.wait())
+    came = asyncio.ensure_future(taken.came.wait())
+    try:
+        await asyncio.wait([ended, came], timeout=_PATIENCE_S, return_when=asyncio.FIRST_COMPLETED)
+        if came.done():
+            await asyncio.wait([ended], timeout=_LOOK_S)
+        taken.ended = ended.done()
+        if taken.ended and not taken.total:
+            reason = running.last_line or f"exit status {ended.result()}"
+            raise DriverError(f"{words[0]} ended: {reason}", "try the command in a terminal")
+    finally:
+        ended.cancel()
+        came.cancel()
+        await running.gone()
+    if not taken.total:
+        raise DriverError(
+            f"{words[0]} runs but delivered nothing within {_PATIENCE_S:g} s",
+            "try the command in a terminal",
+        )
+    return taken
+
+
+def _judge(subject: str, settings: CameraSettings, taken: _Taken) -> Finding:
+    size = settings.layout.size
+    program, shape = settings.words[0], f"{settings.shape}, {size} bytes each"
+    if len(taken.first) < size:
+        return Finding(
+            "error",
+            subject,
+            f"{program} delivered {taken.total} bytes, less than one picture ({shape})",
+            "check width, height, format and stride",
+        )
+    if taken.ended and taken.total % size:
+        return Finding(
+            "warning",
+            subject,
+            f"{program} delivered {taken.total} bytes, which are no whole pictures ({shape})",
+            "check width, height, format and stride",
+        )
+    rate = taken.total / size / max(taken.seconds, 1e-3)
+    if not taken.ended and not settings.rate / _ODD <= rate <= settings.rate * _ODD:
+        return Finding(
+            "warning",
+            subject,
+            f"{program}: {rate:.1f} pictures a second ({shape}) instead of {settings.rate:g}",
+            "its pictures are probably of another size or format, or the rate is another",
+        )
+    return Finding("ok", subject, f"{program}: {shape}; {_sight(settings, bytes(taken.first))}")
+
+
+def _sight(settings: CameraSettings, first: bytes) -> str:
+    picture = settings.layout.decode(first)
+    blob = Finder(settings.rule).find(picture)
+    if blob is None:
+        return "nothing green is in the first one"
+    share = blob.size / (picture.shape[0] * picture.shape[1])
+    return f"green in the first one: {share:.1%} of the picture"

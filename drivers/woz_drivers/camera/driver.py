@@ -1,0 +1,180 @@
+"""Where something green is, from any program that writes raw pictures: rpicam-vid, ffmpeg ..."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import deque
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from woz_drivers.camera import doctor
+from woz_drivers.camera.blob import Finder
+from woz_drivers.camera.pictures import Cutter
+from woz_drivers.camera.settings import CameraSettings
+from woz_drivers.camera.source import Listener, Source
+from woz_tui.core.driver import (
+    DriverError,
+    Finding,
+    Health,
+    Job,
+    Outlet,
+    Probe,
+    Rejected,
+    Scope,
+    Verb,
+)
+from woz_tui.core.messages import Json
+from woz_tui.motion.setpoints import SEEN, Seen
+
+#: Published beside the feed: places from -1 to 1, null while nothing is seen; share of the picture.
+SENSORS = ("seen.x", "seen.y", "seen.size")
+#: Pictures of a film that wait for their moment; then its command has to wait as well.
+_WAITING = 64
+
+
+class Camera:
+    """One camera and one green thing.
+
+    Every picture goes into the feed `seen` (`motion.setpoints.Seen`), whether something is seen or
+    not; readings are for the log. The sensors' state is ok while pictures come, else stale.
+    """
+
+    Settings: ClassVar[type] = CameraSettings
+    summary: ClassVar[str] = "where a camera sees something green"
+
+    def __init__(self, name: str, settings: CameraSettings, outlet: Outlet) -> None:
+        self.name = name
+        self._settings = settings
+        self._outlet = outlet
+        self._feed = outlet.feed(SEEN)
+        self._finder = Finder(settings.rule)
+        self._layout = settings.layout
+        self._cutter = Cutter(self._layout.size, self._came)
+        self._frame = 0
+        self._published_us: int | None = None
+        self._film: deque[bytes] = deque()
+        self._projector: asyncio.TimerHandle | None = None
+        self._due = 0.0
+        self._source: Source | None = None
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """It only looks."""
+        return ()
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """Where it is, and how large."""
+        return SENSORS
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Look for two seconds; say how many pictures came and what is in them."""
+        return await doctor.examine(probe, probe.settings)
+
+    async def open(self) -> None:
+        """Start the command, and again whenever it ends."""
+        self._outlet.health(Health.CONNECTING, "starting the camera's command")
+        listener = Listener(self._begun, self._received, self._stale, self._lost)
+        words = self._settings.words
+        self._source = Source(words, self._outlet.folder, self._outlet.clock, listener)
+        self._source.start()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """There is nothing to perform."""
+        raise Rejected(f"{self.name} is a camera; it cannot {job.verb}")
+
+    async def stop(self, scope: Scope) -> None:
+        """Looking disturbs nobody."""
+
+    async def rest(self) -> None:
+        """Nothing moves here."""
+
+    async def close(self) -> None:
+        """End the command."""
+        if self._source is not None:
+            await self._source.close()
+            self._source = None
+        self._rewind()
+
+    # -- the command ---------------------------------------------------------------------------
+
+    def _begun(self) -> None:
+        self._cutter = Cutter(self._layout.size, self._came)
+
+    def _received(self, data: bytes) -> None:
+        self._cutter.feed(data)
+
+    def _stale(self, why: str) -> None:
+        for sensor in SENSORS:
+            self._outlet.sensor(sensor, "stale", why)
+
+    def _lost(self, trouble: DriverError) -> None:
+        self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self._stale(trouble.what)
+
+    # -- films ---------------------------------------------------------------------------------
+
+    def _came(self, data: bytes) -> None:
+        if self._settings.pace == "as-fast":
+            self._look_at(data)
+            return
+        self._film.append(data)
+        if len(self._film) == _WAITING and self._source is not None:
+            self._source.hold(True)
+        if self._projector is None:
+            loop = asyncio.get_running_loop()
+            self._due = max(self._due, loop.time())
+            self._projector = loop.call_at(self._due, self._next)
+
+    def _next(self) -> None:
+        """A picture's moment has come."""
+        self._projector = None
+        self._look_at(self._film.popleft())
+        self._due += 1 / self._settings.rate
+        if self._film:
+            self._projector = asyncio.get_running_loop().call_at(self._due, self._next)
+        if self._source is not None:
+            self._source.hold(len(self._film) >= _WAITING)
+
+    def _rewind(self) -> None:
+        self._film.clear()
+        if self._projector is not None:
+            self._projector.cancel()
+            self._projector = None
+
+    # -- pictures ------------------------------------------------------------------------------
+
+    def _look_at(self, data: bytes) -> None:
+        settings = self._settings
+        now_us = self._outlet.clock.now_us()
+        picture = self._layout.decode(data)
+        blob = self._finder.find(picture)
+        self._frame += 1
+        x = y = None
+        size = 0.0
+        if blob is not None:
+            rows, columns = picture.shape[:2]
+            x = _place(blob.x, columns, settings.mirror)
+            y = _place(blob.y, rows, settings.flip)
+            size = blob.size / (rows * columns)
+        self._feed.put(Seen(now_us, self._frame, x, y, size))
+        self._outlet.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
+        for sensor in SENSORS:
+            self._outlet.sensor(sensor, "ok")
+        self._publish(now_us, (x, y, size))
+
+    def _publish(self, now_us: int, values: tuple[float | None, float | None, float]) -> None:
+        """At most `publish` times a second."""
+        last = self._published_us
+        if last is not None and now_us - last < 1_000_000 / self._settings.publish:
+            return
+        self._published_us = now_us
+        for sensor, value in zip(SENSORS, values, strict=True):
+            self._outlet.reading(sensor, value)
+
+
+def _place(middle: float, pixels: int, turned: bool) -> float:
+    """A column or row as a place from -1 to 1 between the picture's edges."""
+    place = (2 * middle + 1) / pixels - 1
+    return -place if turned else place

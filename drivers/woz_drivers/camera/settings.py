@@ -1,0 +1,87 @@
+"""What a robot file may say about a camera."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Annotated
+
+from woz_drivers import programs
+from woz_drivers.camera.blob import Rule
+from woz_drivers.camera.pictures import FORMATS, Layout
+from woz_tui.core.driver import DriverError
+from woz_tui.core.fields import Doc, OneOf, Range
+
+
+@dataclass(frozen=True, slots=True)
+class CameraSettings:
+    """Where pictures come from, their shape, and what is looked for in them."""
+
+    command: Annotated[
+        str | tuple[str, ...],
+        Doc("program that writes raw pictures to stdout; default: rpicam-vid with the size below"),
+    ] = ""
+    width: Annotated[int, Range(4, 1920), Doc("pixels a row")] = 320
+    height: Annotated[int, Range(4, 1080), Doc("rows")] = 240
+    format: Annotated[str, OneOf(FORMATS), Doc("what a pixel is made of")] = "yuv420"
+    stride: Annotated[
+        int, Range(0, 16_384), Doc("bytes from one row to the next, where rows are padded; 0: none")
+    ] = 0
+    rate: Annotated[float, Range(1, 120, "Hz"), Doc("pictures a second")] = 32.0
+    pace: Annotated[
+        str,
+        OneOf(("as-fast", "real")),
+        Doc("as-fast: a picture counts when it comes, right for cameras; real: a file is a film"),
+    ] = "as-fast"
+    mirror: Annotated[bool, Doc("exchange left and right")] = False
+    flip: Annotated[bool, Doc("exchange top and bottom, for a camera that hangs")] = False
+    factor: Annotated[
+        float, Range(1, 10), Doc("green counts if it is more than this times red and blue")
+    ] = 1.3
+    brightness: Annotated[int, Range(0, 255), Doc("darker green does not count")] = 40
+    smallest: Annotated[int, Range(1, 100_000), Doc("so many pixels make a thing")] = 1
+    largest: Annotated[bool, Doc("only the largest patch counts; else all green together")] = True
+    publish: Annotated[float, Range(0.5, 10, "Hz"), Doc("readings a second, for the log")] = 10.0
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What is wrong between settings: pairs of a setting's name and a sentence."""
+        found = []
+        if self.stride and self.stride < self._row_bytes:
+            found.append(
+                ("stride", f"{self.stride} bytes are less than the {self._row_bytes} of a row")
+            )
+        if not self.command and self.format != "yuv420":
+            found.append(("format", "rpicam-vid writes yuv420; others need a command"))
+        try:
+            self.words  # noqa: B018 - asked only whether it is one
+        except DriverError as error:
+            found.append(("command", f"{error.what}; {error.remedy}"))
+        return found
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The command. Raises `DriverError` if it is none."""
+        if self.command:
+            return programs.split(self.command, "command")
+        size = ("--width", str(self.width), "--height", str(self.height))
+        rate = ("--framerate", f"{self.rate:g}")
+        return ("rpicam-vid", "-n", "-v", "0", "-t", "0", "--codec", "yuv420", *size, *rate, "-o-")
+
+    @property
+    def layout(self) -> Layout:
+        """The shape of the pictures."""
+        return Layout(self.width, self.height, self.format, self.stride or self._row_bytes)
+
+    @property
+    def rule(self) -> Rule:
+        """What is looked for. Pictures in yuv420 are looked at in half their size."""
+        smallest = -(-self.smallest // 4) if self.format == "yuv420" else self.smallest
+        return Rule(self.factor, self.brightness, smallest, self.largest)
+
+    @property
+    def shape(self) -> str:
+        """The pictures in words."""
+        return f"{self.width} x {self.height} {self.format}"
+
+    @property
+    def _row_bytes(self) -> int:
+        return self.width if self.format == "yuv420" else 3 * self.width

@@ -1,0 +1,121 @@
+"""A command whose output is wanted all the time: started again whenever it ends or falls silent."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_drivers import child
+from woz_drivers.child import Child
+from woz_tui.core.clock import Clock
+from woz_tui.core.driver import DriverError
+
+#: Pauses before a dead command is started again, in seconds: doubled each time up to the limit,
+#: back to the first after it has run well for a while.
+_FIRST_PAUSE_S = 0.5
+_LONGEST_PAUSE_S = 10.0
+_WELL_S = 10.0
+#: A command that writes nothing is told of, and later ended and started again, in seconds; the
+#: first output may take longer, because cameras start slowly and ssh needs time to connect.
+_STALE_S = 1.0
+_STUCK_S = 5.0
+_STUCK_AT_FIRST_S = 20.0
+_LOOK_S = 0.1
+_CHECK = "try its command in a terminal; `woz doctor` shows what it says"
+
+
+@dataclass(frozen=True, slots=True)
+class Listener:
+    """Who is told, in the event loop: a new run begins, output, silence, and why a run ended."""
+
+    begun: Callable[[], None]
+    output: Callable[[bytes], None]
+    silent: Callable[[str], None]
+    ended: Callable[[DriverError], None]
+
+
+class Source:
+    """Keeps one command running between `start` and `close`."""
+
+    def __init__(
+        self, words: tuple[str, ...], folder: Path, clock: Clock, listener: Listener
+    ) -> None:
+        self._words = words
+        self._folder = folder
+        self._clock = clock
+        self._listener = listener
+        self._child: Child | None = None
+        self._spoke = False
+        self._started_us = self._heard_us = 0
+        self._task: asyncio.Task[None] | None = None
+
+    def start(self) -> None:
+        """Start the command."""
+        self._task = asyncio.create_task(self._keep_running())
+
+    async def close(self) -> None:
+        """End it and everything it started."""
+        if self._task is not None:
+            self._task.cancel()
+            await asyncio.gather(self._task, return_exceptions=True)
+            self._task = None
+
+    def hold(self, held: bool) -> None:
+        """Stop fetching its output, or go on. A command that is held is not silent."""
+        if self._child is not None:
+            self._child.hold(held)
+            self._heard_us = self._clock.now_us()
+
+    async def _keep_running(self) -> None:
+        pause = _FIRST_PAUSE_S
+        while True:
+            try:
+                trouble = await self._run()
+            except DriverError as error:
+                trouble = error
+            if self._heard_us - self._started_us >= _WELL_S * 1_000_000:
+                pause = _FIRST_PAUSE_S
+            self._listener.ended(trouble)
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, _LONGEST_PAUSE_S)
+
+    async def _run(self) -> DriverError:
+        """Run the command until it ends; returns why it did. Raises if it cannot be started."""
+        program = self._words[0]
+        self._listener.begun()
+        self._spoke = False
+        self._started_us = self._heard_us = self._clock.now_us()
+        running = await child.start(self._words, self._folder, on_output=self._heard)
+        self._child = running
+        try:
+            stuck = await self._until_end(running)
+        finally:
+            self._child = None
+            await running.gone()
+        if stuck:
+            return DriverError(f"{program} ran, but delivered nothing", _CHECK)
+        status = await running.wait()
+        reason = running.last_line or f"exit status {status}"
+        return DriverError(f"{program} ended: {reason}", _CHECK)
+
+    async def _until_end(self, running: Child) -> bool:
+        """Whether it had to be given up because nothing came."""
+        waiting = asyncio.ensure_future(running.wait())
+        try:
+            while not waiting.done():
+                await asyncio.wait([waiting], timeout=_LOOK_S)
+                silence_us = self._clock.now_us() - self._heard_us
+                if silence_us >= (_STUCK_S if self._spoke else _STUCK_AT_FIRST_S) * 1_000_000:
+                    return not waiting.done()
+                if silence_us >= _STALE_S * 1_000_000:
+                    self._listener.silent(f"{running.program} delivers nothing")
+        finally:
+            waiting.cancel()
+        return False
+
+    def _heard(self, data: bytes) -> None:
+        self._spoke = True
+        self._heard_us = self._clock.now_us()
+        self._listener.output(data)

@@ -1,0 +1,236 @@
+"""Drivers that ask the session, share feeds, and stir again after the stop."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Puppet, Stage
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Ask
+from woz_tui.core.feeds import Feeds
+from woz_tui.core.shown import FaceShown
+
+
+class Breather(Puppet):
+    """A puppet that moves by itself."""
+
+    async def resume(self) -> None:
+        self.calls.append(("resume", {}))
+        if self.name == "broken":
+            raise OSError("it cannot")
+
+
+def on_stage(
+    tmp_path: Path,
+    scenario: Callable[[Stage], Awaitable[None]],
+    *drivers: str,
+    kind: type[Puppet] = Puppet,
+) -> Stage:
+    async def go() -> Stage:
+        stage = Stage(tmp_path, drivers or ("robot",), catalogue={"puppet": kind})
+        await stage.session.open()
+        await scenario(stage)
+        await asyncio.sleep(5)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+class Ear:
+    """Hears how an ask ended."""
+
+    def __init__(self) -> None:
+        self.told: list[tuple[bool, str]] = []
+        self.threads: set[int] = set()
+
+    def __call__(self, carried: bool, why: str) -> None:
+        self.told.append((carried, why))
+        self.threads.add(threading.get_ident())
+
+
+def from_a_thread(stage: Stage, ask: Ask, ear: Ear, driver: str = "robot") -> None:
+    """Ask as a driver's own thread does, and wait until it has asked."""
+    thread = threading.Thread(target=stage.puppet(driver).outlet.ask, args=(ask, ear))
+    thread.start()
+    thread.join()
+
+
+@pytest.mark.toolkit("K3")
+def test_a_verb_asked_for_in_a_thread_is_a_command_like_any_other(tmp_path: Path) -> None:
+    ear = Ear()
+
+    async def scenario(stage: Stage) -> None:
+        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}, source="midi", key="knob 1"), ear)
+
+    stage = on_stage(tmp_path, scenario)
+    assert ("say", {"text": "Hi"}) in stage.puppet().calls
+    [command] = [line for line in stage.lines if isinstance(line, m.Command)]
+    assert (command.source, command.key) == ("midi", "knob 1")
+    assert ear.told == [(True, "")]
+    assert ear.threads == {threading.get_ident()}
+
+
+def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
+    ears = [Ear() for _ in range(5)]
+
+    async def scenario(stage: Stage) -> None:
+        asks = [
+            Ask("action", "Map", source="midi"),
+            Ask("script", source="midi"),
+            Ask("mark", "a smile", source="midi"),
+            Ask("stop", source="midi"),
+            Ask("release", source="midi"),
+        ]
+        for ask, ear in zip(asks, ears, strict=True):
+            from_a_thread(stage, ask, ear)
+            await asyncio.sleep(2)
+
+    stage = on_stage(tmp_path, scenario)
+    requested = [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+    assert [(line.action, line.source) for line in requested] == [
+        ("Map", "midi"),
+        ("Hello", "midi"),
+    ]
+    assert [line.text for line in stage.lines if isinstance(line, m.Marker)] == ["map", "a smile"]
+    assert stage.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
+    assert [ear.told for ear in ears] == [[(True, "")]] * 5
+
+
+@pytest.mark.parametrize(
+    ("ask", "why"),
+    [
+        (Ask("verb", "fly"), "no driver offers 'fly'"),
+        (Ask("verb", "say", on="nobody"), "no driver 'nobody' offers 'say'"),
+        (Ask("action", "Helo"), "there is no action 'Helo'"),
+        (Ask("action", "Never"), "'Never' is locked"),
+        (Ask("applause"), "nobody can be asked for 'applause'"),
+        (Ask("release"), "the stop is not pressed"),
+    ],
+)
+def test_what_cannot_be_done_is_told_to_who_asked(tmp_path: Path, ask: Ask, why: str) -> None:
+    ear = Ear()
+
+    async def scenario(stage: Stage) -> None:
+        from_a_thread(stage, ask, ear)
+
+    on_stage(tmp_path, scenario)
+    assert ear.told == [(False, why)]
+
+
+def test_the_stop_ends_what_was_asked_for_and_tells_so(tmp_path: Path) -> None:
+    ear = Ear()
+
+    async def scenario(stage: Stage) -> None:
+        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}), ear)
+        await asyncio.sleep(0.3)
+        stage.session.stop("key")
+
+    on_stage(tmp_path, scenario)
+    [(carried, why)] = ear.told
+    assert not carried
+    assert "stop" in why
+
+
+@pytest.mark.toolkit("U1")
+def test_two_robots_keep_to_themselves(tmp_path: Path) -> None:
+    robots = ("joy.body", "joy.panel", "grim.body", "grim.panel")
+
+    async def scenario(stage: Stage) -> None:
+        for robot in ("joy", "grim"):
+            text = {"text": f"I am {robot}"}
+            ask = Ask("verb", "say", text, on="body", source="midi")
+            from_a_thread(stage, ask, Ear(), f"{robot}.panel")
+            await asyncio.sleep(2)
+
+    stage = on_stage(tmp_path, scenario, *robots)
+    assert ("say", {"text": "I am joy"}) in stage.puppet("joy.body").calls
+    assert ("say", {"text": "I am grim"}) in stage.puppet("grim.body").calls
+    said = [driver for driver in robots for call in stage.puppet(driver).calls if call[0] == "say"]
+    assert said == ["joy.body", "grim.body"]
+
+
+# -- the stop's release ---------------------------------------------------------------------------
+
+
+@pytest.mark.toolkit("M3", "U4")
+def test_the_release_lets_drivers_stir_again_and_one_that_fails_is_named(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.stop("key")
+        await asyncio.sleep(0.1)
+        stage.session.release("key")
+
+    stage = on_stage(tmp_path, scenario, "robot", "broken", kind=Breather)
+    calls = [name for name, _ in stage.puppet().calls]
+    assert calls.index("stop") < calls.index("resume")
+    notices = [line.text for line in stage.lines if isinstance(line, m.Notice)]
+    assert "broken: resume failed: it cannot" in notices
+
+
+def test_a_driver_that_does_not_move_by_itself_needs_no_resume(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.stop("key")
+        stage.session.release("key")
+
+    stage = on_stage(tmp_path, scenario)
+    assert "resume" not in [name for name, _ in stage.puppet().calls]
+
+
+# -- feeds and what is shown ----------------------------------------------------------------------
+
+
+@pytest.mark.toolkit("U1")
+def test_drivers_of_one_robot_share_feeds_and_those_of_two_do_not(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        outlet = {name: stage.puppet(name).outlet for name in stage.session.drivers}
+        feed = outlet["joy.servos"].feed("setpoints", of="body")
+        assert feed.latest().serial == 0
+        outlet["joy.body"].feed("setpoints").put({"pan": 10.0})
+        outlet["grim.body"].feed("setpoints").put({"pan": -10.0})
+        assert (feed.latest().serial, feed.latest().value) == (1, {"pan": 10.0})
+        assert outlet["joy.body"].feed("face").latest().value is None
+
+    on_stage(tmp_path, scenario, "joy.body", "joy.servos", "grim.body")
+
+
+def test_many_threads_may_write_a_feed_and_every_value_is_counted() -> None:
+    feed = Feeds().feed("body", "setpoints")
+
+    def write() -> None:
+        for number in range(500):
+            feed.put(number)
+
+    writers = [threading.Thread(target=write) for _ in range(4)]
+    for writer in writers:
+        writer.start()
+    for writer in writers:
+        writer.join()
+    assert feed.latest().serial == 2000
+
+
+@pytest.mark.toolkit("F1")
+def test_what_a_driver_shows_bears_its_name_and_stands_in_the_welcome(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        outlet = stage.puppet().outlet
+        face = FaceShown(width=8, rows="00 ff", emotion="happy", intensity=1.0)
+        outlet.show(face)
+        outlet.show(m.ControlsMoved(values={"pitch": 1}))
+        outlet.show(m.ControlsMoved(values={"tempo": 2}, waiting=["tempo"]))
+        outlet.show(m.BodyChanged(values={"mode": "normal"}))
+
+    stage = on_stage(tmp_path, scenario)
+    held = {
+        type(each): each for each in stage.session.standing.state() if isinstance(each, m.Shown)
+    }
+    face, controls = held[FaceShown], held[m.ControlsMoved]
+    assert isinstance(face, FaceShown)
+    assert isinstance(controls, m.ControlsMoved)
+    assert (face.driver, face.rows) == ("robot", "00 ff")
+    assert (controls.values, controls.waiting) == ({"pitch": 1, "tempo": 2}, ["tempo"])
+    assert m.BodyChanged in held

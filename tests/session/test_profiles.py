@@ -1,0 +1,228 @@
+"""Profiles: what a wizard may use, and what is refused whichever way it comes."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.experiment.reading import HEAD, errors, read
+from tests.fakes.virtual_time import run_virtual
+from tests.host.rig import served
+from tests.session.rig import Stage, experiment
+from tests.session.test_asking import Ear, from_a_thread
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Ask
+from woz_tui.experiment.reload import compare
+from woz_tui.experiment.shape import Experiment, Profile
+from woz_tui.host.views import panel_views
+from woz_tui.session.identity import AskError
+from woz_tui.session.runner import Origin
+
+pytestmark = pytest.mark.toolkit("U3")
+
+CHILD = Profile(
+    "child",
+    panels=frozenset({"Base"}),
+    actions=frozenset({"Hello"}),
+    controls=frozenset({"eye-x"}),
+    verbs=frozenset({"play"}),
+)
+KEY = Origin("key", "h", "con1")
+NOT = "is not in the profile child"
+
+
+def for_children(tmp_path: Path, profile: Profile = CHILD) -> Experiment:
+    """The rig's experiment with a profile."""
+    return replace(experiment(tmp_path), profiles={profile.name: profile})
+
+
+def on_stage(tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]]) -> Stage:
+    """A session in which the profile child is in use."""
+
+    async def go() -> Stage:
+        stage = Stage(tmp_path)
+        stage.session.experiment = for_children(tmp_path)
+        await stage.session.open()
+        stage.session.use_profile("child", "key")
+        await scenario(stage)
+        await asyncio.sleep(3)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def test_only_its_actions_are_played_and_the_others_are_refused_in_the_log(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.play("Hello", KEY)
+        with pytest.raises(AskError, match=f"'Map' {NOT}"):
+            stage.session.play("Map", KEY)
+        with pytest.raises(AskError, match=f"'Welcome' {NOT}"):
+            stage.session.script_to(1)
+            stage.session.script_next(KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.puppet().calls[0] == ("say", {"text": "Hello P07"})
+    refused = [line.action for line in stage.lines if isinstance(line, m.ActionRefused)]
+    assert refused == ["Map", "Welcome"]
+    assert "play" not in [verb for verb, _ in stage.puppet().calls]
+
+
+def test_verbs_by_themselves_are_refused_but_those_it_names(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.send("play", {"move": "nod"}, "", KEY)
+        stage.session.send("mark", {"text": "smile"}, "", KEY)
+        with pytest.raises(AskError, match=f"'say' {NOT}"):
+            stage.session.send("say", {"text": "no"}, "", Origin("palette"))
+
+    stage = on_stage(tmp_path, scenario)
+    assert [verb for verb, _ in stage.puppet().calls[:2]] == ["play", "rest"]
+    [refused] = [line for line in stage.lines if isinstance(line, m.Refused)]
+    assert (refused.code, refused.reason) == ("profile", f"'say' {NOT}")
+
+
+@pytest.mark.parametrize(
+    ("verb", "args", "allowed"),
+    [
+        ("control", {"control": "eye-x", "value": 0.3}, True),
+        ("control", {"control": "pitch", "value": 0.3}, False),
+        ("control", {}, False),
+        ("mode", {"mode": "normal"}, True),
+        ("mode", {"mode": "demo"}, False),
+        ("note", {"text": "x"}, True),
+        ("set", {"trial": 2}, False),
+    ],
+)
+def test_controls_and_modes(
+    tmp_path: Path, verb: str, args: dict[str, m.Json], allowed: bool
+) -> None:
+    async def scenario(stage: Stage) -> None:
+        refusal = stage.session.profiles.no_verb(verb, args)
+        assert (refusal is None) is allowed
+        assert refusal is None or refusal.reason.endswith(NOT)
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_control_panel_is_held_to_it_and_a_body_s_own_asks_are_not(tmp_path: Path) -> None:
+    hand, own = Ear(), Ear()
+
+    async def scenario(stage: Stage) -> None:
+        say = {"text": "Hi"}
+        from_a_thread(stage, Ask("verb", "say", say, source="midi", key="button 7"), hand)
+        from_a_thread(stage, Ask("verb", "say", say, source="body"), own)
+
+    stage = on_stage(tmp_path, scenario)
+    assert hand.told == [(False, f"'say' {NOT}")]
+    assert own.told == [(True, "")]
+    assert [verb for verb, _ in stage.puppet().calls].count("say") == 1
+
+
+def test_the_stop_and_its_release_always_count(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.stop("midi")
+        stage.session.release("key")
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
+
+
+def test_a_reload_keeps_the_profile_also_when_it_is_gone_from_the_file(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        wider = replace(CHILD, actions=frozenset({"Map"}))
+        session.adopt(for_children(tmp_path, wider), ["profile 'child' changed"])
+        assert session.profiles.current == wider
+        session.adopt(experiment(tmp_path), ["profile 'child' is gone"])
+        assert session.profiles.current == wider
+        with pytest.raises(AskError, match=NOT):
+            session.play("Hello", KEY)
+        session.use_profile("", "key")
+        session.play("Hello", KEY)
+        with pytest.raises(AskError, match="there is no profile 'child'"):
+            session.use_profile("child", "key")
+
+    stage = on_stage(tmp_path, scenario)
+    assert "the profile child is not in the file any more, but still in use" in [
+        line.text for line in stage.lines if isinstance(line, m.Notice)
+    ]
+    changed = [line.profile for line in stage.lines if isinstance(line, m.ProfileChanged)]
+    assert changed == ["child", ""]
+
+
+async def test_over_the_socket_everybody_gets_the_panels_that_are_left(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        host.session.experiment = for_children(tmp_path)
+        peer, other = await host.connect(), await host.connect()
+        welcome = await peer.hello()
+        assert (welcome["settings"]["profiles"], welcome["settings"]["profile"]) == (["child"], "")
+        await other.hello(role="watcher")
+        assert (await peer.ask("profile", profile="adult"))["ok"] is False
+        assert (await peer.ask("profile", profile="child", source="palette"))["ok"] is True
+        panels = await other.kind("panels")
+        assert panels["profile"] == "child"
+        speech, base = panels["panels"]
+        assert {a["name"] for a in speech["actions"] if not a.get("locked")} == {"Hello"}
+        assert not any(action.get("locked") for action in base["actions"])
+        reply = await peer.ask("verb", verb="say", args={"text": "no"})
+        assert reply["reason"] == f"'say' {NOT}"
+        assert (await other.ask("profile", profile=""))["ok"] is False  # it only watches
+        late = await host.connect()
+        welcome = await late.hello()
+        assert welcome["settings"]["profile"] == "child"
+        assert "profile.changed" in {line["kind"] for line in welcome["state"]}
+
+
+def test_hidden_panels_and_actions_are_left_out(tmp_path: Path) -> None:
+    hiding = replace(CHILD, panels=frozenset(), hide=True)
+    [speech] = panel_views(experiment(tmp_path), {}, hiding)
+    assert [action.name for action in speech.actions] == ["Hello"]
+    locked = panel_views(experiment(tmp_path), {}, replace(hiding, hide=False))
+    assert [panel.locked for panel in locked] == [False, True]
+
+
+# -- the file -------------------------------------------------------------------------------------
+
+FILE = (
+    HEAD + "panels:\n  - title: Speech\n    actions:\n      - {key: h, label: Hello, say: Hi}\n"
+    "profiles:\n"
+)
+
+
+def test_the_file_says_what_a_profile_allows(tmp_path: Path) -> None:
+    found = read(tmp_path, f"{FILE}  child: {{panels: [Speech], verbs: [say], hide: yes}}\n")
+    child = found.profiles["child"]
+    assert child == Profile("child", frozenset({"Speech"}), verbs=frozenset({"say"}), hide=True)
+    assert child.plays(found.panels[0].actions[0])
+    without = read(tmp_path, f"{FILE}  child: {{actions: [Hello]}}\n")
+    assert compare(found, without).changes == ("profile 'child' changed",)
+    assert compare(found, without).reloadable
+
+
+@pytest.mark.parametrize(
+    ("profile", "said"),
+    [
+        (
+            "{panels: [Speach]}",
+            "8:20: profiles.child.panels[0]: there is no panel 'Speach'; did you mean 'Speech'?",
+        ),
+        ("{actions: [Hallo]}", "there is no action 'Hallo'; did you mean 'Hello'?"),
+        ("{verbs: [sya]}", "no driver offers 'sya'; did you mean 'say'?"),
+        ("{controls: [eye-z]}", "no body has a control 'eye-z'"),
+        ("{pannels: []}", "unknown; did you mean 'panels'?"),
+        ("{panels: Speech}", "expected a list of names, not"),
+        ("{panels: [Speech], hide: perhaps}", "expected true or false"),
+        ("{hide: true}", "allows nothing; name some of panels, actions, controls, verbs"),
+        ("[]", "expected a mapping, such as {panels: [Speech]}"),
+    ],
+)
+def test_what_is_wrong_with_a_profile_is_told_with_its_place(
+    tmp_path: Path, profile: str, said: str
+) -> None:
+    found = errors(tmp_path, f"{FILE}  child: {profile}\n")
+    assert any(said in error for error in found), found
+    assert all(error.startswith("8:") for error in found)

@@ -21,6 +21,7 @@ COMMANDS = {
     "midi": "learn the controls of a MIDI panel, or show what they do",
     "render": "compute what a body would do: setpoints and face as lines, or curves",
     "modes": "which mode takes which input",
+    "record-move": "record a layer of a move by puppeteering",
     "schema": "print the JSON Schema of experiment files, for editors",
 }
 
@@ -37,7 +38,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, summary in COMMANDS.items():
         command = commands.add_parser(name, help=summary, description=f"woz {name}: {summary}")
         if name == chosen:
-            importlib.import_module(f"woz_tui.cli.{name}").add(command)
+            module = name.replace("-", "_")
+            importlib.import_module(f"woz_tui.cli.{module}").add(command)
     parsed = parser.parse_args(given)
     try:
         code: int = parsed.run(parsed)

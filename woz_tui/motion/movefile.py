@@ -38,8 +38,8 @@ LAYER = ("name", "muted", "share", "mix", "relative", "frames", "rate", "joints"
 #: Seconds (or beats) after which `play` gives up waiting for a move's end.
 LONGEST = 120.0
 
-_NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
-_NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
+NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
+NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
 _ENDINGS = (".yaml", ".yml")
 
 
@@ -170,8 +170,8 @@ class _Decoder:
         spot = self._table.get("name")
         name = path.stem if spot is None else read_text(spot, "the move's name")
         spot = spot or self._root
-        if name is not None and not _NAME.fullmatch(name):
-            spot.error(f"{quoted(name)} cannot be a move's name; {_NAME_RULE}")
+        if name is not None and not NAME.fullmatch(name):
+            spot.error(f"{quoted(name)} cannot be a move's name; {NAME_RULE}")
         elif name in BUILT_IN:
             spot.warning(f"takes the place of the built-in move {name!r}")
         return name or ""

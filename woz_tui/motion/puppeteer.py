@@ -8,6 +8,7 @@ from woz_tui.core.messages import Json
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.keyframes import KeyframeMove
+from woz_tui.motion.move import Move
 from woz_tui.motion.recording import Looks, Take, laid, muted, rest, trimmed
 from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.ticks import Answer, Tick
@@ -24,18 +25,26 @@ class Puppeteer:
         move: As it is so far; a layer called `layer` does not play, it is being redone.
         layer: What the new layer is called.
         rate: Samples a second.
+        moves: What the hand can play besides.
         seed: Of blinks and the like.
     """
 
     def __init__(
-        self, shape: BodyShape, move: KeyframeMove, layer: str, rate: float, *, seed: int = 0
+        self,
+        shape: BodyShape,
+        move: KeyframeMove,
+        layer: str,
+        rate: float,
+        *,
+        moves: Mapping[str, Move] = BUILT_IN,
+        seed: int = 0,
     ) -> None:
         self._move = move
         self._layer = layer
         self._rate = rate
         backing = muted(move, layer)
         self._plays = any(not known.muted for known in backing.layers) and backing.length > 0
-        self._engine = Engine(shape, {**BUILT_IN, move.name: backing}, seed=seed)
+        self._engine = Engine(shape, {**moves, move.name: backing}, seed=seed)
         self._mood = self._seen_mood()
         self._began: float | None = None
         self._pace = 1.0

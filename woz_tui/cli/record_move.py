@@ -1,0 +1,252 @@
+"""`woz record-move FILE NAME`: puppeteer a layer of a move, by keys or by a script of inputs.
+
+A session's log is a script too: what a wizard's hands did with a real robot, panel and all, becomes
+a layer with `--inputs LOG --from SECONDS`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import sys
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from woz_tui.cli.rendered import Stage
+    from woz_tui.core.driver import Driver
+    from woz_tui.experiment.shape import Problem
+    from woz_tui.motion.keyframes import KeyframeMove
+    from woz_tui.motion.puppeteer import Puppeteer
+    from woz_tui.motion.shapes import BodyShape
+
+#: Seconds a script's take goes on after the last input.
+AFTER_S = 1.0
+#: No take is longer; `play` would not wait for its end.
+LONGEST_S = 120.0
+
+
+class RecordError(Exception):
+    """It cannot be recorded; the text says why, and what could be done."""
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("file", type=Path, help="move file; it is made if it is not there")
+    parser.add_argument("name", nargs="?", default="", help="the move (default: the file's name)")
+    parser.add_argument(
+        "--robot", type=Path, required=True, help="robot or experiment file with the body"
+    )
+    parser.add_argument("--body", default="", help="which driver, where there are several bodies")
+    take = parser.add_argument_group("the take")
+    take.add_argument("--layer", default="recorded", help="layer to record, or to redo")
+    take.add_argument("--seconds", type=_seconds, help="how long (default: until space is pressed)")
+    take.add_argument("--rate", type=_rate, default=25.0, help="samples a second (default: 25)")
+    take.add_argument(
+        "--count-in", type=_seconds, default=3.0, help="seconds before it begins (default: 3)"
+    )
+    take.add_argument("--no-trim", action="store_true", help="keep rest at both ends")
+    take.add_argument("--inputs", help="JSON lines of inputs or a session's log, instead of keys")
+    take.add_argument(
+        "--from", dest="start", type=_seconds, default=0.0,
+        help="time of the inputs at which the take begins; earlier ones lead up to it",
+    )  # fmt: skip
+    layers = parser.add_argument_group("layers that are there already, before the take")
+    for option, what in (("mute", "leave LAYER out"), ("unmute", "let LAYER count again")):
+        layers.add_argument(f"--{option}", metavar="LAYER", action="append", default=[], help=what)
+    layers.add_argument(
+        "--share", metavar="LAYER=SHARE", type=_share, action="append", default=[],
+        help="how much of LAYER counts, 0 to 1",
+    )  # fmt: skip
+    layers.add_argument("--drop", metavar="LAYER", action="append", default=[], help="take it out")
+    layers.add_argument("--no-take", action="store_true", help="only change layers")
+    parser.set_defaults(run=run)
+
+
+def _seconds(text: str) -> float:
+    return _number(text, 0.0, 86_400.0)
+
+
+def _rate(text: str) -> float:
+    return _number(text, 1.0, 100.0)
+
+
+def _share(text: str) -> tuple[str, float]:
+    layer, _, share = text.rpartition("=")
+    if not layer:
+        raise argparse.ArgumentTypeError(f"{text!r} is not LAYER=SHARE, such as head=0.5")
+    return layer, _number(share, 0.0, 1.0)
+
+
+def _number(text: str, low: float, high: float) -> float:
+    with contextlib.suppress(ValueError):
+        number = float(text)
+        if low <= number <= high:
+            return number
+    raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Record and save; 0, or 1 after saying why nothing was saved."""
+    # Here, so that the other commands start without the engine.
+    from woz_tui import plugins  # noqa: PLC0415
+    from woz_tui.cli.render import RenderError  # noqa: PLC0415
+    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
+    from woz_tui.motion.movefile import MoveFileError  # noqa: PLC0415
+    from woz_tui.motion.movewriter import WriteError  # noqa: PLC0415
+    from woz_tui.motion.scripted import InputLineError  # noqa: PLC0415
+
+    try:
+        return record(arguments, plugins.installed())
+    except (ExperimentError, MoveFileError) as error:
+        problems: list[Problem] = error.problems
+        print(*problems, sep="\n", file=sys.stderr)
+    except WriteError as error:
+        remedy = f" ({error.remedy})" if error.remedy else ""
+        print(f"woz record-move: {error.what}{remedy}", file=sys.stderr)
+    except BrokenPipeError:
+        raise
+    except (RecordError, RenderError, InputLineError, plugins.PluginError, OSError) as error:
+        print(f"woz record-move: {error}", file=sys.stderr)
+    return 1
+
+
+def record(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+    """`run` with the drivers of `catalogue`."""
+    from woz_tui.cli.rendered import Stage  # noqa: PLC0415
+    from woz_tui.motion.movewriter import save  # noqa: PLC0415
+
+    stage = Stage.of(arguments.robot, catalogue, arguments.body, None)
+    shape: BodyShape = stage.spec.settings
+    move = _changed(_move(arguments, shape), arguments)
+    if arguments.no_take:
+        if not move.layers:
+            raise RecordError("nothing would be left of the move; delete its file instead")
+        save(move, arguments.file, shape)
+        print(_told(move, arguments.file))
+        return 0
+    done = _scripted(arguments, stage, move) if arguments.inputs else _live(arguments, shape, move)
+    save(done, arguments.file, shape)
+    print(_told(done, arguments.file))
+    return 0
+
+
+def _move(arguments: argparse.Namespace, shape: BodyShape) -> KeyframeMove:
+    """The move as it is, or a new one."""
+    from woz_tui.motion.keyframes import KeyframeMove  # noqa: PLC0415
+    from woz_tui.motion.movefile import NAME, NAME_RULE, read_move  # noqa: PLC0415
+
+    name = arguments.name or arguments.file.stem
+    if arguments.file.exists():
+        move = read_move(arguments.file, shape)
+        if arguments.name and move.name != arguments.name:
+            raise RecordError(f"{arguments.file} holds the move {move.name!r}, not {name!r}")
+        return move
+    if arguments.file.suffix not in (".yaml", ".yml"):
+        raise RecordError(f"{arguments.file}: move files end in .yaml")
+    if not arguments.file.absolute().parent.is_dir():
+        raise RecordError(f"{arguments.file.parent}: there is no such folder")
+    if not NAME.fullmatch(name):
+        raise RecordError(f"{name!r} cannot be a move's name; {NAME_RULE}")
+    return KeyframeMove(name, "", ())
+
+
+def _changed(move: KeyframeMove, arguments: argparse.Namespace) -> KeyframeMove:
+    from woz_tui.experiment.report import hint  # noqa: PLC0415
+    from woz_tui.motion.recording import blended, muted, without  # noqa: PLC0415
+
+    known = [layer.name for layer in move.layers]
+    shares = [name for name, _ in arguments.share]
+    for name in (*arguments.mute, *arguments.unmute, *shares, *arguments.drop):
+        if name not in known:
+            there = f"; there are {', '.join(known)}" if known else ""
+            raise RecordError(f"{move.name} has no layer {name!r}{hint(name, known) or there}")
+    for name in arguments.mute:
+        move = muted(move, name)
+    for name in arguments.unmute:
+        move = muted(move, name, False)
+    for name, share in arguments.share:
+        move = blended(move, name, share)
+    for name in arguments.drop:
+        move = without(move, name)
+    return move
+
+
+def _told(move: KeyframeMove, file: Path) -> str:
+    """The move and its layers, a line each."""
+    unit = "beats" if move.beats else "s"
+    lines = [f"{file}: {move.name}, {move.length:.2f} {unit}"]
+    for layer in move.layers:
+        facts = [f"{layer.length:.2f} {unit}"]
+        samples = layer.samples
+        if samples is not None:
+            facts.append(f"samples of {', '.join({**samples.roles, **samples.joints})}")
+        if layer.frames:
+            facts.append(f"{len(layer.frames)} frames")
+        facts += ["muted"] if layer.muted else []
+        facts += [f"share {layer.share:g}"] if layer.share != 1 else []
+        lines.append(f"  {layer.name}: {', '.join(facts)}")
+    return "\n".join(lines)
+
+
+# -- the take -----------------------------------------------------------------------------------
+
+
+def _scripted(arguments: argparse.Namespace, stage: Stage, move: KeyframeMove) -> KeyframeMove:
+    from woz_tui.cli.scripted_take import performed  # noqa: PLC0415
+    from woz_tui.motion.puppeteer import Puppeteer  # noqa: PLC0415
+    from woz_tui.motion.scripted import read_inputs  # noqa: PLC0415
+
+    name = "standard input" if arguments.inputs == "-" else arguments.inputs
+    try:
+        text = sys.stdin.read() if arguments.inputs == "-" else Path(name).read_text("utf-8")
+    except UnicodeDecodeError as error:
+        raise RecordError(f"{name}: no UTF-8 text: {error.reason}") from None
+    read = read_inputs(text.split("\n"), name, stage.verbs, stage.body)
+    inputs = [stage.translated(one) for one in read]
+    settings = stage.spec.settings
+    puppeteer = Puppeteer(
+        settings, move, arguments.layer, arguments.rate, moves=settings.repertoire.moves
+    )
+    last = inputs[-1].t if inputs else 0.0
+    seconds = arguments.seconds or max(last - arguments.start + AFTER_S, puppeteer.backing_s)
+    if seconds > LONGEST_S:
+        raise RecordError(
+            f"a take of {seconds:g} s is too long, play waits for {LONGEST_S:g} s at most;"
+            " --from and --seconds cut a piece out"
+        )
+    performed(puppeteer, inputs, arguments.start, seconds, _tell)
+    return _finished(puppeteer, arguments)
+
+
+def _live(arguments: argparse.Namespace, shape: BodyShape, move: KeyframeMove) -> KeyframeMove:
+    from woz_tui.cli.live_take import Live, keyboard  # noqa: PLC0415
+    from woz_tui.motion.puppeteer import Puppeteer  # noqa: PLC0415
+
+    if not sys.stdin.isatty():
+        raise RecordError("there is no keyboard here; give the inputs with --inputs")
+    puppeteer = Puppeteer(shape, move, arguments.layer, arguments.rate)
+    seconds = min(arguments.seconds or LONGEST_S, LONGEST_S)
+    with keyboard() as keys:
+        kept = Live(puppeteer, shape, keys, arguments.count_in, seconds).perform()
+    if not kept:
+        raise RecordError("given up; nothing was saved")
+    return _finished(puppeteer, arguments)
+
+
+def _finished(puppeteer: Puppeteer, arguments: argparse.Namespace) -> KeyframeMove:
+    move = puppeteer.recorded(trim=not arguments.no_trim)
+    layer = next(layer for layer in move.layers if layer.name == arguments.layer)
+    if layer.length <= 0:
+        raise RecordError("nothing was moved in this take; nothing was saved")
+    if puppeteer.interrupted:
+        _tell(
+            "an input took the place of the other layers while they played; with gaze, pose and"
+            " play they stop, joints and controls lie on top of them"
+        )
+    return move
+
+
+def _tell(text: str) -> None:
+    print(f"woz record-move: {text}", file=sys.stderr)

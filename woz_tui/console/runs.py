@@ -155,7 +155,7 @@ class Runs:
         match message:
             case m.ActionRequested():
                 self._open(Run(message.run, message.action, message.action, message.t))
-            case m.Command():
+            case m.Command() if not message.passing:
                 self._command(message)
             case m.Dispatched() | m.Progress():
                 self._advance(message)

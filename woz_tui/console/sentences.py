@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 _SOURCES = {
     "script": "script",
     "palette": "found",
+    "midi": "panel",
     "program": "program",
     "engagement": "robot",
     "replay": "replay",
@@ -77,8 +78,8 @@ def _requested(message: m.ActionRequested, picture: Picture) -> Event:
 
 
 def _command(message: m.Command, picture: Picture) -> Event | None:
-    if message.run:
-        return None  # its action has a line
+    if message.run or message.passing:
+        return None  # its action has a line, or the panel's picture shows it
     return Event(message.t, "running", words(message), run=message.command)
 
 

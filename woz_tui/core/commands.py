@@ -15,7 +15,7 @@ class ActionRequested(
 ):
     """Somebody asked for an action by name: one press, from which one or more commands follow.
 
-    `source` is key, script, palette, program, engagement or replay; `console` names the
+    `source` is key, script, palette, midi, program, engagement or replay; `console` names the
     connection it came over. `run` ties the action's commands and its end together.
     """
 
@@ -71,6 +71,11 @@ class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="comma
     deadline_us: int = 0
     limit_s: float = 30.0
     when_busy: str = "queue"
+
+    @property
+    def passing(self) -> bool:
+        """A panel's knob on its way: one of many a second, logged, but worth no line of its own."""
+        return self.source == "midi" and self.verb == "control"
 
 
 class Ack(Message, frozen=True, kw_only=True, omit_defaults=True):

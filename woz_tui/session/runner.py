@@ -111,7 +111,8 @@ class Runner:
     ) -> m.Command:
         """Send one command that belongs to no action; with a `refusal` it is only logged."""
         command = self._command(call, origin, when_busy=when_busy)
-        self._remember(command.command, call.verb)
+        if not command.passing:
+            self._remember(command.command, call.verb)
         if refusal is not None:
             return self._bus.refuse(command, refusal.code, refusal.reason)
         return self._bus.submit(command, on_end)

@@ -20,9 +20,13 @@ class Standing:
         self._changed = m.SessionChanged()
         self._runs: dict[str, list[m.AnyMessage]] = {}
         self._recent: deque[m.AnyMessage] = deque(maxlen=RECENT)
+        #: Commands of knobs on their way, of which nothing is recalled.
+        self._passing: set[str] = set()
 
     def see(self, message: m.AnyMessage) -> None:
         """A listener of the hub."""
+        if self._is_passing(message):
+            return
         if not isinstance(message, m.Reading | m.Shown):
             self._recent.append(message)
         match message:
@@ -47,6 +51,18 @@ class Standing:
                 slot = _slot(message)
                 if slot:
                     self._single[slot] = message
+
+    def _is_passing(self, message: m.AnyMessage) -> bool:
+        match message:
+            case m.Command(command=key) if message.passing:
+                self._passing.add(key)
+                return True
+            case m.End(command=key) if key in self._passing:
+                self._passing.discard(key)
+                return True
+            case m.Dispatched(command=key) | m.Progress(command=key):
+                return key in self._passing
+        return False
 
     def _merge(self, message: m.SessionChanged) -> None:
         old = self._changed

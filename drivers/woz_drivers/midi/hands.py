@@ -43,9 +43,15 @@ class Line:
             self._waiting = ask
             return
         self._under_way += 1
-        self._asking(ask, self._answered)
+        answers = iter((self._answered,))  # one ask, one answer, whoever gives it
 
-    def _answered(self, carried: bool, why: str) -> None:
+        def done(carried: bool, why: str) -> None:
+            for answered in answers:
+                answered(carried)
+
+        self._asking(ask, done)
+
+    def _answered(self, carried: bool) -> None:
         self._under_way -= 1
         waiting, self._waiting = self._waiting, None
         if waiting is not None:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 from woz_drivers.midi import MidiPanel
+from woz_drivers.midi.hands import Line
 from woz_drivers.midi.mapped import Mapped
 from woz_drivers.midi.settings import MidiSettings, PanelMap
 
@@ -14,7 +16,7 @@ from tests.drivers.heard import until
 from tests.drivers.midi.stand import Desk, stand
 from tests.fakes.listening import PlainJob
 from woz_tui.core import conformance
-from woz_tui.core.driver import Health, Rejected, Scope
+from woz_tui.core.driver import Ask, Health, Rejected, Scope
 
 
 async def test_keeps_the_contract(tmp_path: Path) -> None:
@@ -84,6 +86,21 @@ async def test_one_ask_at_a_time_and_the_last_value_is_not_lost(tmp_path: Path) 
         for control in ("pitch", "tempo", "smoothing", "compression"):
             assert it.desk.turned(control)[-1] == last
             assert it.desk.turned(control) == sorted(it.desk.turned(control), key=str)
+
+
+def test_order_is_kept_and_an_answer_counts_once() -> None:
+    asked: list[tuple[Ask, Callable[[bool, str], None]]] = []
+    line = Line(lambda ask, done: asked.append((ask, done)), 1)
+    answers: list[bool] = []
+    line.on_answer = answers.append
+    for name in ("first", "overtaken", "last"):
+        line.send(Ask("mark", name))
+    asked[0][1](True, "")
+    asked[0][1](True, "")
+    assert [ask.name for ask, _ in asked] == ["first", "last"]
+    assert [line.idle] == [False]
+    asked[1][1](False, "no")
+    assert (line.idle, answers) == (True, [False])
 
 
 async def test_refused_it_waits_for_the_hand_to_come_by_again(tmp_path: Path) -> None:

@@ -263,3 +263,27 @@ def test_no_change_of_mode_jumps_or_loses_the_stop(first: Mode, second: Mode, fl
     ticks += rig.run(1.5)
     assert moves_safely(EYEPI, ticks)
     assert rig.engine.values()["move"] == ""
+
+
+@pytest.mark.toolkit("E2", "E4", "L3")
+def test_the_later_hand_wins_and_the_stop_ends_what_a_program_began() -> None:
+    rig = Rig(STILL)
+    first = rig.do("gaze", Hand.PROGRAM, yaw=60.0, seconds=2.0)
+    rig.run(0.5)
+    second = rig.do("gaze", Hand.WIZARD, yaw=-30.0, seconds=0.5)
+    assert [e.token for e in rig.tick().ended] == [first.token]
+    rig.wait(second)
+    assert rig.last.joints["pitch"] == pytest.approx(-30.0, abs=0.5)
+    rig.do("joints", Hand.PROGRAM, joints={"pitch": 12.0})
+    rig.run(1.0)
+    assert rig.last.joints["pitch"] == 12.0
+    third = rig.do("play", Hand.PROGRAM, move="dance")
+    rig.run(0.5)
+    rig.do("mode", Hand.WIZARD, mode="normal")
+    assert [(e.token, e.why) for e in rig.tick().ended] == [(third.token, "stopped")]
+    rig.do("mode", Hand.WIZARD, mode="demo")
+    rig.run(0.2)
+    with pytest.raises(Refused, match="demo"):
+        rig.do("play", Hand.PROGRAM, move="nod")
+    with pytest.raises(Refused, match="demo"):
+        rig.do("control", Hand.PROGRAM, control="pitch", value=0.9)

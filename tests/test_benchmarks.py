@@ -19,7 +19,9 @@ TABLES = {
     "key_latency.py": ("idle: key to perform", "load: key to perform", "50 Hz loop"),
     "stop_latency.py": ("idle: escape + key", "asleep: ctrl+c", "spinning: escape"),
     "midi_latency.py": ("a body at 50 Hz", "a body at 100 Hz", "byte to setpoint"),
+    "blob.py": ("20 x 15 rgb24, a ball", "160 x 120 rgb24, noise", "of a core"),
     "screen_bytes.py": ("calm 80x24", "demo 80x24", "load 80x24"),
+    "motion_rate.py": ("robot process", "in the console's process", "bare loop"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
 

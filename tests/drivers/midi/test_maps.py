@@ -84,6 +84,7 @@ def test_the_committed_schema_of_map_files_is_fresh_and_fits_them() -> None:
     assert not validator.is_valid(wrong)
 
 
+@pytest.mark.toolkit("S3")
 def test_a_robot_changes_some_controls_of_a_map_in_a_file(tmp_path: Path) -> None:
     (tmp_path / "midi").mkdir()
     (tmp_path / "midi" / "mine.yaml").write_text(

@@ -182,6 +182,7 @@ def test_all_three_stops_end_whatever_goes_on(stage: Stage, number: int, going: 
     assert stage.asks[-1].args == {"mode": "normal"}
 
 
+@pytest.mark.toolkit("S3")
 @pytest.mark.parametrize(
     ("number", "mode"),
     [

@@ -105,7 +105,7 @@ def _body_verbs(moves: tuple[str, ...], shape: BodyShape) -> list[Verb]:
             "look at a direction, or at a point in space",
             (
                 Argument("yaw", "number", "to its left", range=_ANGLE),
-                Argument("pitch", "number", "upwards", range=Range(-90, 90, "deg")),
+                Argument("pitch", "number", "downwards", range=Range(-90, 90, "deg")),
                 Argument("x", "number", "forward from the base", range=Range(-100, 100, "m")),
                 Argument("y", "number", "to its left", range=Range(-100, 100, "m")),
                 Argument("z", "number", "above the base", range=Range(-100, 100, "m")),
@@ -120,7 +120,7 @@ def _body_verbs(moves: tuple[str, ...], shape: BodyShape) -> list[Verb]:
             "look a bit further",
             (
                 Argument("yaw", "number", "to its left", default=0.0, range=_ANGLE),
-                Argument("pitch", "number", "upwards", default=0.0, range=_ANGLE),
+                Argument("pitch", "number", "downwards", default=0.0, range=_ANGLE),
             ),
             lane="body",
             stream=True,

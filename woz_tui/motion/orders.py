@@ -117,15 +117,15 @@ class Orders:
             return self._look_at(self._chain.aim_at(target, pose), "gaze", seconds, easing)
         yaw, pitch = direction(self._chain, pose)
         yaw = asked.within("yaw", -180.0, 180.0, yaw)
-        pitch = asked.within("pitch", -90.0, 90.0, pitch)
-        return self._look_at(self._chain.aim_along(yaw, pitch, pose), "gaze", seconds, easing)
+        down = asked.within("pitch", -90.0, 90.0, -pitch)
+        return self._look_at(self._chain.aim_along(yaw, -down, pose), "gaze", seconds, easing)
 
     def _nudge(self, asked: Asked) -> Answer:
-        right, up = asked.within("yaw", -180, 180, 0.0), asked.within("pitch", -180, 180, 0.0)
+        left, down = asked.within("yaw", -180, 180, 0.0), asked.within("pitch", -180, 180, 0.0)
         pose = self._steering.stance.pose
         yaw, pitch = direction(self._chain, pose)
-        yaw = (yaw + right + 180.0) % 360.0 - 180.0
-        pitch = min(90.0, max(-90.0, pitch + up))
+        yaw = (yaw + left + 180.0) % 360.0 - 180.0
+        pitch = min(90.0, max(-90.0, pitch - down))
         return self._look_at(self._chain.aim_along(yaw, pitch, pose), "nudge", NUDGE_S, "")
 
     def _look_at(self, aim: Aim, name: str, seconds: float, easing: str) -> Answer:

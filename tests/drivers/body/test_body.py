@@ -28,6 +28,7 @@ from woz_tui.core.messages import (
     Reading,
 )
 from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.motion.kinematics import Chain
 from woz_tui.motion.setpoints import PRESENT, SEEN, Present, Seen
 from woz_tui.motion.shapes import FaceShape, JointShape, Personality
 
@@ -133,6 +134,26 @@ def test_streams_are_answered_at_once_and_take_over(tmp_path: Path) -> None:
         assert "gaze" in str((await playing)["ended"])
 
     played(tmp_path, story)
+
+
+def test_the_arrow_keys_turn_a_body_as_they_turn_any_head(tmp_path: Path) -> None:
+    """Yaw to its left and pitch downwards are positive, as for servos and the simulated robot."""
+
+    async def whole() -> None:
+        settings = robot("eyepi", tmp_path, personality=CALM)
+        it, chain = await Stage.of(settings, tmp_path), Chain(settings)
+        before = chain.ray(it.setpoints)[1]
+        await it.do("nudge", yaw=5.0, pitch=10.0)
+        await it.ticks(30)
+        lower = chain.ray(it.setpoints)[1]
+        assert lower[2] < before[2] and lower[1] > before[1]
+        await it.do("gaze", yaw=0.0, pitch=-20.0, seconds=0.5)
+        await it.ticks(40)
+        up = chain.ray(it.setpoints)[1]
+        assert math.degrees(math.asin(up[2])) == pytest.approx(20.0, abs=0.5)
+        await it.body.close()
+
+    run_virtual(whole())
 
 
 HOSTILE: list[tuple[str, dict[str, Json]]] = [

@@ -10,8 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers import tables
 from woz_drivers.dynamixel.calibration import calibrate
-from woz_drivers.dynamixel.motion import Follow, Keyframe, Limits, guard, plan, segment, shortest
+from woz_drivers.dynamixel.motion import Follow, Keyframe, plan, segment, shortest
 from woz_drivers.dynamixel.settings import Joint
+
+from woz_tui.motion.safety import Limits, guard
 
 DT = 0.02
 #: How long an example takes says something about the machine only.

@@ -12,13 +12,14 @@ from dataclasses import dataclass, field
 
 from woz_drivers.dynamixel import servo as servos
 from woz_drivers.dynamixel.following import Following
-from woz_drivers.dynamixel.motion import ARRIVED, Follow, Keyframe, Plan, guard, plan
+from woz_drivers.dynamixel.motion import ARRIVED, Follow, Keyframe, Plan, plan
 from woz_drivers.dynamixel.servo import MISSES, Servo, SilentError, Standing, UnfitError
 from woz_drivers.dynamixel.settings import Settings
 from woz_drivers.dynamixel.upkeep import Upkeep
 from woz_drivers.dynamixel.wire import Wire
 from woz_drivers.tables import Register
 from woz_tui.core.driver import DriverError, Lost, Outlet, Rejected
+from woz_tui.motion.safety import guard
 
 #: A setpoint that did not change is written again so often, in seconds: one may have been lost.
 REFRESH_S = 0.5

@@ -10,10 +10,11 @@ from __future__ import annotations
 import math
 from collections.abc import Iterable
 
-from woz_drivers.dynamixel.motion import Follow, Limits
+from woz_drivers.dynamixel.motion import Follow
 from woz_drivers.dynamixel.servo import Servo, Standing
 from woz_drivers.dynamixel.settings import Settings
 from woz_tui.core.driver import Outlet
+from woz_tui.motion.safety import Limits
 from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
 
 #: Setpoints older than this are nobody's wish any more, in seconds: the joints hold.

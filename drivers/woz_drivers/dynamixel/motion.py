@@ -1,4 +1,4 @@
-"""Setpoints: planned ahead, followed live, and bounded once more right before the writer.
+"""Setpoints: planned ahead, and followed live.
 
 Nothing here knows a wire or a clock; times are seconds that somebody else counts, angles degrees.
 """
@@ -9,6 +9,8 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
+from woz_tui.motion.safety import Limits
+
 #: Peak speed and peak acceleration of a minimum-jerk move over its mean speed d/T and d/T^2
 #: (Flash & Hogan 1985: s = 10 u^3 - 15 u^4 + 6 u^5).
 JERK_SPEED = 1.875
@@ -18,35 +20,6 @@ JERK_ACCELERATION = 10 / math.sqrt(3)
 FOLLOW_RAMP_S = 0.15
 #: Closer than this a setpoint has arrived.
 ARRIVED = 1e-6
-
-
-@dataclass(frozen=True, slots=True)
-class Limits:
-    """What a joint may do: degrees, degrees a second, degrees a second squared."""
-
-    low: float
-    high: float
-    speed: float
-    acceleration: float | None = None
-
-    def clamp(self, angle: float) -> float:
-        """The nearest angle inside; NaN has none: `ValueError`."""
-        if math.isnan(angle):
-            raise ValueError("not a number")
-        return min(max(angle, self.low), self.high)
-
-
-def guard(limits: Limits, last: float, wanted: float, elapsed: float) -> float:
-    """The setpoint that may follow `last` after `elapsed` seconds: the last bound of all.
-
-    In range, no step beyond the speed limit, never NaN (then `last` stays). A joint found outside
-    its range is not dragged back in without a command; it just cannot get further out.
-    """
-    if not math.isfinite(wanted):
-        return last
-    low, high = min(limits.low, last), max(limits.high, last)
-    step = limits.speed * max(elapsed, 0.0) if math.isfinite(elapsed) else 0.0
-    return min(max(wanted, low, last - step), high, last + step)
 
 
 @dataclass(frozen=True, slots=True)

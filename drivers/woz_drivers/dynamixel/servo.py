@@ -7,11 +7,12 @@ from dataclasses import dataclass, field
 
 from woz_drivers import tables
 from woz_drivers.dynamixel.calibration import Calibration, calibrate
-from woz_drivers.dynamixel.motion import Follow, Limits, Track
+from woz_drivers.dynamixel.motion import Follow, Track
 from woz_drivers.dynamixel.settings import Joint, Settings
 from woz_drivers.dynamixel.wire import Wire, refusal
 from woz_drivers.tables import Model, Table
 from woz_tui.core.driver import DriverError
+from woz_tui.motion.safety import Limits
 
 #: Reads that must fail in a row before a servo counts as silent: noise costs one, a cable all.
 MISSES = 3

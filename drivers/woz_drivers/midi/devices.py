@@ -64,18 +64,35 @@ def is_path(wanted: str) -> bool:
     return "/" in wanted
 
 
-def path_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> str:
-    """The path of the device `wanted`: a path, relative to `folder`, a card's name, or nothing for
-    the first one. Raises `DeviceError`.
+def paths_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> list[str]:
+    """The paths of devices that are `wanted`: a path, relative to `folder`, a card's name, or
+    nothing for any; the best first. Raises `DeviceError` if there is none.
     """
     if is_path(wanted):
-        return str(folder / Path(wanted).expanduser())
+        return [str(folder / Path(wanted).expanduser())]
     devices = present(dev, proc)
-    for device in devices:
-        if not wanted or device.called(wanted):
-            return device.path
+    fitting = [device for device in devices if not wanted or device.called(wanted)]
+    if fitting:
+        fitting.sort(key=lambda device: device.card.casefold() != wanted.casefold())
+        return [device.path for device in fitting]
     missing = f"no MIDI device is called {wanted!r}" if wanted else "no MIDI device is there"
     raise DeviceError(missing, f"plug the panel in; {listed(devices)}")
+
+
+def open_one(
+    wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC
+) -> tuple[str, int, bool]:
+    """Open the first device that is `wanted` and free: two panels of one make have one name.
+
+    Its path, and what `open_device` returns. Raises `DeviceError`.
+    """
+    refused: DeviceError | None = None
+    for path in paths_of(wanted, folder, dev, proc):
+        try:
+            return path, *open_device(path)
+        except DeviceError as error:
+            refused = refused or error
+    raise refused or DeviceError("no MIDI device is there")
 
 
 def listed(devices: list[Device]) -> str:

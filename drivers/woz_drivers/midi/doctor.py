@@ -46,8 +46,7 @@ def _usable(subject: str, settings: MidiSettings, folder: Path, dev: Path, proc:
     panel = settings.panel
     wanted = settings.device or panel.device or LAYOUTS[panel.layout].device
     try:
-        path = devices.path_of(wanted, folder, dev, proc)
-        fd, writable = devices.open_device(path)
+        path, fd, writable = devices.open_one(wanted, folder, dev, proc)
     except devices.DeviceError as error:
         return Finding("error", subject, error.what, error.remedy)
     os.close(fd)

@@ -189,8 +189,7 @@ class Lesson:
 def begin_lesson(device: str, settings: MidiSettings, *, keep: bool) -> Lesson:
     """Open the panel `device` (path, card's name; empty: the first one). Raises `DriverError`."""
     try:
-        path = devices.path_of(device, Path.cwd())
-        fd, _ = devices.open_device(path)
+        path, fd, _ = devices.open_one(device, Path.cwd())
     except devices.DeviceError as error:
         raise DriverError(error.what, error.remedy) from error
     card = next((it.card for it in devices.present() if it.path == path), "")

@@ -9,7 +9,7 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from woz_drivers.midi.devices import DeviceError, open_device, path_of
+from woz_drivers.midi.devices import DeviceError, open_one
 
 #: A missing device is looked for this often, in seconds.
 POLL_S = 0.5
@@ -24,7 +24,7 @@ class MidiPort:
     """One device; all callbacks run in the event loop.
 
     Args:
-        wanted: Path or card's name, as `devices.path_of` takes it.
+        wanted: Path or card's name, as `devices.paths_of` takes it.
         folder: Where relative paths start.
         on_open: Called with the path before the first bytes of each connection.
         on_bytes: Called with every piece that arrives.
@@ -88,8 +88,7 @@ class MidiPort:
     async def _keep_open(self) -> None:
         while True:
             try:
-                path = path_of(self._wanted, self._folder)
-                fd, writable = open_device(path)
+                path, fd, writable = open_one(self._wanted, self._folder)
             except DeviceError as error:
                 self._tell(error.what, error.remedy)
             else:

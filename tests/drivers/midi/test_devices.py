@@ -50,17 +50,32 @@ def test_devices_are_known_by_their_cards(system: tuple[Path, Path]) -> None:
     ],
 )
 def test_a_device_by_its_name(system: tuple[Path, Path], wanted: str, found: str) -> None:
-    assert devices.path_of(wanted, Path("/"), *system) == str(system[0] / found)
+    assert devices.paths_of(wanted, Path("/"), *system)[0] == str(system[0] / found)
 
 
 def test_a_device_by_its_path_and_one_that_is_not_there(system: tuple[Path, Path]) -> None:
-    assert devices.path_of("./a", Path("/x"), *system) == "/x/a"
-    assert devices.path_of("/dev/snd/b", Path("/x"), *system) == "/dev/snd/b"
+    assert devices.paths_of("./a", Path("/x"), *system) == ["/x/a"]
+    assert devices.paths_of("/dev/snd/b", Path("/x"), *system) == ["/dev/snd/b"]
     with pytest.raises(DeviceError) as raised:
-        devices.path_of("BCF2000", Path("/"), *system)
+        devices.open_one("BCF2000", Path("/"), *system)
     assert raised.value.what == "no MIDI device is called 'BCF2000'"
     assert "plugged in now: nanoKONTROL2 (" in raised.value.remedy
     assert devices.present(Path("/nowhere"), Path("/nowhere")) == []
+
+
+def test_of_two_panels_of_one_make_the_free_one_is_taken(system: tuple[Path, Path]) -> None:
+    dev, proc = system
+    second = " 3 [nanoKONTROL2_1 ]: USB-Audio - nanoKONTROL2\n                      KORG\n"
+    (proc / "cards").write_text(CARDS + second, encoding="utf-8")
+    (dev / "midiC3D0").write_bytes(b"")
+    both = [str(dev / "midiC1D0"), str(dev / "midiC3D0")]
+    assert devices.paths_of("nanoKONTROL2", Path("/"), *system) == both
+    assert devices.paths_of("nanoKONTROL2_1", Path("/"), *system) == both[1:]
+    (dev / "midiC1D0").unlink()
+    (dev / "midiC1D0").symlink_to("gone")  # listed, but it cannot be opened
+    path, fd, _ = devices.open_one("nanoKONTROL2", Path("/"), *system)
+    os.close(fd)
+    assert path == both[1]
 
 
 def test_doctor_tells_devices_the_one_that_is_used_and_free_controls(

@@ -206,7 +206,7 @@ def test_where_the_eyes_look_is_marked() -> None:
     gaze = draw(body, Pose(level, None), sight, SIZES[SIDE]).dots("gaze")
     assert {y for _, y in gaze} == {eyes[1]}
     assert min(x for x, _ in gaze) == eyes[0]
-    assert max(x for x, _ in gaze) >= 2 * SIZES[SIDE][0] - views.SPARSE
+    assert max(x for x, _ in gaze) >= eyes[0] + views.GAZE - views.SPARSE
 
 
 def test_views_in_ascii() -> None:

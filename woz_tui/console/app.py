@@ -12,9 +12,11 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
+from rich.console import RenderableType
 from textual import events
 from textual.app import App, ComposeResult
 from textual.driver import Driver
+from textual.screen import Screen
 
 from woz_tui.console.caps import Cap, cap_of, key_name
 from woz_tui.console.cells import Cells
@@ -27,6 +29,7 @@ from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.status import Line
 from woz_tui.console.stopbar import HINTS, Bar, News
 from woz_tui.console.surface import Surface
+from woz_tui.console.thrift import tight
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.requests import AskRelease, Reply, Welcome
 from woz_tui.experiment.builtins import BUILTIN, Builtin
@@ -272,6 +275,10 @@ class Console(App[str]):
         self._measure()
         self.refresh()
         self.call_after_refresh(self.paint)
+
+    def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
+        """As Textual does, with fewer bytes."""
+        super()._display(screen, tight(renderable))
 
     # -- news and presses ------------------------------------------------------------------------
 

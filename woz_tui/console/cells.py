@@ -52,6 +52,9 @@ _CLEAN |= dict.fromkeys(range(0x202A, 0x202F), " ") | dict.fromkeys(range(0x2066
 #: Texts all of whose characters take one cell each: Latin letters, lines, blocks, dots.
 _SINGLE = re.compile("[\\x20-\\x7e\\xa0-\\u02ff\\u2500-\\u25ff\\u2800-\\u28ff]*")
 
+#: Unchanged cells between two changed ones that are cheaper to paint again than to jump over.
+NEAR = 8
+
 
 def clean(text: str) -> str:
     """`text` on one line, without anything a terminal would obey."""
@@ -135,7 +138,7 @@ class Cells(Widget):
             old = before[y] if y < len(before) else ()
             new = self._rows[y] if y < len(self._rows) else ()
             if old != new:
-                changed.append(_difference(old, new, y, self.size.width))
+                changed += differences(old, new, y, self.size.width)
         if changed:
             self.refresh(*changed)
 
@@ -153,6 +156,31 @@ class Cells(Widget):
         return Strip(segments).adjust_cell_length(width, base)
 
 
+def differences(old: Row, new: Row, y: int, width: int) -> list[Region]:
+    """The cells of line `y` that differ, as few stretches as are worth moving the cursor for."""
+    before, after = _cells(old), _cells(new)
+    if before is None or after is None or len(before) != len(after):
+        return [_difference(old, new, y, width)]
+    stretches: list[tuple[int, int]] = []
+    for x, (was, now) in enumerate(zip(before, after, strict=True)):
+        if was == now:
+            continue
+        if stretches and x - stretches[-1][1] <= NEAR:
+            stretches[-1] = (stretches[-1][0], x + 1)
+        else:
+            stretches.append((x, x + 1))
+    if not stretches:  # the same cells, cut into pieces in another way
+        return []
+    return [Region(start, y, end - start, 1) for start, end in stretches]
+
+
+def _cells(row: Row) -> list[Piece] | None:
+    """Each cell with its look; None where a character may take another number of cells."""
+    if not all(_SINGLE.fullmatch(text) for text, _ in row):
+        return None
+    return [(sign, look) for text, look in row for sign in text]
+
+
 def _difference(old: Row, new: Row, y: int, width: int) -> Region:
     """The cells of line `y` from the first to the last piece that differs."""
     if length(old) != length(new):
@@ -160,22 +188,13 @@ def _difference(old: Row, new: Row, y: int, width: int) -> Region:
     start = 0
     for a, b in zip(old, new, strict=False):
         if a != b:
-            start += _alike(a, b)
             break
         start += cell_len(a[0])
     end = length(new)
     for a, b in zip(reversed(old), reversed(new), strict=False):
         if a != b:
-            end -= _alike((a[0][::-1], a[1]), (b[0][::-1], b[1]))
             break
         end -= cell_len(a[0])
     if end <= start:
         return Region(0, y, width, 1)
     return Region(start, y, end - start, 1)
-
-
-def _alike(old: Piece, new: Piece) -> int:
-    """Cells at the front of two pieces that need no painting."""
-    if old[1] != new[1] or not (_SINGLE.fullmatch(old[0]) and _SINGLE.fullmatch(new[0])):
-        return 0
-    return next((i for i, (a, b) in enumerate(zip(old[0], new[0], strict=False)) if a != b), 0)

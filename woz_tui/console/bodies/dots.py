@@ -71,10 +71,16 @@ class Dots:
 
     def rows(self, glyphs: Glyphs) -> list[Row]:
         """The sheet as rows of cells."""
-        return [
-            joined([self._cell((column, row), glyphs) for column in range(self.width)])
-            for row in range(self.height)
-        ]
+        rows = []
+        for line in range(self.height):
+            cells: list[Piece] = []
+            for column in range(self.width):
+                sign, look = self._cell((column, line), glyphs)
+                if sign == " " and cells:
+                    look = cells[-1][1]  # one look for longer: a blank has none of its own
+                cells.append((sign, look))
+            rows.append(joined(cells))
+        return rows
 
     def _cell(self, cell: Dot, glyphs: Glyphs) -> Piece:
         there = [name for name in self._layers if cell in self._bits[name]]

@@ -41,8 +41,8 @@ STALE_LAYERS: Mapping[str, Layer] = MappingProxyType(
 #: Marks around a joint, and around the middle between the eyes.
 JOINT = ((0, 0), (-1, 0), (1, 0), (0, -1), (0, 1))
 EYES = ((-1, -1), (0, -1), (1, -1), (-1, 0), (1, 0), (-1, 1), (0, 1), (1, 1))
-#: Of the line of sight one dot in so many is drawn.
-SPARSE = 3
+#: Of the line of sight one dot in so many is drawn, and so many dots of it altogether.
+SPARSE, GAZE = 3, 16
 #: Poses that are tried to find out what a body reaches, and the steps between them in degrees.
 MOST_POSES, STEPS = 1000, (30.0, 45.0, 60.0, 90.0, 180.0, 7200.0)
 #: What is kept free around the farthest reach, as a share of it.
@@ -185,8 +185,8 @@ def _links(
 
 
 def _gaze(sheet: Dots, sight: Sight, outline: BodyOutline, angles: Mapping[str, float]) -> None:
-    """From the eyes to the sheet's edge."""
+    """From the eyes some way along their line of sight."""
     origin, direction = outline.chain.ray(angles)
-    far = (sheet.width * ACROSS + sheet.height * DOWN) / sight.scale
+    far = GAZE / sight.scale
     end = tuple(a + far * b for a, b in zip(origin, direction, strict=True))
     sheet.line(sight.dot(origin), sight.dot((end[0], end[1], end[2])), "gaze", every=SPARSE)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Coroutine, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, ClassVar
@@ -14,13 +14,15 @@ from woz_drivers.body.lateness import Lateness
 from woz_drivers.body.ticker import Step, Ticker
 
 from tests.drivers.heard import Heard, Ordered
-from tests.fakes.virtual_time import LoopClock
+from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core.messages import Json, Notice
 from woz_tui.experiment.decode import load
 from woz_tui.motion.setpoints import FACE, SETPOINTS, STATE, Lit, Setpoints, State
-from woz_tui.motion.shapes import JointShape
+from woz_tui.motion.shapes import JointShape, Personality
 from woz_tui.plugins import installed
 
+#: A body without breath, so that it stands where it was told to.
+CALM = Personality(breathing=0.0, blink_rate=0.0)
 ROBOTS = Path(__file__).parents[3] / "experiments" / "robots"
 
 
@@ -150,3 +152,18 @@ def within(settings: Settings, path: list[Mapping[str, float]]) -> bool:
         if any(abs(b[name] - a[name]) > most for a, b in itertools.pairwise(path)):
             return False
     return True
+
+
+def played(
+    tmp_path: Path, story: Callable[[Stage], Coroutine[Any, Any, None]], **changes: Any
+) -> Stage:
+    """Plays `story` on a small calm body to its end, and closes it."""
+    settings = small(personality=CALM, **changes)
+
+    async def whole() -> Stage:
+        it = await Stage.of(settings, tmp_path)
+        await story(it)
+        await it.body.close()
+        return it
+
+    return run_virtual(whole())

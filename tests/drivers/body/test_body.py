@@ -3,53 +3,23 @@
 from __future__ import annotations
 
 import asyncio
-import dataclasses
 import math
-from collections.abc import Callable, Coroutine
 from pathlib import Path
-from typing import Any
 
 import pytest
-from woz_drivers.body import Body, Settings
+from woz_drivers.body import Body
 
-from tests.drivers.body.rig import Stage, robot, small, within
+from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.drivers.heard import Ordered
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.core.conformance import check
 from woz_tui.core.driver import Lost, Probe, Rejected, Scope
 from woz_tui.core.messages import (
-    BodyChanged,
-    DriverConnected,
-    DriverFaulted,
-    FaceShown,
     Json,
     ModeChanged,
-    Notice,
-    Reading,
 )
-from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.setpoints import PRESENT, SEEN, Present, Seen
-from woz_tui.motion.shapes import FaceShape, JointShape, Personality
-
-#: A body without breath, so that it stands where it was told to.
-CALM = Personality(breathing=0.0, blink_rate=0.0)
-
-
-def played(
-    tmp_path: Path, story: Callable[[Stage], Coroutine[Any, Any, None]], **changes: Any
-) -> Stage:
-    """Plays `story` on a small calm body to its end, and closes it."""
-    settings = small(personality=CALM, **changes)
-
-    async def whole() -> Stage:
-        it = await Stage.of(settings, tmp_path)
-        await story(it)
-        await it.body.close()
-        return it
-
-    return run_virtual(whole())
-
+from woz_tui.motion.shapes import FaceShape
 
 # -- what it declares -----------------------------------------------------------------------------
 
@@ -286,165 +256,3 @@ def test_a_command_under_way_fails_when_it_is_closed(tmp_path: Path) -> None:
             await running
 
     run_virtual(whole())
-
-
-# -- what it tells --------------------------------------------------------------------------------
-
-
-def test_readings_come_ten_times_a_second(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        await it.ticks(100)
-
-    it = played(tmp_path, story)
-    assert 20 <= len(it.heard.values("setpoint.pan")) <= 22
-    assert len(it.heard.values("joint.pan")) == len(it.heard.values("setpoint.pan"))
-    assert 2 <= len(it.heard.values("tick")) <= 3
-    assert {one.sensor for one in it.heard.all(Reading)} <= set(Body.sensors(it.body.settings))
-    assert [one.detail for one in it.heard.all(DriverConnected)] == [
-        "2 joints at 50 Hz, without servos"
-    ]
-
-
-@pytest.mark.toolkit("F1", "L9")
-def test_the_face_is_shown_when_it_changes_and_is_what_the_lights_get(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        await it.do("emotion", emotion="happy", intensity=1.0)
-        await it.ticks(60)
-        shown = it.heard.all(FaceShown)
-        assert 2 <= len(shown) <= 60 / 2 + 2  # 25 a second at most
-        assert (shown[-1].emotion, shown[-1].intensity) == ("happy", 1.0)
-        assert shown[-1].rows == it.lit.frame.hex
-        count = len(shown)
-        await it.ticks(60)
-        assert len(it.heard.all(FaceShown)) == count
-
-    played(tmp_path, story, face=FaceShape())
-
-
-@pytest.mark.toolkit("P5")
-def test_how_it_is_is_told_when_it_changes(tmp_path: Path) -> None:
-    ways = {"grumpy": Personality(tempo=1.4, smoothing=0.3, compression=0.25)}
-
-    async def story(it: Stage) -> None:
-        await it.ticks(30)
-        assert len(it.heard.all(BodyChanged)) == 1
-        await it.do("personality", name="grumpy")
-        await it.ticks(50)
-        values = it.heard.all(BodyChanged)[-1].values
-        assert values["personality"] == "grumpy"
-        assert values["tempo"] == pytest.approx(1.4)
-        assert it.state.personality == "grumpy"
-        assert set(it.state.controls) >= {"pan", "tilt", "tempo", "smoothing"}
-
-    played(tmp_path, story, personalities=ways)
-
-
-@pytest.mark.toolkit("R4")
-def test_the_zero_of_a_joint_is_added_for_the_servos_only(tmp_path: Path) -> None:
-    joints = {"pan": JointShape("z", -90, 90, 300, zero=5.0)}
-
-    async def whole() -> None:
-        settings = Settings(joints, personality=CALM)
-        it = await Stage.of(settings, tmp_path)
-        await it.do("pose", joints={"pan": 10.0}, seconds=0.3)
-        await it.ticks(10)
-        assert it.setpoints["pan"] == pytest.approx(15.0)
-        assert it.heard.values("setpoint.pan")[-1] == pytest.approx(10.0)
-        await it.body.close()
-
-    run_virtual(whole())
-
-
-# -- servos and camera beside it ------------------------------------------------------------------
-
-
-def present(it: Stage, held: frozenset[str], **joints: float) -> None:
-    now = round(asyncio.get_running_loop().time() * 1e6)
-    it.heard.outlet.feed(PRESENT, of="head").put(Present(now, joints, held))
-
-
-@pytest.mark.toolkit("R4")
-def test_it_begins_where_the_servos_are_and_follows_hands_while_they_are_limp(
-    tmp_path: Path,
-) -> None:
-    async def story(it: Stage) -> None:
-        present(it, frozenset(), pan=33.0, tilt=-12.0)
-        await it.ticks(2)
-        assert it.setpoints == pytest.approx({"pan": 33.0, "tilt": -12.0})
-        present(it, frozenset(), pan=-40.0, tilt=-12.0)  # a hand turns it
-        await it.ticks(2)
-        assert it.setpoints["pan"] == pytest.approx(-40.0)
-        present(it, frozenset({"pan", "tilt"}), pan=-40.0, tilt=-12.0)
-        await it.ticks(2)
-        present(it, frozenset({"pan", "tilt"}), pan=10.0, tilt=-12.0)  # held: it lags, no more
-        await it.ticks(2)
-        assert it.setpoints["pan"] == pytest.approx(-40.0)
-
-    played(tmp_path, story, servos="head")
-
-
-def test_a_move_is_rehearsed_with_limp_servos(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        present(it, frozenset(), pan=0.0, tilt=10.0)
-        await it.ticks(2)
-        running = it.begin("play", move="shake", speed=1.0, amplitude=1.0)
-        for step in range(40):
-            present(it, frozenset(), pan=float(step), tilt=10.0)
-            await it.ticks(1)
-        assert "ended" not in await running
-
-    played(tmp_path, story, servos="head")
-
-
-@pytest.mark.toolkit("O4", "O6")
-def test_tracking_turns_to_what_the_camera_sees(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        await it.do("mode", mode="tracking")
-        for frame in range(1, 60):
-            now = round(asyncio.get_running_loop().time() * 1e6)
-            it.heard.outlet.feed(SEEN, of="eye").put(Seen(now, frame, 0.5, 0.0, 0.1))
-            await it.ticks(2)
-        assert it.setpoints["pan"] < -5.0  # right of the middle: the head turns to its right
-
-    played(tmp_path, story, camera="eye")
-
-
-# -- when something breaks ------------------------------------------------------------------------
-
-
-@pytest.mark.toolkit("G1", "R4")
-def test_a_tick_that_fails_is_told_and_the_next_one_goes_on(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        class Torn(type(it.body.loop.engine)):  # type: ignore[misc]
-            def tick(self, t: float) -> Any:
-                raise RuntimeError("a bug")
-
-        whole = it.body.loop.engine.__class__
-        it.body.loop.engine.__class__ = Torn
-        await it.ticks(2)
-        assert len(it.heard.all(DriverFaulted)) == 1
-        it.body.loop.engine.__class__ = whole
-        await it.ticks(2)
-        assert len(it.heard.all(DriverConnected)) == 2
-        await it.do("pose", joints={"pan": 5.0}, seconds=0.2)
-
-    played(tmp_path, story)
-
-
-def test_every_built_in_move_can_be_played(tmp_path: Path) -> None:
-    async def story(it: Stage) -> None:
-        for name in BUILT_IN:
-            if name != "demo":
-                running = it.begin("play", move=name, speed=1.0, amplitude=1.0)
-                path = await it.path(200)
-                assert within(it.body.settings, path)
-                await running
-
-    it = played(tmp_path, story)
-    assert not [one for one in it.heard.all(Notice) if one.level != "info"]
-
-
-def test_settings_of_robot_files_are_what_they_say(tmp_path: Path) -> None:
-    settings = robot("eyepi", tmp_path)
-    assert [joint.home for joint in settings.joints.values()] == [0, 72, 63]
-    assert dataclasses.asdict(settings.personalities["grumpy"])["compression"] == 0.25

@@ -135,3 +135,32 @@ def test_it_begins_by_following_the_eyes_that_look_aside() -> None:
     rig.run(3.0)
     assert rig.last.joints["pitch"] == pytest.approx(0.8 * 15, abs=0.2)
     assert eyes(rig.last.face) == pytest.approx(0.0, abs=0.5)
+
+
+@pytest.mark.toolkit("S1", "P1")
+def test_a_shy_and_slow_body_hits_its_target_all_the_same() -> None:
+    rig = Rig(STILL)
+    rig.do("personality", compression=0.6, smoothing=1.0)
+    rig.run(3.0)
+    rig.do("mode", mode="saccade")
+    rig.run(3.0)
+    before = rig.last.joints["pitch"]
+    rig.do("look", **look_towards(30.0))
+    rig.run(3.0)
+    assert rig.last.joints["pitch"] == pytest.approx(before + 30.0, abs=0.5)
+    assert rig.engine.eyes[0] == pytest.approx(0.0, abs=0.05)
+    rig.do("mode", mode="normal")
+    rig.run(6.0)
+    assert rig.last.joints["top"] == pytest.approx(45 + 0.4 * (28.65 - 45), abs=0.1)
+
+
+@pytest.mark.toolkit("S1", "L8")
+def test_while_it_breathes_the_eyes_rest_within_half_a_light() -> None:
+    rig = started(EYEPI)
+    offsets, tops = [], []
+    for _ in range(500):
+        rig.tick()
+        offsets += [abs(3 * offset) for offset in rig.engine.eyes]  # three lights each way
+        tops.append(rig.last.joints["top"])
+    assert max(offsets) <= 0.5
+    assert max(tops) - min(tops) > 1.0

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 import math
 from dataclasses import replace
 from typing import Any
@@ -38,6 +39,18 @@ def test_a_frozen_body_stands_still_in_every_mode(mode: Mode) -> None:
     for joint, angle in before.joints.items():  # it stays there, but for its breath
         assert all(abs(value - angle) <= 2.6 * 2 for value in column(after, joint))
     assert len(set(column(after, "top"))) > 20
+
+
+def test_breath_comes_back_gently_after_the_release() -> None:
+    for pause in (0.3, 0.7, 1.1, 1.5):
+        rig = Rig(EYEPI)
+        rig.run(3.0 + pause)
+        rig.engine.freeze()
+        ticks = [rig.tick()]
+        rig.engine.resume()
+        ticks += rig.run(0.5)
+        steps = [abs(b - a) for a, b in itertools.pairwise(column(ticks, "top"))]
+        assert max(steps) < 0.4
 
 
 def test_a_freeze_ends_what_takes_time() -> None:

@@ -2,9 +2,11 @@
 
     python benchmarks/screen_bytes.py [--seconds 12] [--quick]
 
-Three scenes at 80 x 24 and 160 x 50: calm (a session in which nothing happens), demo (`woz demo`:
-a visitor comes, looks and goes, the robot breathes and plays what is asked of it), load (six
-readings at 30 Hz and 300 log lines a second). In demo and load a key is pressed every second.
+Five scenes at 80 x 24 and 160 x 50: calm (a session in which nothing happens), demo (`woz demo`:
+a visitor comes, looks and goes, the robot breathes and plays what is asked of it), breathing and
+moving (`woz demo --robot eyepi`: a body with its face and links, left alone and playing moves),
+load (six readings at 30 Hz and 300 log lines a second). In demo, moving and load a key is pressed
+every second.
 Bytes are counted as they leave the pseudo-terminal, uncompressed.
 """
 
@@ -24,7 +26,11 @@ from benchmarks.sessions import Bench, Terminal, bench, woz
 GOAL_CALM, GOAL_BUSY = 4_000, 25_000
 SIZES = ((80, 24), (160, 50))
 #: Keys of the demo that are actions of the robot, and of the bench.
-PRESSED = {"calm": b"", "demo": b"hwynm", "load": b"abcde"}
+PRESSED = {"calm": b"", "demo": b"hwynm", "breathing": b"", "moving": b"dnsjl", "load": b"abcde"}
+#: Scenes in which little happens.
+QUIET = ("calm", "breathing")
+#: Scenes of a robot that comes with woz-tui.
+ROBOTS = {"demo": "simulated", "breathing": "eyepi", "moving": "eyepi"}
 #: The first paintings and the robot process's start are over after this, in seconds.
 WARM_S = 3.0
 
@@ -42,7 +48,8 @@ class Cost:
 
 def command(name: str, it: Bench) -> Sequence[str]:
     """How a scene is started."""
-    return woz("demo", *it.options()) if name == "demo" else it.run_command()
+    robot = ROBOTS.get(name)
+    return woz("demo", "--robot", robot, *it.options()) if robot else it.run_command()
 
 
 def watch(name: str, size: tuple[int, int], seconds: float, warm: float) -> Cost:
@@ -88,7 +95,7 @@ def main() -> None:
     seconds, warm = (0.5, 0.2) if arguments.quick else (arguments.seconds, WARM_S)
     rows = []
     for name in PRESSED:
-        goal = GOAL_CALM if name == "calm" else GOAL_BUSY
+        goal = GOAL_CALM if name in QUIET else GOAL_BUSY
         for columns, lines in SIZES[:1] if arguments.quick else SIZES:
             cost = watch(name, (columns, lines), seconds, warm)
             rows.append([f"{name} {columns}x{lines}", f"{cost.bytes_s / 1000:.2f}",

@@ -150,6 +150,8 @@ class Picture:
     def _panels(self, changed: r.PanelsChanged) -> None:
         self.locks = {}
         self.settings["values"] = dict(changed.values)
+        self.settings["profiles"] = list(changed.profiles)
+        self.settings["profile"] = changed.profile
         self._plan(changed)
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged) -> None:

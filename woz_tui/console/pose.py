@@ -18,7 +18,7 @@ _JOINT = re.compile(r"(?P<whose>.*\.)?(?P<kind>joint|setpoint)\.(?P<name>.+)")
 #: Belongs to a loudness, and is drawn with it.
 _THRESHOLD = re.compile(r"(.*\.)?loudness\..+")
 #: Digits behind the point by unit, so that a value does not change its width.
-_DIGITS = {"m": 2, "deg": 0, "C": 0, "V": 1, "%": 0}
+_DIGITS = {"m": 2, "ms": 1, "deg": 0, "C": 0, "V": 1, "%": 0}
 #: Half of a joint's range where nobody has told its limits, in degrees.
 _HALF, _WHOLE = 90.0, 180.0
 #: Said last: where the robot stands, and from where it hears.

@@ -186,6 +186,14 @@ def _lock(message: m.PanelLocked, picture: Picture) -> Event:
     return Event(message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
 
 
+def _profile(message: m.ProfileChanged, picture: Picture) -> Event:
+    return Event(
+        message.t,
+        "info",
+        f"Profile {message.profile}" if message.profile else "Everything may be used",
+    )
+
+
 def _reloaded(message: m.ExperimentReloaded, picture: Picture) -> Event:
     return Event(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
 
@@ -225,6 +233,7 @@ _TELLERS: dict[type[m.Message], Callable[[Any, Picture], Event | None]] = {
     m.Note: _note,
     m.Mistake: _mistake,
     m.PanelLocked: _lock,
+    m.ProfileChanged: _profile,
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
     m.ConsoleLost: _console_lost,

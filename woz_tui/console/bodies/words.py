@@ -62,7 +62,7 @@ def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
         ("plays", move, "plain" if move == glyphs.dash else "run"),
         ("is", str(seen.value("personality", "name") or "") or glyphs.dash, "plain"),
         ("breathes", _breathing(seen, glyphs), "plain"),
-        ("blinks", _blinking(seen), "plain"),
+        ("blinks", _blinking(seen, glyphs), "plain"),
         ("tempo", figure("tempo", seen.value("tempo"), glyphs), "plain"),
         ("seen", seen.old, "stale") if seen.old else ("", "", "plain"),
     ]
@@ -92,11 +92,11 @@ def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
     return "yes" if rate is None else figure("breathing_rate", rate, glyphs)
 
 
-def _blinking(seen: SeenBody) -> str:
+def _blinking(seen: SeenBody, glyphs: Glyphs) -> str:
     if not _on(seen.value("blinking")):
         return "no"
     rate = seen.value("blink_rate")
-    return f"{rate:.0f} a minute" if isinstance(rate, int | float) else "yes"
+    return figure("blink_rate", rate, glyphs) if isinstance(rate, int | float) else "yes"
 
 
 # -- the whole table ------------------------------------------------------------------------------
@@ -127,7 +127,7 @@ def _seconds(value: float, _: Glyphs) -> str:
 
 
 def _a_minute(value: float, _: Glyphs) -> str:
-    return f"{value:.0f} a minute"
+    return f"{value:.0f}/min"
 
 
 Writer = Callable[[float, Glyphs], str]
@@ -185,13 +185,13 @@ def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[
         return [(("the body has not told its values yet", "muted"),)]
     lines = max(1, min(height, len(names)))
     columns = [names[start : start + lines] for start in range(0, len(names), lines)]
-    each = max(12, width // len(columns))
+    fronts = [max(map(len, column)) + 1 for column in columns]
+    each = max(VALUES, (width - sum(fronts)) // len(columns) - 1)
     look = "stale" if seen.old else "plain"
     rows: list[Row] = [() for _ in range(lines)]
-    for column in columns:
-        front = min(each - VALUES, max(map(len, column)) + 1)
+    for column, front in zip(columns, fronts, strict=True):
         for line, name in enumerate(column):
             label = fit(name.replace("_", " "), front, glyphs.ellipsis)
-            value = fit(figure(name, known[name], glyphs), each - front - 1, glyphs.ellipsis)
+            value = fit(figure(name, known[name], glyphs), each, glyphs.ellipsis)
             rows[line] += ((label, "muted"), (value, look), (" ", "plain"))
     return [cut(row, width, glyphs.ellipsis) for row in rows]

@@ -1,0 +1,97 @@
+"""A light of moods: it looks at a body's face and has the lamp glow in the colour of it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Annotated, Any, ClassVar
+
+from woz_tui.core.driver import Ask, Finding, Health, Job, Outlet, Probe, Rejected, Scope, Verb
+from woz_tui.core.fields import Doc, Sibling
+from woz_tui.core.messages import Json
+
+COLORS = {"happy": "#ffd000", "sad": "#0040ff", "angry": "#ff0000", "sleepy": "#201008"}
+LOOK_S = 0.1
+
+
+@dataclass(frozen=True, slots=True)
+class MoodSettings:
+    """Two other drivers of the same robot."""
+
+    follows: Annotated[str, Sibling(), Doc("the body whose face it looks at")]
+    lamp: Annotated[str, Sibling(), Doc("the lamp that glows")]
+
+
+class Mood:
+    """Has no hardware: it reads one driver and asks for another."""
+
+    Settings: ClassVar[type] = MoodSettings
+    summary: ClassVar[str] = "has a lamp glow as a body feels"
+
+    def __init__(self, name: str, settings: MoodSettings, outlet: Outlet) -> None:
+        self._outlet = outlet
+        self._lamp = settings.lamp
+        self._state = outlet.feed("state", of=settings.follows)
+        self._task: asyncio.Task[None] | None = None
+        self._still = False
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """None: it is never told what to do."""
+        return ()
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """None."""
+        return ()
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """There is nothing to look at."""
+        return []
+
+    async def open(self) -> None:
+        """Begin to look."""
+        self._outlet.health(Health.CONNECTED, "looks at the body's face")
+        self._task = asyncio.get_running_loop().create_task(self._look())
+
+    async def _look(self) -> None:
+        seen, shown = 0, ""
+        while True:
+            await asyncio.sleep(LOOK_S)
+            latest = self._state.latest()
+            if self._still or latest.serial == seen:
+                continue
+            seen = latest.serial
+            color = COLORS.get(latest.value.emotion, "#ffffff")
+            if color != shown:
+                shown = color
+                self._outlet.ask(Ask("verb", "glow", {"color": color}, on=self._lamp), self._told)
+
+    def _told(self, carried: bool, why: str) -> None:
+        if not carried:
+            self._outlet.notice("warning", f"the lamp does not follow: {why}")
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """It offers nothing."""
+        raise Rejected(f"a mood cannot {job.verb!r}")
+
+    async def stop(self, scope: Scope) -> None:
+        """Ask for nothing more until the stop is released."""
+        self._still = self._still or scope is Scope.ALL
+
+    async def resume(self) -> None:
+        """Look again."""
+        self._still = False
+
+    async def rest(self) -> None:
+        """Looking is rest enough."""
+
+    async def close(self) -> None:
+        """End looking."""
+        if self._task is not None:
+            self._task.cancel()
+            with contextlib.suppress(asyncio.CancelledError):
+                await self._task

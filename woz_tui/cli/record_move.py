@@ -16,7 +16,6 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from woz_tui.cli.rendered import Stage
     from woz_tui.core.driver import Driver
-    from woz_tui.experiment.shape import Problem
     from woz_tui.motion.keyframes import KeyframeMove
     from woz_tui.motion.puppeteer import Puppeteer
     from woz_tui.motion.shapes import BodyShape
@@ -99,9 +98,15 @@ def run(arguments: argparse.Namespace) -> int:
 
     try:
         return record(arguments, plugins.installed())
-    except (ExperimentError, MoveFileError) as error:
-        problems: list[Problem] = error.problems
-        print(*problems, sep="\n", file=sys.stderr)
+    except ExperimentError as error:
+        print(*error.problems, sep="\n", file=sys.stderr)
+    except MoveFileError as error:
+        print(*error.problems, sep="\n", file=sys.stderr)
+        print(
+            f"woz record-move: {arguments.file} is there and is no move that can be read;"
+            " nothing was recorded",
+            file=sys.stderr,
+        )
     except WriteError as error:
         remedy = f" ({error.remedy})" if error.remedy else ""
         print(f"woz record-move: {error.what}{remedy}", file=sys.stderr)

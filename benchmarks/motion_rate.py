@@ -69,6 +69,7 @@ def experiment(it: Bench) -> Path:
     """The five joints with servos, a camera and the busiest sensors."""
     names = re.findall(r"^      (\w+):  ", ROBOT.read_text(), re.MULTILINE)[: len(IDS)]
     body = ROBOT.read_text().partition("drivers:\n")[2]
+    body = re.sub(r"^    moves: ", f"    moves: {ROBOT.parent}/", body, flags=re.MULTILINE)
     body = body.replace(
         "    type: body\n", "    type: body\n    servos: head\n    camera: eye\n", 1
     )

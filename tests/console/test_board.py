@@ -161,3 +161,22 @@ async def test_without_a_panel_the_dialog_says_so() -> None:
     async with sitting(bodies.welcome(knobs=False)) as seat:
         await seat.press("plus")
         await seat.until(lambda: "No MIDI panel" in seat.drawn(), "the sentence")
+
+
+@pytest.mark.toolkit("K2")
+def test_moves_that_begin_alike_can_be_told_apart() -> None:
+    told = bodies.panel()
+    controls = told["controls"]
+    assert isinstance(controls, list)
+    labels = {"button-1": "point-left", "button-2": "point-middle", "button-3": "point-right"}
+    renamed: list[m.Json] = [
+        {**one, "label": labels.get(str(one["name"]), "")}
+        for one in controls
+        if isinstance(one, dict)
+    ]
+    found = outlines_of({"outlines": {"panel": {**told, "controls": renamed}}})["panel"]
+    assert isinstance(found, PanelOutline)
+    shown = text(board_rows(Board(found, KnobsPicture()), SMALL))
+    strips = "\n".join(shown.splitlines()[:6])
+    for words in ("○ …left", "○ middle", "○ …right"):
+        assert words in strips

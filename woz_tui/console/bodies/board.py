@@ -105,7 +105,7 @@ def _control(board: Board, control: Control, width: int, glyphs: Glyphs) -> list
     look = "faint" if not label else "warn" if board.waits(control) else _tone(board, "plain")
     return [
         *draw(board, control, glyphs),
-        ((fit(label or glyphs.middle, width, glyphs.ellipsis), look),),
+        ((_short(label or glyphs.middle, width, glyphs.ellipsis), look),),
     ]
 
 
@@ -120,8 +120,16 @@ def _button(board: Board, control: Control, width: int, glyphs: Glyphs) -> Row:
     if not control.label:
         return ((fit(sign if pressed else glyphs.middle, width), "faint"),)
     look = "flash" if pressed else "run" if lit else "muted"
-    text = fit(f"{sign} {clean(control.label)}", width, glyphs.ellipsis)
-    return ((text, _tone(board, look)),)
+    label = _short(clean(control.label), width - 2, glyphs.ellipsis)
+    return ((f"{sign} {label}", _tone(board, look)),)
+
+
+def _short(label: str, width: int, ellipsis: str) -> str:
+    """A label in `width` cells; of `point-left` what tells it from `point-right` is kept."""
+    tail = label.rpartition("-")[2]
+    if len(label) > width >= len(tail):
+        label = tail if len(tail) == width else ellipsis + tail
+    return fit(label, width, ellipsis)
 
 
 def _figures(board: Board, control: Control, glyphs: Glyphs) -> tuple[Piece, Piece]:

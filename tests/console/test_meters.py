@@ -342,3 +342,29 @@ def test_figures() -> None:
     assert seconds(123_000_000) == "123 s"
     assert decibels(1.0) == 0.0
     assert decibels(0.0) == decibels(float("nan")) == -60.0
+
+
+@pytest.mark.toolkit("U1")
+def test_each_robot_has_its_own_loudness_and_visitor() -> None:
+    shown = meters(
+        scenes.reading(NOW, "left.loudness", 0.1),
+        scenes.reading(NOW, "left.loudness.threshold", 0.01),
+        scenes.reading(NOW, "right.loudness", 0.001),
+        scenes.reading(NOW, "left.presence", 1.0),
+        scenes.reading(NOW, "right.presence", 0.0),
+    ).splitlines()
+
+    assert [line.split("  ")[0].strip() for line in shown[2:]] == [
+        "left.vis… ● person",
+        "right.vi… ○ person",
+    ]
+    assert "left loud" in shown[0]
+    assert "-20 dB" in shown[0]
+    assert "│" in shown[0]
+    assert "-60 dB" in shown[1]
+    assert "threshold" not in "".join(shown)
+
+
+def test_no_minus_before_an_angle_of_zero() -> None:
+    shown = meters(scenes.reading(NOW, "joint.pan", -0.2, unit="deg"))
+    assert "-0" not in shown

@@ -77,9 +77,9 @@ class Settings:
     characters_per_second: Annotated[float, Range(1, 100), Doc("how fast it speaks")] = 14.0
     drive_speed: Annotated[float, Range(0.01, 5, "m/s"), Doc("how fast it drives")] = 0.3
     turn_speed: Annotated[float, Range(1, 720, "degrees/s"), Doc("how fast the base turns")] = 45.0
-    voice_only: Annotated[
-        bool, Doc("it only speaks and sounds: the body is another driver's")
-    ] = False
+    voice_only: Annotated[bool, Doc("it only speaks and sounds: the body is another driver's")] = (
+        False
+    )
     torque: Annotated[bool, Doc("whether the motors hold from the start")] = True
     speed: Annotated[float, Range(0.1, 1000), Doc("how many times faster than life")] = 1.0
     connect_after: Annotated[float, Seconds(), Doc("how long it takes to be found")] = 0.0

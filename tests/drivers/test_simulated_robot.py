@@ -288,3 +288,9 @@ async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:
         await it.pace.advance(2.0)
         assert max(reading.value or 0 for reading in it.outlet.of("presence")) == 1
         assert len(it.outlet.of("distance")) <= 28
+
+
+def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:
+    settings = Settings(voice_only=True)
+    assert [verb.name for verb in SimulatedRobot.verbs(settings)] == ["say", "sound", "volume"]
+    assert SimulatedRobot.sensors(settings) == ()

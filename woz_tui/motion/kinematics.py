@@ -24,13 +24,13 @@ AT_HEAD_M = 0.02
 _EXACT = 1e-5
 _STEPS = 40
 #: A step that gains less than this share of the error gains nothing; so often in a row ends it.
-_GAIN, _PATIENCE = 1e-3, 3
+_GAIN, _PATIENCE = 1e-2, 2
 #: The gaze is led over this at most in one step, in radians.
 _STRIDE = 0.7
 #: Damping (squared, in radians): where it begins, how it changes, where a search gives up.
 _DAMPING, _FIRMER, _LOOSER, _STIFF = 1e-3, 8.0, 0.25, 1e4
 #: Further starts of a search that got stuck: shares of each joint's range, golden-ratio steps.
-_STARTS, _GOLDEN = 5, (math.sqrt(5) - 1) / 2
+_STARTS, _GOLDEN = 16, (math.sqrt(5) - 1) / 2
 _ORIGIN: Vector = (0.0, 0.0, 0.0)
 
 

@@ -94,6 +94,17 @@ def still(left: float, up: float) -> Callable[[float], tuple[float, float] | Non
     return lambda _t: (left, up)
 
 
+def at_home(x: float, y: float) -> tuple[float, float]:
+    """The direction of a pixel, counted from the middle, of a head at home: it looks up 9 deg."""
+    nine = math.radians(9)
+    right = x / (WIDTH / 2) * math.tan(math.radians(FIELD[0] / 2))
+    down = y / (HEIGHT / 2) * math.tan(math.radians(FIELD[1] / 2))
+    forward = math.cos(nine) + down * math.sin(nine)
+    above = math.sin(nine) - down * math.cos(nine)
+    pitch = math.atan2(above, math.hypot(forward, right))
+    return math.degrees(math.atan2(-right, forward)), math.degrees(pitch)
+
+
 def hidden(_t: float) -> None:
     return None
 
@@ -112,9 +123,8 @@ def test_a_blob_on_the_right_turns_the_head_right() -> None:
 def test_a_still_blob_anywhere_in_view_is_centred_without_swinging(
     x: float, y: float, age: float
 ) -> None:
-    left = math.degrees(math.atan(-x * math.tan(math.radians(30)) / 10))
-    up = 9.0 + math.degrees(math.atan(-y * math.tan(math.radians(22.5)) / 7.5))
-    scene = Scene(tracking(eyepi()), still(left, up), age)
+    scene = Scene(tracking(eyepi()), still(*at_home(x, y)), age)
+    assert scene.off() == pytest.approx((x, y), abs=1e-6)
     offs = []
     for _ in range(round(6.0 / DT)):
         scene.tick()

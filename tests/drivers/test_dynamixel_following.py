@@ -181,6 +181,18 @@ async def test_what_is_told_to_the_body(tmp_path: Path) -> None:
         await until(lambda: (now := present(it)) is not None and now.held == {"tilt"})
 
 
+async def test_a_joint_is_told_in_the_degrees_of_its_body(tmp_path: Path) -> None:
+    async with stand(tmp_path, prepare=placed, follows="body") as it:
+        await until(lambda: bool(it.heard.values("joint.pan")))
+        assert it.heard.values("joint.pan")[-1] == pytest.approx((1700 - 2048) * COUNT, abs=0.01)
+        body = it.heard.outlet.feed(SETPOINTS, of="body")
+        body.put(Setpoints(round(time.monotonic() * 1e6), {"pan": 5.0}, {"pan": 5.0}))
+        before = len(it.heard.values("joint.pan"))
+        await until(lambda: len(it.heard.values("joint.pan")) > before + 1)
+        there = (1700 - 2048) * COUNT - 5.0
+        assert it.heard.values("joint.pan")[-1] == pytest.approx(there, abs=0.01)
+
+
 async def test_only_torque_and_reboot_are_left_to_ask_for(tmp_path: Path) -> None:
     async with stand(tmp_path, follows="body") as it:
         settings = it.driver.settings

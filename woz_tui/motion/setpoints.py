@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from woz_tui.motion.frames import Frame
 
@@ -15,11 +15,13 @@ PRESENT, SEEN = "present", "seen"
 @dataclass(frozen=True, slots=True)
 class Setpoints:
     """Feed `setpoints` of a body: where each joint shall be now, in degrees, with the joint's
-    `zero` added. `t_us` is CLOCK_MONOTONIC in microseconds.
+    `zero` added. `t_us` is CLOCK_MONOTONIC in microseconds. `zeros` are what was added, so that
+    servos can say in the body's own degrees where their joints are.
     """
 
     t_us: int
     joints: Mapping[str, float]
+    zeros: Mapping[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

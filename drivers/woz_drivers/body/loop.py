@@ -127,6 +127,7 @@ class BodyLoop:
             Setpoints(
                 round(now * 1e6),
                 {name: angle + self._zero[name] for name, angle in tick.joints.items()},
+                self._zero,
             )
         )
         self._light(tick)

@@ -87,6 +87,11 @@ class Following:
             return None
         return servo.limits.clamp(wanted)
 
+    def zero(self, joint: str) -> float:
+        """What the body adds to this joint's angles on their way here, in degrees."""
+        newest = self._setpoints.latest().value
+        return newest.zeros.get(joint, 0.0) if isinstance(newest, Setpoints) else 0.0
+
     def tell(self, servos: Iterable[Servo], now: float) -> None:
         """Let the body know where its joints are, and which of them are held."""
         ready = [servo for servo in servos if servo.standing is Standing.READY]

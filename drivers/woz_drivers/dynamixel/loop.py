@@ -177,7 +177,10 @@ class ServoLoop:
         self._outlet.health(*report(self._settings, chain.servos.values()))
         for servo in chain.servos.values():
             if servo.standing is Standing.READY:
-                self._outlet.reading(f"joint.{servo.name}", round(servo.present, 3), unit="deg")
+                # In a body's degrees, so that it can be held against the body's setpoint.
+                zero = self.following.zero(servo.name) if self.following is not None else 0.0
+                present = round(servo.present - zero, 3)
+                self._outlet.reading(f"joint.{servo.name}", present, unit="deg")
                 if self.following is None:  # else the body tells them
                     self._outlet.reading(
                         f"setpoint.{servo.name}", round(servo.setpoint, 3), unit="deg"

@@ -99,9 +99,12 @@ async def test_the_views_follow_the_setpoints() -> None:
 
 @pytest.mark.toolkit("V1")
 def test_what_it_does_is_said_beside_the_face() -> None:
-    shown = pane(*bodies.alive(mode="demo", move="nod", personality="grumpy", blink_rate=20.0))
-    for words in ("happy 80 %", "demo", "nod", "grumpy", "0.53 Hz", "20/min", "2.13 Hz"):
+    shown = pane(*bodies.alive(mode="saccade", move="nod", personality="grumpy", blink_rate=20.0))
+    for words in ("happy 80 %", "saccade", "nod", "grumpy", "0.53 Hz", "20/min", "2.13 Hz"):
         assert words in shown
+    demo = pane(*bodies.alive(mode="demo", move="demo"))  # breathes and blinks as scripted
+    assert "breathes   no" in demo
+    assert "blinks     no" in demo
     still = pane(*bodies.alive(breathing_on=False, blinking=False))
     assert "breathes   no" in still
     assert "blinks     no" in still

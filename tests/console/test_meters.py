@@ -137,6 +137,7 @@ def test_unknown_sensors_get_a_line() -> None:
     shown = meters(scenes.reading(NOW, "temperature", 41.5, unit="C"))
     assert " temperat… 42 C " in shown
     assert "no sensor" in meters()
+    assert "tick" not in meters(scenes.reading(NOW, "joy.tick", 0.4, unit="ms"))
 
 
 def test_the_order_is_fixed_whatever_speaks_first() -> None:

@@ -21,6 +21,8 @@ _THRESHOLD = re.compile(r"(.*\.)?loudness\..+")
 _DIGITS = {"m": 2, "ms": 1, "deg": 0, "C": 0, "V": 1, "%": 0}
 #: Half of a joint's range where nobody has told its limits, in degrees.
 _HALF, _WHOLE = 90.0, 180.0
+#: For the log and its readers, not for a wizard: how punctual a body's ticks are.
+_FOR_THE_LOG = re.compile(r"(.*\.)?tick")
 #: Said last: where the robot stands, and from where it hears.
 _LAST = ("direction", "base")
 
@@ -146,7 +148,8 @@ def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row
     """
     groups: dict[str, list[SensorPicture]] = {}
     for name, sensor in sorted(picture.sensors.items(), key=lambda item: (len(item[0]), item[0])):
-        if name not in known and not _JOINT.match(name) and not _THRESHOLD.match(name):
+        told = any(shape.fullmatch(name) for shape in (_JOINT, _THRESHOLD, _FOR_THE_LOG))
+        if name not in known and not told:
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
     return [_group(name, groups[name], picture, frame) for name in names]

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 
 from woz_tui.console.bodies.seen import SeenBody
 from woz_tui.console.cells import Row, clean, cut, fit
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.core.messages import Json
+from woz_tui.motion.modes import BLINKS, BREATHES, Mode
 
 #: A body that was told no rate of its own breathes once in so many beats.
 BEATS_A_BREATH = 4
@@ -83,8 +84,13 @@ def _on(value: Json) -> bool:
     return value is not False
 
 
+def _by_itself(modes: Collection[Mode], mode: str) -> bool:
+    """Whether it does so in this mode; of a mode nobody here knows, we know no better."""
+    return mode in {known.value for known in modes} or mode not in {known.value for known in Mode}
+
+
 def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
-    if not _on(seen.value("breathing_on")):
+    if not _on(seen.value("breathing_on")) or not _by_itself(BREATHES, seen.mode):
         return "no"
     rate, tempo = seen.value("breathing_rate"), seen.value("tempo")
     if rate is None and isinstance(tempo, int | float):
@@ -93,7 +99,7 @@ def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
 
 
 def _blinking(seen: SeenBody, glyphs: Glyphs) -> str:
-    if not _on(seen.value("blinking")):
+    if not _on(seen.value("blinking")) or not _by_itself(BLINKS, seen.mode):
         return "no"
     rate = seen.value("blink_rate")
     return figure("blink_rate", rate, glyphs) if isinstance(rate, int | float) else "yes"

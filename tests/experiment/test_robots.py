@@ -22,3 +22,14 @@ def test_an_example_robot_is_read_without_a_warning(path: Path, tmp_path: Path) 
     experiment = load(file, installed())
     assert experiment.warnings == ()
     assert experiment.drivers
+
+
+def test_eyepi_by_hand_plays_the_hardware_as_well(tmp_path: Path) -> None:
+    experiment = (ROBOTS.parent / "eyepi.yaml").read_text(encoding="utf-8")
+    assert "robot: robots/eyepi.yaml" in experiment
+    file = tmp_path / "e.yaml"
+    file.write_text(
+        experiment.replace("robot: robots/eyepi.yaml", f"robot: {ROBOTS / 'eyepi-hardware.yaml'}"),
+        encoding="utf-8",
+    )
+    assert load(file, installed()).warnings == ()

@@ -100,19 +100,24 @@ class BodyLoop:
         """One tick at `now`, in seconds of CLOCK_MONOTONIC. Never raises."""
         with self._lock:
             waiting, self._waiting = self._waiting, []
+        failure: DriverError | None = None
         try:
             self._step(now)
         except Exception as error:  # whatever it was, the next tick may be better
             log.exception("the body's tick failed")
+            failure = DriverError(f"the body's tick failed: {error!r}")
             self._outlet.health(
                 Health.FAULTED, f"a tick failed: {error!r}", "report this, with the log"
             )
-            for future in waiting:
-                future.set_exception(DriverError(f"the body's tick failed: {error!r}"))
         else:
             self._outlet.health(Health.CONNECTED, self._detail)
-            for future in waiting:
+        for future in waiting:
+            if not future.set_running_or_notify_cancel():
+                continue  # the tick came so late that nobody waits for this one any more
+            if failure is None:
                 future.set_result(None)
+            else:
+                future.set_exception(failure)
 
     def _step(self, now: float) -> None:
         with self._lock:

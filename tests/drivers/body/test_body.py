@@ -8,10 +8,12 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.body import Body
+from woz_drivers.body.lateness import Lateness
+from woz_drivers.body.loop import BodyLoop
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
-from tests.drivers.heard import Ordered
-from tests.fakes.virtual_time import run_virtual
+from tests.drivers.heard import Heard, Ordered
+from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core.conformance import check
 from woz_tui.core.driver import Lost, Probe, Rejected, Scope
 from woz_tui.core.messages import (
@@ -212,6 +214,19 @@ def test_a_stop_stands_still_until_it_is_released(tmp_path: Path) -> None:
         it = await Stage.of(small(breathing={"tilt": 1.0}), tmp_path)
         await story(it)
         await it.body.close()
+
+    run_virtual(whole())
+
+
+def test_a_stop_that_was_given_up_does_not_keep_others_waiting(tmp_path: Path) -> None:
+    async def whole() -> None:
+        clock = LoopClock(asyncio.get_running_loop())
+        loop = BodyLoop(small(), Heard(tmp_path, clock).outlet, Lateness(), lambda ended: None)
+        given_up, other = loop.freeze(), loop.freeze()
+        given_up.cancel()
+        loop.step(1.0)
+        assert other.done()
+        assert other.result() is None
 
     run_virtual(whole())
 

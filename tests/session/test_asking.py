@@ -6,6 +6,7 @@ import asyncio
 import threading
 from collections.abc import Awaitable, Callable
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -122,6 +123,23 @@ def test_what_cannot_be_done_is_told_to_who_asked(tmp_path: Path, ask: Ask, why:
 
     on_stage(tmp_path, scenario)
     assert ear.told == [(False, why)]
+
+
+def test_an_ask_that_makes_no_sense_at_all_is_answered(tmp_path: Path) -> None:
+    """A driver of a stranger may put anything into an ask; whoever asked waits for an answer."""
+    odd: Any = 5
+    ear, after = Ear(), Ear()
+
+    async def scenario(stage: Stage) -> None:
+        from_a_thread(stage, Ask("verb", "say", odd), ear)
+        await asyncio.sleep(1)
+        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}), after)
+
+    on_stage(tmp_path, scenario)
+    [(carried, why)] = ear.told
+    assert not carried
+    assert "TypeError" in why
+    assert after.told == [(True, "")]
 
 
 def test_the_stop_ends_what_was_asked_for_and_tells_so(tmp_path: Path) -> None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Callable, Container, Mapping
 
 from woz_tui.core import messages as m
@@ -9,6 +10,8 @@ from woz_tui.core.driver import Ask
 from woz_tui.experiment.shape import Call
 from woz_tui.session.identity import AskError
 from woz_tui.session.runner import Origin, Refusal
+
+log = logging.getLogger(__name__)
 
 #: Told how an ask ended: whether it was carried out, and why not.
 Told = Callable[[bool, str], None]
@@ -44,30 +47,35 @@ class Asking:
     def ask(self, driver: str, ask: Ask, done: Told | None = None) -> None:
         """Carry out what `driver` asks for; `done` hears how it ended."""
         tell: Told = done or (lambda carried, why: None)
-        origin = Origin(ask.source, ask.key, driver)
         try:
-            if ask.what == "verb":
-                call = self._call(ask.name, ask.args, self._within(driver, ask.on))
-                busy = ask.when_busy or "queue"
-                refusal = self._refuses(ask)
-                self._send(
-                    call,
-                    origin,
-                    busy,
-                    refusal,
-                    lambda end: tell(isinstance(end, m.Done), end.reason),
-                )
-                if refusal is not None:
-                    tell(False, refusal.reason)
-                return
-            carry = self._carry.get(ask.what)
-            if carry is None:
-                raise AskError(f"nobody can be asked for {ask.what!r}")
-            carry(ask, origin)
+            self._carry_out(driver, ask, tell)
         except AskError as error:
             tell(False, error.reason)
+        except Exception as error:  # a stranger's ask; a knob would wait for its answer for ever
+            log.exception("what %s asked for failed: %s", driver, ask)
+            tell(False, f"{type(error).__name__}: {error}")
+
+    def _carry_out(self, driver: str, ask: Ask, tell: Told) -> None:
+        origin = Origin(ask.source, ask.key, driver)
+        if ask.what == "verb":
+            self._verb(driver, ask, origin, tell)
             return
+        carry = self._carry.get(ask.what)
+        if carry is None:
+            raise AskError(f"nobody can be asked for {ask.what!r}")
+        carry(ask, origin)
         tell(True, "")
+
+    def _verb(self, driver: str, ask: Ask, origin: Origin, tell: Told) -> None:
+        call = self._call(ask.name, ask.args, self._within(driver, ask.on))
+        refusal = self._refuses(ask)
+
+        def ended(end: m.End) -> None:
+            tell(isinstance(end, m.Done), end.reason)
+
+        self._send(call, origin, ask.when_busy or "queue", refusal, ended)
+        if refusal is not None:
+            tell(False, refusal.reason)
 
     def _within(self, driver: str, on: str) -> str:
         """The full name of `on` beside `driver`: robots of an experiment keep to themselves."""

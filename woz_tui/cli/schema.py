@@ -5,9 +5,11 @@ from __future__ import annotations
 import argparse
 import json
 import sys
+from collections.abc import Mapping
 from typing import Any
 
 from woz_tui import plugins
+from woz_tui.core.driver import Driver
 from woz_tui.experiment.schema import experiment_schema, included_schema, robot_schema
 from woz_tui.motion.moveschema import move_schema
 
@@ -24,11 +26,11 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace) -> int:
-    """Print the schema for the drivers that are installed."""
+    """Print the schema for the drivers that are installed; what is left out is said on stderr."""
     try:
         schema = _schema(arguments)
     except plugins.PluginError as error:
-        print(f"woz schema: {error}", file=sys.stderr)
+        _tell(str(error))
         return 1
     print(json.dumps(schema, indent=2, ensure_ascii=False))
     return 0
@@ -42,4 +44,20 @@ def _schema(arguments: argparse.Namespace) -> dict[str, Any]:
         if "midi" not in catalogue:
             raise plugins.PluginError("no installed package offers the driver 'midi'")
         return included_schema(catalogue["midi"], "map")
-    return robot_schema(catalogue) if arguments.robot else experiment_schema(catalogue)
+    usable = _usable(catalogue)
+    return robot_schema(usable) if arguments.robot else experiment_schema(usable, _tell)
+
+
+def _usable(catalogue: Mapping[str, type[Driver]]) -> dict[str, type[Driver]]:
+    """Drivers that can be loaded: a broken one must not take the others' schema away."""
+    usable = {}
+    for name in catalogue:
+        try:
+            usable[name] = catalogue[name]
+        except plugins.PluginError as error:
+            _tell(f"left out: {error}")
+    return usable
+
+
+def _tell(text: str) -> None:
+    print(f"woz schema: {text}", file=sys.stderr)

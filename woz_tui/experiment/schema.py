@@ -12,7 +12,7 @@ import enum
 import pathlib
 import types
 import typing
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Literal
 
 from woz_tui.core import fields
@@ -58,9 +58,14 @@ _ON: Schema = {
 }
 
 
-def experiment_schema(catalogue: Mapping[str, type[Driver]]) -> Schema:
-    """The schema of experiment files for these drivers."""
-    verbs = _verbs(catalogue)
+def experiment_schema(
+    catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None] = lambda text: None
+) -> Schema:
+    """The schema of experiment files for these drivers.
+
+    `tell` hears of drivers whose verbs are left out because nobody knows them.
+    """
+    verbs = _verbs(catalogue, tell)
     robot = {"oneOf": [{"type": "string"}, {"$ref": "#/$defs/robot"}]}
     return {
         "$schema": _DIALECT,
@@ -259,22 +264,27 @@ def _argument(argument: Argument) -> Schema:
     return {"enum": list(argument.choices)} if argument.choices else _TEXT
 
 
-def _verbs(catalogue: Mapping[str, type[Driver]]) -> list[Verb]:
+def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -> list[Verb]:
     """All verbs of all drivers, one of each name; choices stay open where settings make them."""
     merged: dict[str, Verb] = {}
     for name in sorted(catalogue):
-        for verb in _sample_verbs(catalogue[name]):
+        try:
+            offered = _sample_verbs(catalogue[name])
+        except Exception as error:  # noqa: BLE001 - a plug-in's code
+            tell(
+                f"the verbs of the driver {name!r} are left out:"
+                f" with sample settings it fails: {type(error).__name__}: {error}"
+            )
+            continue
+        for verb in offered:
             known = merged.get(verb.name)
             merged[verb.name] = verb if known is None else _merged(known, verb)
     return [*merged.values(), *(_opened(verb) for verb in session_verbs())]
 
 
 def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
-    """The verbs with settings as a file would give them at least; none if that makes no sense."""
-    try:
-        return [_opened(verb) for verb in driver.verbs(_sample(driver.Settings))]
-    except Exception:  # noqa: BLE001 - a plug-in's code; its verbs are then unknown here
-        return []
+    """The verbs with settings as a file would give them at least; may raise anything."""
+    return [_opened(verb) for verb in driver.verbs(_sample(driver.Settings))]
 
 
 def _opened(verb: Verb) -> Verb:

@@ -8,7 +8,9 @@ from pathlib import Path
 import pytest
 
 from tests.host.rig import Peer, served
+from tests.session.rig import Puppet
 from woz_tui.core import messages as m
+from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import SessionSettings
 from woz_tui.host.place import PlaceError, bind
 from woz_tui.host.views import joint_limits
@@ -269,3 +271,19 @@ async def test_two_robots_joints_of_one_name_keep_their_limits_apart(tmp_path: P
         session.experiment = replace(session.experiment, drivers=tuple(drivers))
         span = [-90.0, 60.0]
         assert joint_limits(session) == {"left.pan": span, "right.pan": span}
+
+
+class Shapeless(Puppet):
+    """A stranger's driver whose outline fails."""
+
+    @classmethod
+    def outline(cls, settings: object) -> dict[str, Json]:
+        raise KeyError("shape")
+
+
+async def test_an_outline_that_fails_keeps_nobody_from_attaching(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        host.session.catalogue = {"puppet": Shapeless}
+        peer = await host.connect()
+        welcome = await peer.hello()
+        assert welcome["settings"]["outlines"] == {}

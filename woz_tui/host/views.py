@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from collections.abc import Mapping
 
 from woz_tui.core.fields import Range
@@ -10,6 +11,8 @@ from woz_tui.core.requests import ActionView, PanelView
 from woz_tui.experiment.shape import Action, Call, Experiment, Panel, Profile, Together
 from woz_tui.session.sensors import published_names
 from woz_tui.session.session import Session
+
+log = logging.getLogger(__name__)
 
 
 def panel_views(
@@ -95,6 +98,10 @@ def outlines(session: Session) -> dict[str, Json]:
     told: dict[str, Json] = {}
     for spec in session.experiment.drivers:
         tell = getattr(session.catalogue.get(spec.type), "outline", None)
-        if callable(tell):
+        if not callable(tell):
+            continue
+        try:
             told[spec.name] = tell(spec.settings)
+        except Exception:  # a stranger's code must not keep the wizard from attaching
+            log.exception("the outline of %s is left out", spec.name)
     return told

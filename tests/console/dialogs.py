@@ -25,6 +25,7 @@ OPENERS = {
     "LeaveDialog": "ctrl+q",
     "BodyDialog": "semicolon",
     "KnobsDialog": "plus",
+    "ProfileDialog": "minus",
 }
 
 
@@ -50,7 +51,7 @@ OPENING: tuple[str, ...] = (
     "preflight",
     "reload",
 )
-OPENING += ("drivers", "leave", "body", "knobs")
+OPENING += ("drivers", "leave", "body", "knobs", "profile")
 #: What Textual's names of keys stand for.
 CHARACTERS = {
     "slash": "/",
@@ -59,6 +60,7 @@ CHARACTERS = {
     "question_mark": "?",
     "semicolon": ";",
     "plus": "+",
+    "minus": "-",
     "enter": "\r",
 }
 

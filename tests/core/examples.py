@@ -231,6 +231,7 @@ def answers() -> list[r.AnyAnswer]:
                 "dead_man": 3.0,
                 "stale_after": 1.5,
                 "profiles": ["child"],
+                "allows": {"child": {"panels": ["Speech"], "hide": True}},
                 "outlines": {
                     "panel": {"kind": "panel", "controls": ["pitch", "tempo"]},
                 },
@@ -251,6 +252,7 @@ def answers() -> list[r.AnyAnswer]:
             values={"participant": "P07", "room": "the room of the sea"},
             profiles=["child"],
             profile="child",
+            allows={"child": {"panels": ["Speech"], "hide": True}},
         ),
     ]
 

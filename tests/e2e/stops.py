@@ -27,6 +27,7 @@ DIALOGS = {
     "\x05": "─ Read the experiment",
     "\x04": "─ Drivers ─",
     "\x11": "─ Leave ─",
+    "-": "─ Profile ─",
     "\r": "─ Failed ─",
 }
 ARROWS = {letter: f"\x1b[{letter}" for letter in "ABCD"}

@@ -163,6 +163,12 @@ class Desk:
 
         self._open(KnobsDialog())
 
+    def do_profile(self) -> None:
+        """Choose what may be used."""
+        from woz_tui.console.screens.profile import ProfileDialog  # noqa: PLC0415
+
+        self._open(ProfileDialog())
+
     def do_leave(self) -> None:
         """End the session, leave it running, or stay."""
         from woz_tui.console.screens.leave import LeaveDialog  # noqa: PLC0415

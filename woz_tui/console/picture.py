@@ -27,6 +27,7 @@ from woz_tui.console.parts import (
     State,
     StopPicture,
 )
+from woz_tui.console.profiles import Profiles, profiles_of
 from woz_tui.console.reducers import reduce
 from woz_tui.console.runs import Failure, Runs, outcome_of
 from woz_tui.console.sentences import Event, event_of
@@ -65,6 +66,7 @@ class Picture:
     conditions: tuple[str, ...] = ()
     keyboard: str = "us"
     settings: dict[str, m.Json] = field(default_factory=dict)
+    profiles: Profiles = field(default_factory=Profiles)
     locks: dict[str, bool] = field(default_factory=dict)
     drivers: dict[str, DriverPicture] = field(default_factory=dict)
     sensors: dict[str, SensorPicture] = field(default_factory=dict)
@@ -133,6 +135,7 @@ class Picture:
         self.variables = tuple(welcome.variables)
         self.settings = dict(welcome.settings)
         self.outlines = outlines_of(self.settings)
+        self.profiles = profiles_of(self.settings)
         self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
         self._plan(welcome)
         for raw in welcome.recent:
@@ -152,6 +155,8 @@ class Picture:
         self.settings["values"] = dict(changed.values)
         self.settings["profiles"] = list(changed.profiles)
         self.settings["profile"] = changed.profile
+        self.settings["allows"] = dict(changed.allows)
+        self.profiles = profiles_of(self.settings)
         self._plan(changed)
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.console.parts import (
@@ -152,6 +153,10 @@ def _lock(picture: Picture, message: m.PanelLocked) -> None:
     picture.locks[message.panel] = message.locked
 
 
+def _profile(picture: Picture, message: m.ProfileChanged) -> None:
+    picture.profiles = replace(picture.profiles, current=message.profile)
+
+
 def _console_lost(picture: Picture, message: m.ConsoleLost) -> None:
     """A console that gets the news of its own loss lives on as a watcher."""
     if message.console == picture.console:
@@ -182,5 +187,6 @@ _REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
     m.Mistake: _mistake,
     m.ScriptMoved: _script,
     m.PanelLocked: _lock,
+    m.ProfileChanged: _profile,
     m.ConsoleLost: _console_lost,
 }

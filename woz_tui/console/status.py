@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from woz_tui.console.cells import Cells, Piece, Row, clean, length, spread
+from rich.cells import cell_len
+
+from woz_tui.console.cells import Cells, Piece, Row, clean, fit, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
@@ -13,6 +15,8 @@ from woz_tui.console.picture import Picture
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
 #: The log is so far behind that an alarm is about time.
 LATE_US = 1_000_000
+#: Cells of a profile's name at the most, and columns from which its word stands before it.
+PROFILE, WORDY = 14, 100
 
 
 @dataclass(frozen=True, slots=True)
@@ -30,9 +34,10 @@ def status_rows(picture: Picture, frame: Frame, line: Line) -> list[Row]:
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
     vitals = (("  ", "plain"), *_recorder(picture, glyphs), ("  ", "plain"), *_line(line, glyphs))
+    vitals = (*_profile(picture, frame), *vitals)
     failures = _failures(picture, glyphs, line.failures)
-    session = _session(picture, glyphs, frame.now)
-    first = spread(_whole(session, width - length(vitals)), vitals, width, glyphs.ellipsis)
+    room = width - length(vitals)
+    first = spread(_whole(_session(picture, frame, room), room), vitals, width, glyphs.ellipsis)
     return [first, spread(_drivers(picture, glyphs), failures, width, glyphs.ellipsis)]
 
 
@@ -46,10 +51,12 @@ def _whole(parts: list[Row], width: int) -> Row:
     return row
 
 
-def _session(picture: Picture, glyphs: Glyphs, now: int) -> list[Row]:
-    """The more important, the earlier."""
-    time = elapsed(now) if picture.welcomed else "--:--"
+def _session(picture: Picture, frame: Frame, room: int) -> list[Row]:
+    """The more important, the earlier. A long title gives way to the time."""
+    glyphs = frame.glyphs
+    time = elapsed(frame.now) if picture.welcomed else "--:--"
     title = clean(picture.title) or "woz"
+    title = fit(title, min(cell_len(title), max(1, room - len(time) - 3)), glyphs.ellipsis)
     parts: list[Row] = []
     if picture.role == "watcher":
         parts.append(((" WATCHING ", "alarm-soft"),))
@@ -64,6 +71,16 @@ def _session(picture: Picture, glyphs: Glyphs, now: int) -> list[Row]:
             look = "warn" if value.startswith("no ") else "plain"
             parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
     return parts
+
+
+def _profile(picture: Picture, frame: Frame) -> Row:
+    """At the right, where it takes nothing else's place and is never left out."""
+    name = clean(picture.profiles.current)
+    if not name:
+        return ()
+    word = "profile " if frame.width >= WORDY else ""
+    shown = fit(name, min(PROFILE, cell_len(name)), frame.glyphs.ellipsis)
+    return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
 
 
 def _recorder(picture: Picture, glyphs: Glyphs) -> Row:

@@ -246,7 +246,8 @@ class Welcome(
     `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
     -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
     what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
-    `profiles`: their names, and `profile`: the one in use, or nothing.
+    `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
+    names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown.
     """
 
     protocol: int
@@ -281,7 +282,7 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values.
+    variables' present values. `profiles`, `profile` and `allows` as in the welcome's `settings`.
     """
 
     title: str
@@ -293,6 +294,7 @@ class PanelsChanged(
     values: dict[str, str] = {}
     profiles: list[str] = []
     profile: str = ""
+    allows: dict[str, Json] = {}
 
 
 #: Lines from the host that are not messages of the session.

@@ -27,6 +27,7 @@ from woz_tui.host import place
 from woz_tui.host.client import LINGER_S, Client
 from woz_tui.host.desk import Desk
 from woz_tui.host.views import (
+    allowances,
     joint_limits,
     outlines,
     panel_views,
@@ -240,6 +241,7 @@ class Host:
                 "values": dict(session.values()),
                 "profiles": [*experiment.profiles],
                 "profile": _profile(session),
+                "allows": allowances(experiment),
             },
         )
 
@@ -255,6 +257,7 @@ class Host:
             values=dict(self.session.values()),
             profiles=[*experiment.profiles],
             profile=_profile(self.session),
+            allows=allowances(experiment),
         )
         for client in self._clients:
             client.send(news)

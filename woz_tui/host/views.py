@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.core.requests import ActionView, PanelView
+from woz_tui.experiment.profiles import FIELDS
 from woz_tui.experiment.shape import Action, Call, Experiment, Panel, Profile, Together
 from woz_tui.session.sensors import published_names
 from woz_tui.session.session import Session
@@ -69,6 +70,17 @@ def verb_names(experiment: Experiment) -> dict[str, list[str]]:
 def variable_names(session: Session) -> list[str]:
     """What may stand in braces in an utterance."""
     return sorted(session.values())
+
+
+def allowances(experiment: Experiment) -> dict[str, Json]:
+    """What each profile names, by its name; `hide` where it does not show the rest."""
+    return {name: _allowance(profile) for name, profile in experiment.profiles.items()}
+
+
+def _allowance(profile: Profile) -> dict[str, Json]:
+    named = {field: sorted(getattr(profile, field)) for field in FIELDS if field != "hide"}
+    told: dict[str, Json] = {field: [*names] for field, names in named.items() if names}
+    return {**told, "hide": True} if profile.hide else told
 
 
 def joint_limits(session: Session) -> dict[str, Json]:

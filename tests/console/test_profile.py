@@ -1,0 +1,198 @@
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from tests.console import scenes
+from tests.console.dialogs import opened
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.picture import Picture
+from woz_tui.console.profiles import Profiles, profiles_of
+from woz_tui.console.status import Line, status_rows
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+pytestmark = pytest.mark.toolkit("U3")
+
+NOW = scenes.NOW
+SIZES = pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+ALLOWS: dict[str, m.Json] = {
+    "child": {"panels": ["Speech"], "controls": ["neck"], "verbs": ["play"], "hide": True},
+    "adult": {"actions": ["Nod", "Bow"]},
+}
+
+
+def guide(current: str = "", names: tuple[str, ...] = ("child", "adult")) -> r.Welcome:
+    settings: dict[str, m.Json] = {"profile": current, "profiles": [*names], "allows": ALLOWS}
+    return scenes.welcome(settings=settings)
+
+
+def changed(current: str, names: tuple[str, ...] = ("child", "adult")) -> r.PanelsChanged:
+    """What everybody gets after a change: only Speech is left open."""
+    panels = [
+        panel if panel.title == "Speech" else msgspec.structs.replace(panel, locked=bool(current))
+        for panel in scenes.panels()
+    ]
+    return r.PanelsChanged(
+        title="Museum guide",
+        panels=panels,
+        script=["Hello"],
+        verbs={"voice": ["say"]},
+        conditions=["warm", "cold"],
+        keyboard="us",
+        profiles=[*names],
+        profile=current,
+        allows=ALLOWS,
+    )
+
+
+def asked(seat: Sitting) -> list[r.AskProfile]:
+    return [request for request in seat.feed.asked if isinstance(request, r.AskProfile)]
+
+
+def line_of(seat: Sitting, name: str) -> str:
+    """The dialog's line that begins with a profile's name."""
+    lines = [line.partition("│")[2] for line in seat.drawn().splitlines()]
+    [found] = [line for line in lines if f" {name}  " in line]
+    return found
+
+
+@SIZES
+async def test_the_list_tells_what_each_allows_and_which_is_in_use(size: tuple[int, int]) -> None:
+    async with sitting(guide("child"), size=size) as seat:
+        await opened(seat, "ProfileDialog")
+        drawn = seat.drawn()
+        rows = [drawn.index(line_of(seat, name)) for name in ("everything", "child", "adult")]
+        assert rows == sorted(rows)
+        assert "● in use  child " in line_of(seat, "child")
+        assert "panels: Speech; knobs: neck; " in line_of(seat, "child")
+        assert "the rest is hidden" in drawn
+        assert "actions: Nod, Bow" in line_of(seat, "adult")
+        assert drawn.count("in use") == 1
+
+
+@SIZES
+async def test_a_profile_is_chosen_and_stands_in_the_top_line(size: tuple[int, int]) -> None:
+    async with sitting(guide(), size=size) as seat:
+        before = seat.text("Status").splitlines()[0]
+        assert "child" not in before
+        await opened(seat, "ProfileDialog")
+        await seat.press("down", "enter")
+        assert seat.console.dialog is None
+        assert [(one.profile, one.source) for one in asked(seat)] == [("child", "key")]
+        await seat.tell(m.ProfileChanged(profile="child", t=NOW), changed("child"))
+        after = seat.text("Status").splitlines()[0]
+        assert ("◇ profile child" if size[0] >= 100 else "◇ child") in after
+        for part in ("Museum guide", "P07", "warm", "trial 3", "REC"):
+            assert after.index(part) == before.index(part), "nothing moves"
+        assert "Gestures locked" in seat.text("Panels")
+        assert "Profile child" in seat.text("Events")
+        await opened(seat, "ProfileDialog")
+        await seat.press("up", "enter")
+        assert asked(seat)[-1].profile == ""
+        await seat.tell(m.ProfileChanged(profile="", t=NOW), changed(""))
+        assert seat.text("Status").splitlines()[0] == before
+
+
+async def test_enter_after_a_slip_changes_nothing() -> None:
+    for current in ("", "adult"):
+        async with sitting(guide(current)) as seat:
+            await opened(seat, "ProfileDialog")
+            await seat.press("enter")
+            assert seat.console.dialog is None
+            assert asked(seat) == []
+
+
+async def test_a_refusal_is_shown() -> None:
+    async with sitting(guide("child")) as seat:
+        seat.feed.answers[r.AskProfile] = lambda request, ref: r.Reply(
+            ref=ref, ok=False, reason="you are watching", hint="take over"
+        )
+        await opened(seat, "ProfileDialog")
+        await seat.press("up", "enter")
+        await seat.until(lambda: "you are watching (take over)" in seat.text("StopBar"))
+        assert "child" in seat.text("Status")
+
+
+async def test_it_is_found_by_typing() -> None:
+    async with sitting(guide()) as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("profile")
+        await seat.press("enter")
+        assert type(seat.console.dialog).__name__ == "ProfileDialog"
+
+
+async def test_the_help_lists_its_key() -> None:
+    async with sitting(guide(), size=(160, 120)) as seat:
+        await opened(seat, "HelpDialog")
+        assert any(
+            line.split("│")[1].split()[:3] == ["-", "the", "profile:"]
+            for line in seat.drawn().splitlines()
+            if "the profile:" in line
+        )
+
+
+async def test_the_mark_follows_while_the_list_is_open() -> None:
+    async with sitting(guide()) as seat:
+        await opened(seat, "ProfileDialog")
+        assert "in use" in line_of(seat, "everything")
+        await seat.tell(m.ProfileChanged(profile="adult", source="program", t=NOW))
+        await seat.tell(changed("adult"))
+        assert "in use" in line_of(seat, "adult")
+        assert "in use" not in line_of(seat, "everything")
+        await seat.press("enter")  # it still stands on the first line
+        assert asked(seat)[-1].profile == ""
+
+
+async def test_a_file_without_profiles_says_so() -> None:
+    async with sitting() as seat:
+        await opened(seat, "ProfileDialog")
+        assert "names no profiles" in seat.drawn()
+        assert "in use  everything" in seat.drawn()
+
+
+async def test_one_that_has_gone_from_the_file_is_still_in_use() -> None:
+    async with sitting(guide("child", ("adult",))) as seat:
+        await opened(seat, "ProfileDialog")
+        assert "in use" in line_of(seat, "child")
+        assert "not in the file any more" in line_of(seat, "child")
+
+
+async def test_a_refused_press_says_so_at_the_button_the_event_and_the_bar() -> None:
+    reason = "'Nod' is not in the profile child"
+    async with sitting(guide("child"), size=(160, 50)) as seat:
+        await seat.tell(changed("child"))
+        seat.feed.answers[r.AskAction] = lambda request, ref: r.Reply(
+            ref=ref, ok=False, reason=reason
+        )
+        await seat.press("1")
+        await seat.tell(
+            m.ActionRequested(run="a1", action="Nod", source="key", t=NOW),
+            m.ActionRefused(run="a1", action="Nod", reason=reason, t=NOW),
+        )
+        assert "⊘ Nod" in seat.text("Panels")
+        assert reason in seat.text("Events")
+        assert reason in seat.text("StopBar")
+
+
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII])
+@pytest.mark.parametrize("width", [60, 80, 100, 160])
+def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs) -> None:
+    picture = Picture()
+    first = guide("those who are here for the first time" * 3)
+    picture.take([msgspec.structs.replace(first, title="A title " * 12)], 0)
+    frame = Frame(width, 2, NOW, glyphs)
+    [top, _] = status_rows(picture, frame, Line())
+    text = "".join(piece for piece, _ in top)
+    assert len(text) == width
+    for part in ("12:31", "those who", "REC", "line"):
+        assert part in text
+    assert glyphs is UNICODE or text.isascii()
+
+
+def test_what_another_version_tells_is_left_out() -> None:
+    odd: dict[str, m.Json] = {"profile": 3, "profiles": ["a", 4, None], "allows": ["a"]}
+    assert profiles_of(odd) == Profiles("", ("a",), {})
+    told = Profiles("", ("a", "b"), {"a": 7, "b": {"panels": "Speech", "verbs": [1]}})
+    assert (told.words("a"), told.words("b")) == ("", "by themselves: 1")

@@ -1,0 +1,69 @@
+"""Which profile is in use: how much of the experiment may be used."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from rich.cells import cell_len
+from textual.content import Content
+from textual.widgets import OptionList
+
+from woz_tui.console.cells import Row, clean, fit
+from woz_tui.console.profiles import EVERYTHING
+from woz_tui.console.screens.choice import Choice
+from woz_tui.core.requests import AskProfile
+
+#: Cells of a profile's name at the most.
+NAME = 20
+
+
+class ProfileDialog(Choice):
+    """The one in use is chosen at first, so that enter after a slip changes nothing."""
+
+    heading = "Profile"
+    hint = "arrows choose · enter uses it · ctrl+q closes"
+
+    def lines(self) -> list[Row]:
+        """What a profile is; where there is none, that the file names none."""
+        if self.picture.profiles.names:
+            return [(("The stop, markers and notes count in each of them.", "muted"),)]
+        return [(("The experiment file names no profiles.", "muted"),)]
+
+    def choices(self) -> Sequence[Content]:
+        """Everything first, then the file's; each with what it allows."""
+        self._shown = self.picture.profiles
+        self._offered = self._shown.offered
+        return self._rows()
+
+    def _rows(self) -> list[Content]:
+        names = [clean(name or EVERYTHING) for name in self._offered]
+        width = min(NAME, max(map(cell_len, names)))
+        in_use = f"{self.glyphs.yes} in use  "
+        return [
+            Content.assemble(
+                (fit(in_use if name == self._shown.current else "", len(in_use)), "bold"),
+                fit(shown, width, self.glyphs.ellipsis),
+                (f"  {clean(self._shown.words(name))}", "$woz-muted"),
+            )
+            for name, shown in zip(self._offered, names, strict=True)
+        ]
+
+    def on_mount(self) -> None:
+        """Begin at the one in use; a stop may have come before there is a list."""
+        for choices in self.query("#choices").results(OptionList):
+            choices.highlighted = self._offered.index(self._shown.current)
+
+    def refreshed(self) -> None:
+        """Somebody else may change it while the list is open: the lines stay, the mark moves."""
+        known = self.picture.profiles
+        for choices in self.query("#choices").results(OptionList):
+            if known != self._shown:
+                self._shown = known
+                for index, row in enumerate(self._rows()):
+                    choices.replace_option_prompt_at_index(index, row)
+
+    def chose(self, index: int) -> None:
+        """Ask for it, unless it is in use; a refusal is shown above the hints."""
+        name = self._offered[index]
+        if name != self.picture.profiles.current:
+            self.desk.ask(AskProfile(profile=name, source="key"))

@@ -121,6 +121,14 @@ async def test_both_stop_keys_stop_and_the_bar_follows(key: str) -> None:
         assert seat.console.is_running
 
 
+async def test_a_stop_that_is_released_at_once_does_not_stay_on_the_bar() -> None:
+    async with sitting() as seat:
+        await seat.press("escape")
+        await seat.until(lambda: "STOP SENT" in seat.text("StopBar"))
+        await seat.tell(m.StopPressed(source="key", t=NOW), m.StopReleased(source="key", t=NOW))
+        assert "STOP" not in seat.text("StopBar")
+
+
 async def test_keys_of_the_console_without_dialogs() -> None:
     async with sitting() as seat:
         await seat.press("space", "full_stop", "backspace")

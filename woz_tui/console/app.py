@@ -31,6 +31,7 @@ from woz_tui.console.stopbar import HINTS, Bar, News
 from woz_tui.console.surface import Surface
 from woz_tui.console.thrift import tight
 from woz_tui.core.clock import Clock, RealClock
+from woz_tui.core.messages import StopPressed
 from woz_tui.core.requests import AskRelease, Reply, Welcome
 from woz_tui.experiment.builtins import BUILTIN, Builtin
 from woz_tui.experiment.keymap import key_map
@@ -89,8 +90,7 @@ class Console(App[str]):
         super().__init__(driver_class=driver_class, ansi_color=sixteen)
         for theme in THEMES:
             self.register_theme(theme)
-        self.look = look
-        self.theme = self.look.theme
+        self.look, self.theme = look, look.theme
         self.feed = feed
         self.keyboard = keyboard
         self.clock = clock or RealClock()
@@ -198,6 +198,8 @@ class Console(App[str]):
                     self.desk.replied(message)
                 elif isinstance(message, Welcome):
                     self._welcomed(message)
+                elif isinstance(message, StopPressed) and message.scope == "all":
+                    self._stop_asked = None  # also where its release came in the same batch
         while self._lost:
             self.picture.lose(self._lost.popleft())
             self.desk.forget()

@@ -31,9 +31,9 @@ async def test_every_dialog_opens_fits_and_closes(size: tuple[int, int]) -> None
     async with sitting(busy(), size=size) as seat:
         for name in OPENERS:
             await opened(seat, name)
-            assert seat.console.keyboard.free is False
             dialog = seat.console.dialog
             assert isinstance(dialog, Dialog)
+            assert seat.console.keyboard.free is dialog.plays
             assert dialog.heading in seat.drawn()
             box = dialog.query_one(".dialog").region
             assert box.right <= size[0], name
@@ -87,6 +87,11 @@ async def test_no_experiment_key_plays_while_a_dialog_has_the_keyboard() -> None
     async with sitting(busy()) as seat:
         for name in OPENERS:
             await opened(seat, name)
+            dialog = seat.console.dialog
+            assert dialog is not None
+            if dialog.plays:  # bodies and panels, see test_drawings
+                await seat.press("ctrl+q")
+                continue
             await seat.press("h", "1", "f1")
             assert seat.feed.last(r.AskAction) is None, name
             await seat.press("ctrl+q")

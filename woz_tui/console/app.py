@@ -197,9 +197,12 @@ class Console(App[str]):
                 if isinstance(message, Reply):
                     self.desk.replied(message)
                 elif isinstance(message, Welcome):
+                    self.picture.runs.read_refusal()  # an old one
                     self._welcomed(message)
                 elif isinstance(message, StopPressed) and message.scope == "all":
                     self._stop_asked = None  # also where its release came in the same batch
+        if (refusal := self.picture.runs.read_refusal()) is not None:
+            self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
         while self._lost:
             self.picture.lose(self._lost.popleft())
             self.desk.forget()
@@ -331,20 +334,22 @@ class Console(App[str]):
         if chord in STOPS:
             self.keyboard.stop(chord)
             return True
-        if self.dialog is not None:
-            return self._key_in_dialog(chord)
+        name = self.keymap.builtin_table.get(chord)
+        dialog = self.dialog
+        if dialog is not None and (not dialog.plays or name == "leave" or chord in dialog.own_keys):
+            return self._key_in_dialog(name)
         if self.keyboard.press(chord, age_us=_age_us(event)):
             return True
-        name = self.keymap.builtin_table.get(chord)
         if name is None:
             self.news(f"{key_name(chord, self.look.glyphs)} plays nothing")
+        elif dialog is not None and dialog.opened_by == name:
+            self.close_dialog()
         else:
             self.desk.do(name)
         return True
 
-    def _key_in_dialog(self, chord: str) -> bool:
+    def _key_in_dialog(self, name: str | None) -> bool:
         """Closing and releasing the stop work in every dialog; the rest is the dialog's."""
-        name = self.keymap.builtin_table.get(chord)
         if name == "leave":
             self.close_dialog()
         elif name == "release":
@@ -369,17 +374,19 @@ class Console(App[str]):
         return screen if isinstance(screen, Dialog) else None
 
     def open_dialog(self, dialog: Dialog) -> None:
-        """Give the keyboard to a dialog."""
-        self.keyboard.free = False
+        """Give the keyboard to a dialog, unless the robot is played meanwhile."""
+        while dialog.plays and self.dialog is not None:
+            self.close_dialog()  # drawings take turns
+        self.keyboard.free = dialog.plays
         self.push_screen(dialog)
 
     def close_dialog(self, dialog: Dialog | None = None) -> None:
-        """Close `dialog`, or whichever is on top; the keyboard is free with the last one."""
+        """Close `dialog`, or whichever is on top; then what is below has the keyboard."""
         top = self.dialog
         if top is not None and (dialog is None or dialog is top):
             top.closing()
             self.pop_screen()
-        self.keyboard.free = self.dialog is None
+        self.keyboard.free = self.dialog is None or self.dialog.plays
         self.paint()
 
 

@@ -47,6 +47,21 @@ class Failure:
     t: int
 
 
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """What a driver would not do, and why. `action` is empty where `what` says what was tried."""
+
+    action: str
+    what: str
+    reason: str
+    remedy: str
+
+    def sentence(self, label: str) -> str:
+        """It in a line; `label` is the action's."""
+        remedy = f" ({self.remedy})" if self.remedy else ""
+        return f"{label or self.what}: {self.reason}{remedy}"
+
+
 @dataclass(slots=True)
 class Doing:
     """One command of a run: since when it is at work, and when it should be over."""
@@ -121,6 +136,7 @@ class Runs:
     outcomes: dict[str, Outcome] = field(default_factory=dict)
     failures: deque[Failure] = field(default_factory=lambda: deque(maxlen=FAILURES))
     seen: set[str] = field(default_factory=set)
+    _refusal: Refusal | None = None
     _home: dict[str, str] = field(default_factory=dict)
 
     def of(self, action: str) -> Run | None:
@@ -149,6 +165,11 @@ class Runs:
     def see_all(self) -> None:
         """Acknowledge every failure."""
         self.seen.update(failure.run for failure in self.failures)
+
+    def read_refusal(self) -> Refusal | None:
+        """The last refusal that nobody has read: the list of events is too narrow to say why."""
+        refusal, self._refusal = self._refusal, None
+        return refusal
 
     def take(self, message: m.Message) -> Failure | None:
         """Work a message in; the failure it tells, if it tells one."""
@@ -221,6 +242,8 @@ class Runs:
         run.commands.pop(message.command, None)
         if message.remedy:
             run.remedy = message.remedy
+        if isinstance(message, m.Refused):
+            self._refusal = Refusal(run.action, run.what, message.reason, message.remedy)
         if run.run != message.command:
             return None  # its action's end is still to come
         self.active.pop(run.run, None)

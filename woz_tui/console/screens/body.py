@@ -14,7 +14,8 @@ class BodyDialog(Drawing):
     """Face, both views, table of values."""
 
     heading = "Body"
-    hint = "tab: the next one · ctrl+q closes"
+    hint = "keys play · tab: the next one · ctrl+q closes"
+    opened_by = "body"
 
     def count(self) -> int:
         """Bodies of the session."""

@@ -55,6 +55,11 @@ class Dialog(ModalScreen[None]):
     heading: ClassVar[str] = ""
     hint: ClassVar[str] = "ctrl+q closes"
     wide: ClassVar[bool] = False
+    #: Whether the robot is played while it is open; it then has no keys of its own but these.
+    plays: ClassVar[bool] = False
+    own_keys: ClassVar[frozenset[str]] = frozenset()
+    #: Id of the console's key that opens it, and closes it where the robot is played meanwhile.
+    opened_by: ClassVar[str] = ""
 
     @property
     def console_app(self) -> Console:

@@ -1,8 +1,12 @@
-"""A dialog that draws instead of writing: as large as the screen allows, alive while it is open."""
+"""A dialog that draws instead of writing: as large as the screen allows, alive while it is open.
+
+The robot is played meanwhile: whoever looks at its face in full size wants to see what a key does.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import ClassVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -13,11 +17,14 @@ from woz_tui.console.cells import Cells, Row
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.screens.dialog import Dialog
 
-_NEXT, _BACK = ("tab", "right"), ("shift+tab", "left")
+_NEXT, _BACK = "tab", "shift+tab"
 
 
 class Drawing(Dialog):
     """One of several drawings; tab shows the next."""
+
+    plays = True
+    own_keys: ClassVar[frozenset[str]] = frozenset((_NEXT, _BACK))
 
     def __init__(self) -> None:
         super().__init__()
@@ -56,7 +63,7 @@ class Drawing(Dialog):
 
     def on_key(self, event: events.Key) -> None:
         """Choose another one."""
-        by = (event.key in _NEXT) - (event.key in _BACK)
+        by = (event.key == _NEXT) - (event.key == _BACK)
         if by:
             event.stop()
             self._chosen += by

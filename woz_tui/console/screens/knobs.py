@@ -15,7 +15,8 @@ class KnobsDialog(Drawing):
     """One panel."""
 
     heading = "Knobs"
-    hint = "tab: the next panel · ctrl+q closes"
+    hint = "keys play · tab: the next panel · ctrl+q closes"
+    opened_by = "knobs"
 
     def count(self) -> int:
         """Panels of the session."""

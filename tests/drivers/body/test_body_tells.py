@@ -9,6 +9,8 @@ from typing import Any
 
 import pytest
 from woz_drivers.body import Body, Settings
+from woz_drivers.body.joining import BUSY_S, FRESH_S
+from woz_drivers.body.loop import SEEN_S
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, within
 from tests.fakes.virtual_time import run_virtual
@@ -94,9 +96,9 @@ def test_the_zero_of_a_joint_is_added_for_the_servos_only(tmp_path: Path) -> Non
 # -- servos and camera beside it ------------------------------------------------------------------
 
 
-def present(it: Stage, held: frozenset[str], **joints: float) -> None:
-    now = round(asyncio.get_running_loop().time() * 1e6)
-    it.heard.outlet.feed(PRESENT, of="head").put(Present(now, joints, held))
+def present(it: Stage, held: frozenset[str], ago: float = 0.0, **joints: float) -> None:
+    then = round((asyncio.get_running_loop().time() - ago) * 1e6)
+    it.heard.outlet.feed(PRESENT, of="head").put(Present(then, joints, held))
 
 
 @pytest.mark.toolkit("R4")
@@ -130,6 +132,45 @@ def test_a_move_is_rehearsed_with_limp_servos(tmp_path: Path) -> None:
         assert "ended" not in await running
 
     played(tmp_path, story, servos="head")
+
+
+def test_a_pose_is_rehearsed_with_limp_servos_for_a_while(tmp_path: Path) -> None:
+    async def story(it: Stage) -> None:
+        present(it, frozenset(), pan=0.0, tilt=10.0)
+        await it.ticks(2)
+        await it.do("pose", joints={"pan": 20.0}, seconds=0.2)
+        present(it, frozenset(), pan=9.0, tilt=10.0)
+        await it.ticks(2)
+        assert it.setpoints["pan"] == pytest.approx(20.0)
+        await asyncio.sleep(BUSY_S)
+        present(it, frozenset(), pan=9.0, tilt=10.0)
+        await it.ticks(2)
+        assert it.setpoints["pan"] == pytest.approx(9.0)
+
+    played(tmp_path, story, servos="head")
+
+
+def test_old_news_of_servos_do_not_count(tmp_path: Path) -> None:
+    async def story(it: Stage) -> None:
+        begun = it.setpoints
+        present(it, frozenset(), ago=FRESH_S + 0.1, pan=33.0, tilt=-12.0)
+        await it.ticks(2)
+        assert it.setpoints == begun
+
+    played(tmp_path, story, servos="head")
+
+
+def test_what_a_camera_saw_before_it_fell_silent_is_not_looked_at(tmp_path: Path) -> None:
+    async def story(it: Stage) -> None:
+        begun = it.setpoints
+        now = round(asyncio.get_running_loop().time() * 1e6)
+        it.heard.outlet.feed(SEEN, of="eye").put(Seen(now, 1, 0.5, 0.0, 0.1))
+        await asyncio.sleep(SEEN_S + 0.1)
+        await it.do("mode", mode="tracking")
+        await it.ticks(50)
+        assert it.setpoints == pytest.approx(begun)
+
+    played(tmp_path, story, camera="eye")
 
 
 @pytest.mark.toolkit("O4", "O6")

@@ -175,6 +175,22 @@ def test_what_a_mode_does_not_take_is_rejected_with_a_remedy(tmp_path: Path) -> 
     played(tmp_path, story)
 
 
+@pytest.mark.toolkit("M2", "E4")
+@pytest.mark.parametrize("source", ["program", "engagement"])
+def test_in_a_mode_a_joints_control_waits_for_a_hand_but_not_for_other_software(
+    tmp_path: Path, source: str
+) -> None:
+    async def story(it: Stage) -> None:
+        await it.do("mode", mode="demo")
+        turned: dict[str, Json] = {"control": "pan", "value": 0.75}
+        with pytest.raises(Rejected, match="demo"):
+            await it.body.perform(Ordered("control", turned, source=source))
+        sent = await it.body.perform(Ordered("control", turned, source="midi"))
+        assert sent["waits"] == "normal"
+
+    played(tmp_path, story)
+
+
 def test_a_cancelled_command_ends_where_it_is(tmp_path: Path) -> None:
     async def story(it: Stage) -> None:
         running = it.begin("pose", joints={"pan": 60.0}, seconds=2.0)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import dataclasses
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -11,10 +12,15 @@ import pytest
 from woz_drivers.body import Body, Settings
 from woz_drivers.body.joining import BUSY_S, FRESH_S
 from woz_drivers.body.loop import SEEN_S
+from woz_drivers.body.publishing import Publishing
 
-from tests.drivers.body.rig import CALM, Stage, played, robot, within
+from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.fakes.virtual_time import run_virtual
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.driver import Ask
+from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
+    AnyMessage,
     BodyChanged,
     DriverConnected,
     DriverFaulted,
@@ -23,8 +29,12 @@ from woz_tui.core.messages import (
     Reading,
 )
 from woz_tui.motion.builtin import BUILT_IN
+from woz_tui.motion.modes import Mode
+from woz_tui.motion.move import Cue
 from woz_tui.motion.setpoints import PRESENT, SEEN, Present, Seen
 from woz_tui.motion.shapes import FaceShape, JointShape, Personality
+from woz_tui.motion.ticks import Tick
+from woz_tui.session.outlet import DriverOutlet
 
 # -- what it tells --------------------------------------------------------------------------------
 
@@ -91,6 +101,28 @@ def test_the_zero_of_a_joint_is_added_for_the_servos_only(tmp_path: Path) -> Non
         await it.body.close()
 
     run_virtual(whole())
+
+
+async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
+    said: list[AnyMessage] = []
+    asked: list[Ask] = []
+    hub = Hub(ManualClock(), lambda message, line: None)
+    hub.listen(said.append)
+
+    def refuse(driver: str, ask: Ask, done: Callable[[bool, str], None] | None) -> None:
+        asked.append(ask)
+        assert done is not None
+        done(False, "no driver offers 'sound'")
+
+    outlet = DriverOutlet("it", hub, ManualClock(), tmp_path, asked=refuse)
+    publishing = Publishing(small(), outlet)
+    gong = (Cue(0.0, "gong.wav"), Cue(0.0, "mute.wav", volume=0.0), Cue(0.0, "bell.wav"))
+    publishing.tick(Tick(0.0, {}, {}, Mode.NORMAL, "neutral", 0.0, cues=gong))
+    assert [ask.args["file"] for ask in asked] == ["gong.wav", "bell.wav"]
+    notices = [message for message in said if isinstance(message, Notice)]
+    assert [notice.text for notice in notices] == [
+        "it: the sound gong.wav was not heard: no driver offers 'sound'"
+    ]
 
 
 # -- servos and camera beside it ------------------------------------------------------------------

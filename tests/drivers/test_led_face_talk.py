@@ -260,3 +260,12 @@ def test_nothing_wanted_is_dark(stand: Stand) -> None:
     stand.begin()
     stand.step(Wanted(blank(24, 16), 0.0), INTERVAL_US)
     assert stand.board.brightness == 0
+
+
+def test_half_a_packet_of_a_program_before_does_not_spoil_the_hello() -> None:
+    it = Stand()
+    it.board.take(Packet(HELLO, 9, bytes(40)).encoded()[:20])
+    it.talk.begin(it.now)
+    it.step(wanted(1), after_us=20_000)
+    assert it.talk.state is State.TALKING
+    assert [packet.type for packet in it.sent] == [HELLO, FRAME]

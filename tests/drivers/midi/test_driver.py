@@ -118,9 +118,9 @@ async def test_refused_it_waits_for_the_hand_to_come_by_again(tmp_path: Path) ->
 @pytest.mark.toolkit("K1")
 async def test_unplugged_in_mid_use_and_put_back(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
-        it.panel.turn(16, 64)
+        # Cut off in the middle of a press that would have it nod.
+        it.panel.send(bytes((0xB0, 16, 64, 34)))
         await it.asked(1)
-        it.panel.send(bytes((0xB0, 16)))  # cut off in the middle of a message
         it.panel.unplug()
         await until(lambda: it.desk.healths[-1][0] is Health.LOST)
         assert (
@@ -130,7 +130,7 @@ async def test_unplugged_in_mid_use_and_put_back(tmp_path: Path) -> None:
         assert len(it.desk.asks) == 1, "the robot holds its pose"
         it.panel.plug()
         await it.connected()
-        it.panel.send(bytes((99,)))  # the rest of it means nothing now
+        it.panel.send(bytes((127,)))  # the rest of it means nothing now
         it.panel.turn(16, 127)
         await it.seen(knob_1=127)
         assert len(it.desk.asks) == 1, "after a replug the value must be picked up again"
@@ -204,6 +204,36 @@ async def test_a_panel_that_takes_no_bytes_blocks_nobody(tmp_path: Path) -> None
         it.panel.turn(16, 64)
         await it.asked(1)
         await until(lambda: it.panel.lamps() == {70})
+
+
+async def test_a_panel_that_took_no_bytes_is_found_again_after_a_replug(tmp_path: Path) -> None:
+    async with stand(tmp_path) as it:
+        for turn in range(3000):
+            it.desk.tell(emotion=("happy", "sad")[turn % 2])
+            await it.driver.resume()
+        for _ in range(2):
+            it.panel.unplug()
+            await until(lambda: it.desk.healths[-1][0] is Health.LOST)
+            it.panel.plug()
+            await it.connected()
+            await until(lambda: it.panel.lamps() == {70})
+        it.panel.turn(16, 64)
+        await it.asked(1)
+
+
+@pytest.mark.toolkit("K1")
+async def test_a_button_that_was_held_when_the_cable_was_pulled_is_let_go(tmp_path: Path) -> None:
+    panel = PanelMap(controls={"held": Mapped(note=61, mode="demo", press="momentary")})
+    async with stand(tmp_path, map=panel) as it:
+        it.panel.send(bytes.fromhex("90 3d 64"))
+        await it.asked(1)
+        it.panel.unplug()
+        await it.asked(2)
+        assert [ask.args for ask in it.desk.asks] == [{"mode": "demo"}, {"mode": "normal"}]
+        it.panel.plug()
+        await it.connected()
+        it.panel.send(bytes.fromhex("90 3d 64"))
+        await it.asked(3)
 
 
 @pytest.mark.parametrize("kind", ["fifo", "file"])

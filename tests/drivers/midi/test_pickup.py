@@ -2,10 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from woz_drivers.midi.fitted import fitted
+from woz_drivers.midi.hands import SETTLED_US, Knob
+from woz_drivers.midi.mapped import Mapped
 from woz_drivers.midi.pickup import NEAR, Pickup
+from woz_drivers.midi.settings import MidiSettings, PanelMap
+
+from woz_tui.core.driver import Ask
+from woz_tui.motion.setpoints import State
 
 PLACE = st.floats(0, 1)
 
@@ -56,6 +65,29 @@ def test_without_the_robots_value_nothing_counts_and_jump_always_does() -> None:
     pickup.compare(0.1)
     pickup.drop()
     assert pickup.held
+
+
+@pytest.mark.toolkit("G7", "K3")
+def test_a_hand_keeps_hold_until_the_robot_can_show_what_was_sent() -> None:
+    """The robot's state comes a moment after the answer: till then it still shows the value before,
+    which is nobody else's.
+    """
+    now, asked = [0], []
+
+    def answer(ask: Ask, done: Callable[[bool, str], None]) -> None:
+        asked.append(ask.args["value"])
+        done(True, "")
+
+    panel = MidiSettings(map=PanelMap(controls={"k": Mapped(cc=1, control="zoom")}))
+    knob = Knob(fitted(panel)[0], answer, lambda: now[0])
+    old = State(controls={"zoom": 0.5}, mode="normal", emotion="neutral", move="", personality="")
+    for value in (64, 80, 100):
+        now[0] += 20_000
+        knob.take(value, old)
+    assert len(asked) == 3
+    now[0] += SETTLED_US
+    knob.look(old)
+    assert knob.waiting, "by now it is somebody else's"
 
 
 def test_a_value_out_of_the_hands_range_is_picked_up_at_its_nearer_end() -> None:

@@ -53,6 +53,20 @@ def test_breath_comes_back_gently_after_the_release() -> None:
         assert max(steps) < 0.4
 
 
+@pytest.mark.toolkit("R2", "R4")
+def test_no_joint_goes_on_at_its_old_speed_after_the_release() -> None:
+    joints = {name: replace(one, acceleration=400.0) for name, one in STILL.joints.items()}
+    rig = Rig(replace(STILL, joints=joints))
+    rig.do("pose", joints={"pitch": 80.0, "top": 10.0})
+    *_, before, held = rig.run(0.4)
+    assert abs(held.joints["pitch"] - before.joints["pitch"]) > 1.0
+    rig.engine.freeze()
+    rig.tick()
+    rig.engine.resume()
+    for tick in rig.run(1.0):
+        assert tick.joints == pytest.approx(held.joints, abs=0.05)
+
+
 def test_a_freeze_ends_what_takes_time() -> None:
     rig = Rig(EYEPI)
     gaze = rig.do("gaze", yaw=40.0, seconds=2.0)

@@ -1,0 +1,42 @@
+"""What a driver's threads say while the event loop has no time for it."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+import threading
+from pathlib import Path
+
+import pytest
+
+from tests.drivers.heard import Heard, until
+from woz_tui.core.driver import Health
+from woz_tui.core.messages import BodyChanged, DriverLost
+from woz_tui.session.outlet import A_TURN, CAPACITY
+
+
+async def test_a_flood_of_readings_takes_no_state_with_it(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
+    heard = Heard(tmp_path)
+
+    def talk() -> None:
+        for number in range(3 * CAPACITY):
+            heard.outlet.reading("angle", float(number), unit="deg")
+        heard.outlet.health(Health.LOST, "the cable is out", "put it in")
+        heard.outlet.show(BodyChanged(values={"mode": "normal"}))
+
+    turns = 0
+    thread = threading.Thread(target=talk)
+    thread.start()
+    thread.join()  # the loop waits, so nothing is published meanwhile
+    while not heard.all(BodyChanged):
+        before = len(heard.messages)
+        await asyncio.sleep(0)
+        assert len(heard.messages) - before <= A_TURN, "others have their turns too"
+        turns += 1
+    assert turns >= CAPACITY // A_TURN
+    assert heard.values("angle") == [float(number) for number in range(CAPACITY)]
+    assert [lost.detail for lost in heard.all(DriverLost)] == ["the cable is out"]
+    with caplog.at_level(logging.WARNING):
+        await until(lambda: f"{2 * CAPACITY} left out" in caplog.text)

@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 import functools
 import logging
-from collections.abc import Callable, Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Mapping
 
 from woz_tui.bus.arguments import ArgumentError, checked
 from woz_tui.bus.guard import guarded
@@ -59,6 +59,10 @@ class Bus:
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
         self.unwatched = ""
+
+    def offer(self, driver: str, verbs: Iterable[Verb]) -> None:
+        """`driver` offers these verbs from now on: the same, perhaps with other choices."""
+        self._verbs[driver] = {verb.name: verb for verb in verbs}
 
     # -- commands ----------------------------------------------------------------------------
 

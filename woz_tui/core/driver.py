@@ -287,3 +287,17 @@ class Resumes(Protocol):
     async def resume(self) -> None:
         """The stop was released: stir again. Return at once."""
         ...
+
+
+@runtime_checkable
+class Rereads(Protocol):
+    """What a driver may offer whose settings name files that are edited while it runs: moves."""
+
+    def reread(self, settings: Any, *, dry_run: bool) -> list[str]:
+        """The experiment is read again: `settings` are those it has, but what they name may hold
+        other things now.
+
+        Returns what is different, in words, and takes it over unless `dry_run`. Called in a thread
+        of its own, after everything was found to be right.
+        """
+        ...

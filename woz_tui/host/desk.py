@@ -203,11 +203,12 @@ class Desk:
                 "the drivers changed: " + "; ".join(difference.drivers),
                 "end the session and start it again to use other drivers",
             )
-        changes: list[Json] = list(difference.changes)
+        reread = await asyncio.to_thread(self._session.reread, experiment, dry_run=dry_run)
+        changes = [*difference.changes, *reread]
         if not dry_run:
-            self._session.adopt(experiment, list(difference.changes))
+            self._session.adopt(experiment, changes)
             self.on_panels()
-        return changes
+        return [*changes]
 
 
 def _plain(findings: list[Finding]) -> Json:

@@ -107,6 +107,10 @@ class Engine:
         except Exception as error:
             raise Refused(f"{quoted(verb)} failed inside: {error!r}") from error
 
+    def learn(self, moves: Mapping[str, Move]) -> None:
+        """Play these moves from now on; one under way goes on as it began."""
+        self._orders.moves = moves
+
     def _apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
         asked = Asked(verb, args, self._arguments(verb))
         kind, joint_control = self._kind(verb, asked)

@@ -45,7 +45,8 @@ class Orders:
         character: Character,
     ) -> None:
         self._shape = shape
-        self._moves = moves
+        #: What can be played now.
+        self.moves = moves
         self._chain = chain
         self._steering = steering
         self._face = face
@@ -81,7 +82,7 @@ class Orders:
     # -- moves, gaze, pose ----------------------------------------------------------------------
 
     def _play(self, asked: Asked) -> Answer:
-        move = self._moves[asked.choice("move", tuple(self._moves))]
+        move = self.moves[asked.choice("move", tuple(self.moves))]
         speed = asked.within("speed", 0.1, 5.0, 1.0)
         amplitude = asked.within("amplitude", 0.0, 3.0, 1.0)
         playing = self._steering.play(move, speed, amplitude, self._token())
@@ -228,7 +229,7 @@ class Orders:
             line = isinstance(self._steering.primary, Line)
             pose = self._steering.here if line else self._steering.stance.pose
             return Saccade(self._chain, self._shape, pose, self._face.eyes)
-        move = self._moves.get(DEMO)
+        move = self.moves.get(DEMO)
         if move is None:
             raise Refused("there is no demo", f"it is the move called {DEMO!r}")
         return Playing(move, self._shape, 1.0, 1.0, 0, own_pace=True)

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Awaitable, Callable, Mapping
+from typing import Any
 
 from woz_tui.bus.guard import guarded
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Driver, Prepares, Resumes
+from woz_tui.core.driver import Driver, Prepares, Rereads, Resumes
 from woz_tui.core.hub import Hub
 
 #: Seconds that drivers may take to open, and to rest and to close when the session ends.
@@ -65,6 +66,15 @@ class Crew:
             self._hub.publish(
                 m.Notice(level="warning", text=f"{name}: utterances are not ready: {error}")
             )
+
+    def reread(self, settings: Mapping[str, Any], dry_run: bool) -> list[str]:
+        """Have drivers look at the files that their settings name; what is different, in words."""
+        changes: list[str] = []
+        for name, driver in self._drivers.items():
+            one: object = driver
+            if name in settings and isinstance(one, Rereads):
+                changes += one.reread(settings[name], dry_run=dry_run)
+        return [*dict.fromkeys(changes)]
 
     async def rest(self) -> None:
         """Take the rest pose, unless `stop_resting` is called on the way."""

@@ -360,6 +360,14 @@ class Session:
 
     # -- the file ----------------------------------------------------------------------------
 
+    def reread(self, experiment: Experiment, *, dry_run: bool) -> list[str]:
+        """Have the drivers read what their settings name (moves); what is different, in words.
+
+        May be called from any thread: it reads files.
+        """
+        settings = {spec.name: spec.settings for spec in experiment.drivers}
+        return self._crew.reread(settings, dry_run)
+
     def adopt(self, experiment: Experiment, changes: list[str]) -> None:
         """Go on with a changed file whose drivers are the same.
 
@@ -367,6 +375,9 @@ class Session:
         """
         before = {panel.title: panel.locked for panel in self.experiment.panels}
         self.experiment = experiment
+        for spec in experiment.drivers:
+            self._by_name[spec.name].update({verb.name: verb for verb in spec.verbs})
+            self.bus.offer(spec.name, spec.verbs)
         self.runner.deadline = experiment.session.deadline
         self.hub.publish(m.ExperimentReloaded(experiment_sha256=experiment.sha256, changes=changes))
         kept = self.profiles.adopt(experiment)

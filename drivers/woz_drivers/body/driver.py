@@ -9,6 +9,7 @@ from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
 from woz_drivers.body.loop import BodyLoop
+from woz_drivers.body.repertoire import differences
 from woz_drivers.body.settings import Settings as BodySettings
 from woz_drivers.body.ticker import ThreadTicker, Ticker
 from woz_tui.core.driver import (
@@ -178,6 +179,14 @@ class Body:
         """The stop was released: breathe and blink again."""
         if not self._closed:
             self.loop.resume()
+
+    def reread(self, settings: BodySettings, *, dry_run: bool) -> list[str]:
+        """Take over edited move files."""
+        moves = settings.repertoire.moves
+        changes = [*differences(self.loop.moves, moves)]
+        if changes and not dry_run:
+            self.loop.learn(moves)
+        return changes
 
     async def rest(self) -> None:
         """Hold the breath and go slowly to the rest pose."""

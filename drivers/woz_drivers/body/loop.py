@@ -19,6 +19,7 @@ from woz_tui.core.driver import DriverError, Health, Outlet
 from woz_tui.core.messages import Json
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand
+from woz_tui.motion.move import Move
 from woz_tui.motion.setpoints import FACE, SEEN, SETPOINTS, STATE, Lit, Seen, Setpoints
 from woz_tui.motion.ticks import Answer, Ended, Tick
 
@@ -47,7 +48,9 @@ class BodyLoop:
         lateness: Lateness,
         on_ended: Callable[[tuple[Ended, ...]], None],
     ) -> None:
-        self.engine = Engine(settings, settings.repertoire.moves, seed=settings.seed)
+        #: What it can play now.
+        self.moves = settings.repertoire.moves
+        self.engine = Engine(settings, self.moves, seed=settings.seed)
         self._outlet = outlet
         self._lateness = lateness
         self._on_ended = on_ended
@@ -73,6 +76,12 @@ class BodyLoop:
         with self._lock:
             self._touched = True
             return self.engine.apply(verb, args, hand)
+
+    def learn(self, moves: Mapping[str, Move]) -> None:
+        """Play these moves from now on; one under way goes on as it began."""
+        with self._lock:
+            self.moves = moves
+            self.engine.learn(moves)
 
     def drop(self, token: int) -> None:
         """End an input that takes time where it is now."""

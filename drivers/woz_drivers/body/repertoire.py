@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -28,3 +28,13 @@ def repertoire(folder: str, shape: BodyShape) -> Repertoire:
     there = folder and Path(folder).is_dir()
     found = read_folder(Path(folder), shape) if there else MoveFolder({}, ())
     return Repertoire({**BUILT_IN, **found.moves}, found)
+
+
+def differences(old: Mapping[str, Move], new: Mapping[str, Move]) -> Iterator[str]:
+    """What became of a body's moves, in words."""
+    for name, move in new.items():
+        if name not in old:
+            yield f"move {name!r} is new"
+        elif move != old[name]:
+            yield f"move {name!r} changed"
+    yield from (f"move {name!r} is gone" for name in old if name not in new)

@@ -1,0 +1,95 @@
+"""Move files are edited while a session plays them: the file is read again, and they count."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from tests.drivers.body.rig import SteppedBody
+from tests.drivers.body.test_body_session import KEY, LoopRobot
+from tests.fakes.virtual_time import LoopClock, run_virtual
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Driver, Rereads
+from woz_tui.experiment.decode import load
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import Identity
+from woz_tui.session.session import Session
+
+CATALOGUE: dict[str, type[Driver]] = {"body": SteppedBody, "simulated": LoopRobot}
+ROBOT = """
+drivers:
+  body:
+    type: body
+    joints: {pan: {axis: z, min: -80, max: 80, speed: 300}}
+    roles: {pan: {pan: 1}}
+    personalities: {default: {breathing: 0}}
+    moves: moves
+"""
+EXPERIMENT = """
+title: T
+robot: robot.yaml
+panels: [{title: P, actions: [{key: a, label: Wave, play: MOVE}]}]
+"""
+
+
+def wave(degrees: int) -> str:
+    return f"frames: [{{seconds: 0.5, pan: {degrees}}}, {{seconds: 0.5, pan: 0}}]\n"
+
+
+def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
+    file, moves = tmp_path / "e.yaml", tmp_path / "moves"
+    moves.mkdir()
+    (moves / "wave.yaml").write_text(wave(20))
+    (moves / "old.yaml").write_text(wave(5))
+    (tmp_path / "robot.yaml").write_text(ROBOT)
+    file.write_text(EXPERIMENT.replace("MOVE", "wave"))
+
+    async def scenario() -> None:
+        clock = LoopClock(asyncio.get_running_loop())
+        session = Session(
+            load(file, CATALOGUE),
+            CATALOGUE,
+            Identity(),
+            Recorder(tmp_path, "made", clock, on_state=lambda state: None),
+            clock,
+        )
+        lines: list[m.AnyMessage] = []
+        session.hub.listen(lines.append)
+
+        async def farthest() -> float:
+            lines.clear()
+            session.play("Wave", KEY)
+            await asyncio.sleep(2)
+            assert any(isinstance(line, m.ActionDone) for line in lines)
+            return max(
+                line.value or 0.0
+                for line in lines
+                if isinstance(line, m.Reading) and line.sensor == "setpoint.pan"
+            )
+
+        def reread(*, dry_run: bool) -> list[str]:
+            experiment = load(file, CATALOGUE)
+            changes = session.reread(experiment, dry_run=dry_run)
+            if not dry_run:
+                session.adopt(experiment, changes)
+            return changes
+
+        await session.open()
+        await asyncio.sleep(0.5)
+        assert isinstance(session.drivers["body"], Rereads)
+        assert 15 < await farthest() < 25
+        assert reread(dry_run=True) == []
+        (moves / "wave.yaml").write_text(wave(60))
+        (moves / "greet.yaml").write_text(wave(-40))
+        (moves / "old.yaml").unlink()
+        told = ["move 'greet' is new", "move 'wave' changed", "move 'old' is gone"]
+        assert sorted(reread(dry_run=True)) == sorted(told)
+        assert 15 < await farthest() < 25, "a look changes nothing"
+        assert sorted(reread(dry_run=False)) == sorted(told)
+        assert 55 < await farthest() < 65
+        file.write_text(EXPERIMENT.replace("MOVE", "greet"))
+        assert reread(dry_run=False) == []
+        assert await farthest() < 1, "the new one goes the other way"
+        await session.close("test")
+
+    run_virtual(scenario())

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import itertools
 import json
+import math
 from pathlib import Path
 from typing import Any
 
@@ -62,7 +63,7 @@ def test_the_same_call_gives_the_same_bytes(capsys: pytest.CaptureFixture[str], 
 
 
 @pytest.mark.toolkit("R2")
-@pytest.mark.parametrize("rate", ["7", "50", "400"])
+@pytest.mark.parametrize("rate", ["7", "37", "50", "400"])
 @pytest.mark.parametrize("name", ["dance", "shake", "demo"])
 def test_no_two_lines_differ_by_more_than_the_speed_allows(
     capsys: pytest.CaptureFixture[str], name: str, rate: str
@@ -128,9 +129,21 @@ def test_a_gaze_is_a_straight_line_that_is_complete_in_time(
     lines = rendered(capsys, calm, "idle", "--inputs", script, "--rate", rate)
     for line in lines:
         share = min(1.0, max(0.0, (line["t"] - 0.25) / 1.5))
-        # a millionth of a radian, and t itself is rounded to a microsecond
-        assert line["joints"]["pitch"] == pytest.approx(60 * share, abs=1e-4)
+        assert line["joints"]["pitch"] == pytest.approx(60 * share, abs=math.degrees(1e-6))
     assert lines[-1]["joints"]["pitch"] == pytest.approx(60)
+
+
+@pytest.mark.toolkit("L4")
+@pytest.mark.parametrize("rate", ["37", "100", "1000"])
+def test_a_fast_line_of_eyepi_is_straight_at_every_rate(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path, rate: str
+) -> None:
+    script = tmp_path / "fast.jsonl"
+    script.write_text('{"t":0.5,"input":"pose","joints":{"pitch":75},"seconds":0.25}\n')
+    lines = rendered(capsys, EYEPI, "idle", "--inputs", script, "--rate", rate, "--seconds", "1")
+    for line in lines:
+        share = min(1.0, max(0.0, (line["t"] - 0.5) / 0.25))
+        assert line["joints"]["pitch"] == pytest.approx(75 * share, abs=math.degrees(1e-6))
 
 
 @pytest.mark.toolkit("R6")

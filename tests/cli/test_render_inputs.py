@@ -202,6 +202,36 @@ def test_a_wrong_robot_file_is_told_with_its_line(
     assert said in err
 
 
+@pytest.mark.toolkit("L4", "L5", "R4")
+def test_what_is_taken_but_not_as_it_was_meant_is_told(
+    capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path
+) -> None:
+    script = written(
+        tmp_path,
+        {"t": 0, "input": "gaze", "x": -1, "y": 0, "z": 0.3},
+        {"t": 1, "input": "pose", "joints": {"pitch": 90}, "seconds": 0.05},
+        {"t": 2, "input": "joints", "joints": {"pitch": 1, "nose": 2}},
+    )
+    assert main(["render", str(calm), "idle", "--inputs", str(script)]) == 0
+    told = capsys.readouterr().err.splitlines()
+    assert len(told) == 3
+    assert "inputs.jsonl:1: gaze: out of reach, it looks " in told[0]
+    assert "inputs.jsonl:2: pose: too soon, it arrives " in told[1]
+    assert "inputs.jsonl:3: joints: left out nose: no such joint" in told[2]
+
+
+@pytest.mark.parametrize("value", ["a", True, [], {}, 1.5, -1.5, 1e300])
+def test_what_no_camera_can_see_is_told_and_changes_nothing(
+    capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path, value: object
+) -> None:
+    script = written(tmp_path, {"t": 0.5, "input": "seen", "x": value, "y": 0, "size": 0.1})
+    assert main(["render", str(calm), "tracking", "--inputs", str(script)]) == 0
+    out, err = capsys.readouterr()
+    assert "inputs.jsonl:1: seen refused: x must be -1 to 1, or null, not " in err
+    assert main(["render", str(calm), "tracking"]) == 0
+    assert capsys.readouterr().out == out
+
+
 # -- curves and documents -----------------------------------------------------------------------
 
 

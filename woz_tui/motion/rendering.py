@@ -10,6 +10,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.core.messages import Json
+from woz_tui.motion.asked import quoted
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand, Mode
 from woz_tui.motion.setpoints import Seen
@@ -157,20 +158,25 @@ class Rendering:
                     if one.verb == STOP
                     else (one.verb, one.args)
                 )
-                token = engine.apply(verb, args, one.hand).token
-                if token:
-                    self._running.add(token)
-                return token
+                answer = engine.apply(verb, args, one.hand)
+                for shortfall in _shortfalls(answer.sent):
+                    self._say(one, now, f": {shortfall}")
+                if answer.token:
+                    self._running.add(answer.token)
+                return answer.token
         except Refused as refused:
-            where = f"{one.place}: " if one.place else ""
             remedy = f" ({refused.remedy})" if refused.remedy else ""
-            self._tell(now, f"{where}{one.verb} refused: {refused.what}{remedy}")
+            self._say(one, now, f" refused: {refused.what}{remedy}")
         return 0
+
+    def _say(self, one: Input, now: float, text: str) -> None:
+        where = f"{one.place}: " if one.place else ""
+        self._tell(now, f"{where}{one.verb}{text}")
 
     def _see(self, one: Input, now: float) -> None:
         self._frames += 1
-        x, y = _place(one.args.get("x")), _place(one.args.get("y"))
-        size = one.args.get("size")
+        x, y = _place(one.args, "x"), _place(one.args, "y")
+        size = _place(one.args, "size")
         there = x is not None and y is not None
         self._engine.see(
             Seen(
@@ -178,7 +184,7 @@ class Rendering:
                 frame=self._frames,
                 x=x if there else None,
                 y=y if there else None,
-                size=float(size) if there and isinstance(size, int | float) else 0.0,
+                size=size if there and size is not None else 0.0,
             )
         )
 
@@ -209,5 +215,24 @@ class Rendering:
         return there or quiet > settle + PATIENCE_S
 
 
-def _place(value: Json) -> float | None:
-    return float(value) if isinstance(value, int | float) and not isinstance(value, bool) else None
+def _place(seen: Mapping[str, Json], name: str) -> float | None:
+    """A number of what was seen; None if there is none. Raises `Refused` for anything else."""
+    value = seen.get(name)
+    if value is None:
+        return None
+    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1.0:
+        low = "0" if name == "size" else "-1"
+        raise Refused(f"{name} must be {low} to 1, or null, not {quoted(value)}")
+    return float(value)
+
+
+def _shortfalls(sent: Mapping[str, Json]) -> Iterator[str]:
+    """What an answer says about an input that was taken, but not as it was meant."""
+    if sent.get("reachable") is False:
+        yield f"out of reach, it looks {sent.get('error_deg')} degrees beside it"
+    if "late_s" in sent:
+        yield f"too soon, it arrives {sent['late_s']} s later"
+    left_out = sent.get("left_out")
+    if isinstance(left_out, Mapping):
+        for name, why in left_out.items():
+            yield f"left out {name}: {why}"

@@ -10,7 +10,8 @@ from typing import Annotated
 
 from woz_drivers.body.repertoire import Repertoire, repertoire
 from woz_tui.core.fields import Doc, Path, Range, Seconds, Sibling
-from woz_tui.motion.movefile import MoveFolder
+from woz_tui.motion.inputs import CONTROLS
+from woz_tui.motion.movefile import NAME, NAME_RULE, MoveFolder
 from woz_tui.motion.shapes import BodyShape
 
 
@@ -41,13 +42,24 @@ class Settings(BodyShape):
 
     def problems(self) -> list[tuple[str, str]]:
         """What does not fit together: pairs of a setting's path and a sentence."""
-        found = [*BodyShape.problems(self), *self._angle_problems()]
+        found = [*BodyShape.problems(self), *self._joint_names(), *self._angle_problems()]
         # Move files name joints, so they are read only where the joints are right.
         return found or [*self._name_problems()]
 
     def included(self) -> MoveFolder:
         """The move files, which belong to the experiment as its other files do."""
         return self.repertoire.folder
+
+    def _joint_names(self) -> Iterator[tuple[str, str]]:
+        """Readings, controls and move files name joints, each in its own way."""
+        for name in self.joints:
+            if not NAME.fullmatch(name):
+                yield f"joints.{name}", NAME_RULE
+            elif name in CONTROLS:
+                yield (
+                    f"joints.{name}",
+                    f"every body has a control {name!r} already; call the joint otherwise",
+                )
 
     def _angle_problems(self) -> Iterator[tuple[str, str]]:
         poses = {f"poses.{name}": pose for name, pose in self.poses.items()}

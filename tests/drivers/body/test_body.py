@@ -7,7 +7,7 @@ import math
 from pathlib import Path
 
 import pytest
-from woz_drivers.body import Body
+from woz_drivers.body import Body, Settings
 from woz_drivers.body.lateness import Lateness
 from woz_drivers.body.loop import BodyLoop
 
@@ -21,7 +21,7 @@ from woz_tui.core.messages import (
     ModeChanged,
 )
 from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.shapes import FaceShape
+from woz_tui.motion.shapes import FaceShape, JointShape
 
 # -- what it declares -----------------------------------------------------------------------------
 
@@ -37,6 +37,23 @@ def test_a_body_without_a_face_has_no_verbs_about_it() -> None:
     assert {"play", "gaze", "pose", "mode", "personality"} <= names
     assert not names & {"emotion", "look", "blink", "brightness"}
     assert "emotion" in {verb.name for verb in Body.verbs(small(face=FaceShape()))}
+
+
+@pytest.mark.parametrize(
+    ("name", "why"),
+    [
+        ("zoom", "has a control 'zoom' already"),
+        ("tempo", "has a control 'tempo' already"),
+        ("left.arm", "begins with a letter"),
+        ("", "begins with a letter"),
+        ("a\nb", "begins with a letter"),
+    ],
+)
+def test_a_joints_name_can_be_told_from_everything_else(name: str, why: str) -> None:
+    assert small().problems() == []
+    [(path, problem)] = Settings({name: JointShape("z", -90, 90, 100)}).problems()
+    assert path == f"joints.{name}"
+    assert why in problem
 
 
 def test_readings_are_declared_as_they_are_published() -> None:

@@ -106,7 +106,9 @@ class _Decoder:
         panels = PanelReader(vocabulary, layout)
         read = tuple(panels.read(panels_spot)) if panels_spot is not None else ()
         offered = [verb for spec in robots.drivers for verb in spec.verbs]
-        known = Known.of(read, [*offered, *vocabulary.session.values()])
+        known = Known.of(
+            read, [*offered, *vocabulary.session.values()], complete=not robots.incomplete
+        )
         experiment = Experiment(
             title=(title and read_text(title)) or "",
             path=self._path.absolute(),

@@ -18,15 +18,20 @@ CONTROL = "control"
 
 @dataclass(frozen=True, slots=True)
 class Known:
-    """Everything that a profile can name."""
+    """Everything that a profile can name.
+
+    `complete`: the robot files are right. Else a driver is missing here, and what only it knows
+    must not be called unknown: that would hide the mistake that is there.
+    """
 
     panels: Sequence[str]
     actions: Sequence[str]
     controls: Sequence[str]
     verbs: Sequence[str]
+    complete: bool = True
 
     @classmethod
-    def of(cls, panels: Iterable[Panel], verbs: Iterable[Verb]) -> Known:
+    def of(cls, panels: Iterable[Panel], verbs: Iterable[Verb], *, complete: bool = True) -> Known:
         """Of these panels and of the verbs of all drivers."""
         offered, rows = [*verbs], [*panels]
         controls = [
@@ -40,6 +45,7 @@ class Known:
             [action.name for panel in rows for action in panel.actions],
             [*dict.fromkeys(controls)],
             [*dict.fromkeys(verb.name for verb in offered)],
+            complete,
         )
 
 
@@ -65,7 +71,8 @@ def _profile(name: str, spot: Spot, known: Known) -> Profile | None:
     hide = table.get("hide")
 
     def names(field: str, there: Sequence[str], what: Callable[[str], str]) -> frozenset[str]:
-        return frozenset(_names(table.get(field), there, what))
+        surely = known.complete or field in ("panels", "actions")
+        return frozenset(_names(table.get(field), there, what if surely else None))
 
     profile = Profile(
         name=name,
@@ -80,13 +87,16 @@ def _profile(name: str, spot: Spot, known: Known) -> Profile | None:
     return profile
 
 
-def _names(spot: Spot | None, there: Sequence[str], unknown: Callable[[str], str]) -> Iterable[str]:
+def _names(
+    spot: Spot | None, there: Sequence[str], unknown: Callable[[str], str] | None
+) -> Iterable[str]:
+    """A list of names; those that are not `there` are `unknown`, if that can be said."""
     entries = spot.list("a list of names") if spot is not None else None
     for entry in entries or ():
         name = read_text(entry)
         if name is None:
             continue
-        if name not in there:
+        if unknown is not None and name not in there:
             near = entry.report.hint(name, there, or_list="there are")
             entry.error(f"{unknown(quoted(name))}{near}")
         yield name

@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import enum
 import functools
+import os
 import pathlib
 import re
 import types
@@ -238,7 +239,18 @@ def resolved(spot: Spot, text: str, *, must_exist: bool) -> str:
     except (OSError, RuntimeError, ValueError) as error:
         spot.error(f"{text!r} is no path: {error}")
         return text
-    return str(path)
+    return str(_straight(path))
+
+
+def _straight(path: pathlib.Path) -> pathlib.Path:
+    """Without `..` on the way, which makes places of errors hard to read; unless a link leads
+    somewhere else.
+    """
+    straight = pathlib.Path(os.path.normpath(path))
+    try:
+        return straight if straight.samefile(path) else path
+    except (OSError, ValueError):
+        return path
 
 
 def _enumerated(spot: Spot, kind: type[enum.Enum]) -> Any:

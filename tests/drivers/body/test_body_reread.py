@@ -5,12 +5,15 @@ from __future__ import annotations
 import asyncio
 from pathlib import Path
 
+import pytest
+
 from tests.drivers.body.rig import SteppedBody
 from tests.drivers.body.test_body_session import KEY, LoopRobot
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Driver, Rereads
 from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import ExperimentError
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.identity import Identity
 from woz_tui.session.session import Session
@@ -93,3 +96,24 @@ def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
         await session.close("test")
 
     run_virtual(scenario())
+
+
+def test_a_mistake_in_a_move_file_is_the_only_one_told(tmp_path: Path) -> None:
+    """Whatever else the file says of the body that could not be read is not called unknown."""
+    for folder in ("robots", "moves"):
+        (tmp_path / folder).mkdir()
+    (tmp_path / "robots" / "robot.yaml").write_text(
+        ROBOT.replace("moves: moves", "moves: ../moves")
+    )
+    (tmp_path / "moves" / "wave.yaml").write_text(wave(20).replace("pan", "pam", 1))
+    file = tmp_path / "e.yaml"
+    profile = "profiles: {child: {panels: [P], controls: [pan], verbs: [gaze]}}\n"
+    file.write_text(
+        EXPERIMENT.replace("robot.yaml", "robots/robot.yaml").replace("MOVE", "wave") + profile
+    )
+    with pytest.raises(ExperimentError) as caught:
+        load(file, CATALOGUE)
+    place = tmp_path / "moves" / "wave.yaml"
+    assert str(caught.value).splitlines() == [
+        f"{place}:1:25: frames[0].pam: unknown; did you mean 'pan'?"
+    ]

@@ -16,7 +16,8 @@ from woz_drivers.microphone import Microphone
 from woz_drivers.microphone_settings import MicrophoneSettings
 
 from tests.drivers.heard import Heard, Ordered, until
-from tests.fakes.sound import RATE, PipedMicrophone, square
+from tests.fakes.piped_command import PipedCommand
+from tests.fakes.sound import RATE, square
 from woz_tui.core.clock import ManualClock, RealClock
 from woz_tui.core.driver import DriverError, Finding, Lost, Probe, Rejected, Scope
 from woz_tui.core.messages import DriverConnected, DriverLost, Notice
@@ -25,8 +26,8 @@ Begin = Callable[..., Any]
 
 
 @pytest.fixture
-def pipe(tmp_path: Path) -> PipedMicrophone:
-    return PipedMicrophone(tmp_path / "pipe")
+def pipe(tmp_path: Path) -> PipedCommand:
+    return PipedCommand(tmp_path / "pipe")
 
 
 @pytest.fixture
@@ -55,7 +56,7 @@ async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
 
 
 async def test_loudness_of_the_loudest_block_ten_times_a_second(
-    begin: Begin, pipe: PipedMicrophone
+    begin: Begin, pipe: PipedCommand
 ) -> None:
     _, heard = await begin(pipe.command)
     await until(pipe.connected)
@@ -65,7 +66,7 @@ async def test_loudness_of_the_loudest_block_ten_times_a_second(
     assert heard.all(DriverConnected)[0].detail == "cat, 16000 Hz, S16_LE, 1 channel"
 
 
-async def test_rms_over_all_blocks_at_another_rate(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_rms_over_all_blocks_at_another_rate(begin: Begin, pipe: PipedCommand) -> None:
     _, heard = await begin(pipe.command, measure="rms", publish=5)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.6) + square(0.1, 0.0) + square(0.2, 0.3))
@@ -73,7 +74,7 @@ async def test_rms_over_all_blocks_at_another_rate(begin: Begin, pipe: PipedMicr
     assert heard.values("loudness") == pytest.approx([0.6 / 2**0.5, 0.3], rel=1e-3)
 
 
-async def test_a_stream_split_at_odd_bytes_is_the_same(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_a_stream_split_at_odd_bytes_is_the_same(begin: Begin, pipe: PipedCommand) -> None:
     _, heard = await begin(pipe.command)
     await until(pipe.connected)
     data = square(0.1, 0.25) + square(0.1, 0.5)
@@ -84,7 +85,7 @@ async def test_a_stream_split_at_odd_bytes_is_the_same(begin: Begin, pipe: Piped
     assert heard.values("loudness") == pytest.approx([0.25, 0.5], rel=1e-3)
 
 
-async def test_one_channel_of_two_in_24_bits(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_one_channel_of_two_in_24_bits(begin: Begin, pipe: PipedCommand) -> None:
     _, heard = await begin(pipe.command, format="S24_3LE", channels=2, channel=2)
     await until(pipe.connected)
     stereo = np.tile(np.array([[0.9, 0.3]], np.float32), (RATE // 10, 1))
@@ -93,7 +94,7 @@ async def test_one_channel_of_two_in_24_bits(begin: Begin, pipe: PipedMicrophone
     assert heard.values("loudness") == pytest.approx([0.3], rel=1e-3)
 
 
-async def test_speaking_quiet_clipping_and_silent(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_speaking_quiet_clipping_and_silent(begin: Begin, pipe: PipedCommand) -> None:
     _, heard = await begin(pipe.command, threshold=0.1, hang_over=0.2, silent_after=0.5)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05) + square(0.2, 0.5) + square(0.3, 0.05))
@@ -107,7 +108,7 @@ async def test_speaking_quiet_clipping_and_silent(begin: Begin, pipe: PipedMicro
     await heard.state("loudness", "quiet")
 
 
-async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedCommand) -> None:
     microphone, heard = await begin(pipe.command, hang_over=0.1)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
@@ -134,7 +135,7 @@ async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedMicrophon
     await heard.state("loudness", "speaking")
 
 
-async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedCommand) -> None:
     microphone, heard = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.0))
@@ -147,7 +148,7 @@ async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedMicro
         await performing
 
 
-async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedCommand) -> None:
     microphone, heard = await begin(pipe.command)
     with pytest.raises(Lost, match="delivers no sound"):
         await microphone.perform(Ordered("listen_room", {"seconds": 1.0}))
@@ -162,7 +163,7 @@ async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedMicrophon
         await performing
 
 
-async def test_learning_can_be_cancelled(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_learning_can_be_cancelled(begin: Begin, pipe: PipedCommand) -> None:
     microphone, heard = await begin(pipe.command)
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
@@ -213,7 +214,7 @@ async def test_a_missing_program_names_its_package_and_is_found_once_it_is_there
 
 
 async def test_a_command_that_hangs_is_stale_then_ended_and_started_again(
-    begin: Begin, pipe: PipedMicrophone, clock: ManualClock
+    begin: Begin, pipe: PipedCommand, clock: ManualClock
 ) -> None:
     _, heard = await begin(pipe.command)
     await until(pipe.connected)
@@ -252,7 +253,7 @@ async def test_sound_faster_than_real_time_is_slowed_down(begin: Begin) -> None:
     assert heard.all(DriverLost) == []
 
 
-async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedMicrophone) -> None:
+async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedCommand) -> None:
     microphone, _ = await begin(pipe.command)
     assert [verb.name for verb in Microphone.verbs(None)] == ["listen_room"]
     assert Microphone.sensors(None) == ("loudness", "loudness.threshold")

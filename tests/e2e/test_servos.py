@@ -10,8 +10,9 @@ import pytest
 from tests.e2e import scenes
 from tests.e2e.lab import Lab, Log, end_session, until
 from tests.e2e.servos import TORQUE, Servos
+from tests.fakes.piped_command import PipedCommand
 from tests.fakes.rangefinder import PluggedSensor, maxbotix
-from tests.fakes.sound import PipedMicrophone, square
+from tests.fakes.sound import square
 from tests.fakes.terminal import FakeTerminal
 
 #: Where the servos stand at the start: 10, -5 and 3 degrees.
@@ -225,7 +226,7 @@ def test_sensors_beside_the_servos_go_stale_by_name_and_the_servos_go_on(
     lab: Lab, servos: Servos
 ) -> None:
     sensor = PluggedSensor(lab.folder / "distance")
-    ear = PipedMicrophone(lab.folder / "ear")
+    ear = PipedCommand(lab.folder / "ear")
     more = SENSES.format(port=sensor.port, pipe=ear.path)
     terminal = lab.run(lab.file("bench.yaml", scenes.head(servos.port, more)), columns=120, rows=32)
     log = lab.log
@@ -249,7 +250,7 @@ def test_sensors_beside_the_servos_go_stale_by_name_and_the_servos_go_on(
         sensor_end(sensor, ear)
 
 
-def feed(terminal: FakeTerminal, sensor: PluggedSensor, ear: PipedMicrophone) -> None:
+def feed(terminal: FakeTerminal, sensor: PluggedSensor, ear: PipedCommand) -> None:
     """Readings until both are on the screen."""
 
     def shown() -> bool:
@@ -263,7 +264,7 @@ def feed(terminal: FakeTerminal, sensor: PluggedSensor, ear: PipedMicrophone) ->
     until(shown, "both sensors on the screen")
 
 
-def sensor_end(sensor: PluggedSensor, ear: PipedMicrophone) -> None:
+def sensor_end(sensor: PluggedSensor, ear: PipedCommand) -> None:
     if sensor.port.is_symlink():
         sensor.unplug()
     ear.unplug()

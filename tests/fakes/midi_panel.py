@@ -3,41 +3,22 @@
 from __future__ import annotations
 
 import os
-import pty
-import tty
 from pathlib import Path
 
+from tests.fakes.plugged_device import PluggedDevice
 
-class MidiPanelFake:
+
+class MidiPanelFake(PluggedDevice):
     """Speaks as a Korg nanoKONTROL2 does. `port` is the device's name, as under /dev/snd."""
 
     def __init__(self, port: Path) -> None:
-        self.port = port
         self.received = bytearray()
-        self._ends: tuple[int, int] | None = None
-        self.plug()
+        super().__init__(port)
 
     def plug(self) -> None:
-        """Put the cable in: the name appears, pointing at a new device."""
-        panel_end, computer_end = pty.openpty()
-        tty.setraw(computer_end)
-        os.set_blocking(panel_end, False)
-        self._ends = (panel_end, computer_end)
+        """Put the cable in; what was sent before is forgotten."""
         self.received.clear()
-        self.port.symlink_to(os.ttyname(computer_end))
-
-    def unplug(self) -> None:
-        """Pull the cable: the name goes, and whoever has the device open is cut off."""
-        if self._ends is not None:
-            for end in self._ends:
-                os.close(end)
-            self._ends = None
-            self.port.unlink()
-
-    def send(self, data: bytes) -> None:
-        """Bytes from the panel."""
-        assert self._ends is not None, "the cable is out"
-        os.write(self._ends[0], data)
+        super().plug()
 
     def turn(self, number: int, *values: int, channel: int = 1) -> None:
         """A knob or slider passes through `values`, with running status as the real one sends."""

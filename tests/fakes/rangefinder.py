@@ -4,41 +4,14 @@ from __future__ import annotations
 
 import fcntl
 import os
-import pty
 import sys
 import termios
-import tty
-from pathlib import Path
+
+from tests.fakes.plugged_device import PluggedDevice
 
 
-class PluggedSensor:
-    """A sensor on a serial adapter. `port` is its lasting name, as under /dev/serial/by-id."""
-
-    def __init__(self, port: Path) -> None:
-        self.port = port
-        self._ends: tuple[int, int] | None = None
-        self.plug()
-
-    def plug(self) -> None:
-        """Put the cable in: the name appears, pointing at a new device."""
-        device_end, computer_end = pty.openpty()
-        tty.setraw(computer_end)
-        os.set_blocking(device_end, False)
-        self._ends = (device_end, computer_end)
-        self.port.symlink_to(os.ttyname(computer_end))
-
-    def unplug(self) -> None:
-        """Pull the cable: the name goes, and whoever has the device open is cut off."""
-        if self._ends is not None:
-            for end in self._ends:
-                os.close(end)
-            self._ends = None
-            self.port.unlink()
-
-    def send(self, data: bytes) -> None:
-        """The sensor says `data`."""
-        assert self._ends is not None, "the cable is out"
-        os.write(self._ends[0], data)
+class PluggedSensor(PluggedDevice):
+    """A sensor on a serial adapter."""
 
     def unread(self) -> int:
         """How many bytes the computer has not fetched yet."""

@@ -1,4 +1,4 @@
-"""Programs that make, play and deliver sound on a machine without a sound card.
+"""Sound, and programs that make and play it on a machine without a sound card.
 
 As a script: `sound.py synthesise|play|speak JOURNAL ...` behaves like espeak-ng or aplay and writes
 what it was told, one JSON object a line, to the file JOURNAL.
@@ -28,40 +28,6 @@ def square(seconds: float, level: float) -> bytes:
         struct.pack("<h", round(level * 32768)) * 4 + struct.pack("<h", -round(level * 32768)) * 4
     )
     return half * round(seconds * RATE / 8)
-
-
-class PipedMicrophone:
-    """A named pipe that `cat PIPE` turns into a microphone's command."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        os.mkfifo(path)
-        self._end: int | None = None
-
-    @property
-    def command(self) -> tuple[str, ...]:
-        """What the robot file would say."""
-        return ("cat", str(self.path))
-
-    def connected(self) -> bool:
-        """Whether a command listens; if so, sound can be sent."""
-        if self._end is None:
-            try:
-                self._end = os.open(self.path, os.O_WRONLY | os.O_NONBLOCK)
-            except OSError:
-                return False
-        return True
-
-    def send(self, data: bytes) -> None:
-        """Deliver PCM; at most 64 KiB wait to be fetched."""
-        assert self._end is not None, "nobody listens yet"
-        assert os.write(self._end, data) == len(data), "the pipe is full"
-
-    def unplug(self) -> None:
-        """The command comes to its end."""
-        if self._end is not None:
-            os.close(self._end)
-            self._end = None
 
 
 def told(journal: Path, what: str = "") -> list[dict[str, object]]:

@@ -2,11 +2,10 @@
 
 from __future__ import annotations
 
-import os
-from pathlib import Path
-
 import numpy as np
 from woz_drivers.camera.pictures import Picture
+
+from tests.fakes.piped_command import PipedCommand
 
 GREEN = (20, 200, 30)
 
@@ -37,36 +36,9 @@ def planes(made: Picture, stride: int) -> bytes:
     return b"".join(padded)
 
 
-class PipedCamera:
-    """A named pipe that `cat PIPE` turns into a camera's command."""
-
-    def __init__(self, path: Path) -> None:
-        self.path = path
-        os.mkfifo(path)
-        self._end: int | None = None
-
-    @property
-    def command(self) -> tuple[str, ...]:
-        """What the robot file would say."""
-        return ("cat", str(self.path))
-
-    def connected(self) -> bool:
-        """Whether a command listens; if so, pictures can be sent."""
-        if self._end is None:
-            try:
-                self._end = os.open(self.path, os.O_WRONLY | os.O_NONBLOCK)
-            except OSError:
-                return False
-        return True
+class PipedCamera(PipedCommand):
+    """A pipe that is a camera."""
 
     def send(self, *pictures: Picture | bytes) -> None:
-        """Deliver pictures; at most 64 KiB wait to be fetched."""
-        assert self._end is not None, "nobody listens yet"
-        data = b"".join(one if isinstance(one, bytes) else one.tobytes() for one in pictures)
-        assert os.write(self._end, data) == len(data), "the pipe is full"
-
-    def unplug(self) -> None:
-        """The command comes to its end."""
-        if self._end is not None:
-            os.close(self._end)
-            self._end = None
+        """Deliver pictures, or pieces of them."""
+        super().send(b"".join(bytes(one) for one in pictures))

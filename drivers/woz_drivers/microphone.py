@@ -6,8 +6,8 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from woz_drivers import child, microphone_check, sound
-from woz_drivers.child import Child
+from woz_drivers import microphone_check, sound
+from woz_drivers.byte_stream import ByteStream, Command, Listener
 from woz_drivers.microphone_settings import MicrophoneSettings
 from woz_drivers.speaking import BLOCK_S, Speaking, learn
 from woz_tui.core.driver import (
@@ -30,17 +30,6 @@ SENSOR = "loudness"
 #: RMS above which sound counts as speech, published at the start and when it is learned anew.
 THRESHOLD = "loudness.threshold"
 
-#: Pauses before a dead command is started again, in seconds: doubled each time up to the limit,
-#: back to the first after it has run well for a while.
-_FIRST_PAUSE_S = 0.5
-_LONGEST_PAUSE_S = 10.0
-_WELL_S = 10.0
-#: A command that writes nothing is called stale, and later ended and started again, in seconds;
-#: the first sound may take longer, because ssh needs time to connect.
-_STALE_S = 1.0
-_STUCK_S = 5.0
-_STUCK_AT_FIRST_S = 20.0
-_LOOK_S = 0.1
 #: Sound may come this much faster than real time before it is slowed down, in seconds. A device
 #: never gets there; a file played back as a microphone would flood the log.
 _AHEAD_S = 2.0
@@ -67,12 +56,9 @@ class Microphone:
         self._blocks = self._fresh_blocks()
         self._levels: list[float] = []
         self._learning: _Learning | None = None
-        self._child: Child | None = None
         self._heard = 0
-        self._started_us = 0
-        self._heard_us = 0
         self._resume: asyncio.TimerHandle | None = None
-        self._task: asyncio.Task[None] | None = None
+        self._source: ByteStream | None = None
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
@@ -96,13 +82,19 @@ class Microphone:
         """Start the command, and again whenever it ends."""
         self._outlet.health(Health.CONNECTING, "starting the microphone's command")
         self._outlet.reading(THRESHOLD, self._speaking.threshold)
-        self._task = asyncio.create_task(self._keep_listening())
+        settings = self._settings
+        command = Command(
+            settings.words, self._outlet.folder, "no sound", _CHECK, least=settings.block_bytes
+        )
+        listener = Listener(self._begun, self._received, self._stale, self._lose)
+        self._source = ByteStream(command, self._outlet.clock, listener)
+        self._source.start()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Learn the room."""
         if job.verb != "listen_room":
             raise Rejected(f"{self.name} is a microphone; it cannot {job.verb}")
-        if self._child is None or not self._heard:
+        if self._source is None or not self._source.running or not self._heard:
             raise Lost(f"{self.name} delivers no sound", "see the driver's health for the reason")
         seconds = job.args.get("seconds")
         learning = _Learning(float(seconds) if isinstance(seconds, int | float) else 10.0)
@@ -122,72 +114,28 @@ class Microphone:
 
     async def close(self) -> None:
         """End the command."""
-        if self._task is not None:
-            self._task.cancel()
-            await asyncio.gather(self._task, return_exceptions=True)
-            self._task = None
+        if self._source is not None:
+            await self._source.close()
+            self._source = None
+        self._forget_pause()
 
     # -- the command ---------------------------------------------------------------------------
 
-    async def _keep_listening(self) -> None:
-        pause = _FIRST_PAUSE_S
-        while True:
-            try:
-                trouble = await self._listen()
-            except DriverError as error:
-                trouble = error
-            if self._well_us() >= _WELL_S * 1_000_000:
-                pause = _FIRST_PAUSE_S
-            self._lose(trouble)
-            await asyncio.sleep(pause)
-            pause = min(2 * pause, _LONGEST_PAUSE_S)
-
-    async def _listen(self) -> DriverError:
-        """Run the command until it ends; returns why it did. Raises if it cannot be started."""
-        words = self._settings.words
+    def _begun(self) -> None:
         self._blocks = self._fresh_blocks()
         self._speaking.forget()
         self._levels = []
         self._heard = 0
-        self._started_us = self._heard_us = self._outlet.clock.now_us()
-        running = await child.start(words, self._outlet.folder, on_output=self._received)
-        self._child = running
-        try:
-            stuck = await self._until_end(running)
-        finally:
-            self._child = None
-            if self._resume is not None:
-                self._resume.cancel()
-            await running.gone()
-        if stuck:
-            return DriverError(f"{words[0]} ran, but delivered no sound", _CHECK)
-        status = await running.wait()
-        reason = running.last_line or f"exit status {status}"
-        return DriverError(f"{words[0]} ended: {reason}", _CHECK)
 
-    async def _until_end(self, running: Child) -> bool:
-        """Whether it had to be given up because no sound came."""
-        waiting = asyncio.ensure_future(running.wait())
-        try:
-            while not waiting.done():
-                await asyncio.wait([waiting], timeout=_LOOK_S)
-                silence_us = self._outlet.clock.now_us() - self._heard_us
-                if silence_us >= (_STUCK_S if self._heard else _STUCK_AT_FIRST_S) * 1_000_000:
-                    return not waiting.done()
-                if silence_us >= _STALE_S * 1_000_000:
-                    self._outlet.sensor(SENSOR, "stale", f"{running.program} delivers no sound")
-        finally:
-            waiting.cancel()
-        return False
+    def _stale(self, why: str) -> None:
+        self._outlet.sensor(SENSOR, "stale", why)
 
     def _lose(self, trouble: DriverError) -> None:
+        self._forget_pause()
         self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
-        self._outlet.sensor(SENSOR, "stale", trouble.what)
+        self._stale(trouble.what)
         if self._learning is not None:
             self._learning.fail(Lost(trouble.what, trouble.remedy))
-
-    def _well_us(self) -> int:
-        return self._heard_us - self._started_us
 
     # -- sound ---------------------------------------------------------------------------------
 
@@ -195,7 +143,6 @@ class Microphone:
         return sound.Blocks(self._settings.block_bytes, self._take)
 
     def _received(self, data: bytes) -> None:
-        self._heard_us = self._outlet.clock.now_us()
         self._blocks.feed(data)
         self._slow_down()
 
@@ -239,12 +186,20 @@ class Microphone:
 
     def _slow_down(self) -> None:
         """Let a source that is faster than real time wait."""
-        heard_s = self._heard * BLOCK_S
-        ahead = heard_s - (self._heard_us - self._started_us) / 1_000_000
-        if ahead > _AHEAD_S and self._child is not None:
-            self._child.hold(True)
+        if self._source is None:
+            return
+        ahead = self._heard * BLOCK_S - self._source.lasted_us / 1_000_000
+        if ahead > _AHEAD_S:
+            self._forget_pause()
+            self._source.hold(True)
             loop = asyncio.get_running_loop()
-            self._resume = loop.call_later(ahead - _AHEAD_S, self._child.hold, False)
+            self._resume = loop.call_later(ahead - _AHEAD_S, self._source.hold, False)
+
+    def _forget_pause(self) -> None:
+        """It has begun anew, or ended: nothing is to go on any more."""
+        if self._resume is not None:
+            self._resume.cancel()
+            self._resume = None
 
     # -- learning the room ---------------------------------------------------------------------
 

@@ -7,11 +7,11 @@ from collections import deque
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
+from woz_drivers.byte_stream import ByteStream, Command, Listener
 from woz_drivers.camera import doctor
 from woz_drivers.camera.blob import Finder
 from woz_drivers.camera.pictures import Cutter
 from woz_drivers.camera.settings import CameraSettings
-from woz_drivers.camera.source import Listener, Source
 from woz_tui.core.driver import (
     DriverError,
     Finding,
@@ -30,6 +30,7 @@ from woz_tui.motion.setpoints import SEEN, Seen
 SENSORS = ("seen.x", "seen.y", "seen.size")
 #: Pictures of a film that wait for their moment; then its command has to wait as well.
 _WAITING = 64
+_CHECK = "try its command in a terminal; `woz doctor` shows what it says"
 
 
 class Camera:
@@ -55,7 +56,7 @@ class Camera:
         self._film: deque[bytes] = deque()
         self._projector: asyncio.TimerHandle | None = None
         self._due = 0.0
-        self._source: Source | None = None
+        self._source: ByteStream | None = None
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
@@ -76,8 +77,8 @@ class Camera:
         """Start the command, and again whenever it ends."""
         self._outlet.health(Health.CONNECTING, "starting the camera's command")
         listener = Listener(self._begun, self._received, self._stale, self._lost)
-        words = self._settings.words
-        self._source = Source(words, self._outlet.folder, self._outlet.clock, listener)
+        command = Command(self._settings.words, self._outlet.folder, "nothing", _CHECK)
+        self._source = ByteStream(command, self._outlet.clock, listener)
         self._source.start()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

@@ -1,4 +1,4 @@
-"""A command whose output is wanted all the time: started again whenever it ends or falls silent."""
+"""The bytes that a command writes all the time: started again whenever it ends or falls silent."""
 
 from __future__ import annotations
 
@@ -23,7 +23,23 @@ _STALE_S = 1.0
 _STUCK_S = 5.0
 _STUCK_AT_FIRST_S = 20.0
 _LOOK_S = 0.1
-_CHECK = "try its command in a terminal; `woz doctor` shows what it says"
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """What is run in `folder`, and how it is talked about.
+
+    Attributes:
+        nothing: What it delivers while it is silent, such as "no sound".
+        remedy: What to do when it ended or had to be given up.
+        least: It has begun to deliver once so many bytes of a run have come.
+    """
+
+    words: tuple[str, ...]
+    folder: Path
+    nothing: str
+    remedy: str
+    least: int = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -36,20 +52,27 @@ class Listener:
     ended: Callable[[DriverError], None]
 
 
-class Source:
+class ByteStream:
     """Keeps one command running between `start` and `close`."""
 
-    def __init__(
-        self, words: tuple[str, ...], folder: Path, clock: Clock, listener: Listener
-    ) -> None:
-        self._words = words
-        self._folder = folder
+    def __init__(self, command: Command, clock: Clock, listener: Listener) -> None:
+        self._command = command
         self._clock = clock
         self._listener = listener
         self._child: Child | None = None
-        self._spoke = False
+        self._bytes = 0
         self._started_us = self._heard_us = 0
         self._task: asyncio.Task[None] | None = None
+
+    @property
+    def running(self) -> bool:
+        """Whether the command runs."""
+        return self._child is not None
+
+    @property
+    def lasted_us(self) -> int:
+        """How long after the start of its latest run something came last, in microseconds."""
+        return self._heard_us - self._started_us
 
     def start(self) -> None:
         """Start the command."""
@@ -63,7 +86,7 @@ class Source:
             self._task = None
 
     def hold(self, held: bool) -> None:
-        """Stop fetching its output, or go on. A command that is held is not silent."""
+        """Stop fetching its output, or go on; its silence counts from now."""
         if self._child is not None:
             self._child.hold(held)
             self._heard_us = self._clock.now_us()
@@ -75,7 +98,7 @@ class Source:
                 trouble = await self._run()
             except DriverError as error:
                 trouble = error
-            if self._heard_us - self._started_us >= _WELL_S * 1_000_000:
+            if self.lasted_us >= _WELL_S * 1_000_000:
                 pause = _FIRST_PAUSE_S
             self._listener.ended(trouble)
             await asyncio.sleep(pause)
@@ -83,11 +106,12 @@ class Source:
 
     async def _run(self) -> DriverError:
         """Run the command until it ends; returns why it did. Raises if it cannot be started."""
-        program = self._words[0]
+        command = self._command
+        program = command.words[0]
         self._listener.begun()
-        self._spoke = False
+        self._bytes = 0
         self._started_us = self._heard_us = self._clock.now_us()
-        running = await child.start(self._words, self._folder, on_output=self._heard)
+        running = await child.start(command.words, command.folder, on_output=self._heard)
         self._child = running
         try:
             stuck = await self._until_end(running)
@@ -95,10 +119,10 @@ class Source:
             self._child = None
             await running.gone()
         if stuck:
-            return DriverError(f"{program} ran, but delivered nothing", _CHECK)
+            return DriverError(f"{program} ran, but delivered {command.nothing}", command.remedy)
         status = await running.wait()
         reason = running.last_line or f"exit status {status}"
-        return DriverError(f"{program} ended: {reason}", _CHECK)
+        return DriverError(f"{program} ended: {reason}", command.remedy)
 
     async def _until_end(self, running: Child) -> bool:
         """Whether it had to be given up because nothing came."""
@@ -107,15 +131,20 @@ class Source:
             while not waiting.done():
                 await asyncio.wait([waiting], timeout=_LOOK_S)
                 silence_us = self._clock.now_us() - self._heard_us
-                if silence_us >= (_STUCK_S if self._spoke else _STUCK_AT_FIRST_S) * 1_000_000:
+                if silence_us >= self._patience_s * 1_000_000:
                     return not waiting.done()
                 if silence_us >= _STALE_S * 1_000_000:
-                    self._listener.silent(f"{running.program} delivers nothing")
+                    self._listener.silent(f"{running.program} delivers {self._command.nothing}")
         finally:
             waiting.cancel()
         return False
 
+    @property
+    def _patience_s(self) -> float:
+        """How long it may be silent now."""
+        return _STUCK_S if self._bytes >= self._command.least else _STUCK_AT_FIRST_S
+
     def _heard(self, data: bytes) -> None:
-        self._spoke = True
+        self._bytes += len(data)
         self._heard_us = self._clock.now_us()
         self._listener.output(data)

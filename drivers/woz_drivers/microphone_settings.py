@@ -7,7 +7,6 @@ from typing import Annotated
 
 from woz_drivers import programs, sound
 from woz_drivers.speaking import BLOCK_S, Ear
-from woz_tui.core.driver import DriverError
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds
 
 
@@ -47,11 +46,7 @@ class MicrophoneSettings:
             )
         if self.command and self.device:
             found.append(("device", "it is for arecord; put the device into your command instead"))
-        try:
-            self.words  # noqa: B018 - asked only whether it is one
-        except DriverError as error:
-            found.append(("command", f"{error.what}; {error.remedy}"))
-        return found
+        return found + programs.problems(self.command, "command")
 
     @property
     def words(self) -> tuple[str, ...]:

@@ -68,6 +68,16 @@ def split(command: str | Sequence[str], setting: str) -> tuple[str, ...]:
     return words
 
 
+def problems(command: str | Sequence[str], setting: str) -> list[tuple[str, str]]:
+    """What `split` says against a command, as settings tell it; nothing if it is left out."""
+    try:
+        if command:
+            split(command, setting)
+    except DriverError as error:
+        return [(setting, f"{error.what}; {error.remedy}")]
+    return []
+
+
 def placeholders(words: Sequence[str], known: Collection[str], setting: str) -> set[str]:
     """Names in braces among `words`; `DriverError` if one is not `known`."""
     used = {name for word in words for name in _PLACEHOLDER.findall(word)}

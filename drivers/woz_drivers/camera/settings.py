@@ -8,7 +8,6 @@ from typing import Annotated
 from woz_drivers import programs
 from woz_drivers.camera.blob import Rule
 from woz_drivers.camera.pictures import FORMATS, Layout
-from woz_tui.core.driver import DriverError
 from woz_tui.core.fields import Doc, OneOf, Range
 
 
@@ -51,11 +50,7 @@ class CameraSettings:
             )
         if not self.command and self.format != "yuv420":
             found.append(("format", "rpicam-vid writes yuv420; others need a command"))
-        try:
-            self.words  # noqa: B018 - asked only whether it is one
-        except DriverError as error:
-            found.append(("command", f"{error.what}; {error.remedy}"))
-        return found
+        return found + programs.problems(self.command, "command")
 
     @property
     def words(self) -> tuple[str, ...]:

@@ -7,11 +7,12 @@ a layer with `--inputs LOG --from SECONDS`.
 from __future__ import annotations
 
 import argparse
-import contextlib
 import sys
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
+
+from woz_tui.cli import numbers
 
 if TYPE_CHECKING:
     from woz_tui.cli.rendered import Stage
@@ -40,15 +41,20 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--body", default="", help="which driver, where there are several bodies")
     take = parser.add_argument_group("the take")
     take.add_argument("--layer", default="recorded", help="layer to record, or to redo")
-    take.add_argument("--seconds", type=_seconds, help="how long (default: until space is pressed)")
+    take.add_argument(
+        "--seconds", type=numbers.seconds, help="how long (default: until space is pressed)"
+    )
     take.add_argument("--rate", type=_rate, default=25.0, help="samples a second (default: 25)")
     take.add_argument(
-        "--count-in", type=_seconds, default=3.0, help="seconds before it begins (default: 3)"
+        "--count-in",
+        type=numbers.seconds,
+        default=3.0,
+        help="seconds before it begins (default: 3)",
     )
     take.add_argument("--no-trim", action="store_true", help="keep rest at both ends")
     take.add_argument("--inputs", help="JSON lines of inputs or a session's log, instead of keys")
     take.add_argument(
-        "--from", dest="start", type=_seconds, default=0.0,
+        "--from", dest="start", type=numbers.seconds, default=0.0,
         help="time of the inputs at which the take begins; earlier ones lead up to it",
     )  # fmt: skip
     layers = parser.add_argument_group("layers that are there already, before the take")
@@ -63,27 +69,15 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def _seconds(text: str) -> float:
-    return _number(text, 0.0, 86_400.0)
-
-
 def _rate(text: str) -> float:
-    return _number(text, 1.0, 100.0)
+    return numbers.number(text, 1.0, 100.0)
 
 
 def _share(text: str) -> tuple[str, float]:
     layer, _, share = text.rpartition("=")
     if not layer:
         raise argparse.ArgumentTypeError(f"{text!r} is not LAYER=SHARE, such as head=0.5")
-    return layer, _number(share, 0.0, 1.0)
-
-
-def _number(text: str, low: float, high: float) -> float:
-    with contextlib.suppress(ValueError):
-        number = float(text)
-        if low <= number <= high:
-            return number
-    raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
+    return layer, numbers.number(share, 0.0, 1.0)
 
 
 def run(arguments: argparse.Namespace) -> int:

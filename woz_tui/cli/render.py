@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import contextlib
 import itertools
 import json
 import os
@@ -12,6 +11,8 @@ import sys
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+
+from woz_tui.cli import numbers
 
 if TYPE_CHECKING:
     from woz_tui.core.driver import Driver
@@ -36,7 +37,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, nargs="?", help="experiment or robot file")
     parser.add_argument("name", nargs="?", help="a move, a mode, idle, or an action of the file")
-    parser.add_argument("--seconds", type=_seconds, help="how long (default: until it is over)")
+    parser.add_argument(
+        "--seconds", type=numbers.seconds, help="how long (default: until it is over)"
+    )
     parser.add_argument(
         "--rate", type=_rate, default=50.0, help="lines a second, 1 to 1000 (default: 50)"
     )
@@ -55,20 +58,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
-def _seconds(text: str) -> float:
-    return _number(text, 0.0, 86_400.0)
-
-
 def _rate(text: str) -> float:
-    return _number(text, 1.0, 1000.0)
-
-
-def _number(text: str, low: float, high: float) -> float:
-    with contextlib.suppress(ValueError):
-        number = float(text)
-        if low <= number <= high:
-            return number
-    raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
+    return numbers.number(text, 1.0, 1000.0)
 
 
 def run(arguments: argparse.Namespace) -> int:

@@ -14,14 +14,13 @@ from woz_tui.experiment.report import hint, listed
 from woz_tui.experiment.robotfile import is_robot, load_robot
 from woz_tui.experiment.shape import Action, DriverSpec, Experiment, Together
 from woz_tui.motion.engine import Engine
+from woz_tui.motion.inputs import BRIEF
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.rendering import Input, Score, Step, Tell
 
 IDLE = "idle"
 #: Modes by what `NAME` says; normal is `idle`.
 MODES = tuple(mode.value for mode in Mode if mode is not Mode.NORMAL)
-#: Verbs whose end nobody waits for, though they are no streams.
-BRIEF = frozenset({"emotion"})
 
 
 @dataclass(frozen=True, slots=True)

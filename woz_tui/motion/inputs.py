@@ -14,6 +14,9 @@ from woz_tui.motion.shapes import EASINGS, BodyShape
 
 #: Emotions that a face knows; the first has no intensity. The first six are Oosterkamp's.
 EMOTIONS = ("neutral", "sleepy", "angry", "sad", "happy", "amazed", "friendly", "crash")
+#: Verbs whose end nobody waits for, beside all streams: the next emotion must not wait for the film
+#: of a crash to end.
+BRIEF = frozenset({"emotion"})
 #: Controls that every body has, beside one for each joint (called as the joint).
 CONTROLS = (
     *("zoom", "eye-x", "eye-y", "intensity", "valence", "arousal", "brightness"),

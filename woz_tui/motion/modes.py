@@ -42,6 +42,15 @@ class Hand(enum.Enum):
     PROGRAM = "program"
 
 
+#: Sources of commands that are other software's; every other one is the wizard's hand.
+_PROGRAMS = frozenset({"program", "engagement"})
+
+
+def hand_of(source: str) -> Hand:
+    """Whose hand a command came from that names this source (`core.driver.Job.source`)."""
+    return Hand.PROGRAM if source in _PROGRAMS else Hand.WIZARD
+
+
 _ALL = frozenset(Mode)
 _NORMAL = frozenset({Mode.NORMAL})
 _FACE = frozenset({Mode.NORMAL, Mode.SACCADE})

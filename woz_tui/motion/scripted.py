@@ -12,11 +12,9 @@ from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_tui.experiment.report import nearest
-from woz_tui.motion.modes import Hand
+from woz_tui.motion.modes import Hand, hand_of
 from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, Input
 
-#: Sources of commands that are other software's; every other one is the wizard's hand.
-PROGRAMS = frozenset({"program", "engagement"})
 #: Ends of commands that may never have begun.
 _NEVER_BEGAN = frozenset({"command.refused", "command.superseded", "command.stopped"})
 
@@ -139,7 +137,7 @@ class _Reader:
             return
         if not isinstance(args, dict):
             raise InputLineError(f'{place}: "args" is a mapping of arguments')
-        hand = Hand.PROGRAM if read.get("source") in PROGRAMS else Hand.WIZARD
+        hand = hand_of(str(read.get("source")))
         self._asked[str(read.get("command"))] = Input(
             self._seconds(place, read), str(verb), args, hand, place
         )

@@ -27,9 +27,9 @@ from woz_tui.core.driver import (
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.inputs import offered
+from woz_tui.motion.inputs import BRIEF, offered
 from woz_tui.motion.kinematics import outline
-from woz_tui.motion.modes import Hand
+from woz_tui.motion.modes import Hand, hand_of
 from woz_tui.motion.ticks import Answer, Ended, Refused
 
 #: The stop is confirmed by the next tick; after so many seconds nobody knows.
@@ -38,12 +38,6 @@ STOP_S = 0.4
 JOIN_S, LOOK_S = 2.0, 0.005
 #: A named pose takes so long at speed 1, in seconds.
 POSE_S = 1.0
-#: Sources that are other software's; every other one is the wizard's hand.
-PROGRAMS = frozenset({"program", "engagement"})
-
-#: Verbs whose end is not awaited, beside all streams: the next emotion must not wait for the film
-#: of a crash to end.
-BRIEF = frozenset({"emotion"})
 
 log = logging.getLogger(__name__)
 
@@ -145,9 +139,8 @@ class Body:
             raise Lost("the body is not open")
         if job.verb not in self._verbs:
             raise Rejected(f"this body cannot {job.verb!r}")
-        hand = Hand.PROGRAM if job.source in PROGRAMS else Hand.WIZARD
         verb, args = self.translated(self.settings, job.verb, job.args)
-        answer = self._apply(verb, args, hand)
+        answer = self._apply(verb, args, hand_of(job.source))
         sent = dict(answer.sent)
         if not answer.token:
             return sent

@@ -15,6 +15,7 @@ from woz_tui.cli.live_take import Keys, Live, split
 from woz_tui.motion.keyframes import KeyframeMove, Layer
 from woz_tui.motion.movefile import read_move
 from woz_tui.motion.puppeteer import Puppeteer
+from woz_tui.motion.shapes import BodyShape
 
 ROOT = Path(__file__).parents[2]
 ROBOTS = ROOT / "experiments" / "robots"
@@ -187,7 +188,7 @@ def performed(hand: Hand, shape: object = EYEPI, seconds: float = 10.0) -> tuple
 
 def test_keys_move_roles_joints_eyes_and_moods() -> None:
     hand = Hand({
-        1.5: b"\x1b[D\x1b[D", 2.0: b"\x1bOB", 2.5: b"\x1b[5~w", 3.0: b"5", 3.2: b"z", 4.0: b" ",
+        1.5: b"\x1b[D\x1b[D", 2.0: b"\x1bOB", 2.5: b"\x1b[5~w", 3.0: b"4", 3.2: b"z", 4.0: b" ",
     })  # fmt: skip
     kept, layer = performed(hand)
     assert kept and layer.samples is not None
@@ -196,6 +197,25 @@ def test_keys_move_roles_joints_eyes_and_moods() -> None:
     assert layer.samples.joints["pitch"][0] == 0
     assert [frame.emotion for frame in layer.frames if frame.emotion] == ["happy"]
     assert [frame.x for frame in layer.frames if frame.x] == [0.2]
+
+
+@pytest.mark.parametrize("shape", [EYEPI, FIVE])
+@pytest.mark.parametrize("width", [30, 79, 200])
+def test_the_help_names_the_keys_of_this_body_and_breaks_between_them(
+    shape: BodyShape, width: int
+) -> None:
+    puppeteer = Puppeteer(shape, KeyframeMove("act", "", ()), "hand", 25)
+    keys: Keys = Hand({}).read
+    lines = Live(puppeteer, shape, keys, 1.0, 5.0).help(width)
+    assert all(len(line) <= width for line in lines)
+    entries = [entry for line in lines for entry in line.split("   ")]
+    assert "escape: give up" in entries
+    assert ("4: happy" in entries) is (shape.face is not None)
+    assert {entry[5:] for entry in entries if entry[0] in "qwert" and entry[1] == " "} >= {
+        *shape.joints
+    }
+    assert ("page up/down: lean" in entries) is ("lean" in shape.roles)
+    assert (", .: roll" in entries) is ("roll" in shape.roles)
 
 
 def test_a_role_is_shared_out_among_joints() -> None:

@@ -39,13 +39,14 @@ ROLES: Mapping[bytes, tuple[str, float]] = {
 }
 #: Two rows of letters: the upper one raises a joint's angle, the lower one lowers it.
 RAISE, LOWER = b"qwertyuiop", b"asdfghjkl;"
+#: In the order of the function keys of `experiments/eyepi.yaml`.
 EMOTIONS: Mapping[bytes, str] = {
     b"1": "neutral",
     b"2": "sleepy",
-    b"3": "angry",
-    b"4": "sad",
-    b"5": "happy",
-    b"6": "amazed",
+    b"3": "sad",
+    b"4": "happy",
+    b"5": "amazed",
+    b"6": "angry",
     b"7": "friendly",
 }
 EYES: Mapping[bytes, tuple[float, float]] = {
@@ -56,11 +57,13 @@ EYES: Mapping[bytes, tuple[float, float]] = {
 }
 DONE, GIVE_UP = (b" ", b"\r", b"\n"), (b"\x1b", b"\x03")
 
-HELP = (
-    "arrows: pan and nod   page up/down: lean   , .: roll   1-7: emotion   z x c v: eyes\n"
-    "{joints}\n"
-    "space: done   escape: give up"
-)
+#: What the keys of a role do, in the words of the screen.
+ROLE_KEYS: Mapping[str, str] = {
+    "pan": "left/right: pan",
+    "nod": "up/down: nod",
+    "lean": "page up/down: lean",
+    "roll": ", .: roll",
+}
 
 #: Waits so many seconds for keys at most and returns what came, each key by itself.
 Keys = Callable[[float], list[bytes]]
@@ -104,8 +107,8 @@ class Live:
 
     def perform(self) -> bool:
         """Until space, or until the time is over; whether it shall be kept."""
-        pairs = (f"{chr(up)} {chr(down)}: {name}" for name, (up, down) in self._joints.items())
-        self._show(HELP.format(joints="   ".join(pairs)) + "\n")
+        width = shutil.get_terminal_size().columns - 1
+        self._show("\n".join(self.help(width)) + "\n")
         origin = self._clock()
         began: float | None = None
         while True:
@@ -124,6 +127,17 @@ class Live:
                     self._puppeteer.tick(self._clock() - origin)
                     return True
                 self._press(key)
+
+    def help(self, width: int) -> list[str]:
+        """The keys that do something to this body, in lines of `width` at most."""
+        roles = [words for role, words in ROLE_KEYS.items() if role in self._shape.roles]
+        pairs = [f"{chr(up)} {chr(down)}: {name}" for name, (up, down) in self._joints.items()]
+        rows = [roles, pairs]
+        if self._shape.face is not None:
+            faces = [f"{key.decode()}: {emotion}" for key, emotion in EMOTIONS.items()]
+            rows += [[*faces, "z x: eyes left, right", "c v: eyes up, down"]]
+        rows += [["space: done", "escape: give up"]]
+        return [line for row in rows for line in _lines(row, width)]
 
     def _line(self, tick: Tick, t: float, began: float | None) -> None:
         if t < self._drawn + DRAW_S:
@@ -186,6 +200,18 @@ def keyboard() -> Iterator[Keys]:
         termios.tcsetattr(descriptor, termios.TCSADRAIN, before)
         sys.stdout.write("\n")
         sys.stdout.flush()
+
+
+def _lines(entries: list[str], width: int) -> Iterator[str]:
+    """Entries side by side, none of them broken in two unless it is wider than the screen."""
+    line = ""
+    for entry in entries:
+        if line and len(line) + 3 + len(entry) > width:
+            yield line
+            line = ""
+        line = f"{line}   {entry}" if line else entry
+    if line:
+        yield line
 
 
 def _ready(descriptor: int, seconds: float) -> bool:

@@ -220,6 +220,19 @@ def test_what_is_taken_but_not_as_it_was_meant_is_told(
     assert "inputs.jsonl:3: joints: left out nose: no such joint" in told[2]
 
 
+@pytest.mark.parametrize("ending", ["\n", "\r\n"])
+def test_a_file_from_windows_is_read_like_any_other(
+    capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path, ending: str
+) -> None:
+    script = tmp_path / "windows.jsonl"
+    lines = ['{"t":0,"input":"blink"}', '{"t":0.5,"input":"pose","joints":{"pitch":9}}', ""]
+    script.write_bytes(b"\xef\xbb\xbf" + ending.join(lines).encode())
+    assert main(["render", str(calm), "idle", "--inputs", str(script)]) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    assert json.loads(out.splitlines()[-1])["joints"]["pitch"] == pytest.approx(9)
+
+
 @pytest.mark.parametrize("value", ["a", True, [], {}, 1.5, -1.5, 1e300])
 def test_what_no_camera_can_see_is_told_and_changes_nothing(
     capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path, value: object

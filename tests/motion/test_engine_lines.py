@@ -136,7 +136,7 @@ def test_the_line_of_sight_passes_the_target(shape: BodyShape) -> None:
 def test_a_gaze_at_the_head_itself_is_refused() -> None:
     rig = Rig()
     x, y, z = Chain(STILL).ray(rig.last.joints)[0]
-    with pytest.raises(Refused):
+    with pytest.raises(Refused, match=r"^gaze: \(.*\) m is at the head itself"):
         rig.do("gaze", x=x, y=y, z=z)
     rig.run(0.1)
     assert rig.last.joints == {"pitch": 0, "middle": 45, "top": 28.65}

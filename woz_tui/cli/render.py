@@ -130,7 +130,9 @@ def _inputs(arguments: argparse.Namespace, stage: Any) -> list[Input]:
         )
     except UnicodeDecodeError as error:
         raise RenderError(f"{name}: no UTF-8 text: {error.reason} at byte {error.start}") from None
-    read = read_inputs(text.split("\n"), name, stage.verbs, stage.body, complain)
+    read = read_inputs(
+        text.removeprefix("\ufeff").split("\n"), name, stage.verbs, stage.body, complain
+    )
     return [stage.translated(one) for one in read]
 
 

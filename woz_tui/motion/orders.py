@@ -115,7 +115,11 @@ class Orders:
         pose = self._steering.stance.pose
         if point:
             target = (asked.number("x"), asked.number("y"), asked.number("z"))
-            return self._look_at(self._chain.aim_at(target, pose), "gaze", seconds, easing)
+            try:
+                aim = self._chain.aim_at(target, pose)
+            except ValueError as error:
+                raise Refused(f"gaze: {error}") from None
+            return self._look_at(aim, "gaze", seconds, easing)
         yaw, pitch = direction(self._chain, pose)
         yaw = asked.within("yaw", -180.0, 180.0, yaw)
         down = asked.within("pitch", -90.0, 90.0, -pitch)

@@ -161,6 +161,7 @@ async def test_without_a_panel_the_dialog_says_so() -> None:
     async with sitting(bodies.welcome(knobs=False)) as seat:
         await seat.press("plus")
         await seat.until(lambda: "No MIDI panel" in seat.drawn(), "the sentence")
+        assert "panel: {type: midi}" in seat.drawn(), "and what to do about it"
 
 
 @pytest.mark.toolkit("K2")

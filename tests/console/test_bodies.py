@@ -194,6 +194,9 @@ async def test_the_body_in_full_size_with_all_its_values(size: tuple[int, int]) 
         assert LARGE in shown
         for words in ("personality", "upbeat", "valence", "+0.60", "compression", "25 %"):
             assert words in shown
+        await seat.tell(bodies.changed(breathing_on=True, breathing_rate=None, tempo=3.2))
+        await seat.until(lambda: "0.80 Hz" in seat.drawn(), "a breath lasts four beats")
+        assert "breathing on" not in seat.drawn()
         await seat.tell(bodies.changed(compression=0.5, odd_trait=3))
         await seat.until(lambda: "50 %" in seat.drawn(), "the new value")
         assert "odd trait" in seat.drawn()

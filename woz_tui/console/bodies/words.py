@@ -92,10 +92,13 @@ def _by_itself(modes: Collection[Mode], mode: str) -> bool:
 def _breathing(seen: SeenBody, glyphs: Glyphs) -> str:
     if not _on(seen.value("breathing_on")) or not _by_itself(BREATHES, seen.mode):
         return "no"
-    rate, tempo = seen.value("breathing_rate"), seen.value("tempo")
-    if rate is None and isinstance(tempo, int | float):
-        rate = tempo / BEATS_A_BREATH
+    rate = _breaths(seen.value("breathing_rate"), seen.value("tempo"))
     return "yes" if rate is None else figure("breathing_rate", rate, glyphs)
+
+
+def _breaths(rate: Json, tempo: Json) -> Json:
+    """Breaths a second: a rate of their own, or by the tempo."""
+    return tempo / BEATS_A_BREATH if rate is None and isinstance(tempo, int | float) else rate
 
 
 def _blinking(seen: SeenBody, glyphs: Glyphs) -> str:
@@ -180,24 +183,29 @@ def figure(name: str, value: Json, glyphs: Glyphs) -> str:
 
 #: Cells of a value at the least.
 VALUES = 6
+#: What a value is called in the table, where its own name would be misread.
+TITLES: Mapping[str, str] = {"breathing_on": "breathes", "blinking": "blinks"}
 
 
 def table_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[Row]:
     """Every value the body tells, in as many columns as it needs; each has its fixed place."""
     known = {name.replace("-", "_"): value for name, value in seen.values.items()}
+    if "breathing_rate" in known:
+        known["breathing_rate"] = _breaths(known["breathing_rate"], known.get("tempo"))
     names = [name for name in ORDER if name in known]
     names += sorted(name for name in known if name not in ORDER)
     if not names:
         return [(("the body has not told its values yet", "muted"),)]
     lines = max(1, min(height, len(names)))
     columns = [names[start : start + lines] for start in range(0, len(names), lines)]
-    fronts = [max(map(len, column)) + 1 for column in columns]
+    titles = {name: TITLES.get(name, name.replace("_", " ")) for name in names}
+    fronts = [max(len(titles[name]) for name in column) + 1 for column in columns]
     each = max(VALUES, (width - sum(fronts)) // len(columns) - 1)
     look = "stale" if seen.old else "plain"
     rows: list[Row] = [() for _ in range(lines)]
     for column, front in zip(columns, fronts, strict=True):
         for line, name in enumerate(column):
-            label = fit(name.replace("_", " "), front, glyphs.ellipsis)
+            label = fit(titles[name], front, glyphs.ellipsis)
             value = fit(figure(name, known[name], glyphs), each, glyphs.ellipsis)
             rows[line] += ((label, "muted"), (value, look), (" ", "plain"))
     return [cut(row, width, glyphs.ellipsis) for row in rows]

@@ -50,7 +50,7 @@ class Drawing(Dialog):
         raise NotImplementedError
 
     def nothing(self) -> str:
-        """What stands there if there are none."""
+        """What stands there if there are none; short lines."""
         raise NotImplementedError
 
     def on_mount(self) -> None:
@@ -79,4 +79,4 @@ class Drawing(Dialog):
             if count:
                 cells.show(self.rows(self._chosen % count, frame))
             else:
-                cells.show([((self.nothing(), "muted"),)])
+                cells.show([((line, "muted"),) for line in self.nothing().splitlines()])

@@ -43,4 +43,8 @@ class KnobsDialog(Drawing):
 
     def nothing(self) -> str:
         """What stands there in a session without a panel."""
-        return "No MIDI panel belongs to this session."
+        return (
+            "No MIDI panel belongs to this session.\n"
+            "A robot gets one by a line among the drivers of its file:\n"
+            "  panel: {type: midi}"
+        )

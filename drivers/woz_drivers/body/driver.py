@@ -29,7 +29,7 @@ from woz_tui.core.messages import Json
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import BRIEF, offered
 from woz_tui.motion.kinematics import outline
-from woz_tui.motion.modes import Hand, hand_of
+from woz_tui.motion.modes import Hand, Mode, hand_of
 from woz_tui.motion.ticks import Answer, Ended, Refused
 
 #: The stop is confirmed by the next tick; after so many seconds nobody knows.
@@ -38,6 +38,12 @@ STOP_S = 0.4
 JOIN_S, LOOK_S = 2.0, 0.005
 #: A named pose takes so long at speed 1, in seconds.
 POSE_S = 1.0
+
+#: Told where the head shall follow what nobody sees, and what to do about it.
+BLIND = (
+    "no camera to track with: it will be sad, then go home",
+    "name a driver of type camera in the body's setting `camera`",
+)
 
 log = logging.getLogger(__name__)
 
@@ -141,6 +147,8 @@ class Body:
             raise Rejected(f"this body cannot {job.verb!r}")
         verb, args = self.translated(self.settings, job.verb, job.args)
         answer = self._apply(verb, args, hand_of(job.source))
+        if verb == "mode" and args.get("mode") == Mode.TRACKING.value and not self.settings.camera:
+            self._outlet.notice("warning", *BLIND)
         sent = dict(answer.sent)
         if not answer.token:
             return sent

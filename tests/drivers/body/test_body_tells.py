@@ -218,6 +218,22 @@ def test_tracking_turns_to_what_the_camera_sees(tmp_path: Path) -> None:
     played(tmp_path, story, camera="eye")
 
 
+def test_tracking_without_a_camera_is_told(tmp_path: Path) -> None:
+    async def blind(it: Stage) -> None:
+        await it.do("mode", mode="saccade")
+        assert "camera" not in it.notices()
+        await it.do("mode", mode="normal")
+        await it.do("mode", mode="tracking")
+        assert it.notices().count("no camera to track with") == 1
+
+    async def seeing(it: Stage) -> None:
+        await it.do("mode", mode="tracking")
+        assert "camera" not in it.notices()
+
+    played(tmp_path, blind)
+    played(tmp_path, seeing, camera="eye")
+
+
 # -- when something breaks ------------------------------------------------------------------------
 
 

@@ -60,6 +60,7 @@ class ByteStream:
         self._clock = clock
         self._listener = listener
         self._child: Child | None = None
+        self._held = False
         self._bytes = 0
         self._started_us = self._heard_us = 0
         self._task: asyncio.Task[None] | None = None
@@ -86,8 +87,9 @@ class ByteStream:
             self._task = None
 
     def hold(self, held: bool) -> None:
-        """Stop fetching its output, or go on; its silence counts from now."""
+        """Stop fetching its output, or go on; its silence counts from when it goes on."""
         if self._child is not None:
+            self._held = held
             self._child.hold(held)
             self._heard_us = self._clock.now_us()
 
@@ -109,6 +111,7 @@ class ByteStream:
         command = self._command
         program = command.words[0]
         self._listener.begun()
+        self._held = False
         self._bytes = 0
         self._started_us = self._heard_us = self._clock.now_us()
         running = await child.start(command.words, command.folder, on_output=self._heard)
@@ -126,10 +129,12 @@ class ByteStream:
 
     async def _until_end(self, running: Child) -> bool:
         """Whether it had to be given up because nothing came."""
-        waiting = asyncio.ensure_future(running.wait())
+        waiting = asyncio.ensure_future(self._end(running))
         try:
             while not waiting.done():
                 await asyncio.wait([waiting], timeout=_LOOK_S)
+                if self._held:
+                    continue
                 silence_us = self._clock.now_us() - self._heard_us
                 if silence_us >= self._patience_s * 1_000_000:
                     return not waiting.done()
@@ -138,6 +143,14 @@ class ByteStream:
         finally:
             waiting.cancel()
         return False
+
+    async def _end(self, running: Child) -> None:
+        """Return when it has ended and what it wrote has been fetched, however long that is held:
+        what is in the pipe is the end of a recording.
+        """
+        await running.wait()
+        while not await running.said_all() and self._held:
+            pass
 
     @property
     def _patience_s(self) -> float:

@@ -35,7 +35,7 @@ class Child(asyncio.SubprocessProtocol):
         self._stderr = b""
         self._transport: asyncio.SubprocessTransport | None = None
         self._exited = asyncio.Event()
-        self._stderr_closed = asyncio.Event()
+        self._stdout_closed, self._stderr_closed = asyncio.Event(), asyncio.Event()
 
     # -- called by asyncio ---------------------------------------------------------------------
 
@@ -52,7 +52,9 @@ class Child(asyncio.SubprocessProtocol):
 
     def pipe_connection_lost(self, fd: int, exc: Exception | None) -> None:
         """It closed one of its pipes."""
-        if fd == 2:
+        if fd == 1:
+            self._stdout_closed.set()
+        elif fd == 2:
             self._stderr_closed.set()
 
     def process_exited(self) -> None:
@@ -101,6 +103,15 @@ class Child(asyncio.SubprocessProtocol):
         status = self._transport.get_returncode()
         assert status is not None
         return status
+
+    async def said_all(self) -> bool:
+        """Whether everything that it wrote to stdout has come; waits a moment for the rest. It has
+        not while its output is held, or while something that it started may still write.
+        """
+        with contextlib.suppress(TimeoutError):
+            async with asyncio.timeout(_LAST_WORDS_S):
+                await self._stdout_closed.wait()
+        return self._stdout_closed.is_set()
 
     def kill(self) -> None:
         """End it and everything it started, at once."""

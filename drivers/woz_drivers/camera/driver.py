@@ -121,7 +121,7 @@ class Camera:
             self._look_at(data)
             return
         self._film.append(data)
-        if len(self._film) == _WAITING and self._source is not None:
+        if len(self._film) >= _WAITING and self._source is not None:
             self._source.hold(True)
         if self._projector is None:
             loop = asyncio.get_running_loop()

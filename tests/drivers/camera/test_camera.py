@@ -173,6 +173,16 @@ async def test_a_film_runs_at_its_own_pace_and_again(begin: Begin, tmp_path: Pat
     assert loop.time() - began >= 0.2  # twenty pictures last at least as long as they should
 
 
+async def test_a_film_is_shown_to_its_last_picture(begin: Begin, tmp_path: Path) -> None:
+    """Its command has ended long before: what it wrote is still in the pipe, held back."""
+    film = tmp_path / "film.rgb"
+    film.write_bytes(with_block(0, 5).tobytes() * 149 + with_block(17, 5).tobytes())
+    _, heard = await begin(("cat", str(film)), real=True, pace="real", rate=120)
+    feed = heard.outlet.feed(SEEN)
+    await until(lambda: isinstance(last := feed.latest().value, Seen) and (last.x or 0.0) > 0.5)
+    assert seen(heard).frame == 150
+
+
 async def test_it_only_looks_and_leaves_nothing_behind(begin: Begin, pipe: PipedCamera) -> None:
     camera, _ = await begin(pipe.command)
     await until(pipe.connected)

@@ -88,12 +88,12 @@ async def test_what_is_refused_is_told_with_its_remedy() -> None:
             command("c1", run="a1", action=name.name),
             refused(
                 "c1",
-                "in the mode demo, animations does not count",
+                "the mode demo ignores animations",
                 "mode: normal ends it",
             ),
             m.ActionRefused(run="a1", action=name.name, reason="in the mode demo", t=bodies.NOW),
         )
-        told = f"{name.label}: in the mode demo, animations does not count (mode: normal ends it)"
+        told = f"{name.label}: the mode demo ignores animations (mode: normal ends it)"
         assert told[:78] in seat.drawn()
 
 

@@ -122,9 +122,8 @@ class Engine:
         if joint_control and hand is Hand.WIZARD:
             answer = self._orders.verbs[verb](asked)
             return Answer({**answer.sent, "waits": Mode.NORMAL.value})
-        raise Refused(
-            f"in the mode {mode.value}, {kind.value} does not count", "mode: normal ends it"
-        )
+        what = "a change of mode" if kind is Kind.MODE else kind.value
+        raise Refused(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
 
     def _arguments(self, verb: object) -> tuple[str, ...]:
         takes = self._takes.get(verb) if isinstance(verb, str) else None

@@ -67,7 +67,7 @@ class Row:
 
 TABLE: Mapping[Kind, Row] = {
     Kind.STOP: Row(_ALL, _ALL, "ends what moves and leads back to normal"),
-    Kind.JOINTS: Row(_NORMAL, _NORMAL),
+    Kind.JOINTS: Row(_NORMAL, _NORMAL, "the wizard's are kept for the way back to normal"),
     Kind.POSE: Row(_NORMAL, _NORMAL),
     Kind.EMOTION: Row(_FACE, _FACE),
     Kind.EYES: Row(_FACE, _FACE, "in saccade following the eyes lead the head"),

@@ -11,14 +11,10 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from woz_drivers.camera.pictures import Picture
+from woz_drivers.camera.pictures import Picture, every
 
 Mask = npt.NDArray[np.bool_]
 Counts = npt.NDArray[np.intp]
-
-#: Larger pictures are looked at in every second, third ... row and column: it saves time, and
-#: changes the middle by less than a pixel.
-_WIDEST, _HIGHEST = 160, 120
 
 
 @dataclass(frozen=True, slots=True)
@@ -68,15 +64,15 @@ class Finder:
     def find(self, picture: Picture) -> Blob | None:
         """The thing, in the picture's own pixels, or None."""
         rows, columns = picture.shape[:2]
-        every = max(1, -(-columns // _WIDEST), -(-rows // _HIGHEST))
-        mask = self.counting(picture[::every, ::every])
+        step = every(columns, rows)
+        mask = self.counting(picture[::step, ::step])
         middle = _largest(mask) if self._rule.largest else _all(mask)
-        if middle is None or middle.size * every * every < self._rule.smallest:
+        if middle is None or middle.size * step**2 < self._rule.smallest:
             return None
-        if every == 1:
+        if step == 1:
             return middle
-        shift = (every - 1) / 2
-        return Blob(middle.x * every + shift, middle.y * every + shift, middle.size * every**2)
+        shift = (step - 1) / 2
+        return Blob(middle.x * step + shift, middle.y * step + shift, middle.size * step**2)
 
 
 def _all(mask: Mask) -> Blob | None:

@@ -68,8 +68,8 @@ class CameraSettings:
 
     @property
     def rule(self) -> Rule:
-        """What is looked for. Pictures in yuv420 are looked at in half their size."""
-        smallest = -(-self.smallest // 4) if self.format == "yuv420" else self.smallest
+        """What is looked for, in pictures as they are decoded."""
+        smallest = -(-self.smallest // self.layout.thinned**2)
         return Rule(self.factor, self.brightness, smallest, self.largest)
 
     @property

@@ -8,7 +8,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from woz_drivers.camera.blob import Blob, Finder, Rule
-from woz_drivers.camera.pictures import Cutter, Layout
+from woz_drivers.camera.pictures import HIGHEST, WIDEST, Cutter, Layout
+from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import GREEN, picture, planes, with_block
 
@@ -153,3 +154,26 @@ def test_pictures_are_cut_out_of_a_stream_however_it_is_split(
     whole = b"".join(pieces)
     assert b"".join(cut) == whole[: len(whole) // size * size]
     assert all(len(one) == size for one in cut)
+
+
+@pytest.mark.toolkit("O1")
+@pytest.mark.parametrize(("width", "height"), [(640, 480), (1280, 720), (1920, 1080)])
+def test_a_large_picture_is_thinned_before_its_colours_are_computed(
+    width: int, height: int
+) -> None:
+    camera = CameraSettings(width=width, height=height, smallest=900)
+    layout = camera.layout
+    found = []
+    for size in (40, 24):
+        made = with_block(width - 100, 60, size, width, height)
+        decoded = layout.decode(planes(made, width))
+        assert decoded.shape[0] <= HIGHEST
+        assert decoded.shape[1] <= WIDEST
+        found.append(Finder(camera.rule).find(decoded))
+    blob, none = found
+    assert none is None, "576 pixels are less than 900"
+    assert blob is not None
+    rows, columns = decoded.shape[:2]
+    assert (2 * blob.x + 1) / columns - 1 == pytest.approx(2 * (width - 80) / width - 1, abs=0.02)
+    assert (2 * blob.y + 1) / rows - 1 == pytest.approx(2 * 80 / height - 1, abs=0.03)
+    assert blob.size / (rows * columns) == pytest.approx(1600 / (width * height), rel=0.35)

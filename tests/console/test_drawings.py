@@ -111,6 +111,16 @@ async def test_a_refusal_from_before_is_not_told_again() -> None:
         assert "play: no such move" in seat.text("StopBar")
 
 
+@pytest.mark.parametrize("role", ["wizard", "watcher"])
+async def test_only_who_may_release_the_stop_is_told_the_key(role: str) -> None:
+    welcome = msgspec.structs.replace(bodies.welcome(bodies.alive()), role=role)
+    async with sitting(welcome) as seat:
+        await seat.tell(m.StopPressed(source="key", t=bodies.NOW))
+        shown = seat.text("StopBar")
+        assert "STOPPED" in shown
+        assert ("releases it" in shown) is (role == "wizard")
+
+
 async def test_a_knob_that_is_refused_is_silent() -> None:
     async with sitting(bodies.welcome(bodies.alive())) as seat:
         await seat.tell(

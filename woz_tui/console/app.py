@@ -249,7 +249,7 @@ class Console(App[str]):
             self._news,
             self._hints(),
             self._key("script_next"),
-            self._key("release"),
+            self._key("release") if self.picture.role != "watcher" else "",
             self._stop_asked,
         )
         line = Line(self.feed.line_ok, self.feed.round_trip_us, self._key("failures"))

@@ -157,6 +157,20 @@ def test_a_named_pose_is_held_at_its_end(capsys: pytest.CaptureFixture[str], cal
     assert rendered(capsys, calm, "shy")[-1]["joints"]["top"] == pytest.approx(60)
 
 
+def test_a_blink_is_rendered_to_its_end(
+    capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path
+) -> None:
+    experiment = tmp_path / "e.yaml"
+    experiment.write_text(
+        "title: T\nrobot: calm.yaml\n"
+        "panels: [{title: P, actions: [{key: w, label: Wink, blink: }]}]\n",
+        encoding="utf-8",
+    )
+    faces = [line["face"] for line in rendered(capsys, experiment, "Wink")]
+    assert faces[0] != min(faces, key=lambda face: sum(int(row, 16) for row in face.split()))
+    assert faces[-1] == faces[0]
+
+
 def test_an_action_is_rendered_with_its_steps_and_pauses(
     capsys: pytest.CaptureFixture[str], calm: Path, tmp_path: Path
 ) -> None:

@@ -312,6 +312,11 @@ class Engine:
         return self._face.eyes
 
     @property
+    def blinking(self) -> bool:
+        """Whether a blink is going on."""
+        return self._face.blinking
+
+    @property
     def held(self) -> Mapping[str, float]:
         """The pose that hands hold the body in, in degrees: what moves and modes are played on,
         or where a gaze or a pose has led so far.

@@ -99,6 +99,11 @@ class FaceWork:
             case _:
                 self.brightness = value
 
+    @property
+    def blinking(self) -> bool:
+        """Whether the eyes are on their way down or up again."""
+        return self._blinks.blinking
+
     def blink(self) -> None:
         """Verb `blink`."""
         self._blinks.begin()

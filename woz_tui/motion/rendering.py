@@ -80,6 +80,7 @@ class Rendering:
         self._inputs = list(score.inputs)
         self._running: set[int] = set()
         self._pending: set[int] = set()
+        self._blinks = False  # on demand; those by itself keep nobody waiting
         self._pause_until = 0.0
         self._frames = 0
         self._last: Tick | None = None
@@ -159,6 +160,7 @@ class Rendering:
                     else (one.verb, one.args)
                 )
                 answer = engine.apply(verb, args, one.hand)
+                self._blinks = self._blinks or verb == "blink"
                 for shortfall in _shortfalls(answer.sent):
                     self._say(one, now, f": {shortfall}")
                 if answer.token:
@@ -198,10 +200,12 @@ class Rendering:
         return tick
 
     def _busy(self, tick: Tick) -> bool:
+        self._blinks = self._blinks and self._engine.blinking
         return bool(
             self._steps
             or self._inputs
             or self._running
+            or self._blinks
             or tick.move
             or tick.mode is Mode.DEMO
             or tick.t < self._pause_until

@@ -195,6 +195,8 @@ class BodyShape:
         for role in self.roles:
             if role not in ROLES:
                 yield f"roles.{role}", f"no move knows it; there are {', '.join(ROLES)}"
+            elif not self.roles[role]:
+                yield f"roles.{role}", "names no joint; leave the role out if there is none"
         shares = {
             **{f"roles.{role}": joints for role, joints in self.roles.items()},
             "breathing": self.breathing,

@@ -228,6 +228,23 @@ async def test_the_torque_stays_until_the_body_is_at_rest(tmp_path: Path) -> Non
         assert it.bus.goals(11)[-1] == raw(28.0)
 
 
+async def test_the_torque_stays_while_the_body_is_on_a_slow_way_to_rest(tmp_path: Path) -> None:
+    joints = {"pan": Joint(id=11, min=-90, max=90, speed=SPEED)}
+    async with stand(tmp_path, ids=(11,), joints=joints, follows="body", torque=True) as it:
+        body = it.heard.outlet.feed(SETPOINTS, of="body")
+        later = round((time.monotonic() + LATER_S) * 1e6)
+        body.put(Setpoints(later, {"pan": 0.0}, at_rest=False))
+        await until(lambda: it.bus.servo(11).torque)
+        await it.ticks(2)
+        rest = asyncio.create_task(it.driver.rest())
+        await it.ticks(60)  # more than twice as long as standing still takes to be believed
+        assert it.bus.servo(11).torque
+        assert not rest.done()
+        body.put(Setpoints(later, {"pan": 0.0}, at_rest=True))
+        await rest
+        assert not it.bus.servo(11).torque
+
+
 async def test_without_a_line_a_follower_is_lost_like_any_servo(tmp_path: Path) -> None:
     async with stand(tmp_path, follows="body") as it:
         say(it, {"pan": 5.0})

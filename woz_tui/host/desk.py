@@ -205,6 +205,8 @@ class Desk:
             )
         reread = await asyncio.to_thread(self._session.reread, experiment, dry_run=dry_run)
         changes = [*difference.changes, *reread]
+        if self._session.ended:
+            raise AskError("the session is ending")
         if not dry_run:
             self._session.adopt(experiment, changes)
             self.on_panels()

@@ -16,12 +16,14 @@ PRESENT, SEEN = "present", "seen"
 class Setpoints:
     """Feed `setpoints` of a body: where each joint shall be now, in degrees, with the joint's
     `zero` added. `t_us` is CLOCK_MONOTONIC in microseconds. `zeros` are what was added, so that
-    servos can say in the body's own degrees where their joints are.
+    servos can say in the body's own degrees where their joints are. `at_rest`: whether the body has
+    reached the pose in which it may be left alone; None as long as nobody sends it there.
     """
 
     t_us: int
     joints: Mapping[str, float]
     zeros: Mapping[str, float] = field(default_factory=dict)
+    at_rest: bool | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -193,6 +193,13 @@ class Body:
         """Hold the breath and go slowly to the rest pose."""
         if self._events is None or self._closed:
             return
+        self.loop.at_rest = False
+        try:
+            await self._go_to_rest()
+        finally:  # also a body that is stopped on the way goes no further
+            self.loop.at_rest = True
+
+    async def _go_to_rest(self) -> None:
         pose: dict[str, Json] = dict(self.settings.rest_pose)
         try:
             self._apply("mode", {"mode": "normal"}, Hand.WIZARD)

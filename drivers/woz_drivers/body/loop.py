@@ -51,6 +51,8 @@ class BodyLoop:
         #: What it can play now.
         self.moves = settings.repertoire.moves
         self.engine = Engine(settings, self.moves, seed=settings.seed)
+        #: Said to the servos, which let go only then: see `Setpoints`.
+        self.at_rest: bool | None = None
         self._outlet = outlet
         self._lateness = lateness
         self._on_ended = on_ended
@@ -142,6 +144,7 @@ class BodyLoop:
                 round(now * 1e6),
                 {name: angle + self._zero[name] for name, angle in tick.joints.items()},
                 self._zero,
+                self.at_rest,
             )
         )
         self._light(tick)

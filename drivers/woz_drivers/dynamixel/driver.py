@@ -269,7 +269,7 @@ class DynamixelServos:
             await self._move(None, [Keyframe({name: rest[name] for name in ways}, seconds)])
 
     async def _body_at_rest(self, following: Following) -> None:
-        """Return when no joint is held, or the body has stood still or been silent for a while."""
+        """Return when no joint is held, or the body is at rest or silent, and the joints stand."""
         held, since = await self._ask(_held), 0.0
         for _ in range(round(BODY_REST_S / LOOK_S)):
             if not held or following.still or since >= STILL_S:
@@ -277,7 +277,9 @@ class DynamixelServos:
             await asyncio.sleep(LOOK_S)
             before, held = held, await self._ask(_held)
             moved = any(abs(held[name] - before.get(name, 0.0)) > STILL for name in held)
-            since = 0.0 if moved else since + LOOK_S
+            # A slow start looks like standing still; only the body knows that it has more to go.
+            under_way = moved or following.at_rest is False
+            since = 0.0 if under_way else since + LOOK_S
 
     async def _all_limp(self) -> None:
         names = list(self.settings.joints)

@@ -61,6 +61,11 @@ class Following:
         """Whether there is nobody to follow now."""
         return self._now is None
 
+    @property
+    def at_rest(self) -> bool | None:
+        """Whether the body is where it may be left alone; None if it has not been sent there."""
+        return self._now.at_rest if self._now is not None else None
+
     def wanted(self, servo: Servo, elapsed: float) -> float:
         """Where the body wants the joint now; where it stands if the body says nothing."""
         target = self._target(servo)

@@ -102,6 +102,7 @@ def test_what_it_does_is_said_beside_the_face() -> None:
     shown = pane(*bodies.alive(mode="saccade", move="nod", personality="grumpy", blink_rate=20.0))
     for words in ("happy 80 %", "saccade", "nod", "grumpy", "0.53 Hz", "20/min", "2.13 Hz"):
         assert words in shown
+    assert "like grumpy" in pane(*bodies.alive(personality="grumpy", changed=True))
     demo = pane(*bodies.alive(mode="demo", move="demo"))  # breathes and blinks as scripted
     assert "breathes   no" in demo
     assert "blinks     no" in demo

@@ -257,3 +257,25 @@ def test_without_a_cross_fade_only_the_limits_remain() -> None:
     rig = Rig(replace(STILL, crossfade=0.0), moves={"lift": Lifted(True)})
     rig.wait(rig.do("play", move="lift"))
     assert rig.last.joints["top"] == pytest.approx(80.0)
+
+
+@pytest.mark.toolkit("L7")
+def test_nudges_turn_whoever_plays_a_move_and_do_not_end_it() -> None:
+    rig, twin = Rig(), Rig()
+    for one in (rig, twin):
+        one.do("play", move="dance")
+        one.run(1.0)
+    ticks = []
+    for _ in range(5):  # faster than the fade of the one before
+        rig.do("nudge", yaw=4.0)
+        ticks += rig.run(0.1)
+    twin.run(0.5)
+    ticks += rig.run(0.5)
+    twin.run(0.5)
+    assert rig.last.move == "dance"
+    assert rig.last.joints["pitch"] - twin.last.joints["pitch"] == pytest.approx(20.0, abs=1e-3)
+    assert moves_safely(STILL, ticks)
+    plain = Rig()
+    plain.do("play", move="dance")
+    fastest = biggest_step(plain.run(2.0), "pitch")
+    assert biggest_step(ticks, "pitch") < fastest + 4.0 * 2.0 * DT / 0.3

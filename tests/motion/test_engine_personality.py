@@ -207,3 +207,15 @@ def test_knobs_keep_to_the_ranges_of_robot_files(trait: str) -> None:
     values = [TRAITS[trait].value(place / 20) for place in range(21)]
     assert values == sorted(values)
     assert low <= values[0] < values[-1] <= high
+
+
+@pytest.mark.toolkit("P5")
+def test_a_character_whose_trait_was_turned_is_told_as_changed() -> None:
+    rig = Rig(EYEPI)
+    rig.do("personality", name="grumpy")
+    assert rig.engine.values()["changed"] is False
+    rig.do("personality", tempo=1.3)
+    values = rig.engine.values()
+    assert (values["personality"], values["changed"]) == ("grumpy", True)
+    rig.do("personality", name="grumpy")
+    assert rig.engine.values()["changed"] is False

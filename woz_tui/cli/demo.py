@@ -14,7 +14,7 @@ from woz_tui.cli.options import add_session
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
 DEMOS: dict[str, tuple[str, str, str]] = {
     "simulated": ("demo.yaml", "warm", "P01"),
-    "eyepi": ("eyepi.yaml", "upbeat", "P01"),
+    "eyepi": ("eyepi.yaml", "default", "P01"),
     "show": ("show.yaml", "", "S1"),
 }
 

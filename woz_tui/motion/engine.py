@@ -349,6 +349,7 @@ class Engine:
             "eye_y": face.y,
             "brightness": face.brightness,
             "personality": character.name,
+            "changed": character.changed,
             **character.traits,
             "breathing_on": character.breathes,
             "blinking": face.blinks_by_itself,

@@ -40,6 +40,13 @@ class Fade:
         if self._seconds > 0.0:
             self._offsets[joint] = (offset, 0.0)
 
+    def more(self, joint: str, offset: float) -> None:
+        """What is wanted of a joint has moved away by `-offset` degrees, on top of what is left."""
+        left, since = self._offsets.get(joint, (0.0, 0.0))
+        if left:
+            left *= 1.0 - smooth(since / self._seconds)
+        self.add(joint, left + offset)
+
     def over(self, pose: Mapping[str, float], dt: float) -> dict[str, float]:
         """The pose `dt` seconds later, with what is left of the past."""
         result = dict(pose)

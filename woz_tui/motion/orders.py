@@ -131,14 +131,15 @@ class Orders:
         yaw, pitch = direction(self._chain, pose)
         yaw = (yaw + left + 180.0) % 360.0 - 180.0
         pitch = min(90.0, max(-90.0, pitch - down))
-        return self._look_at(self._chain.aim_along(yaw, pitch, pose), "nudge", NUDGE_S, "")
+        aim = self._chain.aim_along(yaw, pitch, pose)
+        if self._steering.move:  # the arrow keys turn whoever dances, and do not end the dance
+            self._steering.shift(aim.joints, "nudge")
+            return Answer(_off_the_mark(Angles(dict(aim.joints), {}, {}).told(), aim))
+        return self._look_at(aim, "nudge", NUDGE_S, "")
 
     def _look_at(self, aim: Aim, name: str, seconds: float, easing: str) -> Answer:
         answer = self._go(name, [(Angles(dict(aim.joints), {}, {}), seconds)], easing)
-        sent = dict(answer.sent)
-        if not aim.reachable:
-            sent |= {"reachable": False, "error_deg": round(aim.error_deg, 2)}
-        return Answer(sent, answer.token, answer.seconds)
+        return Answer(_off_the_mark(answer.sent, aim), answer.token, answer.seconds)
 
     def _easing(self, asked: Asked) -> str:
         return asked.choice("easing", tuple(EASE), self._shape.easing)
@@ -274,3 +275,10 @@ class Orders:
     def _breathing(self, asked: Asked) -> Answer:
         self._character.breathes = asked.flag("on")
         return Answer({"on": self._character.breathes})
+
+
+def _off_the_mark(sent: Mapping[str, Json], aim: Aim) -> dict[str, Json]:
+    """What is answered, and how far the head's gaze misses if it cannot get there."""
+    if aim.reachable:
+        return dict(sent)
+    return {**sent, "reachable": False, "error_deg": round(aim.error_deg, 2)}

@@ -57,6 +57,11 @@ class Character:
         return self["tempo"] / 4.0 if value is None else value
 
     @property
+    def changed(self) -> bool:
+        """Whether it is no longer what its name stands for in the robot file."""
+        return self.name in self._named and self._traits != asdict(self._named[self.name])
+
+    @property
     def traits(self) -> dict[str, Json]:
         """All traits as they are set."""
         return dict(self._traits)

@@ -91,6 +91,14 @@ class Steering:
         self.stance.take(angles)
         self._let_go(set(angles), by)
 
+    def shift(self, angles: Mapping[str, float], by: str) -> None:
+        """As `put`, but what is being played leans over to its new pose in the time of a fade."""
+        pose = self.stance.pose
+        before = {joint: pose[joint] for joint in angles}
+        self.put(angles, by)
+        for joint, angle in before.items():
+            self._fade.more(joint, angle - self.stance.pose[joint])
+
     def _let_go(self, joints: set[str], by: str) -> None:
         """Take joints out of a line: they are where people want them now."""
         line = self.primary

@@ -61,7 +61,7 @@ def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
         ("shows", feeling(seen) or glyphs.dash, "plain"),
         ("mode", seen.mode, "plain" if seen.mode == "normal" else "wait"),
         ("plays", move, "plain" if move == glyphs.dash else "run"),
-        ("is", str(seen.value("personality", "name") or "") or glyphs.dash, "plain"),
+        ("is", _character(seen) or glyphs.dash, "plain"),
         ("breathes", _breathing(seen, glyphs), "plain"),
         ("blinks", _blinking(seen, glyphs), "plain"),
         ("tempo", figure("tempo", seen.value("tempo"), glyphs), "plain"),
@@ -78,6 +78,12 @@ def word_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
         )
         for name, text, look in lines[:height]
     ]
+
+
+def _character(seen: SeenBody) -> str:
+    """The personality by name; once a trait was turned it is not quite that any more."""
+    name = str(seen.value("personality", "name") or "")
+    return f"like {name}" if name and seen.value("changed") is True else name
 
 
 def _on(value: Json) -> bool:

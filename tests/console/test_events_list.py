@@ -1,8 +1,11 @@
 from __future__ import annotations
 
 from tests.console import scenes
+from woz_tui.console.events import event_row
+from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
+from woz_tui.core import requests as r
 
 NOW = scenes.NOW
 
@@ -55,3 +58,25 @@ def test_utterances_and_failures_keep_a_line_each() -> None:
             0,
         )
     assert len(picture.events) - before == 4
+
+
+def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
+    actions = [
+        r.ActionView(name="up", label="Up", key="u", verbs=["control"]),
+        r.ActionView(name="nod", label="Nod", key="n", verbs=["play"]),
+    ]
+    picture = Picture()
+    picture.take([scenes.welcome(shown=[r.PanelView(title="Body", actions=actions)])], 0)
+    before = len(picture.events)
+    presses = (("up", "refused"), *(("up", "done"),) * 4, ("nod", "done"), ("nod", "done"))
+    for number, (action, how) in enumerate(presses):
+        picture.take(scenes.played(f"r{number}", action, NOW, 0.1, how=how), 0)
+    lines = list(picture.events)[before:]
+    assert [(event.text, event.mark, event.times) for event in lines] == [
+        ("Up", "refused", 1),
+        ("Up", "done", 4),
+        ("Nod", "done", 1),
+        ("Nod", "done", 1),
+    ]
+    row = event_row(lines[1], picture, Frame(60, 1, NOW))
+    assert "4 times" in "".join(text for text, _ in row)

@@ -62,7 +62,7 @@ def event_row(event: Event, picture: Picture, frame: Frame) -> Row:
     room = frame.width - sum(cell_len(text) for text, _ in (*front, back))
     text = glyphs.plain(clean(event.text))
     times = f"{event.times} times" if event.times > 1 else ""
-    detail = glyphs.plain(clean(event.detail or times))
+    detail = glyphs.plain(clean(", ".join(filter(None, (times, event.detail)))))
     tone = look if event.mark in ("failed", "error", "refused", "warning", "stop") else "plain"
     body: Row = ((text, tone), (f"  {detail}" if detail else "", "muted"))
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), back)

@@ -23,6 +23,10 @@ _SOURCES = {
 }
 
 
+#: Verbs that move something by one step: pressed in a row, they are one line.
+_STEPPING = frozenset({"control", "nudge"})
+
+
 @dataclass(slots=True)
 class Event:
     """One line of the list.
@@ -40,14 +44,18 @@ class Event:
     took_us: int | None = None
     mistake: bool = False
     times: int = 1
+    #: An action whose verbs move something by one step.
+    stepping: bool = False
 
     def again(self, other: Event) -> bool:
-        """Take in the same command sent once more, so that a held arrow is one line."""
+        """Take in the same step made once more, so that a held or repeated key is one line."""
         same = bool(self.run) and self.text == other.text and not self.mistake
-        moved = not self.action and not other.action and not self.text.startswith("“")
-        if not (same and moved and self.mark in ("running", "done", "stopped")):
+        bare = not self.action and not other.action and not self.text.startswith("“")
+        steps = self.stepping and self.action == other.action
+        if not (same and (bare or steps) and self.mark in ("running", "done", "stopped")):
             return False
         self.t, self.mark, self.run, self.took_us = other.t, other.mark, other.run, None
+        self.detail = other.detail
         self.times += 1
         return True
 
@@ -67,6 +75,7 @@ def event_of(message: m.Message, picture: Picture) -> Event | None:
 
 def _requested(message: m.ActionRequested, picture: Picture) -> Event:
     source = _SOURCES.get(message.source, "")
+    action = picture.action(message.action)
     return Event(
         message.t,
         "running",
@@ -74,6 +83,7 @@ def _requested(message: m.ActionRequested, picture: Picture) -> Event:
         source,
         run=message.run,
         action=message.action,
+        stepping=action is not None and bool(action.verbs) and _STEPPING.issuperset(action.verbs),
     )
 
 

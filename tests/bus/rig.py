@@ -21,6 +21,7 @@ VERBS = (
     Verb("say", "", BEHAVIOUR, lane="voice", limit_s=5.0),
     Verb("play", "", BEHAVIOUR, lane="body", limit_s=5.0),
     Verb("gaze", "", BEHAVIOUR, lane="body", stream=True, limit_s=5.0),
+    Verb("turn", "", BEHAVIOUR, lane="body", brief=True, limit_s=5.0),
     Verb("drive", "", BEHAVIOUR, lane="base", drives=True, limit_s=5.0),
 )
 

@@ -8,6 +8,7 @@ import pytest
 
 from tests.bus.rig import Rig
 from tests.fakes.virtual_time import run_virtual
+from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.core import messages as m
 from woz_tui.core.driver import DriverError, Job
 from woz_tui.core.messages import Command, Json
@@ -136,6 +137,31 @@ def test_full_queue_busy_replace_and_deadline() -> None:
     assert isinstance(replaced, m.Superseded)
     assert replaced.by == "c7"
     assert isinstance(rig.end("c7"), m.Done)
+
+
+def test_a_burst_of_brief_commands_is_kept_whole_and_in_order() -> None:
+    async def scenario(rig: Rig) -> None:
+        for _ in range(1 + BRIEF_CAPACITY + 2):
+            rig.send("turn")
+
+    rig = in_rig(scenario)
+    whole = [f"c{number}" for number in range(1, BRIEF_CAPACITY + 2)]
+    assert [line.command for line in rig.lines if isinstance(line, m.Done)] == whole
+    late = [line.command for line in rig.lines if isinstance(line, m.Refused)]
+    assert late == [f"c{BRIEF_CAPACITY + 2}", f"c{BRIEF_CAPACITY + 3}"]
+
+
+def test_what_takes_its_time_leaves_no_more_room_than_before() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.send("play", seconds=1)  # c1
+        rig.send("play", seconds=1)  # c2
+        rig.send("turn")  # c3
+        rig.send("turn")  # c4: full, behind one that is not brief
+        rig.send("play")  # c5: full
+
+    rig = in_rig(scenario, capacity=2)
+    refused = {line.command: line.code for line in rig.lines if isinstance(line, m.Refused)}
+    assert refused == {"c4": "full", "c5": "full"}
 
 
 def test_a_stream_keeps_only_the_latest_setpoint_and_does_not_wait_for_the_queue() -> None:

@@ -40,6 +40,8 @@ GRACE_S = 0.25
 #: A job that announced its duration may take this much longer than announced.
 EXPECTED_FACTOR = 1.5
 EXPECTED_MARGIN_S = 2.0
+#: Commands that may wait while all of them are brief: a burst of key presses out of one read.
+BRIEF_CAPACITY = 256
 
 log = logging.getLogger(__name__)
 
@@ -183,12 +185,18 @@ class Lane:
         elif when_busy == "refuse" and (self.busy or self._waiting):
             ticket.refuse("busy", f"{self.driver_name} is busy")
             return
-        elif len(self._waiting) >= self._capacity:
+        elif len(self._waiting) >= self._room_for(ticket):
             ticket.refuse("full", f"{len(self._waiting)} commands are waiting already")
             return
         self._waiting.append((ticket, args))
         self._watch_deadline(ticket)
         self._pump()
+
+    def _room_for(self, ticket: Ticket) -> int:
+        """How many may wait before it; more if all is brief, since the wait is short then."""
+        if ticket.verb.brief and all(waiting.verb.brief for waiting, _ in self._waiting):
+            return max(self._capacity, BRIEF_CAPACITY)
+        return self._capacity
 
     def _make_way(self, ticket: Ticket) -> None:
         for waiting, _ in self._waiting:

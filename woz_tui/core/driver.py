@@ -67,7 +67,8 @@ class Verb:
     `arguments[0]` is the main one: `say: "Hello"` gives it directly. Commands in one `lane` run
     one after the other, those in different lanes together. `stream`: only the latest setpoint
     counts, so it goes into a slot and not into the queue. `drives`: it moves the robot through
-    the room and must end when nobody watches. `limit_s`: how long it may take at most.
+    the room and must end when nobody watches. `limit_s`: how long it may take at most. `brief`:
+    it is done at once, so that a burst of it may wait in its lane without anybody noticing.
     """
 
     name: str
@@ -77,6 +78,7 @@ class Verb:
     stream: bool = False
     drives: bool = False
     limit_s: float = 30.0
+    brief: bool = False
 
 
 class Job(Protocol):

@@ -144,6 +144,7 @@ def _body_verbs(moves: tuple[str, ...], shape: BodyShape) -> list[Verb]:
                 Argument("by", "number", "or by so much", range=_BOTH),
             ),
             lane="control",
+            brief=True,
         ),
     ]
 
@@ -181,12 +182,14 @@ def _way_verbs(shape: BodyShape) -> list[Verb]:
                 Argument("amplitude", "number", "of animations", range=Range(0, 3)),
             ),
             lane="way",
+            brief=True,
         ),
         Verb(
             "breathing",
             "breathe or hold its breath",
             (Argument("on", "flag", required=True),),
             lane="way",
+            brief=True,
         ),
     ]
 
@@ -227,6 +230,7 @@ def _face_verbs() -> list[Verb]:
             "of the lights",
             (Argument("level", "number", required=True, range=_UNIT),),
             lane="face",
+            brief=True,
         ),
         Verb("blink", "blink once", lane="face"),
         Verb(
@@ -234,5 +238,6 @@ def _face_verbs() -> list[Verb]:
             "blink by itself or not",
             (Argument("on", "flag", required=True),),
             lane="face",
+            brief=True,
         ),
     ]

@@ -142,6 +142,18 @@ def test_programs_cannot_interrupt_the_demo_and_the_wizard_can(tmp_path: Path) -
     assert len(stage.kinds(m.Refused)) == 1
 
 
+def test_a_burst_of_steps_of_a_control_loses_none(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        for _ in range(28):
+            stage.session.play("Pitch left", KEY)
+            stage.session.play("Pitch right", KEY)
+        await asyncio.sleep(1)
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.kinds(m.Refused, m.Failed) == []
+    assert stage.kinds(m.ActionDone) == ["ActionDone"] * 56
+
+
 def test_replacing_a_move_ends_it_and_begins_anew(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.play("Dance", KEY)

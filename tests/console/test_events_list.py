@@ -1,8 +1,11 @@
 from __future__ import annotations
 
 from tests.console import scenes
+from woz_tui.console.columns import plan
 from woz_tui.console.events import event_row
 from woz_tui.console.glyphs import Frame
+from woz_tui.console.panels import Board, panel_rows
+from woz_tui.console.parts import State
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -80,3 +83,28 @@ def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
     ]
     row = event_row(lines[1], picture, Frame(60, 1, NOW))
     assert "4 times" in "".join(text for text, _ in row)
+
+
+def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
+    actions = [r.ActionView(name="up", label="Up", key="u", verbs=["control"])]
+    panel = r.PanelView(title="Body", actions=actions)
+    picture = Picture()
+    picture.take([scenes.welcome(shown=[panel])], 0)
+    *begun, ended = scenes.played("r1", "up", NOW, 0.1)
+    done = m.Done(
+        command="c-r1",
+        driver="head",
+        sent={"waits": "normal"},
+        latency_us=1,
+        duration_us=2,
+        t=NOW + 500,
+    )
+    picture.take([*begun, done, ended], 0)
+    line = picture.events[-1]
+    assert (line.mark, line.detail) == ("waits", "counts after the mode")
+    frame = Frame(40, 4, ended.t)
+    assert picture.standing(panel, actions[0], frame.now).state is State.WAITS
+    rows = panel_rows(picture, frame, plan(picture.panels, 40, 4, 3), Board({}))
+    assert "after mode" in "".join(text for row in rows for text, _ in row)
+    picture.take(scenes.played("r2", "up", ended.t, 0.1), 0)
+    assert picture.events[-1].mark == "done"

@@ -24,6 +24,7 @@ BRIEF_US = 50_000
 LOOK = {
     "running": "run",
     "done": "good",
+    "waits": "wait",
     "failed": "bad",
     "refused": "warn",
     "stopped": "warn",

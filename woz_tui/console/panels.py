@@ -26,6 +26,7 @@ _LOOK = {
     State.QUEUED: "wait",
     State.RUNNING: "run",
     State.DONE: "good",
+    State.WAITS: "wait",
     State.FAILED: "bad",
     State.REFUSED: "warn",
     State.STOPPED: "warn",
@@ -155,6 +156,8 @@ def _word(standing: Standing) -> str:
             return ""
         case State.RUNNING:
             return "" if standing.left_us is None else f"{standing.left_us / 1e6:.1f}"
+        case State.WAITS:
+            return "after mode"
         case State.UNREACHABLE:
             return f"no {standing.note}"
         case state:

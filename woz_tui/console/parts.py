@@ -16,6 +16,7 @@ class State(enum.Enum):
     QUEUED = "queued"
     RUNNING = "running"
     DONE = "done"
+    WAITS = "waits"
     FAILED = "failed"
     REFUSED = "refused"
     STOPPED = "stopped"

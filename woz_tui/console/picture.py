@@ -29,7 +29,7 @@ from woz_tui.console.parts import (
 )
 from woz_tui.console.profiles import Profiles, profiles_of
 from woz_tui.console.reducers import reduce
-from woz_tui.console.runs import Failure, Runs, outcome_of
+from woz_tui.console.runs import Failure, Runs
 from woz_tui.console.sentences import Event, event_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -39,7 +39,7 @@ from woz_tui.core.wire import WireError, decode_message
 DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
 #: Events kept for the list; the log on disk has them all.
 EVENTS = 400
-_LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US}
+_LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US, "waits": STOPPED_US}
 
 
 @dataclass(slots=True)
@@ -178,7 +178,7 @@ class Picture:
 
     def _tell(self, message: m.Message) -> None:
         """Put it on the list of events, or its outcome behind the event that began it."""
-        outcome = outcome_of(message)
+        outcome = self.runs.told(message)
         if outcome is not None:
             for event in reversed(self.events):
                 if event.run == outcome.run:

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 from collections import deque
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from woz_tui.core import messages as m
 
 #: More runs than this are never under way; the oldest are forgotten if ends never come.
 ACTIVE = 500
 FAILURES = 200
+#: What is said of a command that was taken, but moves nothing before the robot's mode is over.
+LATER = "counts after the mode"
 
 _HOW: dict[type[m.Message], str] = {
     m.ActionDone: "done",
@@ -27,7 +29,9 @@ _HOW: dict[type[m.Message], str] = {
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a run ended; `how` is done, failed, refused or stopped."""
+    """How a run ended; `how` is done, waits (done, but it counts later), failed, refused or
+    stopped.
+    """
 
     run: str
     how: str
@@ -81,6 +85,8 @@ class Run:
     began: int | None = None
     commands: dict[str, Doing] = field(default_factory=dict)
     remedy: str = ""
+    #: Something of it counts only after the mode.
+    waits: bool = False
 
     @property
     def running(self) -> bool:
@@ -123,6 +129,8 @@ def outcome_of(message: m.Message) -> Outcome | None:
         return None
     if isinstance(message, m.ActionEnd):
         return Outcome(message.run, how, message.t, message.reason)
+    if isinstance(message, m.Done) and message.sent.get("waits"):
+        return Outcome(message.command, "waits", message.t, LATER)
     if isinstance(message, m.End):
         return Outcome(message.command, how, message.t, message.reason)
     return None
@@ -154,9 +162,17 @@ class Runs:
         last = self.outcomes.get(action)
         for failure in reversed(self.failures):
             if failure.action == action:
-                worked = last is not None and last.how == "done" and last.t > failure.t
+                worked = last is not None and last.how in ("done", "waits") and last.t > failure.t
                 return None if failure.run in self.seen or worked else failure
         return None
+
+    def told(self, message: m.Message) -> Outcome | None:
+        """The end that `message` tells, with what its commands said before; after `take`."""
+        outcome = outcome_of(message)
+        if outcome is None or not isinstance(message, m.ActionEnd):
+            return outcome
+        known = self.outcomes.get(message.action)
+        return known if known is not None and known.run == outcome.run else outcome
 
     def unseen(self) -> list[Failure]:
         """Failures not yet acknowledged, oldest first."""
@@ -227,6 +243,8 @@ class Runs:
         outcome = outcome_of(message)
         if outcome is None:
             return None
+        if outcome.how == "done" and run is not None and run.waits:
+            outcome = replace(outcome, how="waits", reason=LATER)
         self.outcomes[message.action] = outcome
         if outcome.how != "failed" or message.run in self.seen:
             return None
@@ -242,6 +260,8 @@ class Runs:
         run.commands.pop(message.command, None)
         if message.remedy:
             run.remedy = message.remedy
+        if isinstance(message, m.Done) and message.sent.get("waits"):
+            run.waits = True
         if isinstance(message, m.Refused):
             self._refusal = Refusal(run.action, run.what, message.reason, message.remedy)
         if run.run != message.command:

@@ -52,7 +52,7 @@ class Event:
         same = bool(self.run) and self.text == other.text and not self.mistake
         bare = not self.action and not other.action and not self.text.startswith("“")
         steps = self.stepping and self.action == other.action
-        if not (same and (bare or steps) and self.mark in ("running", "done", "stopped")):
+        if not (same and (bare or steps) and self.mark in ("running", "done", "waits", "stopped")):
             return False
         self.t, self.mark, self.run, self.took_us = other.t, other.mark, other.run, None
         self.detail = other.detail

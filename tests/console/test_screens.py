@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import msgspec
 import pytest
 from textual.events import Key
 
@@ -18,6 +19,7 @@ from tests.console.driving import sitting
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
 from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
 from woz_tui.console.screens.start import wrong_code, wrong_trial
 from woz_tui.core import messages as m
@@ -138,6 +140,18 @@ async def test_help_lists_every_key_with_reserves_and_reasons() -> None:
             assert part in drawn
         assert seat.console.caps["Call staff"].why[:20] in drawn
         assert "instead of ^1" in drawn
+
+
+async def test_the_keys_list_only_arrows_that_move_something() -> None:
+    welcome = msgspec.structs.replace(scenes.welcome(), verbs={"head": ["nudge"]})
+    async with sitting(welcome) as seat:
+        await opened(seat, "HelpDialog")
+        dialog = seat.console.dialog
+        assert isinstance(dialog, HelpDialog)
+        listed = "\n".join("".join(text for text, _ in row) for row in dialog.lines())
+    assert "head to its left" in listed
+    assert "drive forward" not in listed
+    assert "lean left" not in listed
 
 
 # -- start -------------------------------------------------------------------------------------

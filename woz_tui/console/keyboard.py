@@ -288,5 +288,9 @@ def _steps(steps: Steps) -> Mapping[str, tuple[str, Mapping[str, Json]]]:
     }
 
 
+#: Id of an arrow key -> the verb that it sends.
+ARROW_VERBS: Mapping[str, str] = {name: verb for name, (verb, _) in _steps(Steps()).items()}
+
+
 def _ignore(chord: str, action: str, ref: int) -> None:
     """Nobody wants to know."""

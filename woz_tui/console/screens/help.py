@@ -4,13 +4,17 @@ from __future__ import annotations
 
 from woz_tui.console.caps import Cap, cap_of, caption, key_name
 from woz_tui.console.cells import Row, fit
+from woz_tui.console.keyboard import ARROW_VERBS
 from woz_tui.console.screens.dialog import Report
 
 KEY = 8
 
 
 class HelpDialog(Report):
-    """The stop, the console's keys, then every action; reserve keys with the reason."""
+    """The stop, the console's keys, then every action; reserve keys with the reason.
+
+    Arrow keys that move what no driver of this session has are left out.
+    """
 
     heading = "Keys"
     hint = "arrows scroll · ctrl+q closes"
@@ -19,7 +23,10 @@ class HelpDialog(Report):
     def lines(self) -> list[Row]:
         """Key and meaning, one a line."""
         rows: list[Row] = [(("Console", "title"),)]
+        offered = {verb for verbs in self.picture.verbs.values() for verb in verbs}
         for item in self.console_app.builtins:
+            if ARROW_VERBS.get(item.id, "") not in {"", *offered}:
+                continue
             found = self.console_app.keymap.builtins.get(item.id)
             if found is not None:
                 rows += self._key(cap_of(found), found.wanted, item.description, "")

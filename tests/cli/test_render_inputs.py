@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import json
 from pathlib import Path
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.cli.test_render import CALM
 from woz_tui.cli import inputs as inputs_command
@@ -266,6 +269,18 @@ def test_any_curve_fits_its_place(values: list[float], width: int) -> None:
     assert len(lines) == 4
     assert len({len(line) for line in lines[1:]}) == 1
     assert all(len(line) <= max(width, 16) for line in (*lines, time_axis(9.5, width)[0]))
+
+
+@given(st.floats(1e-4, 1e5), st.integers(20, 300))
+def test_the_time_axis_has_round_times_within_what_is_drawn(seconds: float, width: int) -> None:
+    ruler, labels = time_axis(seconds, width)
+    times = [float(word) for word in labels.strip().removesuffix("s").split()]
+    assert times[0] == 0.0
+    assert times[-1] <= seconds * (1 + 1e-6)
+    assert ruler.count("┬") == len(times)
+    steps = {round(after - before, 9) for before, after in itertools.pairwise(times)}
+    assert len(steps) <= 1
+    assert all(f"{step:e}"[0] in "125" for step in steps)
 
 
 def test_the_plot_goes_through_a_pipe_without_colours(

@@ -47,17 +47,31 @@ def chart(curve: Curve, width: int, height: int) -> list[str]:
 
 
 def time_axis(seconds: float, width: int) -> list[str]:
-    """A line of ticks and a line of seconds below the curves."""
+    """A line of ticks and a line of seconds below the curves; ticks stand at round times."""
     cells = max(8, width - _AXIS - 1)
-    marks = max(1, min(10, cells // 12))
-    places = [round(index * (cells - 1) / marks) for index in range(marks + 1)]
+    times = _round_times(seconds, max(1, min(10, cells // 12)))
+    places = [round(time / seconds * (cells - 1)) if seconds > 0 else 0 for time in times]
     ruler = "".join("┬" if place in places else "─" for place in range(cells))
     labels = [" "] * (cells + 8)
-    for index, place in enumerate(places):
-        text = f"{seconds * index / marks:.4g}" + ("s" if index == marks else "")
+    for place, time in zip(places, times, strict=True):
+        text = f"{time:g}" + ("s" if time == times[-1] else "")
         start = max(0, min(place - len(text) // 2, cells - len(text)))
         labels[start : start + len(text)] = text
     return [f"{'':{_AXIS}}└{ruler}", f"{'':{_AXIS}} {''.join(labels).rstrip()}"]
+
+
+def _round_times(seconds: float, most: int) -> list[float]:
+    """0 and up to `most` multiples of 1, 2 or 5 times a power of ten, none beyond `seconds`."""
+    if not seconds > 0:
+        return [0.0]
+    power = math.floor(math.log10(seconds / most))
+    step, digits = next(
+        (factor * 10.0**exponent, max(0, -exponent))
+        for exponent in (power, power + 1)
+        for factor in (1, 2, 5)
+        if seconds / (factor * 10.0**exponent) <= most
+    )
+    return [round(index * step, digits) for index in range(math.floor(seconds / step + 1e-9) + 1)]
 
 
 def _at(values: Sequence[float], share: float) -> float:

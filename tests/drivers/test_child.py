@@ -13,6 +13,7 @@ from woz_drivers import child, programs
 from woz_drivers.programs import ProgramMissing
 
 from tests.drivers.heard import PATIENCE_S, until
+from tests.fakes.offspring import offspring
 from woz_tui.core.driver import DriverError
 
 
@@ -81,8 +82,8 @@ async def test_nothing_outlives_a_killed_robot_process(tmp_path: Path, command: 
         await asyncio.wait_for(process.stdout.readline(), PATIENCE_S)
 
         def sleeping() -> bool:
-            below[:] = psutil.Process(process.pid).children(recursive=True)
-            return any(one.name() == "sleep" for one in below)
+            below[:] = offspring(process.pid)
+            return bool(offspring(process.pid, named="sleep"))
 
         await until(sleeping)
         assert len(below) >= 2  # the guard is among them

@@ -16,6 +16,7 @@ from woz_drivers.microphone import Microphone
 from woz_drivers.microphone_settings import MicrophoneSettings
 
 from tests.drivers.heard import Heard, Ordered, until
+from tests.fakes.offspring import offspring
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
 from woz_tui.core.clock import ManualClock, RealClock
@@ -233,12 +234,8 @@ async def test_nothing_is_left_behind(begin: Begin, tmp_path: Path) -> None:
     microphone, heard = await begin(("sh", "-c", "sleep 1000 & cat sound.raw; wait"))
     await heard.first(DriverConnected)
 
-    def sleepers() -> list[psutil.Process]:
-        return [one for one in psutil.Process().children(recursive=True) if one.name() == "sleep"]
-
-    await until(lambda: len(sleepers()) == 1)
-    below = psutil.Process().children(recursive=True)
-    children = [one for one in below if one.pid != guard.pid]
+    await until(lambda: len(offspring(named="sleep")) == 1)
+    children = [one for one in offspring() if one.pid != guard.pid]
     await microphone.close()
     _, left = psutil.wait_procs(children, timeout=10)
     assert left == []

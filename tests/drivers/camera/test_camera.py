@@ -8,13 +8,13 @@ from collections.abc import AsyncIterator, Callable
 from pathlib import Path
 from typing import Any
 
-import psutil
 import pytest
 from woz_drivers.camera import Camera
 from woz_drivers.camera.settings import CameraSettings
 
 from tests.drivers.camera.pictures import PipedCamera, picture, planes, with_block
 from tests.drivers.heard import Heard, Ordered, until
+from tests.fakes.offspring import offspring
 from woz_tui.core.clock import ManualClock, RealClock
 from woz_tui.core.driver import Finding, Probe, Rejected, Scope
 from woz_tui.core.messages import DriverConnected, DriverLost
@@ -191,12 +191,7 @@ async def test_it_only_looks_and_leaves_nothing_behind(begin: Begin, pipe: Piped
     await camera.stop(Scope.ALL)
     await camera.rest()
     await camera.close()
-    cats = [
-        one
-        for one in psutil.Process().children(recursive=True)
-        if str(pipe.path) in " ".join(one.cmdline())
-    ]
-    assert cats == []
+    assert offspring(saying=str(pipe.path)) == []
     assert Camera.verbs(CameraSettings()) == ()
     assert Camera.sensors(CameraSettings()) == ("seen.x", "seen.y", "seen.size")
 

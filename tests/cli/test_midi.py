@@ -12,7 +12,6 @@ import pytest
 from tests.fakes.midi_panel import MidiPanelFake
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.cli import main
-from woz_tui.cli.midi import replace
 
 MAP = """title: small
 controls:
@@ -95,12 +94,3 @@ def test_show(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert "bad.yaml:1:16: controls.a.controll: unknown; did you mean 'control'?" in (
         capsys.readouterr().err
     )
-
-
-def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
-    file = tmp_path / "map.yaml"
-    replace(file, "old")
-    with pytest.raises(UnicodeEncodeError):
-        replace(file, "new \ud800")
-    assert file.read_text(encoding="utf-8") == "old"
-    assert list(tmp_path.iterdir()) == [file]

@@ -7,7 +7,6 @@ import contextlib
 import os
 import select
 import sys
-import tempfile
 import termios
 import tty
 from collections.abc import Iterator, Mapping
@@ -20,6 +19,7 @@ from rich.table import Table
 from woz_tui import plugins
 from woz_tui.cli.failure import explained
 from woz_tui.core.driver import Driver, DriverError
+from woz_tui.core.replacing import replace
 from woz_tui.experiment.given import settings_of
 
 #: The driver that knows panels.
@@ -175,20 +175,3 @@ def _keys() -> Iterator[None]:
         yield
     finally:
         termios.tcsetattr(sys.stdin, termios.TCSADRAIN, before)
-
-
-def replace(file: Path, text: str) -> None:
-    """Write `text` so that at every moment the old file is there or the new one, whole."""
-    folder = file.absolute().parent
-    descriptor, temporary = tempfile.mkstemp(prefix=f".{file.name}.", dir=folder)
-    try:
-        with os.fdopen(descriptor, "w", encoding="utf-8") as out:
-            out.write(text)
-            out.flush()
-            os.fsync(out.fileno())
-        mode = file.stat().st_mode & 0o777 if file.exists() else 0o644
-        Path(temporary).chmod(mode)
-        Path(temporary).replace(file)
-    except BaseException:
-        Path(temporary).unlink(missing_ok=True)
-        raise

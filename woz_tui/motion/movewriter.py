@@ -6,14 +6,13 @@ own way to say things.
 
 from __future__ import annotations
 
-import contextlib
 import json
 import os
-import secrets
 import textwrap
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from woz_tui.core.replacing import replacing
 from woz_tui.experiment.source import MAX_BYTES
 from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, Layer
 from woz_tui.motion.movefile import MAIN, MoveFileError, read_move
@@ -61,21 +60,13 @@ def _must_be_a_move(path: Path, shape: BodyShape) -> None:
 
 def _replace(path: Path, text: str, move: KeyframeMove, shape: BodyShape) -> None:
     """Into a file beside it, which takes its place when it is whole on the disk."""
-    fresh = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
     try:
-        with fresh.open("x", encoding="utf-8") as file:
-            file.write(text)
-            file.flush()
-            os.fsync(file.fileno())
-        if read_move(fresh, shape) != move:
-            raise WriteError("the file would not mean the same move", "please report this")
-        fresh.replace(path)
+        with replacing(path, text) as fresh:
+            if read_move(fresh, shape) != move:
+                raise WriteError("the file would not mean the same move", "please report this")
     except (OSError, MoveFileError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise WriteError(f"{path} cannot be written: {reason}") from error
-    finally:
-        with contextlib.suppress(OSError):
-            fresh.unlink(missing_ok=True)
 
 
 def written(move: KeyframeMove, folder: Path) -> str:

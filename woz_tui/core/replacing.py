@@ -1,0 +1,37 @@
+"""Writing a file anew so that at every moment the old one is there or the new one, whole."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import secrets
+from collections.abc import Iterator
+from pathlib import Path
+
+
+@contextlib.contextmanager
+def replacing(path: Path, text: str) -> Iterator[Path]:
+    """Put `text` into a file beside `path`, on the disk; it takes that place when the block ends.
+
+    The block gets the fresh file, to look at it; if it raises, all stays as it was. A file that is
+    replaced hands its permissions on. Raises `OSError`.
+    """
+    fresh = path.with_name(f".{path.name}.{secrets.token_hex(4)}.tmp")
+    try:
+        with fresh.open("x", encoding="utf-8") as file:
+            file.write(text)
+            file.flush()
+            os.fsync(file.fileno())
+        if path.exists():
+            fresh.chmod(path.stat().st_mode & 0o777)
+        yield fresh
+        fresh.replace(path)
+    finally:
+        with contextlib.suppress(OSError):
+            fresh.unlink(missing_ok=True)
+
+
+def replace(path: Path, text: str) -> None:
+    """`replacing` for who has nothing to look at."""
+    with replacing(path, text):
+        pass

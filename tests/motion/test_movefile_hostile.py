@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 import yaml
-from hypothesis import given, settings
+from hypothesis import example, given, settings
 from hypothesis import strategies as st
 
 from tests.motion.heads import EYEPI
@@ -91,6 +91,7 @@ def test_any_bytes(folder: Path, data: bytes) -> None:
     judged(folder, data)
 
 
+@example(332, 58, b"")  # a key that stands twice
 @given(st.integers(0, 2000), st.integers(0, 60), st.binary(max_size=20))
 def test_an_example_with_a_piece_torn_out(
     folder: Path, start: int, length: int, instead: bytes

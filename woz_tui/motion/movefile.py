@@ -88,10 +88,12 @@ def read_folder(folder: Path, shape: BodyShape) -> MoveFolder:
     sources: list[Source] = []
     where: dict[str, str] = {}
     for path in files:
+        broken = len(report.errors)
         source, root = _root(path, report)
         sources += [] if source is None else [source]
         move = None if root is None else decode(root, path, shape)
-        if root is None or move is None:
+        # What is wrong as YAML (a key that stands twice) was reported before it was decoded.
+        if move is None or len(report.errors) > broken:
             continue
         if move.name in moves:
             place = report.place("name", str(path))

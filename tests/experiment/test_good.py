@@ -111,7 +111,8 @@ def test_the_rest_of_the_file(everything: Experiment) -> None:
     assert everything.session.deadline == 2.0
     assert everything.session.abandon_after == 600.0
     assert everything.session.stale_after == 0.5
-    assert everything.sections == {"engagement": {"social_distance": 1.3, "gaze": {"samples": 8}}}
+    assert everything.engagement is not None
+    assert everything.engagement.settings.gaze.samples == 8
     assert everything.script == ("No", "Steps", "No")
     assert [panel.locked for panel in everything.panels] == [False, False]
     assert everything.panels[0].actions[2].locked

@@ -34,6 +34,15 @@ from woz_tui.core.commands import (
     Superseded,
     TimedOut,
 )
+from woz_tui.core.engaged import (
+    EngagementChanged,
+    EngagementShown,
+    SignShown,
+    SpeechEnded,
+    SpeechStarted,
+    SpeechText,
+    VisitorChanged,
+)
 from woz_tui.core.envelope import Json, Message
 from woz_tui.core.shown import BodyChanged, ControlsMoved, FaceShown, Shown
 
@@ -52,6 +61,8 @@ __all__ = [
     "Dispatched",
     "Done",
     "End",
+    "EngagementChanged",
+    "EngagementShown",
     "FaceShown",
     "Failed",
     "Json",
@@ -59,12 +70,17 @@ __all__ = [
     "Progress",
     "Refused",
     "Shown",
+    "SignShown",
+    "SpeechEnded",
+    "SpeechStarted",
+    "SpeechText",
     "StopConfirmed",
     "StopPressed",
     "StopReleased",
     "Stopped",
     "Superseded",
     "TimedOut",
+    "VisitorChanged",
 ]
 
 FORMAT = "woz-session"
@@ -231,18 +247,6 @@ class SensorChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
     why: str = ""
 
 
-class EngagementChanged(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="engagement.changed"
-):
-    """The engagement machine moved; `why` gives the reason in words."""
-
-    was: str
-    now: str
-    outcome: str
-    why: str
-    verdicts: dict[str, Json]
-
-
 class ModeChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="mode.changed"):
     """The robot's mode (normal, demo ...) changed."""
 
@@ -360,6 +364,11 @@ AnyMessage = (
     | Reading
     | SensorChanged
     | EngagementChanged
+    | EngagementShown
+    | SpeechStarted
+    | SpeechEnded
+    | SpeechText
+    | VisitorChanged
     | ModeChanged
     | FaceShown
     | BodyChanged

@@ -17,6 +17,9 @@ MAX_LINE = 1 << 20
 #: Lists and mappings nested deeper than this are cut off.
 MAX_DEPTH = 100
 
+#: Kinds of message of which the newest says it all: kept beside the log of actions.
+SAMPLE_KINDS = frozenset({"sample", "engagement.shown"})
+
 _encoder = msgspec.json.Encoder()
 _message: msgspec.json.Decoder[AnyMessage] = msgspec.json.Decoder(AnyMessage)
 _request: msgspec.json.Decoder[AnyRequest] = msgspec.json.Decoder(AnyRequest)
@@ -122,4 +125,4 @@ def ref_of(line: bytes) -> int:
 
 def is_sample(message: Message) -> bool:
     """Whether it is a raw sample: these may be dropped under pressure, nothing else may."""
-    return message.__struct_config__.tag == "sample"
+    return message.__struct_config__.tag in SAMPLE_KINDS

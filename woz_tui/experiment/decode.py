@@ -18,24 +18,22 @@ from woz_tui.experiment import check, template
 from woz_tui.experiment.actions import PanelReader, titles
 from woz_tui.experiment.asked import check_asks
 from woz_tui.experiment.calls import Vocabulary
+from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table, described, tree
 from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.robot import RobotReader
-from woz_tui.experiment.settings import BAD, raw, read_settings
-from woz_tui.experiment.shape import Experiment, Place, SessionSettings
+from woz_tui.experiment.settings import BAD, read_settings
+from woz_tui.experiment.shape import Engagement, Experiment, Place, SessionSettings
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, missing, read_text, read_word
 from woz_tui.experiment.verbs import session_verbs
 
-#: Sections that other rooms read; they are handed on as plain data.
-RAW_SECTIONS = ("engagement",)
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("session", "panels", "script", "profiles"),
-    *RAW_SECTIONS,
+    *("session", "panels", "script", "profiles", "engagement"),
 )
 
 
@@ -122,7 +120,7 @@ class _Decoder:
             keyboard=layout,
             session=_session(table.get("session")),
             profiles=read_profiles(table.get("profiles"), known),
-            sections={name: raw(table[name].node) for name in RAW_SECTIONS if name in table},
+            engagement=_engagement(table.get("engagement")),
             files=tuple(source.path.absolute() for source in self._sources),
         )
         names = [action.name for panel in experiment.panels for action in panel.actions]
@@ -179,3 +177,8 @@ def _pattern(spot: Spot | None) -> str:
 def _session(spot: Spot | None) -> SessionSettings:
     settings: Any = read_settings(spot, SessionSettings) if spot is not None else BAD
     return settings if isinstance(settings, SessionSettings) else SessionSettings()
+
+
+def _engagement(spot: Spot | None) -> Engagement | None:
+    settings: Any = read_settings(spot, EngagementSettings) if spot is not None else BAD
+    return Engagement(settings) if isinstance(settings, EngagementSettings) else None

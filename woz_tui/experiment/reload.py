@@ -61,7 +61,8 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.conditions != new.conditions:
         yield f"conditions are {', '.join(new.conditions) or 'none'}"
     yield from _entries("variable", old.variables, new.variables)
-    yield from _entries("section", old.sections, new.sections)
+    if old.engagement != new.engagement:
+        yield "engagement changed"
     yield from _entries("profile", old.profiles, new.profiles)
     yield from _panels(old, new)
     yield from _actions(old, new)

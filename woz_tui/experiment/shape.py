@@ -14,6 +14,7 @@ from typing import Annotated, Any
 from woz_tui.core.driver import Verb
 from woz_tui.core.fields import Doc, Seconds
 from woz_tui.core.messages import Json
+from woz_tui.experiment.engagement import EngagementSettings
 
 
 @dataclass(frozen=True, slots=True)
@@ -163,6 +164,19 @@ class SessionSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class Engagement:
+    """The section `engagement`: settings, and what happens when a state is entered.
+
+    `effects`: state -> an action without a key, whose name is `on <state>`. `plays`: state -> names
+    of actions of the panels, which are played as they stand there.
+    """
+
+    settings: EngagementSettings = field(default_factory=EngagementSettings)
+    effects: Mapping[str, Action] = field(default_factory=dict)
+    plays: Mapping[str, tuple[str, ...]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, slots=True)
 class Experiment:
     """A whole experiment, ready to run."""
 
@@ -182,8 +196,8 @@ class Experiment:
     session: SessionSettings = field(default_factory=SessionSettings)
     #: What wizards may use, by name of the profile.
     profiles: Mapping[str, Profile] = field(default_factory=dict)
-    #: Further sections, kept as read for the rooms that will use them (engagement ...).
-    sections: Mapping[str, Any] = field(default_factory=dict)
+    #: How the robot tells whether somebody is with it; None: it does not.
+    engagement: Engagement | None = None
     #: Every file that was read, for the hash and for watching.
     files: tuple[Path, ...] = ()
     warnings: tuple[Problem, ...] = ()

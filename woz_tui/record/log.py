@@ -53,8 +53,8 @@ class Line:
 
     @property
     def sample(self) -> bool:
-        """Whether it is a raw sample of a sensor."""
-        return self.kind == "sample"
+        """Whether it is a raw sample of a sensor, or another value that is soon replaced."""
+        return self.kind in wire.SAMPLE_KINDS
 
 
 @dataclass

@@ -27,7 +27,7 @@ class Standing:
         """A listener of the hub."""
         if self._is_passing(message):
             return
-        if not isinstance(message, m.Reading | m.Shown):
+        if not isinstance(message, m.Reading | m.Shown | m.EngagementShown):
             self._recent.append(message)
         match message:
             case m.SessionChanged():
@@ -110,6 +110,7 @@ _SLOTS: dict[type, tuple[str, ...]] = {
     m.Reading: ("sensor",),
     m.SensorChanged: ("sensor",),
     m.EngagementChanged: (),
+    m.EngagementShown: (),
     m.ModeChanged: ("driver",),
     m.FaceShown: ("driver",),
     m.BodyChanged: ("driver",),

@@ -53,22 +53,22 @@ class EngagementShown(
 ):
     """The model as it stands; told when something of it changes, at most some times a second.
 
-    `since` and `waiting` are times `t` in microseconds: when the state was entered, and since when
-    the visitor waits for an answer (-1: nobody does). `path` has the last states, oldest first,
+    `since` and `waits_since` are times `t` in microseconds: when the state was entered, and since when
+    the visitor waits for an answer (-1: nobody does). `trail` has the last states, oldest first,
     the present one at its end. `run` is run, hold or off; `next` is where a held machine would go.
     `uses` names the signs of the condition. `attempt` counts a handshake's questions.
     """
 
     state: str
     since: int
-    path: list[str]
+    trail: list[str]
     signs: dict[str, SignShown]
     run: str
     uses: list[str]
     social_distance: float
     engaged: bool
     next: str = ""
-    waiting: int = -1
+    waits_since: int = -1
     visitor: str = ""
     attempt: int = 0
     attention: str = ""
@@ -113,10 +113,10 @@ class SpeechText(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sp
 
 class VisitorChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="visitor.changed"):
     """The store of visitors changed. `what`: met, learnt, profile, renamed (then `was` is the old
-    code) or forgotten. `profile` has what is known of them (age_group, address), nothing else.
+    code) or forgotten. `about` has what is known of them (age_group, address), nothing else.
     """
 
     visitor: str
     what: str
     was: str = ""
-    profile: dict[str, str] = msgspec.field(default_factory=dict)
+    about: dict[str, str] = msgspec.field(default_factory=dict)

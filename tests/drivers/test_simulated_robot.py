@@ -181,8 +181,11 @@ async def test_face_volume_and_mode(it: Rig) -> None:
         "emotion": "happy",
         "intensity": 0.8,
     }
-    assert await it.do("eyes", color="Orange") == {"color": "#ff8000"}
-    assert await it.do("eyes", color="#0f0") == {"color": "#00ff00"}
+    assert await it.do("eyes", color="Orange") == {"color": "#ff8000", "animation": "steady"}
+    assert await it.do("eyes", color="#0f0", animation="blink") == {
+        "color": "#00ff00",
+        "animation": "blink",
+    }
     assert await it.do("volume", level=0.2) == {"level": 0.2}
     assert (await it.do("say", text="Hi"))["volume"] == 0.2
     assert await it.do("mode", mode="demo") == {"mode": "demo", "was": "normal"}
@@ -208,6 +211,12 @@ async def test_face_volume_and_mode(it: Rig) -> None:
         ("gaze", {"yaw": 10**400}, "yaw must be a finite number", ""),
         ("torque", {"on": "yes"}, "on must be true or false, not 'yes'", ""),
         ("eyes", {"color": "grene"}, "unknown colour 'grene'", "did you mean 'green'?"),
+        (
+            "eyes",
+            {"color": "red", "animation": "blnk"},
+            "animation 'blnk'",
+            "did you mean 'blink'?",
+        ),
         ("fault", {"kind": "nan", "part": "joint.pam"}, "unknown part 'joint.pam'", "did you mean"),
         ("fault", {"kind": "slow", "part": "body"}, "unknown part 'body'", "leave it out"),
         ("jump", {}, "the simulated robot does not know 'jump'", ""),

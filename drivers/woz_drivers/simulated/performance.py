@@ -12,6 +12,7 @@ from woz_drivers.simulated.body import Body
 from woz_drivers.simulated.moves import known, roles
 from woz_drivers.simulated.settings import Settings
 from woz_drivers.simulated.speech import utterance
+from woz_drivers.simulated.verbs import ANIMATIONS
 from woz_tui.core.driver import DriverError, Job, Rejected
 from woz_tui.core.messages import Json
 
@@ -211,8 +212,9 @@ class Performance:
 
     async def _eyes(self, job: Job) -> Sent:
         color = values.color(job.args, "color")
+        animation = values.word({"animation": "steady", **job.args}, "animation", ANIMATIONS)
         await self._stage.spend(job, SCREEN_SECONDS)
-        return {"color": color}
+        return {"color": color, "animation": animation}
 
     async def _screen(self, job: Job) -> Sent:
         values.file(job.args, "file", self._folder)

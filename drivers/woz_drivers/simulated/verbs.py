@@ -9,6 +9,9 @@ from woz_drivers.simulated.visitor import SENSORS
 from woz_tui.core.driver import Argument, Verb
 from woz_tui.core.fields import Range
 
+#: How coloured eyes move.
+ANIMATIONS = ("steady", "blink", "intermittent")
+
 _DEGREES = Range(-180, 180, "degrees")
 _STEP = Range(-90, 90, "degrees")
 _METRES = Range(-5, 5, "m")
@@ -165,7 +168,16 @@ def _face(settings: Settings) -> tuple[Verb, ...]:
         Verb(
             "eyes",
             "colour the eyes",
-            (Argument("color", "text", "a name or #rrggbb", required=True),),
+            (
+                Argument("color", "text", "a name or #rrggbb; off", required=True),
+                Argument(
+                    "animation",
+                    "choice",
+                    "steady, blinking lids, or a light that comes and goes",
+                    default="steady",
+                    choices=ANIMATIONS,
+                ),
+            ),
             lane="face",
         ),
         Verb(

@@ -114,9 +114,7 @@ class Signals:
             return shown
         touched = {(call.driver, call.verb) for call in shown}
         return tuple(
-            call
-            for call in self._calls.get(self._state, ())
-            if (call.driver, call.verb) in touched
+            call for call in self._calls.get(self._state, ()) if (call.driver, call.verb) in touched
         )
 
 

@@ -89,12 +89,54 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.Reading(sensor="distance", value=None, driver="range", unit="m", bad=["value"]),
     m.Reading(sensor="identity", value=None, text="visitor-3", driver="camera"),
     m.SensorChanged(sensor="distance", state="stale", was="ok", why="no value for 3 s"),
+    m.SpeechStarted(driver="ears", segment=1, began=7_100_000),
+    m.SpeechEnded(
+        driver="ears",
+        segment=1,
+        began=7_100_000,
+        ended=9_300_000,
+        file="2026-03-01T10-00-00_P07_S01.media/speech-0001.wav",
+        loudest=0.41,
+    ),
+    m.SpeechText(driver="ears", segment=1, text="Was ist das für ein Bild?", took=840_000),
+    m.SpeechEnded(
+        driver="ears", segment=2, began=9_400_000, ended=9_900_000, detail="the disk is full"
+    ),
+    m.SpeechText(driver="ears", segment=2, text="", detail="transcribe ended with status 1"),
+    m.VisitorChanged(visitor="V012", what="learnt", about={"age_group": "child"}),
+    m.VisitorChanged(visitor="V013", what="renamed", was="V012"),
     m.EngagementChanged(
-        was="near",
-        now="attending",
-        outcome="facing",
-        why="looked at the robot",
-        verdicts={"gaze": True, "distance": 0.83},
+        was="PersonDetected",
+        now="EngagedWithKnown",
+        outcome="recognized",
+        why="present, looks (5 of 8), near 0.83 m, V013",
+        verdicts={"presence": 1, "gaze": 1, "distance": 1, "identity": "V013"},
+        visitor="V013",
+        forced=True,
+    ),
+    m.EngagementShown(
+        state="RobotThinks",
+        since=8_200_000,
+        trail=["EngagedWithKnown", "UserSpeaks", "RobotThinks"],
+        signs={
+            "presence": m.SignShown(raw=1.0, verdict=1, count=8, needed=4, places=8, filter="fifo"),
+            "gaze": m.SignShown(verdict=0, needed=4, places=8, filter="fifo", stale=True),
+            "distance": m.SignShown(
+                raw=0.83, verdict=1, count=97, needed=50, places=100, filter="joint"
+            ),
+            "identity": m.SignShown(
+                raw_name="V013", name="V013", count=6, needed=5, places=10, forced=True
+            ),
+        },
+        run="hold",
+        uses=["presence", "gaze", "distance"],
+        social_distance=1.3,
+        engaged=True,
+        next="RobotReplies",
+        waits_since=8_200_000,
+        visitor="V013",
+        attempt=1,
+        attention="sound from the left",
     ),
     m.ModeChanged(driver="body", was="normal", now="demo", why="the wizard chose it"),
     m.FaceShown(

@@ -68,6 +68,7 @@ _END: set[str] = {"reason", "remedy"}
 _OPTIONAL: dict[str, set[str]] = {
     "segment": _STAMP,
     "sample": {"ts"},
+    "engagement.shown": {"ts"},
     "session.changed": {"participant"},
     "recorder.state": {"detail", "remedy"},
     "action.done": {"reason"},

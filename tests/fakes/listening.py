@@ -9,7 +9,7 @@ from pathlib import Path
 from woz_tui.core.clock import Clock, ManualClock
 from woz_tui.core.driver import Ask, Health
 from woz_tui.core.feeds import Feed, Feeds
-from woz_tui.core.messages import Json, Reading, Shown, reading
+from woz_tui.core.messages import Json, Reading, Shown, Speech, reading
 
 
 class ListeningOutlet:
@@ -24,6 +24,7 @@ class ListeningOutlet:
         self.notices: list[tuple[str, str, str]] = []
         self.modes: list[str] = []
         self.shown: list[Shown] = []
+        self.told: list[Speech] = []
         self.asks: list[Ask] = []
         self.feeds = Feeds()
 
@@ -34,6 +35,13 @@ class ListeningOutlet:
     @property
     def folder(self) -> Path:
         return self._folder
+
+    @property
+    def media(self) -> Path:
+        return self._folder / "session.media"
+
+    def t(self, clock_us: int) -> int:
+        return clock_us
 
     def reading(
         self,
@@ -62,6 +70,9 @@ class ListeningOutlet:
 
     def show(self, shown: Shown) -> None:
         self.shown.append(shown)
+
+    def tell(self, speech: Speech) -> None:
+        self.told.append(speech)
 
     def feed(self, topic: str, of: str = "") -> Feed:
         return self.feeds.feed(of, topic)

@@ -11,6 +11,7 @@ from woz_tui.record.names import (
     FileName,
     check_code,
     from_folder,
+    media_folder,
     second_places,
     session_code,
     stem,
@@ -74,3 +75,10 @@ def test_no_home_folder_gets_into_a_log(monkeypatch: pytest.MonkeyPatch) -> None
     assert from_folder(home / "rec/a.jsonl", Path("/tmp/woz-1")) == "~/rec/a.jsonl"
     assert from_folder(home / "rec/a.jsonl", home / "state") == "../rec/a.jsonl"
     assert from_folder(Path("/media/stick/a.jsonl"), Path("/media/disk")) == "../stick/a.jsonl"
+
+
+def test_the_media_of_a_session_are_beside_its_log_wherever_that_goes_on() -> None:
+    first = Path("/rec/2026-03-01T10-00-00_P07_S01.jsonl")
+    assert media_folder(first) == Path("/rec/2026-03-01T10-00-00_P07_S01.media")
+    second = Path("/spill/2026-03-01T10-00-00_P07_S01.2.jsonl")
+    assert media_folder(second) == Path("/spill/2026-03-01T10-00-00_P07_S01.media")

@@ -10,8 +10,9 @@ from pathlib import Path
 import pytest
 
 from tests.drivers.heard import Heard, until
+from woz_tui.core.clock import ManualClock
 from woz_tui.core.driver import Health
-from woz_tui.core.messages import BodyChanged, DriverLost
+from woz_tui.core.messages import BodyChanged, DriverLost, SpeechStarted
 from woz_tui.session.outlet import A_TURN, CAPACITY
 
 
@@ -24,6 +25,7 @@ async def test_a_flood_of_readings_takes_no_state_with_it(
         for number in range(3 * CAPACITY):
             heard.outlet.reading("angle", float(number), unit="deg")
         heard.outlet.health(Health.LOST, "the cable is out", "put it in")
+        heard.outlet.tell(SpeechStarted(driver="", segment=1, began=5))
         heard.outlet.show(BodyChanged(values={"mode": "normal"}))
 
     turns = 0
@@ -37,6 +39,18 @@ async def test_a_flood_of_readings_takes_no_state_with_it(
         turns += 1
     assert turns >= CAPACITY // A_TURN
     assert heard.values("angle") == [float(number) for number in range(CAPACITY)]
+    assert [(began.driver, began.segment) for began in heard.all(SpeechStarted)] == [("it", 1)]
     assert [lost.detail for lost in heard.all(DriverLost)] == ["the cable is out"]
     with caplog.at_level(logging.WARNING):
         await until(lambda: f"{2 * CAPACITY} left out" in caplog.text)
+
+
+async def test_a_driver_tells_times_of_its_clock_on_the_axis_of_the_log(tmp_path: Path) -> None:
+    clock = ManualClock()
+    clock.advance(100.0)  # a clock's zero is arbitrary; the session begins now
+    heard = Heard(tmp_path, clock)
+    clock.advance(1.5)
+    began = heard.outlet.t(clock.now_us())
+    heard.outlet.tell(SpeechStarted(driver="", segment=1, began=began))
+    (told,) = heard.all(SpeechStarted)
+    assert told.began == told.t == 1_500_000

@@ -34,7 +34,7 @@ from woz_tui.core.driver import (
     Verb,
 )
 from woz_tui.core.feeds import Feed, Feeds
-from woz_tui.core.messages import Json, Shown
+from woz_tui.core.messages import Json, Shown, Speech
 
 #: Main argument of the verbs whose names everybody shares.
 COMMON_VERBS: Mapping[str, str] = {
@@ -88,6 +88,15 @@ class Silence:
         """Where relative paths start."""
         return self._folder
 
+    @property
+    def media(self) -> Path:
+        """Nobody speaks, so nobody writes anything here."""
+        return self._folder / "conformance.media"
+
+    def t(self, clock_us: int) -> int:
+        """The session began with the clock."""
+        return clock_us
+
     def reading(
         self,
         sensor: str,
@@ -115,6 +124,9 @@ class Silence:
         """Nothing is asked about these."""
 
     def show(self, shown: Shown) -> None:
+        """Nothing is asked about these."""
+
+    def tell(self, speech: Speech) -> None:
         """Nothing is asked about these."""
 
     def feed(self, topic: str, of: str = "") -> Feed:

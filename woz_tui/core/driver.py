@@ -16,11 +16,15 @@ from typing import Any, ClassVar, Protocol, runtime_checkable
 from woz_tui.core.clock import Clock
 from woz_tui.core.feeds import Feed
 from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json, Shown
+from woz_tui.core.messages import Json, Shown, Speech
 
 #: An argument's type on the wire: text, number, whole, flag, choice, file, seconds, joints
 #: (a mapping joint name -> degrees) or poses (a list of `{joints: ..., seconds: ...}`).
 KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints", "poses")
+
+#: Among a driver's sensors: it finds out by itself when somebody speaks, and tells of it with
+#: `SpeechStarted` and `SpeechEnded`, so that nobody has to guess from its loudness.
+SPEECH = "speech"
 
 
 class DriverError(Exception):
@@ -150,6 +154,19 @@ class Outlet(Protocol):
         """The experiment file's folder: relative paths start there."""
         ...
 
+    @property
+    def media(self) -> Path:
+        """The folder beside the log for files of this session, such as recorded speech.
+
+        Whoever writes the first of them makes it. It moves with the log when a disk is full, so
+        ask each time; `<media.name>/<file>` is what a message says.
+        """
+        ...
+
+    def t(self, clock_us: int) -> int:
+        """A time of `clock` in microseconds on the axis of the messages' `t`."""
+        ...
+
     def reading(
         self,
         sensor: str,
@@ -180,6 +197,10 @@ class Outlet(Protocol):
 
     def show(self, shown: Shown) -> None:
         """What there is to be seen now: a face, a body's settings, knobs. Say it on a change."""
+        ...
+
+    def tell(self, speech: Speech) -> None:
+        """What somebody says: where it begins and ends, and its text. Never left out."""
         ...
 
     def feed(self, topic: str, of: str = "") -> Feed:

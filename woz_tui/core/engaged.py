@@ -53,9 +53,10 @@ class EngagementShown(
 ):
     """The model as it stands; told when something of it changes, at most some times a second.
 
-    `since` and `waits_since` are times `t` in microseconds: when the state was entered, and since when
-    the visitor waits for an answer (-1: nobody does). `trail` has the last states, oldest first,
-    the present one at its end. `run` is run, hold or off; `next` is where a held machine would go.
+    `since` and `waits_since` are times `t` in microseconds: when the state was entered, and since
+    when the visitor waits for an answer (-1: nobody does). `trail` has the last states, oldest
+    first, the present one at its end. `run` is run, hold or off; `next` is where a held machine
+    would go.
     `uses` names the signs of the condition. `attempt` counts a handshake's questions.
     """
 
@@ -109,6 +110,10 @@ class SpeechText(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sp
     text: str
     took: int = 0
     detail: str = ""
+
+
+#: What a driver that cuts speech into segments tells of them.
+Speech = SpeechStarted | SpeechEnded | SpeechText
 
 
 class VisitorChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="visitor.changed"):

@@ -82,7 +82,11 @@ class Hub:
 
     def now(self) -> int:
         """Microseconds since the session began: the `t` axis."""
-        return self._clock.now_us() - self._zero_us
+        return self.t(self._clock.now_us())
+
+    def t(self, clock_us: int) -> int:
+        """A time of the clock as microseconds since the session began."""
+        return clock_us - self._zero_us
 
     def publish(self, message: M) -> M:
         """Stamp `message`, have it recorded, hand it round; returns it as stamped."""

@@ -71,6 +71,12 @@ class FileName:
         return cls(found["stem"], int(found["number"] or 1), bool(found["samples"]))
 
 
+def media_folder(log: Path) -> Path:
+    """Where files that belong to the log `log` are, such as recorded speech: a folder beside it."""
+    name = FileName.parse(log.name)
+    return log.with_name(f"{name.stem if name else log.stem}.media")
+
+
 def second_places() -> list[Path]:
     """Where a log goes on when its own folder fails and no other was given, best first."""
     state = os.environ.get("XDG_STATE_HOME", "")

@@ -27,6 +27,7 @@ from woz_tui.core.messages import (
     Notice,
     SensorChanged,
     Shown,
+    Speech,
     reading,
 )
 
@@ -53,7 +54,8 @@ class DriverOutlet:
     """`core.driver.Outlet` for one driver; repeats of a state are swallowed here.
 
     `names` are the names under which its sensors are published, where they differ from its own;
-    `feeds` are those of the whole session; `asked` carries out what the driver asks for.
+    `feeds` are those of the whole session; `asked` carries out what the driver asks for. `media`
+    says where files of the session go now; without it they go into `session.media` in `folder`.
     """
 
     def __init__(
@@ -66,10 +68,12 @@ class DriverOutlet:
         names: Mapping[str, str] | None = None,
         feeds: Feeds | None = None,
         asked: Asked | None = None,
+        media: Callable[[], Path] | None = None,
     ) -> None:
         self._driver = driver
         self._feeds = feeds or Feeds()
         self._asked = asked
+        self._media = media or (lambda: folder / "session.media")
         self._names = names or {}
         self._hub = hub
         self._clock = clock
@@ -92,6 +96,15 @@ class DriverOutlet:
     def folder(self) -> Path:
         """Where relative paths start."""
         return self._folder
+
+    @property
+    def media(self) -> Path:
+        """Where files of this session go now."""
+        return self._media()
+
+    def t(self, clock_us: int) -> int:
+        """A time of the clock on the axis of the messages' `t`."""
+        return self._hub.t(clock_us)
 
     def reading(
         self,
@@ -134,6 +147,10 @@ class DriverOutlet:
         """Publish what there is to be seen at the driver."""
         self._publish(msgspec.structs.replace(shown, driver=self._driver))
 
+    def tell(self, speech: Speech) -> None:
+        """Publish what somebody says."""
+        self._publish(msgspec.structs.replace(speech, driver=self._driver))
+
     def feed(self, topic: str, of: str = "") -> Feed:
         """A feed of this driver, or of another one of the same robot."""
         robot, dot, _ = self._driver.rpartition(".")
@@ -146,9 +163,8 @@ class DriverOutlet:
             self._in_loop(lambda: asked(self._driver, ask, done), keep=True)
 
     def _publish(self, message: Message) -> None:
-        self._in_loop(
-            lambda: self._hub.publish(message), keep=isinstance(message, DriverHealth | Shown)
-        )
+        kept = isinstance(message, DriverHealth | Shown | Speech)
+        self._in_loop(lambda: self._hub.publish(message), keep=kept)
 
     def _in_loop(self, call: Callable[[], object], *, keep: bool) -> None:
         """Run `call` now or, from another thread, soon; only what is to be kept always is."""

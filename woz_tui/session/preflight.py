@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Finding
+from woz_tui.core.driver import SPEECH, Finding
 from woz_tui.core.machine import storage, timekeeping
-from woz_tui.session.sensors import published_names
+from woz_tui.experiment.sensors import published_names
 from woz_tui.session.session import Session
 
 #: A sensor that has said nothing for longer than this is silent (microseconds).
@@ -57,9 +57,13 @@ def _sensors(session: Session) -> list[Finding]:
         if isinstance(message, m.Reading)
     }
     published = published_names(session.experiment.drivers)
-    # Joints and their like, which have a dot in their names, have their driver's own line.
+    # Joints and their like, which have a dot in their names, have their driver's own line; speech
+    # comes when somebody speaks.
     expected = [
-        name for names in published.values() for sensor, name in names.items() if "." not in sensor
+        name
+        for names in published.values()
+        for sensor, name in names.items()
+        if "." not in sensor and sensor != SPEECH
     ]
     findings = []
     for sensor in expected:

@@ -16,8 +16,10 @@ from woz_tui.core.clock import Clock, timestamp
 from woz_tui.core.driver import Ask, Driver, Performer
 from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
+from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import Call, Experiment, Place
 from woz_tui.plugins import PluginError
+from woz_tui.record.names import media_folder
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
 from woz_tui.session.beginning import session_start
@@ -26,7 +28,6 @@ from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.outlet import DriverOutlet
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.runner import Origin, Refusal, Runner
-from woz_tui.session.sensors import published_names
 from woz_tui.session.standing import Standing
 from woz_tui.session.utterances import utterances
 from woz_tui.session.verbs import SESSION, VERBS, SessionVerbs
@@ -124,6 +125,7 @@ class Session:
                 names=names[spec.name],
                 feeds=feeds,
                 asked=self._asked,
+                media=lambda: media_folder(self.recorder.path),
             )
             try:
                 driver = self.catalogue[spec.type](spec.name, spec.settings, outlet)

@@ -15,7 +15,7 @@ from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.conformance import check
 from woz_tui.core.driver import Ask, DriverError, Health, Lost, Probe, Rejected, Scope
 from woz_tui.core.feeds import Feed
-from woz_tui.core.messages import Json, Shown
+from woz_tui.core.messages import Json, Shown, Speech
 
 
 @dataclass
@@ -26,6 +26,13 @@ class Told:
     clock: Clock = field(default_factory=RealClock)
     healths: list[Health] = field(default_factory=list)
     readings: list[tuple[str, float | None]] = field(default_factory=list)
+
+    @property
+    def media(self) -> Path:
+        return self.folder / "session.media"
+
+    def t(self, clock_us: int) -> int:
+        return clock_us
 
     def reading(
         self,
@@ -51,6 +58,9 @@ class Told:
         return
 
     def show(self, shown: Shown) -> None:
+        return
+
+    def tell(self, speech: Speech) -> None:
         return
 
     def feed(self, topic: str, of: str = "") -> Feed:

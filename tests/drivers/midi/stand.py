@@ -40,9 +40,9 @@ class Desk(ListeningOutlet):
             move="",
             personality="",
         )
-        self.tell()
+        self.state_is()
 
-    def tell(self, **changed: Any) -> None:
+    def state_is(self, **changed: Any) -> None:
         """The body's state, changed by somebody else than the panel."""
         controls = changed.pop("controls", {})
         self.body = replace(self.body, **changed, controls={**self.body.controls, **controls})
@@ -60,7 +60,7 @@ class Desk(ListeningOutlet):
         ask, done = self.open.pop(0)
         if ask.name == "control" and not self.refuses:
             name, value = ask.args["control"], ask.args["value"]
-            self.tell(controls={name: value})
+            self.state_is(controls={name: value})
         done(not self.refuses, self.refuses)
 
     def said(self) -> list[tuple[str, str, Mapping[str, Json]]]:

@@ -51,7 +51,7 @@ async def test_a_value_changed_by_a_key_must_be_picked_up_again(tmp_path: Path) 
     async with stand(tmp_path) as it:
         it.panel.turn(16, 64, 80)
         await it.asked(2)
-        it.desk.tell(controls={"pitch": 0.1})
+        it.desk.state_is(controls={"pitch": 0.1})
         await until(lambda: it.desk.moved()[-1].waiting == ["knob-1"])
         it.panel.turn(16, 81, 82)
         await it.seen(knob_1=82)
@@ -177,11 +177,11 @@ async def test_the_console_gets_a_picture_and_its_values(tmp_path: Path) -> None
 @pytest.mark.toolkit("K2")
 async def test_the_lights_of_buttons_follow_the_robot(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
-        it.desk.tell(emotion="happy", mode="demo", move="nod")
+        it.desk.state_is(emotion="happy", mode="demo", move="nod")
         await until(lambda: it.panel.lamps() == {39, 36, 34})
         assert it.panel.hear().startswith(bytes.fromhex("f0 42 40 00 01 13 00 00 00 01 f7"))
         await until(lambda: it.desk.moved()[-1].lit == ["button-3", "button-5", "button-8"])
-        it.desk.tell(emotion="sad", mode="normal", move="")
+        it.desk.state_is(emotion="sad", mode="normal", move="")
         await until(lambda: it.panel.lamps() == {70})
         await it.driver.stop(Scope.ALL)
         await until(lambda: it.panel.lamps() == {70, 42})
@@ -199,7 +199,7 @@ async def test_the_lights_of_buttons_follow_the_robot(tmp_path: Path) -> None:
 async def test_a_panel_that_takes_no_bytes_blocks_nobody(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
         for turn in range(3000):  # nobody reads at the other end: its buffer runs full
-            it.desk.tell(emotion=("happy", "sad")[turn % 2])
+            it.desk.state_is(emotion=("happy", "sad")[turn % 2])
             await it.driver.resume()  # looks at once; by the clock it would take minutes
         it.panel.turn(16, 64)
         await it.asked(1)
@@ -209,7 +209,7 @@ async def test_a_panel_that_takes_no_bytes_blocks_nobody(tmp_path: Path) -> None
 async def test_a_panel_that_took_no_bytes_is_found_again_after_a_replug(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
         for turn in range(3000):
-            it.desk.tell(emotion=("happy", "sad")[turn % 2])
+            it.desk.state_is(emotion=("happy", "sad")[turn % 2])
             await it.driver.resume()
         for _ in range(2):
             it.panel.unplug()
@@ -292,7 +292,7 @@ async def test_presses_of_pads_momentary_and_toggling_buttons(tmp_path: Path) ->
         it.desk.asks.clear()
         it.panel.press(80)
         await it.asked(1)
-        it.desk.tell(emotion="happy")
+        it.desk.state_is(emotion="happy")
         it.panel.press(80)
         it.panel.press(81)
         it.panel.press(81)

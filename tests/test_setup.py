@@ -90,6 +90,14 @@ def test_the_wheel_has_the_consoles_style(packages: tuple[list[str], Path]) -> N
     )
 
 
+def test_the_wheel_has_the_pictures_and_the_sound_of_signals(
+    packages: tuple[list[str], Path],
+) -> None:
+    data = {f"woz_tui/{name}" for end in (".gif", ".wav") for name in tracked("woz_tui", end)}
+    assert len(data) == 7
+    assert data <= set(zipfile.ZipFile(packages[1]).namelist())
+
+
 def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path]) -> None:
     with zipfile.ZipFile(packages[1]) as wheel:
         [name] = [name for name in wheel.namelist() if name.endswith("/entry_points.txt")]

@@ -36,6 +36,8 @@ class Bus:
         verbs: What each driver offers, by the driver's name.
         capacity: Commands that may wait in one lane.
         motionless: Names of those that have nothing to stop, and so need not confirm one.
+        unstopped: Names of those that nothing can come of while the stop is pressed, so that they
+            take commands then too.
     """
 
     def __init__(
@@ -45,6 +47,7 @@ class Bus:
         verbs: Mapping[str, tuple[Verb, ...]],
         capacity: int = CAPACITY,
         motionless: frozenset[str] = frozenset(),
+        unstopped: frozenset[str] = frozenset(),
     ) -> None:
         self._hub = hub
         self._drivers = dict(drivers)
@@ -53,6 +56,7 @@ class Bus:
         }
         self._capacity = capacity
         self._motionless = motionless
+        self._unstopped = unstopped
         self._lanes: dict[tuple[str, str], Lane] = {}
         self._stopping: asyncio.Task[None] | None = None
         self._asides: set[asyncio.Task[None]] = set()
@@ -80,7 +84,7 @@ class Bus:
             on_end,
             requested_us=recorded.t,
         )
-        if self.latched:
+        if self.latched and command.driver not in self._unstopped:
             ticket.refuse("stopped", "the stop is pressed", "release it first")
         elif verb is None:
             ticket.refuse("unknown", self._unknown(command))

@@ -228,6 +228,17 @@ class Runner:
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
         return found or run is not None
 
+    def leave(self, run_id: str, reason: str) -> None:
+        """Finish what one run has begun, and drop its steps after that."""
+        run = self._runs.get(run_id)
+        if run is None:
+            return
+        left = m.ActionStopped(run=run.id, action=run.action.name, reason=reason)
+        if not run.pending:
+            self._finish(run, left)
+        elif run.problem is None and run.at + 1 < len(run.steps):
+            run.problem = left
+
     def stop_waiting(self, reason: str) -> None:
         """End the runs that are in a pause; those with commands on the bus end through them."""
         for run in list(self._runs.values()):

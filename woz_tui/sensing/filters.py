@@ -1,0 +1,183 @@
+"""Queues that make one steady verdict of many samples: formulas 1, 2 and 4 of the paper.
+
+U. Maniscalco, P. Storniolo, A. Messina, Int. J. of Social Robotics 14, 2022, doi
+10.1007/s12369-021-00855-w. `docs/engagement.md` has the formulas as they are read here.
+"""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_left, insort
+from collections import deque
+from fractions import Fraction
+from functools import lru_cache
+from typing import Protocol
+
+
+class Filter(Protocol):
+    """Makes a verdict of samples: flags for presence and gaze, metres for distance.
+
+    `count` of `places` samples speak for yes, and `needed` suffice. `verdict` is 1, 0, or None
+    while there is none yet. `t` is whole microseconds.
+    """
+
+    kind: str
+
+    def take(self, value: float, t: int) -> None:
+        """One more valid sample."""
+        ...
+
+    def forget(self) -> None:
+        """Empty: as before the first sample."""
+        ...
+
+    @property
+    def verdict(self) -> int | None:
+        """1, 0, or None while there is none yet."""
+        ...
+
+    @property
+    def count(self) -> int:
+        """How many samples say yes."""
+        ...
+
+    @property
+    def needed(self) -> int:
+        """How many must."""
+        ...
+
+    @property
+    def places(self) -> int:
+        """Of how many."""
+        ...
+
+
+@lru_cache(maxsize=4096)
+def least(threshold: float, places: int) -> int:
+    """How many of `places` samples suffice: ceil(t_r n), t_r being the decimal as it was typed.
+
+    So 0.7 of 10 is 7, although 0.7 * 10 is more than 7 in floating point.
+    """
+    return math.ceil(Fraction(str(threshold)) * places)
+
+
+class Fifo:
+    """The last `samples` values: yes if the share of those that say yes reaches `threshold`.
+
+    A flag says yes if it is true, a distance if it is `near` or less (pass `near` for distances).
+    A queue that is not full counts empty places as no (`zero-fill`), divides by what it holds
+    (`partial`) or has no verdict (`hold`). An empty one never says yes.
+    """
+
+    kind = "fifo"
+
+    def __init__(
+        self, samples: int, threshold: float, start_up: str = "zero-fill", near: float | None = None
+    ) -> None:
+        self._start_up = start_up
+        self._near = near
+        self._held: deque[float] = deque(maxlen=samples)
+        self.configure(samples, threshold)
+
+    def configure(self, samples: int, threshold: float) -> None:
+        """Other numbers from now on; the newest values that fit stay."""
+        self.places = samples
+        self.threshold = threshold
+        self._needed = least(threshold, samples)
+        self._held = deque(self._held, maxlen=samples)
+        self._recount()
+
+    def near_within(self, metres: float) -> None:
+        """Another social distance, also for the values in the queue."""
+        self._near = metres
+        self._recount()
+
+    def resume(self, values: list[float]) -> None:
+        """Hold what another filter held, oldest first."""
+        self._held = deque(values, maxlen=self.places)
+        self._recount()
+
+    @property
+    def values(self) -> list[float]:
+        """What the queue holds, oldest first."""
+        return list(self._held)
+
+    def take(self, value: float, t: int) -> None:
+        """One more valid sample."""
+        if len(self._held) == self.places:
+            self.count -= self._yes(self._held[0])
+        self._held.append(value)
+        self.count += self._yes(value)
+
+    def forget(self) -> None:
+        """Empty: as before the first sample."""
+        self._held.clear()
+        self._recount()
+
+    @property
+    def needed(self) -> int:
+        """How many samples suffice at present."""
+        if self._start_up == "partial" and len(self._held) < self.places:
+            return least(self.threshold, len(self._held))
+        return self._needed
+
+    @property
+    def verdict(self) -> int | None:
+        """1, 0, or None under `hold` while the queue is not full."""
+        held = len(self._held)
+        if self._start_up == "hold" and held < self.places:
+            return None
+        return int(held > 0 and self.count >= self.needed)
+
+    def _yes(self, value: float) -> int:
+        return int(bool(value) if self._near is None else value <= self._near)
+
+    def _recount(self) -> None:
+        self.count = sum(map(self._yes, self._held))
+
+
+class Median(Fifo):
+    """Yes if the median of the last distances is near; the paper's prose, as an option.
+
+    With an even number of samples the median is the mean of the two in the middle. Empty places
+    count as far under `zero-fill`. The threshold has no say: half of the samples decide.
+    """
+
+    kind = "median"
+
+    def __init__(self, samples: int, threshold: float, start_up: str, near: float) -> None:
+        self._ordered: list[float] = []
+        super().__init__(samples, threshold, start_up, near)
+
+    def take(self, value: float, t: int) -> None:
+        """One more valid sample."""
+        if len(self._held) == self.places:
+            del self._ordered[bisect_left(self._ordered, self._held[0])]
+        insort(self._ordered, value)
+        super().take(value, t)
+
+    @property
+    def needed(self) -> int:
+        """How many near samples suffice, whatever the others are."""
+        held = self.places if self._start_up == "zero-fill" else len(self._held)
+        return held // 2 + 1
+
+    @property
+    def median(self) -> float:
+        """Metres; infinite for an empty queue."""
+        places = self.places if self._start_up == "zero-fill" else len(self._held)
+        return (self._at((places - 1) // 2) + self._at(places // 2)) / 2
+
+    @property
+    def verdict(self) -> int | None:
+        """1, 0, or None under `hold` while the queue is not full."""
+        if self._start_up == "hold" and len(self._held) < self.places:
+            return None
+        return int(self._near is not None and self.median <= self._near)
+
+    def _at(self, rank: int) -> float:
+        return self._ordered[rank] if 0 <= rank < len(self._ordered) else math.inf
+
+    def _recount(self) -> None:
+        self._ordered = sorted(self._held)
+        super()._recount()

@@ -1,0 +1,75 @@
+"""Where speech begins and ends, when all that is known are values of loudness now and then."""
+
+from __future__ import annotations
+
+import math
+
+from woz_tui.sensing import samples
+from woz_tui.sensing.endpoint import Endpointer, Started
+from woz_tui.sensing.machine import Event
+from woz_tui.sensing.passing import SECOND, microseconds
+
+#: Threshold of the program that the paper's authors published: 2400 of 32768, full scale.
+PUBLISHED_THRESHOLD = 2400 / 32768
+#: Stamps are rounded: three thirds of a second, written as 0.333, are a second. One part in:
+_ROUNDING = 100
+
+
+class Voice:
+    """Values of loudness as chunks of sound, each as long as the time since the one before.
+
+    Loud chunks begin speech at once; quiet ones for `hang_over` seconds end it, and so does sound
+    that stays away for longer than that and than a second.
+    """
+
+    def __init__(self, threshold: float | None, hang_over: float) -> None:
+        self._fixed = threshold is not None
+        level = PUBLISHED_THRESHOLD if threshold is None else threshold
+        # It is ended by the time that has passed, never by a number of chunks.
+        self._points = Endpointer(level, hang=2**62, pre=0)
+        self._hang = microseconds(hang_over)
+        self._loud_at = 0
+        self._chunk_at = 0
+        self.level: float | None = None
+
+    @property
+    def threshold(self) -> float:
+        """Louder than this is speech; RMS, usually 0..1 of full scale."""
+        return self._points.threshold
+
+    @property
+    def speaks(self) -> bool:
+        """Whether somebody speaks."""
+        return self._points.speaks
+
+    def tell_threshold(self, threshold: object) -> None:
+        """What the microphone has learnt; it counts unless the settings name a threshold."""
+        level = samples.number(threshold)
+        if level is not None and not self._fixed and 0.0 <= level < math.inf:
+            self._points.threshold = level
+
+    def take(self, value: object, now: int) -> tuple[bool, Event | None]:
+        """One value at the model's time: whether it is one, and what begins or ends with it."""
+        rms = samples.level(value, self.threshold)
+        if rms is None:
+            return False, None
+        self.level = rms
+        self._chunk_at = now
+        begun = isinstance(self._points.take(rms), Started)
+        if rms > self.threshold:
+            self._loud_at = now
+            return True, Event.SPEECH_START if begun else None
+        quiet = now - self._loud_at
+        return True, self._end() if quiet + quiet // _ROUNDING >= self._hang else None
+
+    def ends_at(self) -> int | None:
+        """When speech ends if no sound comes any more; None if nobody speaks."""
+        return self._chunk_at + max(self._hang, SECOND) + 1 if self.speaks else None
+
+    def pass_to(self, now: int) -> Event | None:
+        """Time passes without sound."""
+        end = self.ends_at()
+        return self._end() if end is not None and now >= end else None
+
+    def _end(self) -> Event | None:
+        return None if self._points.close() is None else Event.SPEECH_END

@@ -63,7 +63,7 @@ class Engagement:
         self._signs = {name: Sign(name, settings, t) for name in CONDITION}
         self._identity = Identity(settings, t)
         self._uses = [self._signs[name] for name in CONDITION if name in settings.signs]
-        self._cuts = cuts
+        self.cuts = cuts
         self.voice = Voice(settings.sound.threshold, settings.sound.hang_over)
         self.social_distance = settings.social_distance
         self.state = State.WAIT
@@ -94,7 +94,7 @@ class Engagement:
             sign.pass_to(now)
         self._identity.pass_to(now)
         ended = self.voice.pass_to(now)
-        if ended is not None:
+        if ended is not None and not self.cuts:
             self._events.append(ended)
         self._look()
 
@@ -160,6 +160,20 @@ class Engagement:
         """The visitor's code, from the handshake or the wizard; forgotten with the visitor."""
         self._told = name
         self.visitor = name
+        self._look()
+
+    def adopt(self, settings: EngagementSettings) -> None:
+        """Go on with settings that were read again: state, name and verdicts by hand stay, queues
+        as far as they fit, and what was set while running unless it is that which was edited.
+        """
+        was, self.settings = self.settings, settings
+        for sign in (*self._signs.values(), self._identity):
+            sign.adopt(settings, was)
+        if settings.social_distance != was.social_distance:
+            self.near_within(settings.social_distance)
+        if settings.sound != was.sound:
+            self.voice = Voice(settings.sound.threshold, settings.sound.hang_over)
+        self._uses = [self._signs[name] for name in CONDITION if name in settings.signs]
         self._look()
 
     @property
@@ -310,7 +324,7 @@ class Engagement:
 
     def _hear(self, value: object, now: int) -> bool:
         taken, event = self.voice.take(value, now)
-        if event is not None and not self._cuts:
+        if event is not None and not self.cuts:
             self._events.append(event)
         return taken
 

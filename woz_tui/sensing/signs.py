@@ -26,9 +26,8 @@ class Heard:
     """When a sensor was heard last. Times are the model's, in microseconds."""
 
     def __init__(self, name: str, settings: EngagementSettings, now: int) -> None:
-        own = settings.sign(name)
         self.name = name
-        self.stale_after = microseconds(settings.stale if own.stale is None else own.stale)
+        self.stale_after = _stale_after(name, settings)
         self.heard_at = now
         #: Whether it was ever heard, and whether that is too long ago.
         self.ever = False
@@ -44,6 +43,11 @@ class Heard:
             return False
         self.stale = True
         return True
+
+
+def _stale_after(name: str, settings: EngagementSettings) -> int:
+    own = settings.sign(name).stale
+    return microseconds(settings.stale if own is None else own)
 
 
 def numbers(name: str, settings: EngagementSettings) -> tuple[str, int, float]:
@@ -98,6 +102,14 @@ class Sign(Heard):
         else:
             self.filter = self._made(kind, count, threshold)
             self.filter.resume(old.values)
+
+    def adopt(self, settings: EngagementSettings, was: EngagementSettings) -> None:
+        """Other settings; numbers that were set while running stay unless they were edited."""
+        self.stale_after = _stale_after(self.name, settings)
+        self._farthest = settings.farthest
+        self._start_up = settings.start_up
+        if numbers(self.name, settings) != numbers(self.name, was):
+            self.configure(*numbers(self.name, settings))
 
     def near_within(self, metres: float) -> None:
         """Another social distance."""
@@ -197,6 +209,13 @@ class Identity(Heard):
             old.places if count is None else count,
             old.threshold if threshold is None else threshold,
         )
+
+    def adopt(self, settings: EngagementSettings, was: EngagementSettings) -> None:
+        """Other settings; numbers that were set while running stay unless they were edited."""
+        self.stale_after = _stale_after(self.name, settings)
+        if numbers(self.name, settings) != numbers(self.name, was):
+            _, count, threshold = numbers(self.name, settings)
+            self.configure(count, threshold)
 
     @property
     def name_given(self) -> str:

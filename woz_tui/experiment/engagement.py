@@ -19,9 +19,16 @@ STATES = (
     *("UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks"),
 )
 STOPPED = "stop"
+#: What the ways out of the states are called; `woz_tui.sensing.machine` has the ways themselves.
+OUTCOMES = (
+    *("end", "human_presence", "human_absence", "recognized", "unrecognized", "error"),
+    *("handshake", "eng2know", "eng2unknow", "listening", "speaking", "done"),
+)
 #: What is sensed of a visitor. The first three make up the condition of engagement.
 SIGNS = ("presence", "gaze", "distance", "identity")
 CONDITION = SIGNS[:3]
+#: The identity of somebody without a name.
+UNKNOWN = "Unknown"
 FILTERS = ("fifo", "median", "joint")
 START_UPS = ("zero-fill", "partial", "hold")
 RUNS = ("run", "hold", "off")
@@ -96,6 +103,10 @@ class HandshakeSettings:
     ask: Annotated[str, Doc("asks for the name")] = "I do not think we have met. What is your name?"
     again: Annotated[str, Doc("asks once more")] = "Sorry, what is your name?"
     confirm: Annotated[str, Doc("repeats it")] = "{name}, is that right?"
+    taken: Annotated[str, Doc("when a visitor of this name is known already")] = (
+        "I know {name} already. Is that you?"
+    )
+    another: Annotated[str, Doc("when it is not")] = "Then please tell me another name for you."
     welcome: Annotated[str, Doc("at the end")] = "Nice to meet you, {name}!"
     give_up: Annotated[str, Doc("when it did not work")] = "Never mind, let us go on."
     yes: Annotated[tuple[str, ...], Doc("answers that confirm")] = ("yes", "yeah", "right", "ok")
@@ -160,8 +171,24 @@ class EngagementSettings:
         for name in SIGNS:
             if name != "distance" and self.sign(name).filter == "median":
                 found.append((f"{name}.filter", "a median is for distance; take fifo or joint"))
+            stale = self.sign(name).stale
+            if stale is not None and stale * self.rate < 1:
+                found.append((f"{name}.stale", self._too_soon(stale)))
         if not self.signs:
             found.append(("signs", f"name at least one of {', '.join(CONDITION)}"))
+        elif len(set(self.signs)) < len(self.signs):
+            found.append(("signs", "one sign stands here twice"))
+        if self.stale * self.rate < 1:
+            found.append(("stale", self._too_soon(self.stale)))
         if self.social_distance >= self.farthest:
             found.append(("social_distance", f"lies beyond farthest ({self.farthest:g} m)"))
+        both = {word.casefold() for word in self.handshake.yes} & {
+            word.casefold() for word in self.handshake.no
+        }
+        if both:
+            found.append(("handshake.no", f"{', '.join(sorted(both))} would mean yes too"))
         return found
+
+    def _too_soon(self, stale: float) -> str:
+        period = f"{1 / self.rate:.2g} s at {self.rate:g} Hz"
+        return f"{stale:g} s is shorter than from one sample to the next ({period})"

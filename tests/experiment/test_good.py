@@ -58,7 +58,7 @@ def test_settings_become_the_drivers_own_dataclass(everything: Experiment) -> No
 
 def test_keys_are_in_normal_form(everything: Experiment) -> None:
     keys = [action.key for panel in everything.panels for action in panel.actions]
-    assert keys == ["h", "!", "ctrl+a", "c r", ""]
+    assert keys == ["h", "!", "ctrl+a", "c r", "", "g", "p", "n", *[""] * 10]
 
 
 def test_merged_mappings_and_verbs_together(everything: Experiment) -> None:
@@ -111,10 +111,8 @@ def test_the_rest_of_the_file(everything: Experiment) -> None:
     assert everything.session.deadline == 2.0
     assert everything.session.abandon_after == 600.0
     assert everything.session.stale_after == 0.5
-    assert everything.engagement is not None
-    assert everything.engagement.settings.gaze.samples == 8
     assert everything.script == ("No", "Steps", "No")
-    assert [panel.locked for panel in everything.panels] == [False, False]
+    assert [panel.locked for panel in everything.panels] == [False, False, False]
     assert everything.panels[0].actions[2].locked
     assert everything.panels[0].actions[2].help == "Off"
 

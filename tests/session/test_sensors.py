@@ -5,8 +5,8 @@ from pathlib import Path
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import HERE, Nothing, Stage
 from woz_tui.core import messages as m
+from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import DriverSpec
-from woz_tui.session.sensors import published_names
 
 
 def spec(name: str, *sensors: str) -> DriverSpec:

@@ -37,11 +37,32 @@ class Drafted:
     action: Action
 
 
+class StepReader:
+    """Reads what stands in one action: verbs together, or steps one after the other."""
+
+    def __init__(self, vocabulary: Vocabulary) -> None:
+        self._calls = CallReader(vocabulary)
+
+    def together(self, spot: Spot, table: dict[str, Spot], on: Spot | None) -> Step | None:
+        """The verbs of an action that has no steps."""
+        return self._calls.read(spot, table, on, ACTION_FIELDS)
+
+    def step(self, spot: Spot, on: Spot | None = None) -> Step | None:
+        """`{say: Hello, eyes: green}` or `{wait: 0.5}`; `on` if the step names nobody itself."""
+        table = spot.table("a step, such as {say: Hello} or {wait: 0.5}")
+        if table is None:
+            return None
+        if set(table) == {WAIT.name}:
+            seconds = read_seconds(table[WAIT.name], _LONGEST_WAIT)
+            return Wait(seconds or 0.0)
+        return self._calls.read(spot, table, table.pop("on", on), ("on", "wait"))
+
+
 class PanelReader:
     """Reads `panels`; `drafts` are its actions, even those that have errors inside."""
 
-    def __init__(self, vocabulary: Vocabulary, layout: str) -> None:
-        self._calls = CallReader(vocabulary)
+    def __init__(self, steps: StepReader, layout: str) -> None:
+        self._reader = steps
         self._layout = layout
         self.drafts: list[Drafted] = []
 
@@ -125,23 +146,16 @@ class PanelReader:
     def _steps(self, spot: Spot, fields: dict[str, Spot], table: dict[str, Spot]) -> list[Step]:
         on, steps = fields.get("on"), fields.get("steps")
         if steps is None:
-            together = self._calls.read(spot, table, on, ACTION_FIELDS)
+            together = self._reader.together(spot, table, on)
             return [together] if together is not None else []
         for entry in table.values():
             entry.error("stands beside steps; put it into one of them")
         entries = steps.list("a list of steps, such as [{say: Hello}, {wait: 0.5}]")
         if entries is not None and not entries:
             steps.error("no step stands here")
-        return [step for entry in entries or () if (step := self._step(entry, on)) is not None]
-
-    def _step(self, spot: Spot, on: Spot | None) -> Step | None:
-        table = spot.table("a step, such as {say: Hello} or {wait: 0.5}")
-        if table is None:
-            return None
-        if set(table) == {WAIT.name}:
-            seconds = read_seconds(table[WAIT.name], _LONGEST_WAIT)
-            return Wait(seconds or 0.0)
-        return self._calls.read(spot, table, table.pop("on", on), ("on", "wait"))
+        return [
+            step for entry in entries or () if (step := self._reader.step(entry, on)) is not None
+        ]
 
 
 def _text(fields: dict[str, Spot], name: str) -> str | None:

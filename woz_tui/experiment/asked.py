@@ -22,17 +22,17 @@ class _Known:
     """What can be asked for in this experiment."""
 
     robots: Robots
-    session: Mapping[str, Verb]
+    own: Mapping[str, Offer]
     actions: Collection[str]
 
 
 def check_asks(
-    robots: Robots, session: Mapping[str, Verb], actions: Collection[str], report: Report
+    robots: Robots, own: Mapping[str, Offer], actions: Collection[str], report: Report
 ) -> None:
     """Report what nobody could carry out. What stands in no file of the user is only warned of."""
     if robots.incomplete:
         return
-    known = _Known(robots, session, actions)
+    known = _Known(robots, own, actions)
     for asking in robots.asking:
         for path, ask in asking.asks:
             for message in _wrong(ask, asking, known, report):
@@ -69,16 +69,16 @@ def _wrong(ask: Ask, asking: Asking, known: _Known, report: Report) -> Iterator[
         who = " and ".join(offer.driver for offer in offers)
         yield f"{ask.name!r} is offered by {who}; name one of them with on"
     else:
-        verbs = [*known.robots.offers, *known.session]
+        verbs = [*known.robots.offers, *known.own]
         whom = f"{ask.on!r} does not offer" if ask.on else "nobody offers"
         yield f"{whom} {ask.name!r}{report.hint(ask.name, verbs)}"
 
 
 def _offers(ask: Ask, asking: Asking, known: _Known) -> Sequence[Offer]:
     """Who would carry it out: robots of an experiment keep to themselves."""
+    if not ask.on and ask.name in known.own:
+        return [known.own[ask.name]]
     offers = known.robots.offers.get(ask.name, [])
-    if not ask.on and ask.name in known.session:
-        offers = [Offer("session", known.session[ask.name])]
     robot, dot, _ = asking.driver.rpartition(".")
     on = f"{robot}{dot}{ask.on}" if ask.on else robot
     if not on:

@@ -9,15 +9,16 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.core.driver import Argument, Verb
+from woz_tui.core.driver import Argument
 from woz_tui.core.messages import Json
 from woz_tui.experiment.arguments import Setting, read_argument
 from woz_tui.experiment.nodes import Items, Scalar, Table
 from woz_tui.experiment.report import join, listed, quoted
 from woz_tui.experiment.robot import Offer, Robots
+from woz_tui.experiment.sensed import nonsense
 from woz_tui.experiment.shape import Call, Together
 from woz_tui.experiment.spot import Spot, read_text
-from woz_tui.experiment.verbs import SESSION, WAIT
+from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
 
 
 @dataclass(frozen=True, slots=True)
@@ -25,19 +26,24 @@ class Vocabulary:
     """All verbs of an experiment, and what their arguments may refer to."""
 
     robots: Robots
-    session: Mapping[str, Verb]
+    own: Mapping[str, Offer]
     variables: Collection[str]
 
     def offers(self, verb: str) -> Sequence[Offer]:
-        """Who offers the verb; the session's own come before any driver's."""
-        if verb in self.session:
-            return (Offer(SESSION, self.session[verb]),)
+        """Who offers the verb; those that need no driver come before any driver's."""
+        if verb in self.own:
+            return (self.own[verb],)
         return self.robots.offers.get(verb, ())
 
     @property
     def names(self) -> list[str]:
         """Every verb, the robots' first."""
-        return [*self.robots.offers, *self.session, WAIT.name]
+        return [*self.robots.offers, *self.own, WAIT.name]
+
+    @property
+    def performers(self) -> set[str]:
+        """Who carries out verbs beside the drivers."""
+        return {offer.driver for offer in self.own.values()}
 
     @property
     def targets(self) -> list[str]:
@@ -74,6 +80,8 @@ class CallReader:
         for name, entry in verbs.items():
             for offer in chosen[name]:
                 args = _Arguments(self._vocabulary, offer, entry).read(shares.get(name, {}))
+                if offer.driver == ENGAGEMENT and (why := nonsense(name, args)):
+                    entry.error(why)
                 calls.append(Call(name, args, offer.driver, entry.place))
         self._same_lane(calls, verbs, chosen)
         return Together(tuple(calls))
@@ -104,7 +112,7 @@ class CallReader:
         offers = self._vocabulary.offers(name)
         own = None if "on" in self._arguments_of(name) else dict(verb.entries()).get("on")
         targets = outer if own is None else self._targets(own)
-        if offers and offers[0].driver == SESSION:
+        if offers and offers[0].driver in PERFORMERS:
             return list(offers)
         if targets is None:
             return self._only(verb, name, offers)
@@ -152,7 +160,10 @@ class CallReader:
                     f" {rival}: {{..., {name}: ...}}, or put the verbs into steps"
                 )
         shares: dict[str, dict[str, Spot]] = {}
+        sectionless = self._sectionless(beside)
         for name, entry in beside.items():
+            if name in sectionless:
+                continue
             takers = [verb for verb, arguments in takes.items() if name in arguments]
             if len(takers) == 1:
                 shares.setdefault(takers[0], {})[name] = entry
@@ -164,6 +175,19 @@ class CallReader:
             else:
                 self._unknown(entry, name, takes, others)
         return shares
+
+    def _sectionless(self, beside: Mapping[str, Spot]) -> set[str]:
+        """Verbs of the engagement model where there is none (reported), and their arguments."""
+        found: set[str] = set()
+        for name, entry in beside.items():
+            verb = ENGAGEMENT_VERBS.get(name)
+            if verb is not None and ENGAGEMENT not in self._vocabulary.performers:
+                entry.error(
+                    f"{name!r} is a verb of the engagement model, which this experiment does not"
+                    " have; add a section to the file: engagement: {}"
+                )
+                found |= {name, *(argument.name for argument in verb.arguments)}
+        return found
 
     def _arguments_of(self, verb: str) -> dict[str, Argument]:
         return {
@@ -205,7 +229,7 @@ class CallReader:
         seen: dict[tuple[str, str], str] = {}
         for call in calls:
             verb = lanes[call.driver, call.verb]
-            if verb.stream or call.driver == SESSION:
+            if verb.stream or call.driver in PERFORMERS:
                 continue
             first = seen.setdefault((call.driver, verb.lane), call.verb)
             if first != call.verb:

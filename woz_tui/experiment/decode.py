@@ -8,27 +8,28 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from woz_tui.core.driver import Driver
+from woz_tui.core.driver import Driver, Verb
 from woz_tui.experiment import check, template
-from woz_tui.experiment.actions import PanelReader, titles
+from woz_tui.experiment.actions import PanelReader, StepReader, titles
 from woz_tui.experiment.asked import check_asks
 from woz_tui.experiment.calls import Vocabulary
-from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.effects import EngagementReader
+from woz_tui.experiment.engagement_check import check_engagement
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table, described, tree
 from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.report import Report, quoted
-from woz_tui.experiment.robot import RobotReader
+from woz_tui.experiment.robot import Offer, RobotReader
 from woz_tui.experiment.settings import BAD, read_settings
-from woz_tui.experiment.shape import Engagement, Experiment, Place, SessionSettings
+from woz_tui.experiment.shape import Experiment, Place, SessionSettings
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, missing, read_text, read_word
-from woz_tui.experiment.verbs import session_verbs
+from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
 
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
@@ -98,15 +99,22 @@ class _Decoder:
         panels_spot = missing(table, "panels", root)
         vocabulary = Vocabulary(
             robots,
-            {verb.name: verb for verb in session_verbs(conditions, titles(panels_spot))},
+            _own(session_verbs(conditions, titles(panels_spot)), table.get("engagement")),
             dict.fromkeys((*template.BUILT_IN, *variables)),
         )
-        panels = PanelReader(vocabulary, layout)
+        steps = StepReader(vocabulary)
+        panels = PanelReader(steps, layout)
         read = tuple(panels.read(panels_spot)) if panels_spot is not None else ()
         offered = [verb for spec in robots.drivers for verb in spec.verbs]
         known = Known.of(
-            read, [*offered, *vocabulary.session.values()], complete=not robots.incomplete
+            read,
+            [*offered, *(offer.verb for offer in vocabulary.own.values())],
+            complete=not robots.incomplete,
         )
+        actions = {draft.action.name: draft.action for draft in panels.drafts}
+        section = table.get("engagement")
+        reader = EngagementReader(vocabulary, steps, actions)
+        engagement = reader.read(section) if section is not None else None
         experiment = Experiment(
             title=(title and read_text(title)) or "",
             path=self._path.absolute(),
@@ -120,13 +128,22 @@ class _Decoder:
             keyboard=layout,
             session=_session(table.get("session")),
             profiles=read_profiles(table.get("profiles"), known),
-            engagement=_engagement(table.get("engagement")),
+            engagement=engagement,
             files=tuple(source.path.absolute() for source in self._sources),
         )
-        names = [action.name for panel in experiment.panels for action in panel.actions]
-        check_asks(robots, vocabulary.session, names, self._report)
+        check_asks(robots, vocabulary.own, actions, self._report)
+        if engagement is not None:
+            check_engagement(engagement, robots, panels.drafts, self._report)
         check.across(experiment, panels.drafts, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
+
+
+def _own(session: Iterable[Verb], engagement: Spot | None) -> dict[str, Offer]:
+    """Verbs that need no driver: the session's, and with its section the engagement model's."""
+    own = {verb.name: Offer(SESSION, verb) for verb in session}
+    if engagement is not None:
+        own |= {verb.name: Offer(ENGAGEMENT, verb) for verb in engagement_verbs()}
+    return own
 
 
 def _words(spot: Spot | None, *, once: bool = True) -> tuple[str, ...]:
@@ -177,8 +194,3 @@ def _pattern(spot: Spot | None) -> str:
 def _session(spot: Spot | None) -> SessionSettings:
     settings: Any = read_settings(spot, SessionSettings) if spot is not None else BAD
     return settings if isinstance(settings, SessionSettings) else SessionSettings()
-
-
-def _engagement(spot: Spot | None) -> Engagement | None:
-    settings: Any = read_settings(spot, EngagementSettings) if spot is not None else BAD
-    return Engagement(settings) if isinstance(settings, EngagementSettings) else None

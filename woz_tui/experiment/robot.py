@@ -16,7 +16,7 @@ from woz_tui.experiment.settings import BAD, fields_of, note, read_settings, spl
 from woz_tui.experiment.shape import DriverSpec, Place
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, missing, read_text
-from woz_tui.experiment.verbs import SESSION
+from woz_tui.experiment.verbs import PERFORMERS, SESSION
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
 SIMULATED = "simulated"
@@ -272,8 +272,9 @@ def _asks(driver: type[Driver], settings: Any) -> tuple[tuple[str, Ask], ...]:
 
 
 def _named(spot: Spot, name: str) -> bool:
-    if name == SESSION:
-        spot.error(f"{SESSION!r} is the session itself; choose another name")
+    if name in PERFORMERS:
+        itself = "the session itself" if name == SESSION else "the engagement model"
+        spot.error(f"{name!r} is {itself}; choose another name")
         return False
     if not _NAME.fullmatch(name):
         spot.error(_NAME_RULE)

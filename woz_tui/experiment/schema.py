@@ -8,39 +8,40 @@ be anything that YAML would take for a number or a boolean, since here it stays 
 from __future__ import annotations
 
 import dataclasses
-import enum
-import pathlib
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any, Literal
+from typing import Any
 
 from woz_tui.core import fields
 from woz_tui.core.driver import Argument, Driver, Verb
 from woz_tui.experiment.actions import WHEN_BUSY
+from woz_tui.experiment.effects import ENTERED, ON_ENTER
+from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.experiment.robot import SIMULATED
-from woz_tui.experiment.schema_parts import Schema, bounds, either, mapping
+from woz_tui.experiment.schema_parts import (
+    FLAG,
+    NUMBER,
+    SECONDS,
+    TEXT,
+    Schema,
+    bounds,
+    either,
+    mapping,
+)
+from woz_tui.experiment.schema_settings import required, settings_schema
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import SessionSettings
-from woz_tui.experiment.verbs import WAIT, session_verbs
+from woz_tui.experiment.verbs import WAIT, engagement_verbs, session_verbs
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_TEXT: Schema = {"type": ["string", "number", "boolean"]}
-_FLAG: Schema = {"enum": [True, False, "yes", "no", "on", "off"]}
-_NUMBER: Schema = {"type": "number"}
-_SECONDS: Schema = {
-    "oneOf": [
-        {"type": "number", "minimum": 0},
-        {"type": "string", "pattern": r"^\s*[0-9.]+([eE][-+]?[0-9]+)?\s*(ms|s|sec|min|h)?\s*$"},
-    ]
-}
-_JOINTS: Schema = {"type": "object", "additionalProperties": _NUMBER, "minProperties": 1}
+_JOINTS: Schema = {"type": "object", "additionalProperties": NUMBER, "minProperties": 1}
 _POSES: Schema = {"type": "array", "items": {"type": "object", "minProperties": 1}, "minItems": 1}
 _KINDS: Mapping[str, Schema] = {
-    "flag": _FLAG,
-    "seconds": _SECONDS,
+    "flag": FLAG,
+    "seconds": SECONDS,
     "joints": _JOINTS,
     "poses": _POSES,
     "file": {"type": "string"},
@@ -72,7 +73,7 @@ def experiment_schema(
         "title": "woz-tui experiment",
         **mapping(
             {
-                "title": {**_TEXT, "description": "name of the experiment"},
+                "title": {**TEXT, "description": "name of the experiment"},
                 "robot": {
                     **robot,
                     "description": f"{SIMULATED}, a robot file, or drivers right here",
@@ -86,16 +87,16 @@ def experiment_schema(
                 "participants": mapping(
                     {"pattern": {"type": "string", "description": "regular expression of codes"}}
                 ),
-                "conditions": {"type": "array", "items": _TEXT, "uniqueItems": True},
+                "conditions": {"type": "array", "items": TEXT, "uniqueItems": True},
                 "variables": {
                     "type": "object",
                     "description": "values for {name} in utterances",
                     "propertyNames": {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
-                    "additionalProperties": _TEXT,
+                    "additionalProperties": TEXT,
                 },
                 "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
-                "session": _settings(SessionSettings),
-                "engagement": {"type": "object", "description": "when the robot engages"},
+                "session": settings_schema(SessionSettings),
+                "engagement": _engagement(),
                 "panels": {"type": "array", "items": {"$ref": "#/$defs/panel"}, "minItems": 1},
                 "profiles": {
                     "type": "object",
@@ -104,7 +105,7 @@ def experiment_schema(
                 },
                 "script": {
                     "type": "array",
-                    "items": _TEXT,
+                    "items": TEXT,
                     "description": "names of actions; space plays the next one",
                 },
             },
@@ -134,7 +135,7 @@ def included_schema(driver: type[Driver], setting: str) -> Schema:
         kind for kind in typing.get_args(split(annotation)[0]) if dataclasses.is_dataclass(kind)
     )
     assert isinstance(shape, type)
-    return {"$schema": _DIALECT, "title": f"woz-tui {setting}", **_settings(shape)}
+    return {"$schema": _DIALECT, "title": f"woz-tui {setting}", **settings_schema(shape)}
 
 
 def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
@@ -142,9 +143,9 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
         mapping(
             {
                 "type": {"const": name, "description": driver.summary},
-                **_settings(driver.Settings)["properties"],
+                **settings_schema(driver.Settings)["properties"],
             },
-            required=("type", *_required(driver.Settings)),
+            required=("type", *required(driver.Settings)),
         )
         for name, driver in sorted(catalogue.items())
     ]
@@ -160,19 +161,38 @@ def _robot(catalogue: Mapping[str, type[Driver]]) -> Schema:
             "oneOf": kinds,
         },
     }
-    return mapping({"name": _TEXT, "drivers": drivers}, required=("drivers",))
+    return mapping({"name": TEXT, "drivers": drivers}, required=("drivers",))
+
+
+def _engagement() -> Schema:
+    """Settings of the model, and steps or names of actions by state."""
+    step: Schema = {"$ref": "#/$defs/step"}
+    entered: Schema = {"oneOf": [TEXT, step]}
+    on_enter = mapping(
+        {
+            state: {"oneOf": [TEXT, step, {"type": "array", "items": entered, "minItems": 1}]}
+            for state in ENTERED
+        }
+    )
+    schema = settings_schema(EngagementSettings)
+    schema["description"] = "how the robot tells whether somebody is with it"
+    schema["properties"][ON_ENTER] = {
+        **on_enter,
+        "description": "what is done when a state is entered: steps, or names of actions",
+    }
+    return schema
 
 
 def _profile() -> Schema:
-    names: Schema = {"type": "array", "items": _TEXT}
-    return mapping({**dict.fromkeys(PROFILE_FIELDS, names), "hide": _FLAG})
+    names: Schema = {"type": "array", "items": TEXT}
+    return mapping({**dict.fromkeys(PROFILE_FIELDS, names), "hide": FLAG})
 
 
 def _panel() -> Schema:
     return mapping(
         {
-            "title": {**_TEXT, "description": "unique in the file"},
-            "locked": {**_FLAG, "description": "takes no input until it is unlocked"},
+            "title": {**TEXT, "description": "unique in the file"},
+            "locked": {**FLAG, "description": "takes no input until it is unlocked"},
             "actions": {"type": "array", "items": {"$ref": "#/$defs/action"}},
         },
         required=("title", "actions"),
@@ -183,10 +203,10 @@ def _action(verbs: Sequence[Verb]) -> Schema:
     properties = {
         **_spoken(verbs),
         "key": _KEY,
-        "label": {**_TEXT, "description": "what stands on the button"},
-        "name": {**_TEXT, "description": "name for scripts and programs (default: the label)"},
-        "help": {**_TEXT, "description": "a sentence for the wizard"},
-        "locked": {**_FLAG, "description": "shown, but never played"},
+        "label": {**TEXT, "description": "what stands on the button"},
+        "name": {**TEXT, "description": "name for scripts and programs (default: the label)"},
+        "help": {**TEXT, "description": "a sentence for the wizard"},
+        "locked": {**FLAG, "description": "shown, but never played"},
         "when_busy": {
             "enum": list(WHEN_BUSY),
             "description": "what a press does while it is running",
@@ -205,7 +225,7 @@ def _action(verbs: Sequence[Verb]) -> Schema:
 
 
 def _step(verbs: Sequence[Verb]) -> Schema:
-    wait = {**_SECONDS, "description": WAIT.summary}
+    wait = {**SECONDS, "description": WAIT.summary}
     schema = mapping({**_spoken(verbs), "on": _ON, "wait": wait})
     schema["minProperties"] = 1
     return schema
@@ -242,7 +262,7 @@ def _verb(verb: Verb, as_argument: Schema | None) -> Schema:
         }
     )
     if verb.arguments and verb.arguments[0].kind == "joints":
-        under["additionalProperties"] = _NUMBER
+        under["additionalProperties"] = NUMBER
     forms: list[Schema] = [under]
     if verb.arguments:
         forms.append(_argument(verb.arguments[0]))
@@ -261,7 +281,7 @@ def _argument(argument: Argument) -> Schema:
         return {"type": kind, **bounds(argument.range)}
     if argument.kind in _KINDS:
         return _KINDS[argument.kind]
-    return {"enum": list(argument.choices)} if argument.choices else _TEXT
+    return {"enum": list(argument.choices)} if argument.choices else TEXT
 
 
 def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -> list[Verb]:
@@ -279,7 +299,7 @@ def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -
         for verb in offered:
             known = merged.get(verb.name)
             merged[verb.name] = verb if known is None else _merged(known, verb)
-    return [*merged.values(), *(_opened(verb) for verb in session_verbs())]
+    return [*merged.values(), *map(_opened, session_verbs()), *engagement_verbs()]
 
 
 def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
@@ -333,57 +353,3 @@ def _sample_value(annotation: Any) -> Any:
     if dataclasses.is_dataclass(origin) and isinstance(origin, type):
         return _sample(origin)
     return {str: "sample", int: 1, float: 1.0, bool: False, tuple: (), list: []}.get(origin)
-
-
-# -- settings -----------------------------------------------------------------------------------
-
-
-def _settings(shape: type) -> Schema:
-    properties = {}
-    for item in fields_of(shape):
-        schema = _type(item.annotation)
-        if item.doc:
-            schema = {**schema, "description": item.doc}
-        default = item.default
-        if isinstance(default, str | int | float | bool) and default != "":
-            schema = {**schema, "default": default}
-        properties[item.name] = schema
-    return mapping(properties, required=_required(shape))
-
-
-def _required(shape: type) -> tuple[str, ...]:
-    return tuple(item.name for item in fields_of(shape) if item.required)
-
-
-def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
-    bare, own = split(annotation)
-    notes = (*own, *notes)
-    origin = typing.get_origin(bare) or bare
-    if origin in (typing.Union, types.UnionType):
-        return either([_type(kind, notes) for kind in typing.get_args(bare)])
-    if origin is Literal:
-        return {"enum": [str(word) for word in typing.get_args(bare)]}
-    if origin in (tuple, list, Sequence):
-        inner = typing.get_args(bare) or (Any,)
-        return {"type": "array", "items": either([_type(k, notes) for k in inner if k is not ...])}
-    if origin in (dict, Mapping):
-        inner = typing.get_args(bare) or (str, Any)
-        return {"type": "object", "additionalProperties": _type(inner[1], notes)}
-    if dataclasses.is_dataclass(origin) and isinstance(origin, type):
-        return _settings(origin)
-    return _simple(bare, notes)
-
-
-def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
-    if isinstance(bare, type) and issubclass(bare, enum.Enum):
-        return {"enum": [str(member.value) for member in bare]}
-    if (one_of := note(notes, fields.OneOf)) is not None and bare is str:
-        return {"enum": list(one_of.choices)}
-    if note(notes, fields.Seconds) is not None and bare is float:
-        return _SECONDS
-    if bare in (int, float) and bare is not bool:
-        kind = "integer" if bare is int else "number"
-        return {"type": kind, **bounds(note(notes, fields.Range))}
-    if isinstance(bare, type) and issubclass(bare, pathlib.Path):
-        return {"type": "string"}
-    return {bool: _FLAG, str: _TEXT, type(None): {"type": "null"}}.get(bare, {})

@@ -10,6 +10,16 @@ from woz_tui.core.messages import Json
 
 Schema = dict[str, Any]
 
+TEXT: Schema = {"type": ["string", "number", "boolean"]}
+FLAG: Schema = {"enum": [True, False, "yes", "no", "on", "off"]}
+NUMBER: Schema = {"type": "number"}
+SECONDS: Schema = {
+    "oneOf": [
+        {"type": "number", "minimum": 0},
+        {"type": "string", "pattern": r"^\s*[0-9.]+([eE][-+]?[0-9]+)?\s*(ms|s|sec|min|h)?\s*$"},
+    ]
+}
+
 
 def bounds(allowed: fields.Range | None) -> Schema:
     """`minimum` and `maximum`, as far as there are any."""

@@ -93,8 +93,10 @@ def note(notes: Sequence[Any], kind: type[N]) -> N | None:
     return next((item for item in notes if isinstance(item, kind)), None)
 
 
-def read_settings(spot: Spot, shape: type) -> Any:
-    """An instance of the dataclass `shape`, or `BAD`. Entries that it does not have are errors."""
+def read_settings(spot: Spot, shape: type, others: Sequence[str] = ()) -> Any:
+    """An instance of the dataclass `shape`, or `BAD`. Entries that it does not have are errors,
+    except for `others`, which somebody else reads.
+    """
     table = spot.table("a mapping of settings")
     if table is None:
         return BAD
@@ -110,9 +112,11 @@ def read_settings(spot: Spot, shape: type) -> Any:
         value = read(entry, item.annotation)
         whole = whole and value is not BAD
         values[item.attribute] = value
-    for entry in table.values():
-        entry.unknown([item.name for item in fields_of(shape)], "settings here are")
-        whole = False
+    for name, entry in table.items():
+        if name not in others:
+            known = [*(item.name for item in fields_of(shape)), *others]
+            entry.unknown(known, "settings here are")
+            whole = False
     return _made(spot, shape, values) if whole else BAD
 
 

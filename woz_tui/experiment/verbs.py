@@ -1,4 +1,6 @@
-"""Verbs that the session carries out itself, as experiment files may use them."""
+"""Verbs that need no driver, as experiment files may use them: the session carries them out itself,
+those of the section `engagement` its engagement model.
+"""
 
 from __future__ import annotations
 
@@ -6,9 +8,23 @@ from collections.abc import Sequence
 
 from woz_tui.core.driver import Argument, Verb
 from woz_tui.core.fields import Range
+from woz_tui.experiment.engagement import (
+    CONDITION,
+    FILTERS,
+    MODES,
+    OUTCOMES,
+    RUNS,
+    SIGNS,
+    STATES,
+    STOPPED,
+)
 
-#: The name under which calls of these verbs are addressed.
+#: The name under which calls of the session's verbs are addressed.
 SESSION = "session"
+#: The name under which calls of the engagement model's verbs are addressed.
+ENGAGEMENT = "engagement"
+#: Who carries out verbs beside the drivers: no driver may have such a name.
+PERFORMERS = (SESSION, ENGAGEMENT)
 
 #: A pause between steps, in seconds; it is no call.
 WAIT = Verb(
@@ -16,6 +32,22 @@ WAIT = Verb(
     "wait before the next step",
     (Argument("seconds", "seconds", "how long", required=True, range=Range(0.0, 3600.0, "s")),),
 )
+
+
+def _brief(name: str, summary: str, *arguments: Argument) -> Verb:
+    return Verb(name, summary, arguments, brief=True)
+
+
+def _sign(*choices: str) -> Argument:
+    return _choice("sign", "which sign", *choices)
+
+
+def _choice(name: str, summary: str, *choices: str) -> Argument:
+    return Argument(name, "choice", summary, required=True, choices=choices)
+
+
+def _text(name: str, summary: str, *, required: bool = False) -> Argument:
+    return Argument(name, "text", summary, required=required)
 
 
 def session_verbs(conditions: Sequence[str] = (), panels: Sequence[str] = ()) -> tuple[Verb, ...]:
@@ -39,3 +71,65 @@ def session_verbs(conditions: Sequence[str] = (), panels: Sequence[str] = ()) ->
         Verb("lock", "lock a panel", (panel,)),
         Verb("unlock", "unlock a panel", (panel,)),
     )
+
+
+def engagement_verbs() -> tuple[Verb, ...]:
+    """The verbs of experiments that have a section `engagement`.
+
+    `sense` gives a sign the wizard's value (`experiment.sensed` reads it) or gives it back to its
+    sensor; `force` goes to a state, or takes the way out of the present one with this outcome.
+    """
+    return (
+        _brief("toggle", "your verdict on a sign: the opposite of what it is", _sign(*CONDITION)),
+        _brief(
+            "sense",
+            "your verdict on a sign, or the sensor's again",
+            _sign(*SIGNS, "all"),
+            _text("value", "on, off, metres, a name, or sensor (gives it back)", required=True),
+        ),
+        _brief(
+            "force",
+            "go to a state, or leave this one by an outcome",
+            _choice("to", "a state or an outcome", *STATES, STOPPED, *OUTCOMES),
+        ),
+        _brief(
+            "engagement",
+            "let the model run, hold it, switch it off, or take one step",
+            _choice("run", "what it does", *RUNS, "step"),
+        ),
+        _brief(
+            "filter",
+            "how the samples of a sign are filtered from now on",
+            _sign(*SIGNS, "all"),
+            Argument("kind", "choice", "median is for distance only", choices=FILTERS),
+            Argument("samples", "whole", "places of the queue", range=Range(1, 1000)),
+            Argument("threshold", "number", "share of them that decides", range=Range(0, 1)),
+        ),
+        _brief(
+            "social_distance",
+            "how near a visitor must be to talk",
+            Argument("metres", "number", "from the robot", True, range=Range(0.1, 10, "m")),
+        ),
+        _brief(
+            "attend",
+            "what may distract the robot from the one it talks with",
+            _choice("mode", "how steadfast it is", *MODES),
+        ),
+        _brief(
+            "handshake",
+            "begin or end the introduction",
+            _choice("what", "ok needs a name, here or known already", "begin", "ok", "fail"),
+            _text("name", "the visitor's code"),
+        ),
+        _brief(
+            "visitor",
+            "who stands there: remembered, and in a handshake its end",
+            _text("name", "the visitor's code", required=True),
+            _text("age_group", "such as child or adult"),
+            _text("address", "form of address, such as formal or informal"),
+        ),
+    )
+
+
+#: By name, to recognise them where the section is missing.
+ENGAGEMENT_VERBS = {verb.name: verb for verb in engagement_verbs()}

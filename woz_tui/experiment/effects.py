@@ -1,0 +1,145 @@
+"""The section `engagement`: the model's settings, and what happens when a state is entered.
+
+engagement:
+  samples: 8
+  on_enter:
+    PersonDetected: [{eyes: white}, {wait: 0.5}, {say: "Come nearer"}]
+    EngagedWithKnown: {say: "Hello {visitor}"}
+    Wait: Good bye            # an action of a panel, played as it stands there
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from woz_tui.experiment import template
+from woz_tui.experiment.actions import StepReader
+from woz_tui.experiment.calls import Vocabulary
+from woz_tui.experiment.engagement import STATES, STOPPED, EngagementSettings
+from woz_tui.experiment.nodes import Items, Scalar
+from woz_tui.experiment.report import quoted
+from woz_tui.experiment.settings import BAD, read_settings
+from woz_tui.experiment.shape import Action, Call, Engagement, Step, Together, Wait
+from woz_tui.experiment.spot import Spot, read_text
+from woz_tui.experiment.verbs import ENGAGEMENT
+
+#: What the section has beside its settings.
+ON_ENTER = "on_enter"
+#: States that can be entered.
+ENTERED = (*STATES, STOPPED)
+
+#: Variables of the handshake's sentences.
+_UNDERSTOOD = ("name",)
+
+
+def effect_name(state: str) -> str:
+    """What the action is called that belongs to a state."""
+    return f"on {state}"
+
+
+class EngagementReader:
+    """Reads the section; `actions` are those of all panels by name."""
+
+    def __init__(
+        self, vocabulary: Vocabulary, steps: StepReader, actions: Mapping[str, Action]
+    ) -> None:
+        self._vocabulary = vocabulary
+        self._steps = steps
+        self._actions = actions
+
+    def read(self, spot: Spot) -> Engagement | None:
+        """The section, or None after everything that is wrong has been reported."""
+        settings: Any = read_settings(spot, EngagementSettings, others=(ON_ENTER,))
+        sections = dict(spot.entries())
+        _sentences(sections.get("handshake"))
+        effects: dict[str, Action] = {}
+        plays: dict[str, tuple[str, ...]] = {}
+        for state, entry in self._states(sections.get(ON_ENTER)):
+            steps, names = self._entered(entry)
+            if steps:
+                effects[state] = _effect(state, steps, entry)
+            if names:
+                plays[state] = names
+        return None if settings is BAD else Engagement(settings, effects, plays)
+
+    def _states(self, spot: Spot | None) -> Iterator[tuple[str, Spot]]:
+        example = "{Wait: [{eyes: off}]}"
+        table = spot.table(f"a mapping of states, such as {example}") if spot is not None else None
+        for state, entry in (table or {}).items():
+            if state in ENTERED:
+                yield state, entry
+            else:
+                entry.unknown(ENTERED, "states are")
+
+    def _entered(self, spot: Spot) -> tuple[tuple[Step, ...], tuple[str, ...]]:
+        """Steps of its own, and names of actions."""
+        entries = list(spot.items()) if isinstance(spot.node, Items) else [spot]
+        if not entries:
+            spot.error("nothing stands here")
+        steps: list[Step] = []
+        names: list[str] = []
+        for entry in entries:
+            if isinstance(entry.node, Scalar):
+                name = self._named(entry, late=any(isinstance(step, Wait) for step in steps))
+                names += [] if name is None else [name]
+                continue
+            step = self._steps.step(entry)
+            if step is not None:
+                _no_chase(entry, step)
+                steps.append(step)
+        return tuple(steps), tuple(names)
+
+    def _named(self, spot: Spot, *, late: bool) -> str | None:
+        """The name of an action; `late`: it stands behind a pause."""
+        name = read_text(spot, "the name of an action, or verbs such as {say: Hello}")
+        if name is None:
+            return None
+        action = self._actions.get(name)
+        if action is None:
+            spot.error(f"there is no action {quoted(name)}{self._meant(spot, name)}")
+            return None
+        if action.locked:
+            spot.warning(f"{quoted(name)} is locked, it will not play")
+        if late:
+            spot.warning(
+                f"{quoted(name)} plays at once, it does not wait: actions play beside the steps"
+            )
+        for step in action.steps:
+            _no_chase(spot, step)
+        return name
+
+    def _meant(self, spot: Spot, name: str) -> str:
+        if name in self._vocabulary.names:
+            return f"; a verb stands in braces: {{{name}: ...}}"
+        return spot.report.hint(name, self._actions, or_list="actions are")
+
+
+def _effect(state: str, steps: tuple[Step, ...], spot: Spot) -> Action:
+    name = effect_name(state)
+    return Action(name=name, label=name, key="", panel="", steps=steps, place=spot.place)
+
+
+def _no_chase(spot: Spot, step: Step) -> None:
+    """A state that is left by its own effect could lead round in a circle for ever."""
+    for call in step.calls if isinstance(step, Together) else ():
+        if _moves(call):
+            spot.error(
+                f"{call.verb!r} moves the model on, which an effect may not do: two states could"
+                " chase each other for ever"
+            )
+
+
+def _moves(call: Call) -> bool:
+    if call.driver != ENGAGEMENT:
+        return False
+    return call.verb == "force" or (call.verb == "engagement" and call.args.get("run") == "step")
+
+
+def _sentences(handshake: Spot | None) -> None:
+    """The handshake's sentences know `{name}` and nothing else."""
+    sections = dict(handshake.entries()) if handshake is not None else {}
+    for name in ("ask", "again", "confirm", "welcome", "give_up"):
+        entry = sections.get(name)
+        if entry is not None and isinstance(entry.node, Scalar):
+            template.check(entry, entry.node.text, _UNDERSTOOD)

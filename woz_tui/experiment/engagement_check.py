@@ -1,0 +1,126 @@
+"""Rules between the section `engagement` and the rest of an experiment: who gives the signs, and
+which names and verbs the model takes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from woz_tui.experiment.actions import Drafted
+from woz_tui.experiment.effects import effect_name
+from woz_tui.experiment.engagement import SIGNS, EngagementSettings, SoundSettings
+from woz_tui.experiment.report import Report, join, quoted
+from woz_tui.experiment.robot import Robots
+from woz_tui.experiment.sensors import published_names
+from woz_tui.experiment.shape import Action, Engagement, Together
+from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS
+
+SECTION = "engagement"
+
+
+def check_engagement(
+    engagement: Engagement, robots: Robots, drafts: Sequence[Drafted], report: Report
+) -> None:
+    """Report what does not fit together; `drafts` are all actions of the panels."""
+    _names(engagement, drafts, report)
+    if robots.incomplete:
+        return
+    _verbs(robots, report)
+    published = [
+        name for names in published_names(robots.drivers).values() for name in names.values()
+    ]
+    _sensors(engagement.settings, published, report)
+    given = {*published, *_given(drafts), *_asked(robots)}
+    _signs(engagement.settings, given, published, report)
+
+
+def _names(engagement: Engagement, drafts: Sequence[Drafted], report: Report) -> None:
+    taken = {effect_name(state) for state in engagement.effects}
+    for draft in drafts:
+        if draft.action.name in taken:
+            path = next(
+                path
+                for name in ("name", "label", "")
+                if report.knows(path := join(draft.path, name), draft.action.place.file) or not name
+            )
+            report.error(
+                report.place(path),
+                path,
+                f"{quoted(draft.action.name)} is what {SECTION}.on_enter calls its own action;"
+                " choose another name",
+            )
+
+
+def _verbs(robots: Robots, report: Report) -> None:
+    for name in ENGAGEMENT_VERBS:
+        for offer in robots.offers.get(name, ()):
+            report.warning(
+                report.place(SECTION),
+                SECTION,
+                f"{offer.driver} offers {name!r} too; in actions it means the engagement model's",
+            )
+
+
+def _sensors(settings: EngagementSettings, published: list[str], report: Report) -> None:
+    """Sensors that the section names must be there."""
+    named = [(sign, settings.sign(sign).sensor) for sign in SIGNS]
+    if settings.sound.sensor != SoundSettings().sensor:
+        named.append(("sound", settings.sound.sensor))
+    for part, name in named:
+        if name and name not in published:
+            path = f"{SECTION}.{part}.sensor"
+            near = report.hint(name, published, or_list="sensors are")
+            report.error(report.place(path), path, f"there is no sensor {quoted(name)}{near}")
+
+
+def _signs(
+    settings: EngagementSettings, given: set[str], published: list[str], report: Report
+) -> None:
+    """Somebody must give each sign of the condition: a sensor or the wizard."""
+    path = f"{SECTION}.signs"
+    place = report.place(path)
+    missing = []
+    for sign in SIGNS:
+        if settings.sign(sign).sensor or sign in published:
+            continue
+        several = [name for name in published if name.endswith(f".{sign}")]
+        if several:
+            report.warning(
+                place,
+                path,
+                f"{' and '.join(several)} give {sign}; say which one counts:"
+                f" {sign}: {{sensor: {several[0]}}}",
+            )
+        elif sign in settings.signs and not given & {sign, "all"}:
+            missing.append(sign)
+    if missing:
+        rest = ", ".join(sign for sign in settings.signs if sign not in missing)
+        report.warning(
+            place,
+            path,
+            f"nobody gives {' and '.join(missing)}, so nobody is ever engaged; let the wizard do it"
+            f" with an action such as {{key: ..., label: ..., toggle: {missing[0]}}}"
+            + (f", or do without: signs: [{rest}]" if rest else ""),
+        )
+
+
+def _given(drafts: Sequence[Drafted]) -> Iterator[str]:
+    """Signs that some action gives."""
+    for draft in drafts:
+        yield from signs_given(draft.action)
+
+
+def signs_given(action: Action) -> Iterator[str]:
+    """Signs that an action gives by the wizard's hand."""
+    for step in action.steps:
+        for call in step.calls if isinstance(step, Together) else ():
+            if call.driver == ENGAGEMENT and call.verb in ("toggle", "sense"):
+                yield str(call.args.get("sign"))
+
+
+def _asked(robots: Robots) -> Iterator[str]:
+    """Signs that some driver's buttons give."""
+    for asking in robots.asking:
+        for _, ask in asking.asks:
+            if ask.what == "verb" and ask.name in ("toggle", "sense"):
+                yield str(ask.args.get("sign"))

@@ -15,16 +15,11 @@ from typing import Protocol
 
 
 class Filter(Protocol):
-    """Makes a verdict of samples: flags for presence and gaze, metres for distance.
+    """Makes a verdict of samples: flags for presence and gaze, metres for distance, or names."""
 
-    `count` of `places` samples speak for yes, and `needed` suffice. `verdict` is 1, 0, or None
-    while there is none yet. `t` is whole microseconds.
-    """
-
-    kind: str
-
-    def take(self, value: float, t: int) -> None:
-        """One more valid sample."""
+    @property
+    def kind(self) -> str:
+        """`fifo`, `median` or `joint`."""
         ...
 
     def forget(self) -> None:
@@ -74,7 +69,7 @@ class Fifo:
     def __init__(
         self, samples: int, threshold: float, start_up: str = "zero-fill", near: float | None = None
     ) -> None:
-        self._start_up = start_up
+        self.start_up = start_up
         self._near = near
         self._held: deque[float] = deque(maxlen=samples)
         self.configure(samples, threshold)
@@ -117,7 +112,7 @@ class Fifo:
     @property
     def needed(self) -> int:
         """How many samples suffice at present."""
-        if self._start_up == "partial" and len(self._held) < self.places:
+        if self.start_up == "partial" and len(self._held) < self.places:
             return least(self.threshold, len(self._held))
         return self._needed
 
@@ -125,7 +120,7 @@ class Fifo:
     def verdict(self) -> int | None:
         """1, 0, or None under `hold` while the queue is not full."""
         held = len(self._held)
-        if self._start_up == "hold" and held < self.places:
+        if self.start_up == "hold" and held < self.places:
             return None
         return int(held > 0 and self.count >= self.needed)
 
@@ -159,19 +154,19 @@ class Median(Fifo):
     @property
     def needed(self) -> int:
         """How many near samples suffice, whatever the others are."""
-        held = self.places if self._start_up == "zero-fill" else len(self._held)
+        held = self.places if self.start_up == "zero-fill" else len(self._held)
         return held // 2 + 1
 
     @property
     def median(self) -> float:
         """Metres; infinite for an empty queue."""
-        places = self.places if self._start_up == "zero-fill" else len(self._held)
+        places = self.places if self.start_up == "zero-fill" else len(self._held)
         return (self._at((places - 1) // 2) + self._at(places // 2)) / 2
 
     @property
     def verdict(self) -> int | None:
         """1, 0, or None under `hold` while the queue is not full."""
-        if self._start_up == "hold" and len(self._held) < self.places:
+        if self.start_up == "hold" and len(self._held) < self.places:
             return None
         return int(self._near is not None and self.median <= self._near)
 

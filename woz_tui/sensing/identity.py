@@ -22,7 +22,7 @@ class IdentityFifo:
     kind = "fifo"
 
     def __init__(self, samples: int, threshold: float, start_up: str = "zero-fill") -> None:
-        self._start_up = start_up
+        self.start_up = start_up
         self._given = ""
         self.name = UNKNOWN
         self._held: deque[str] = deque(maxlen=samples)
@@ -62,14 +62,14 @@ class IdentityFifo:
     @property
     def verdict(self) -> int | None:
         """1 if there is a name, 0 if not, None under `hold` while the queue is not full."""
-        if self._start_up == "hold" and len(self._held) < self.places:
+        if self.start_up == "hold" and len(self._held) < self.places:
             return None
         return int(self.name != UNKNOWN)
 
     @property
     def needed(self) -> int:
         """How many samples of one ID suffice; one at least."""
-        partial = self._start_up == "partial"
+        partial = self.start_up == "partial"
         return max(1, least(self.threshold, len(self._held) if partial else self.places))
 
     @property
@@ -88,7 +88,7 @@ class IdentityFifo:
 
     def _judge(self) -> None:
         most = max(self._counts.values(), default=0)
-        if most < self.needed or (self._start_up == "hold" and len(self._held) < self.places):
+        if most < self.needed or (self.start_up == "hold" and len(self._held) < self.places):
             self.name = UNKNOWN
             return
         tied = {name for name, count in self._counts.items() if count == most}

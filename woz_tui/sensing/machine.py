@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from woz_tui.experiment.engagement import HandshakeSettings, Timeouts
 
@@ -130,6 +130,11 @@ EDGES: tuple[Edge, ...] = (
     ),
     Edge(State.UNKNOWN, State.DETECTED, "error", _lost, "engagement lost: {reason}", "d"),
     Edge(State.UNKNOWN, State.HANDSHAKE, "handshake", _greets, "to be introduced", "g"),
+    # Where no handshake leads on (any more), a name that turns up does.
+    Edge(
+        *(State.UNKNOWN, State.KNOWN, "recognized"),
+        *(lambda view: view.engaged and view.known, "{reason}"),
+    ),
     Edge(
         *(State.HANDSHAKE, State.KNOWN, "eng2know"),
         *(_on(Event.HANDSHAKE_OK), "introduced", "i"),
@@ -188,6 +193,30 @@ def edges_from(state: State) -> tuple[Edge, ...]:
 def taken(state: State, view: View) -> Edge | None:
     """The first arrow out of `state` that holds, or None."""
     return next((edge for edge in edges_from(state) if edge.when(view)), None)
+
+
+def by_signs(edge: Edge, view: View) -> bool:
+    """Whether an arrow that holds does so by the signs alone: without event, without time limit."""
+    return edge.when(replace(view, event=None, elapsed=0.0))
+
+
+def edge_to(state: State, to: str) -> Edge:
+    """The arrow that somebody means who names a state, or an outcome of the present one.
+
+    Where the table has no such arrow its outcome is `forced`. Raises `ValueError` with a sentence
+    if there is no such state or outcome, or if it is the present state.
+    """
+    for edge in edges_from(state):
+        if to == edge.outcome:
+            return edge
+    if to == state:
+        raise ValueError(f"it is {to} already")
+    if to not in {each.value for each in State}:
+        leave = ", ".join(dict.fromkeys(edge.outcome for edge in edges_from(state)))
+        known = f" ({leave})" if leave else ""
+        raise ValueError(f"{to!r} is neither a state nor an outcome of {state}{known}")
+    arrows = (edge for edge in edges_from(state) if edge.target == to)
+    return next(arrows, Edge(state, State(to), "forced", lambda _: True, "{reason}"))
 
 
 _FROM: dict[State, tuple[Edge, ...]] = {

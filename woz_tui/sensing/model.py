@@ -8,15 +8,14 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from woz_tui.core.engaged import EngagementShown
 from woz_tui.core.envelope import Json
-from woz_tui.experiment.engagement import CONDITION, FILTERS, RUNS, SIGNS, EngagementSettings
-from woz_tui.sensing import samples
-from woz_tui.sensing.machine import Edge, Event, State, View, edges_from
+from woz_tui.experiment.engagement import RUNS, EngagementSettings
+from woz_tui.sensing.condition import Signs
+from woz_tui.sensing.machine import Edge, Event, State, View, by_signs, edge_to, edges_from
 from woz_tui.sensing.passing import SECOND, Passing, microseconds
-from woz_tui.sensing.signs import FRESH, Identity, Sign
 from woz_tui.sensing.voice import Voice
 
 #: States of the trail.
@@ -59,13 +58,10 @@ class Engagement:
 
     def __init__(self, settings: EngagementSettings, t: int = 0, *, cuts: bool = False) -> None:
         self.settings = settings
-        self._time = Passing(t, microseconds(1 / settings.rate))
-        self._signs = {name: Sign(name, settings, t) for name in CONDITION}
-        self._identity = Identity(settings, t)
-        self._uses = [self._signs[name] for name in CONDITION if name in settings.signs]
         self.cuts = cuts
-        self.voice = Voice(settings.sound.threshold, settings.sound.hang_over)
-        self.social_distance = settings.social_distance
+        self._time = Passing(t, microseconds(1 / settings.rate))
+        self.signs = Signs(settings, t)
+        self.voice = Voice(settings.sound)
         self.state = State.WAIT
         self.since = t
         self._trail: deque[str] = deque([State.WAIT.value], maxlen=TRAIL)
@@ -90,9 +86,7 @@ class Engagement:
         """The stamps stand at `t`: time has passed, and signs may have become stale."""
         self._time.to(t)
         now = self._time.now
-        for sign in self._signs.values():
-            sign.pass_to(now)
-        self._identity.pass_to(now)
+        self.signs.pass_to(now)
         ended = self.voice.pass_to(now)
         if ended is not None and not self.cuts:
             self._events.append(ended)
@@ -106,10 +100,7 @@ class Engagement:
         now = self._time.now
         if sign == "loudness":
             return self._hear(value, now)
-        if sign == "identity":
-            taken = self._identity.take(value, name, now)
-        else:
-            taken = self._sign(sign).take(value, now)
+        taken = self.signs.take(sign, value, name, now)
         self._look()
         return taken
 
@@ -119,10 +110,7 @@ class Engagement:
         A truth value or 0/1; for distance a truth value or metres; a name for identity. ValueError
         with a sentence for anything else.
         """
-        if sign == "identity":
-            self._identity.forced = _name(value, name)
-        else:
-            self._sign(sign).forced = _verdict(sign, value)
+        self.signs.override(sign, value, name)
         self._look()
 
     def configure(
@@ -133,47 +121,35 @@ class Engagement:
         samples: int | None = None,
         threshold: float | None = None,
     ) -> None:
-        """Another filter for a sign, or other numbers; its queue keeps what fits.
+        """Another filter for a sign, or other numbers; its queue keeps what fits. For `loudness`:
+        the threshold of speech that the microphone has learnt.
 
         ValueError with a sentence for a sign or numbers that there are not.
         """
-        _check(sign, kind, samples, threshold)
-        if sign == "identity":
-            self._identity.configure(samples, threshold)
+        if sign == "loudness":
+            self.voice.tell_threshold(threshold)
         else:
-            self._signs[sign].configure(kind, samples, threshold)
-        self._look()
-
-    def near_within(self, metres: float) -> None:
-        """Another social distance. ValueError outside 0.1 m to what the sensor reaches."""
-        if not 0.1 <= metres < self.settings.farthest:
-            raise ValueError(f"{metres:g} m is not 0.1 to less than {self.settings.farthest:g} m")
-        self.social_distance = metres
-        self._signs["distance"].near_within(metres)
+            self.signs.configure(sign, kind, samples, threshold)
         self._look()
 
     def set_threshold(self, rms: object) -> None:
-        """The loudness of speech as the microphone has learnt it."""
+        """The loudness of speech as the microphone has learnt it; the settings go before it."""
         self.voice.tell_threshold(rms)
+
+    def adopt(self, settings: EngagementSettings) -> None:
+        """Go on with other settings. State, name and the wizard's verdicts stay; so does what was
+        configured by hand, where the settings say what they said before.
+        """
+        before, self.settings = self.settings, settings
+        self._time.period = microseconds(1 / settings.rate)
+        self.signs.adopt(settings, before)
+        self.voice.adopt(settings.sound)
+        self._look()
 
     def known_as(self, name: str) -> None:
         """The visitor's code, from the handshake or the wizard; forgotten with the visitor."""
         self._told = name
         self.visitor = name
-        self._look()
-
-    def adopt(self, settings: EngagementSettings) -> None:
-        """Go on with settings that were read again: state, name and verdicts by hand stay, queues
-        as far as they fit, and what was set while running unless it is that which was edited.
-        """
-        was, self.settings = self.settings, settings
-        for sign in (*self._signs.values(), self._identity):
-            sign.adopt(settings, was)
-        if settings.social_distance != was.social_distance:
-            self.near_within(settings.social_distance)
-        if settings.sound != was.sound:
-            self.voice = Voice(settings.sound.threshold, settings.sound.hang_over)
-        self._uses = [self._signs[name] for name in CONDITION if name in settings.signs]
         self._look()
 
     @property
@@ -217,7 +193,7 @@ class Engagement:
         It stands until the signs say something else than now. ValueError with a sentence if there
         is no such state or outcome, or it is there already.
         """
-        edge = self._edge_to(to)
+        edge = edge_to(self.state, to)
         self._held.clear()
         change = self._take(edge, None, by_hand="forced by the wizard: ")
         self._stands = self._verdict()
@@ -252,41 +228,32 @@ class Engagement:
     @property
     def engaged(self) -> bool:
         """The condition of engagement: all signs that the experiment uses say yes, and lately."""
-        now = self._time.now
-        return bool(self._uses) and all(
-            sign.verdict == 1 and sign.fresh(now) for sign in self._uses
-        )
-
-    @property
-    def present(self) -> bool:
-        """Whether somebody is there: by presence, or by any sign used if presence is not."""
-        if "presence" in self.settings.signs:
-            return self._signs["presence"].verdict == 1
-        return any(sign.verdict == 1 for sign in self._uses)
+        return self._engaged
 
     @property
     def known(self) -> bool:
         """Whether there is a name, by the filter or as somebody told it."""
-        return self._identity.known or bool(self._told)
+        return self.signs.identity.known or bool(self._told)
 
     @property
     def verdicts(self) -> dict[str, Json]:
         """Presence, gaze, distance (near) as 0, 1 or None; identity as a name or "Unknown"."""
-        found: dict[str, Json] = {name: sign.verdict for name, sign in self._signs.items()}
-        return {**found, "identity": self._identity.name_given}
-
-    @property
-    def stale(self) -> list[str]:
-        """The signs whose sensors were heard once, and are not heard any more."""
-        everyone = (*self._signs.values(), self._identity)
-        return [sign.name for sign in everyone if sign.stale and sign.ever]
+        return self.signs.verdicts
 
     @property
     def reason(self) -> str:
         """What the signs say, in words."""
-        now = self._time.now
-        said = [sign.words(now) for sign in self._uses]
-        return ", ".join([*said, self._identity.words()])
+        return self.signs.reason(self._time.now)
+
+    @property
+    def social_distance(self) -> float:
+        """Metres that are near enough; setting it raises ValueError outside of 0.1 to 10."""
+        return self.signs.near
+
+    @social_distance.setter
+    def social_distance(self, metres: float) -> None:
+        self.signs.near_within(metres)
+        self._look()
 
     @property
     def waits_since(self) -> int:
@@ -300,12 +267,9 @@ class Engagement:
             state=self.state.value,
             since=self._time.stamp(self.since),
             trail=self.trail,
-            signs={
-                **{name: sign.shown() for name, sign in self._signs.items()},
-                "identity": self._identity.shown(),
-            },
+            signs=self.signs.shown(),
             run=self._run,
-            uses=[sign.name for sign in self._uses],
+            uses=[sign.name for sign in self.signs.uses],
             social_distance=self.social_distance,
             engaged=self.engaged,
             next=self.pending,
@@ -317,11 +281,6 @@ class Engagement:
 
     # -- inside ---------------------------------------------------------------------------------
 
-    def _sign(self, name: str) -> Sign:
-        if name not in self._signs:
-            raise ValueError(f"{name!r} is none of {', '.join(SIGNS)}")
-        return self._signs[name]
-
     def _hear(self, value: object, now: int) -> bool:
         taken, event = self.voice.take(value, now)
         if event is not None and not self.cuts:
@@ -329,15 +288,15 @@ class Engagement:
         return taken
 
     def _verdict(self) -> tuple[bool, bool, bool]:
-        return self.present, self.engaged, self.known
+        return self.signs.present, self._engaged, self.known
 
     def _look(self) -> None:
         """Notice when the condition, or the name, comes and goes."""
         now = self._time.now
-        engaged = self.engaged
-        name = self._identity.name_given
-        if self._identity.known and name != self.visitor:
-            self.visitor = name
+        engaged = self.signs.engaged(now)
+        recognised = self._recognised()
+        if recognised and recognised != self.visitor:
+            self.visitor = recognised
             self._told = ""
         if engaged != self._engaged:
             self._engaged = engaged
@@ -352,7 +311,7 @@ class Engagement:
         shakes = self.settings.handshake
         return View(
             event=event,
-            presence=self.present,
+            presence=self.signs.present,
             engaged=self._engaged,
             known=self.known,
             elapsed=(now - self.since) / SECOND,
@@ -367,7 +326,7 @@ class Engagement:
         """The first edge that holds; signs that the wizard has overruled move nothing."""
         view = self._view(event)
         for edge in edges_from(self.state):
-            if edge.when(view) and (self._stands is None or not _by_signs(edge, view)):
+            if edge.when(view) and (self._stands is None or not by_signs(edge, view)):
                 return edge
         return None
 
@@ -379,23 +338,6 @@ class Engagement:
                 return edge, (None if edge is self._edge(None) else event)
         edge = self._edge(None)
         return None if edge is None else (edge, None)
-
-    def _edge_to(self, to: str) -> Edge:
-        for edge in edges_from(self.state):
-            if to == edge.outcome:
-                return edge
-        if to == self.state.value:
-            raise ValueError(f"it is {to} already")
-        if to not in {state.value for state in State}:
-            leave = ", ".join(dict.fromkeys(edge.outcome for edge in edges_from(self.state)))
-            raise ValueError(
-                f"{to!r} is neither a state nor an outcome of {self.state.value}"
-                + (f" ({leave})" if leave else "")
-            )
-        target = State(to)
-        known = (edge for edge in edges_from(self.state) if edge.target is target)
-        beyond = Edge(self.state, target, "forced", lambda _: True, "{reason}")
-        return next(known, beyond)
 
     def _take(self, edge: Edge, event: Event | None, by_hand: str = "") -> Change:
         forced = bool(by_hand) or self._rests_on_wizard(edge, event)
@@ -425,26 +367,22 @@ class Engagement:
         if edge.target is State.WAIT:
             self._told = ""
         if edge.target in (State.WAIT, State.UNKNOWN):
-            self.visitor = self._told or (self._identity.known and self._identity.name_given) or ""
+            self.visitor = self._told or self._recognised()
         self.attempt = self._failed + 1 if edge.target is State.HANDSHAKE else 0
 
     def _rests_on_wizard(self, edge: Edge, event: Event | None) -> bool:
-        if not _by_signs(edge, self._view(event)):
+        if not by_signs(edge, self._view(event)):
             return False
         presence = edge.outcome in ("human_presence", "human_absence")
-        signs = self._uses
-        if presence and "presence" in self.settings.signs:
-            signs = [self._signs["presence"]]
         named = edge.outcome in ("recognized", "unrecognized")
-        return any(sign.forced is not None for sign in signs) or (
-            named and self._identity.forced is not None
-        )
+        return self.signs.overruled(presence, not presence, named)
+
+    def _recognised(self) -> str:
+        identity = self.signs.identity
+        return identity.name_given if identity.known else ""
 
     def _deadlines(self) -> Iterator[int]:
-        for sign in (*self._signs.values(), self._identity):
-            if not sign.stale:
-                yield sign.heard_at + sign.stale_after + 1
-        yield from (sign.heard_at + FRESH + 1 for sign in self._uses)
+        yield from self.signs.deadlines()
         ends = self.voice.ends_at()
         if ends is not None:
             yield ends
@@ -458,43 +396,3 @@ class Engagement:
             yield self._turned + microseconds(timeouts.lost)
         elif not self.known:
             yield self._nameless_since + microseconds(timeouts.unrecognized)
-
-
-def _by_signs(edge: Edge, view: View) -> bool:
-    """Whether an edge that holds does so by the signs alone: without event, without time limit."""
-    return edge.when(replace(view, event=None, elapsed=0.0))
-
-
-def _verdict(sign: str, value: object | None) -> float | bool | None:
-    if value is None or isinstance(value, bool):
-        return value
-    number = samples.number(value)
-    if sign == "distance":
-        if number is None or not number > 0.0:
-            raise ValueError(f"{value!r} is no distance: a number of metres, on or off")
-        return number
-    if number not in (0.0, 1.0):
-        raise ValueError(f"{value!r} is no verdict on {sign}: on or off")
-    return bool(number)
-
-
-def _name(value: object | None, name: str) -> str | None:
-    if value is None and not name:
-        return None
-    found = samples.name(value if isinstance(value, str) else "", name)
-    if found is None:
-        raise ValueError(f"{value!r} is no name of a visitor")
-    return found
-
-
-def _check(sign: str, kind: str | None, count: int | None, threshold: float | None) -> None:
-    if sign not in SIGNS:
-        raise ValueError(f"{sign!r} is none of {', '.join(SIGNS)}")
-    if kind is not None and kind not in FILTERS:
-        raise ValueError(f"{kind!r} is none of {', '.join(FILTERS)}")
-    if kind == "median" and sign != "distance":
-        raise ValueError(f"a median is for distance, not for {sign}")
-    if count is not None and not 1 <= count <= 1000:
-        raise ValueError(f"{count} is not 1 to 1000 places")
-    if threshold is not None and not 0 <= threshold <= 1:
-        raise ValueError(f"{threshold:g} is not 0 to 1")

@@ -18,13 +18,13 @@ class Passing:
     def __init__(self, t: int, period: int) -> None:
         self.now = t
         self._stamp = t
-        self._period = period
+        self.period = period
 
     def to(self, t: int) -> None:
         """The stamps stand at `t`."""
         step = t - self._stamp
         self._stamp = t
-        self.now += min(step, LONGEST_PAUSE) if step >= 0 else self._period
+        self.now += min(step, LONGEST_PAUSE) if step >= 0 else self.period
 
     def stamp(self, moment: int) -> int:
         """What the stamps say, or would say, at a moment of the model's time."""

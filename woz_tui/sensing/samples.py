@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from woz_tui.sensing.names import BadName, label_of
+from woz_tui.sensing.names import BadNameError, label_of
 
 #: A face that nobody knows; an identity, but nobody's.
 UNKNOWN = "Unknown"
@@ -65,7 +65,7 @@ def name(value: object, text: str = "") -> str | None:
             score = number(value)
             return None if score is None or math.isnan(score) else UNKNOWN
         text = value
-    if not isinstance(text, str) or text in SPELT or len(text) > _READABLE:
+    if text in SPELT or len(text) > _READABLE:
         return None
     return _label(text)
 
@@ -95,6 +95,6 @@ def _label(text: str) -> str | None:
         return UNKNOWN
     try:
         label = label_of(text)
-    except BadName:
+    except BadNameError:
         return None
     return UNKNOWN if label.casefold() == UNKNOWN.casefold() else label

@@ -3,17 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import TypedDict
 
 from woz_tui.core.engaged import SignShown
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing import samples
-from woz_tui.sensing.filters import Fifo, Median
+from woz_tui.sensing.filters import Fifo, Filter, Median
 from woz_tui.sensing.identity import IdentityFifo
+from woz_tui.sensing.joint import Joint
+from woz_tui.sensing.joint import Sign as JointSign
 from woz_tui.sensing.passing import SECOND, microseconds
 from woz_tui.sensing.samples import UNKNOWN
 
 #: Nobody counts as engaged on samples older than this, whatever the settings say; microseconds.
 FRESH = 2 * SECOND
+#: So many samples of a queue are told to the joint filter when it takes over.
+_CAUGHT_UP = 4
 #: What a verdict is called: no, yes.
 WORDS = {
     "presence": ("nobody is there", "present"),
@@ -22,16 +27,30 @@ WORDS = {
 }
 
 
+class _Filled(TypedDict):
+    count: int
+    needed: int
+    places: int
+    filter: str
+
+
 class Heard:
     """When a sensor was heard last. Times are the model's, in microseconds."""
 
     def __init__(self, name: str, settings: EngagementSettings, now: int) -> None:
         self.name = name
         self.stale_after = _stale_after(name, settings)
+        self.farthest = settings.farthest
         self.heard_at = now
         #: Whether it was ever heard, and whether that is too long ago.
         self.ever = False
         self.stale = False
+
+    def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
+        """Go on with what is new in the settings."""
+        own = settings.sign(self.name)
+        self.stale_after = microseconds(settings.stale if own.stale is None else own.stale)
+        self.farthest = settings.farthest
 
     def _heard(self, now: int) -> None:
         self.heard_at = now
@@ -61,61 +80,81 @@ def numbers(name: str, settings: EngagementSettings) -> tuple[str, int, float]:
 
 
 class Sign(Heard):
-    """Presence, gaze or distance."""
+    """Presence, gaze or distance. `joint` is what all signs share that are filtered jointly.
 
-    def __init__(self, name: str, settings: EngagementSettings, now: int) -> None:
+    The queue is always filled, so that it is there when the filter is changed while running.
+    """
+
+    def __init__(self, name: str, settings: EngagementSettings, joint: Joint, now: int) -> None:
         super().__init__(name, settings, now)
         self.near = settings.social_distance
-        self._farthest = settings.farthest
-        self._start_up = settings.start_up
         self.raw: float | None = None
         #: The wizard's verdict, or metres.
         self.forced: float | bool | None = None
-        self.filter = self._made(*numbers(name, settings))
+        kind, count, threshold = numbers(name, settings)
+        self._start_up = settings.start_up
+        self._joint = joint.view(name)
+        self._joint.configure(count, threshold)
+        self._queue = self._made(kind, count, threshold)
+        self._jointly = kind == "joint"
+
+    @property
+    def filter(self) -> Filter:
+        """What makes the verdict."""
+        return self._joint if self._jointly else self._queue
 
     def take(self, value: object, now: int) -> bool:
         """A sample, whatever it is; whether it is one."""
         meant = (
-            samples.metres(value, self._farthest)
-            if self.name == "distance"
-            else samples.flag(value)
+            samples.metres(value, self.farthest) if self.name == "distance" else samples.flag(value)
         )
         if meant is None:
             return False
         self.raw = float(value) if isinstance(value, bool) else samples.number(value)
         self._heard(now)
-        self.filter.take(meant, now)
+        self._queue.take(meant, now)
+        if self._jointly:
+            self._joint.take(meant, now)
         return True
 
     def pass_to(self, now: int) -> None:
         """Time passes; a sensor that says nothing for too long is stale, and its queue empty."""
         if self._turns_stale(now):
-            self.filter.forget()
+            self._queue.forget()
+            self._joint.forget()
 
     def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
         """Another filter, or other numbers for it; it keeps what it holds as far as it fits."""
-        old = self.filter
-        count = old.places if count is None else count
-        threshold = old.threshold if threshold is None else threshold
-        if kind is None or kind == old.kind:
-            old.configure(count, threshold)
+        queue = self._queue
+        count = queue.places if count is None else count
+        threshold = queue.threshold if threshold is None else threshold
+        self._joint.configure(count, threshold)
+        if kind in ("fifo", "median") and kind != queue.kind:
+            self._queue = self._made(kind, count, threshold)
+            self._queue.resume(queue.values)
         else:
-            self.filter = self._made(kind, count, threshold)
-            self.filter.resume(old.values)
-
-    def adopt(self, settings: EngagementSettings, was: EngagementSettings) -> None:
-        """Other settings; numbers that were set while running stay unless they were edited."""
-        self.stale_after = _stale_after(self.name, settings)
-        self._farthest = settings.farthest
-        self._start_up = settings.start_up
-        if numbers(self.name, settings) != numbers(self.name, was):
-            self.configure(*numbers(self.name, settings))
+            queue.configure(count, threshold)
+        if kind == "joint" and not self._jointly:
+            self._joint.forget()
+            for value in self._queue.values[-_CAUGHT_UP:]:
+                self._joint.take(value, self.heard_at)
+        self._jointly = self._jointly if kind is None else kind == "joint"
 
     def near_within(self, metres: float) -> None:
         """Another social distance."""
         self.near = metres
         if self.name == "distance":
-            self.filter.near_within(metres)
+            self._queue.near_within(metres)
+
+    def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
+        """Go on with what is new in the settings."""
+        super().adopt(settings, before)
+        if settings.start_up != before.start_up:
+            self._start_up = settings.start_up
+            self._queue.start_up = settings.start_up
+        kind, count, threshold = numbers(self.name, settings)
+        if (kind, count, threshold) != numbers(self.name, before):
+            self.configure(kind, count, threshold)
 
     def fresh(self, now: int) -> bool:
         """Whether somebody may count as engaged by it."""
@@ -133,15 +172,15 @@ class Sign(Heard):
     def words(self, now: int) -> str:
         """The verdict as a person says it: `looks (5 of 8)`."""
         verdict = self.verdict
-        if verdict is None:
-            return f"{self.name} not known yet ({len(self.filter.values)} of {self.filter.places})"
         if self.forced is None and (self.stale or not self.fresh(now)):
             return f"{self.name} {'stale' if self.ever else 'not sensed'}"
+        if verdict is None:
+            return f"{self.name} not known yet"
         said = WORDS[self.name][verdict]
         metres = self.metres
         if self.name == "distance" and metres is not None and math.isfinite(metres):
             said += f" {metres:.1f} m"
-        return said + (" (wizard)" if self.forced is not None else self._share())
+        return said + (" (wizard)" if self.forced is not None else _share(self.filter))
 
     @property
     def metres(self) -> float | None:
@@ -150,24 +189,15 @@ class Sign(Heard):
         return self.raw if forced is None else None if isinstance(forced, bool) else forced
 
     def shown(self) -> SignShown:
-        """The sign as the screen shows it."""
+        """The sign as the screen shows it; what is beyond all measure has no number."""
         raw = self.metres if self.raw is None else self.raw
         return SignShown(
             raw=raw if raw is not None and math.isfinite(raw) else None,
             verdict=self.verdict,
-            count=self.filter.count,
-            needed=self.filter.needed,
-            places=self.filter.places,
-            filter=self.filter.kind,
+            **_filled(self.filter),
             stale=self.stale and self.forced is None,
             forced=self.forced is not None,
         )
-
-    def _share(self) -> str:
-        filter_ = self.filter
-        if not 0 < filter_.count < filter_.places:
-            return ""
-        return f" ({filter_.count} of {filter_.places})"
 
     def _made(self, kind: str, count: int, threshold: float) -> Fifo:
         near = self.near if self.name == "distance" else None
@@ -179,13 +209,21 @@ class Sign(Heard):
 class Identity(Heard):
     """Who the visitor is."""
 
-    def __init__(self, settings: EngagementSettings, now: int) -> None:
+    def __init__(self, settings: EngagementSettings, joint: Joint, now: int) -> None:
         super().__init__("identity", settings, now)
         self.raw: str = ""
         #: The name that the wizard gives, which may be "Unknown".
         self.forced: str | None = None
-        _, count, threshold = numbers("identity", settings)
-        self.filter = IdentityFifo(count, threshold, settings.start_up)
+        kind, count, threshold = numbers("identity", settings)
+        self._joint = joint.view("identity")
+        self._joint.configure(count, threshold)
+        self._queue = IdentityFifo(count, threshold, settings.start_up)
+        self._jointly = kind == "joint"
+
+    @property
+    def filter(self) -> IdentityFifo | JointSign:
+        """What makes the verdict."""
+        return self._joint if self._jointly else self._queue
 
     def take(self, value: object, text: str, now: int) -> bool:
         """A recognition, whatever it is; whether it is one."""
@@ -194,33 +232,51 @@ class Identity(Heard):
             return False
         self.raw = name
         self._heard(now)
-        self.filter.take(name, now)
+        self._queue.take(name, now)
+        if self._jointly:
+            self._joint.take(name, now)
         return True
 
     def pass_to(self, now: int) -> None:
         """Time passes; what has not been heard for too long is forgotten."""
         if self._turns_stale(now):
-            self.filter.forget()
+            self._queue.forget()
+            self._joint.forget()
 
-    def configure(self, count: int | None, threshold: float | None) -> None:
-        """Other numbers from now on."""
-        old = self.filter
-        old.configure(
-            old.places if count is None else count,
-            old.threshold if threshold is None else threshold,
-        )
+    def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
+        """Another filter, or other numbers for it; it keeps what it holds as far as it fits."""
+        queue = self._queue
+        count = queue.places if count is None else count
+        threshold = queue.threshold if threshold is None else threshold
+        queue.configure(count, threshold)
+        self._joint.configure(count, threshold)
+        if kind == "joint" and not self._jointly:
+            self._joint.forget()
+            for name in queue.values[-_CAUGHT_UP:]:
+                self._joint.take(name, self.heard_at)
+        self._jointly = self._jointly if kind is None else kind == "joint"
 
-    def adopt(self, settings: EngagementSettings, was: EngagementSettings) -> None:
-        """Other settings; numbers that were set while running stay unless they were edited."""
-        self.stale_after = _stale_after(self.name, settings)
-        if numbers(self.name, settings) != numbers(self.name, was):
-            _, count, threshold = numbers(self.name, settings)
-            self.configure(count, threshold)
+    def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
+        """Go on with what is new in the settings."""
+        super().adopt(settings, before)
+        self._queue.start_up = settings.start_up
+        new = numbers(self.name, settings)
+        if new != numbers(self.name, before):
+            self.configure(*new)
 
     @property
     def name_given(self) -> str:
         """The ID, or "Unknown"."""
-        return self.filter.name if self.forced is None else self.forced
+        if self.forced is not None:
+            return self.forced
+        return UNKNOWN if self.stale else self.filter.name
+
+    @property
+    def verdict(self) -> int | None:
+        """1 if there is an ID, 0 if not, None while there is no verdict yet."""
+        if self.forced is not None or self.stale:
+            return int(self.known)
+        return self.filter.verdict
 
     @property
     def known(self) -> bool:
@@ -233,18 +289,31 @@ class Identity(Heard):
             return f"{self.forced if self.known else 'no name'} (wizard)"
         if not self.known:
             return "no name"
-        return f"{self.filter.name} ({self.filter.count} of {self.filter.places})"
+        return self.name_given + _share(self.filter)
 
     def shown(self) -> SignShown:
         """The sign as the screen shows it."""
         return SignShown(
             raw_name=self.raw,
-            verdict=int(self.known) if self.forced is not None else self.filter.verdict,
+            verdict=self.verdict,
             name=self.name_given,
-            count=self.filter.count,
-            needed=self.filter.needed,
-            places=self.filter.places,
-            filter=self.filter.kind,
+            **_filled(self.filter),
             stale=self.stale and self.forced is None,
             forced=self.forced is not None,
         )
+
+
+def _share(filter_: Filter) -> str:
+    """How many speak for it, unless all do or none."""
+    if not 0 < filter_.count < filter_.places:
+        return ""
+    return f" ({filter_.count} {'%' if filter_.kind == 'joint' else f'of {filter_.places}'})"
+
+
+def _filled(filter_: Filter) -> _Filled:
+    return _Filled(
+        count=filter_.count,
+        needed=filter_.needed,
+        places=filter_.places,
+        filter=filter_.kind,
+    )

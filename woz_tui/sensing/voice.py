@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 
+from woz_tui.experiment.engagement import SoundSettings
 from woz_tui.sensing import samples
 from woz_tui.sensing.endpoint import Endpointer, Started
 from woz_tui.sensing.machine import Event
@@ -22,15 +23,20 @@ class Voice:
     that stays away for longer than that and than a second.
     """
 
-    def __init__(self, threshold: float | None, hang_over: float) -> None:
-        self._fixed = threshold is not None
-        level = PUBLISHED_THRESHOLD if threshold is None else threshold
+    def __init__(self, settings: SoundSettings) -> None:
         # It is ended by the time that has passed, never by a number of chunks.
-        self._points = Endpointer(level, hang=2**62, pre=0)
-        self._hang = microseconds(hang_over)
+        self._points = Endpointer(PUBLISHED_THRESHOLD, hang=2**62, pre=0)
         self._loud_at = 0
         self._chunk_at = 0
         self.level: float | None = None
+        self.adopt(settings)
+
+    def adopt(self, settings: SoundSettings) -> None:
+        """Go on with other settings; a threshold that was learnt stays if they name none."""
+        self._fixed = settings.threshold is not None
+        if settings.threshold is not None:
+            self._points.threshold = settings.threshold
+        self._hang = microseconds(settings.hang_over)
 
     @property
     def threshold(self) -> float:

@@ -132,6 +132,11 @@ class Engagement:
             self.signs.configure(sign, kind, samples, threshold)
         self._look()
 
+    def near_within(self, metres: float) -> None:
+        """Another social distance; ValueError outside of 0.1 to 10 m."""
+        self.signs.near_within(metres)
+        self._look()
+
     def set_threshold(self, rms: object) -> None:
         """The loudness of speech as the microphone has learnt it; the settings go before it."""
         self.voice.tell_threshold(rms)
@@ -247,13 +252,8 @@ class Engagement:
 
     @property
     def social_distance(self) -> float:
-        """Metres that are near enough; setting it raises ValueError outside of 0.1 to 10."""
+        """Metres that are near enough to talk."""
         return self.signs.near
-
-    @social_distance.setter
-    def social_distance(self, metres: float) -> None:
-        self.signs.near_within(metres)
-        self._look()
 
     @property
     def waits_since(self) -> int:

@@ -9,11 +9,12 @@ from woz_tui.console.cells import Row, length
 from woz_tui.console.events import chosen, event_rows
 from woz_tui.console.figures import decibels, elapsed, seconds
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
-from woz_tui.console.meters import meter_rows, zone
+from woz_tui.console.meters import meter_rows
 from woz_tui.console.picture import Picture
 from woz_tui.console.script import script_row
 from woz_tui.console.status import Line, status_rows
 from woz_tui.console.stopbar import Bar, News, bar_rows
+from woz_tui.console.zones import zone
 from woz_tui.core import messages as m
 
 NOW = scenes.NOW

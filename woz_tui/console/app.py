@@ -170,8 +170,10 @@ class Console(App[str]):
     def _beat(self) -> None:
         """Paint if anything has come or moves with time; otherwise once a second."""
         self.keyboard.tick()
-        moving = self.picture.runs.active or self._flash_until or self._stop_asked is not None
-        still_us = self.clock.now_us() - self._painted
+        moving = self._flash_until or self._stop_asked is not None
+        local = self.clock.now_us()
+        still_us = local - self._painted
+        moving = moving or self.picture.moves(self.picture.now(local))
         if self._inbox or self._lost or moving or still_us >= 1_000_000:
             self.paint()
 

@@ -50,6 +50,7 @@ class Glyphs:
     right: str = "→"
     opening: str = "“"
     closing: str = "”"
+    forced: str = "✎"
 
     def plain(self, text: str) -> str:
         """`text` as this terminal can show it."""
@@ -104,6 +105,7 @@ class AsciiGlyphs(Glyphs):
     right: str = "rt"
     opening: str = '"'
     closing: str = '"'
+    forced: str = "="
 
     def plain(self, text: str) -> str:
         """Our own signs replaced; letters with accents stay, the terminal may know them."""

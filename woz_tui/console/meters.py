@@ -11,41 +11,38 @@ from dataclasses import replace
 from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, length
+from woz_tui.console.engagement.meter import block_rows
 from woz_tui.console.figures import SILENCE_DB, decibels
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.pose import joint_rows, other_rows
 from woz_tui.console.rows import NAME, at, joined, labelled, named, old, ruler, track
+from woz_tui.console.zones import FARTHEST, ZONES, zone
 from woz_tui.core import messages as m
 
-#: Where Hall's intimate, personal and social spaces end, in metres (E. T. Hall, The Hidden
-#: Dimension, 1966); beyond is public.
-ZONES = ((0.45, "intimate"), (1.2, "personal"), (3.6, "social"))
-#: The far end of the distance ruler, in metres.
-FARTHEST = 4.8
 #: Rows of meters at the most.
 MOST = 40
 #: Sensors with a place of their own.
 _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
 
-def zone(metres: float) -> str:
-    """Hall's name for a distance."""
-    return next((name for limit, name in ZONES if metres < limit), "public")
-
-
 def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
     known = [name for name in sorted(picture.sensors) if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
-    loud = [name for name in known if name.endswith("loudness")]
-    rows = [
-        *(row for name in near for row in _distance(picture, name, frame)),
-        *(row for name in loud for row in _loudness(picture, name, frame)),
-        *(row for robot in _robots(known) for row in _verdicts(picture, robot, frame)),
-        *_engagement(picture, frame),
-    ]
+    shown = picture.engaged.shown
+    if shown is not None:
+        rows = block_rows(picture, shown, frame, _loudness_rows)
+        near = near if len(near) > 1 else []  # the model's own has its place
+        rows += [row for name in near for row in _distance(picture, name, frame)]
+    else:
+        rows = [
+            *(row for name in near for row in _distance(picture, name, frame)),
+            *_loudness_rows(picture, frame, ""),
+            *(row for robot in _robots(known) for row in _verdicts(picture, robot, frame)),
+            *_engagement(picture, frame),
+        ]
     others = other_rows(picture, frame, known)
     rows += joint_rows(picture, frame, frame.height - len(rows), len(others))
     rows += others
@@ -89,7 +86,13 @@ def _robots(names: list[str]) -> list[str]:
     return list(dict.fromkeys(name[: -len(name.rpartition(".")[2])] for name in names))
 
 
-def _loudness(picture: Picture, name: str, frame: Frame) -> list[Row]:
+def _loudness_rows(picture: Picture, frame: Frame, speech: str) -> list[Row]:
+    """Every microphone's level; `speech` is said of an utterance that is being cut out of it."""
+    loud = [name for name in sorted(picture.sensors) if name.rpartition(".")[2] == "loudness"]
+    return [row for name in loud for row in _loudness(picture, name, frame, speech)]
+
+
+def _loudness(picture: Picture, name: str, frame: Frame, speech: str = "") -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
     sensor = picture.sensors[name]
     glyphs, width = frame.glyphs, track(frame)
@@ -107,6 +110,8 @@ def _loudness(picture: Picture, name: str, frame: Frame) -> list[Row]:
         cells[mark_at] = (glyphs.tick, "strong")
     mark = f"{glyphs.yes} voice" if speaking else clean(sensor.state)
     look = "good" if speaking else "warn" if sensor.state in ("clipping", "silent") else "plain"
+    if speech and look != "warn":
+        mark, look = speech.replace("speech", glyphs.yes), "good"
     return [labelled(_short(name), joined(cells), f"{level:3.0f} dB {mark}", look)]
 
 

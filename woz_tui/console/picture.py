@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import msgspec
 
 from woz_tui.console.bodies.outlines import Outline, outlines_of
+from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.feed import Incoming
 from woz_tui.console.parts import (
     STALE_US,
@@ -73,6 +74,7 @@ class Picture:
     recorder: RecorderPicture = field(default_factory=RecorderPicture)
     stop: StopPicture | None = None
     engagement: m.EngagementChanged | None = None
+    engaged: Engaged = field(default_factory=Engaged)
     modes: dict[str, str] = field(default_factory=dict)
     #: What drivers look like, and what was shown last, by driver.
     outlines: dict[str, Outline] = field(default_factory=dict)
@@ -170,6 +172,7 @@ class Picture:
 
     def _message(self, message: m.Message, tell: bool) -> None:
         reduce(self, message)
+        self.engaged.take(message)
         failure = self.runs.take(message)
         if tell:
             if failure is not None:
@@ -189,6 +192,10 @@ class Picture:
             self.events.append(told)
 
     # -- reading ----------------------------------------------------------------------------
+
+    def moves(self, now: int) -> bool:
+        """Whether a figure on the screen changes by itself."""
+        return bool(self.runs.active) or (not self.lost and self.engaged.moves(now))
 
     def label(self, name: str) -> str:
         """The label of the action called `name`, or the name itself."""

@@ -1,0 +1,236 @@
+"""The model among the meters: state first, then what is to be done, then why.
+
+How much of it is shown follows from the height alone, and every row has its place: nothing moves
+about while visitors come and go.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import replace
+
+from woz_tui.console.cells import Piece, Row, clean, cut, fit, length
+from woz_tui.console.engagement.bars import LEAST, distance_bar, queue_bar
+from woz_tui.console.engagement.seen import Segment
+from woz_tui.console.engagement.words import (
+    USUAL_ATTENTION,
+    WORD,
+    headline,
+    is_used,
+    known_visitor,
+    mark,
+    path,
+    run_piece,
+    share,
+    signs_of,
+    waiting,
+)
+from woz_tui.console.figures import age, elapsed, seconds
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.picture import Picture
+from woz_tui.console.rows import NAME, labelled, named, track
+from woz_tui.console.zones import FARTHEST, LIMITS, zone
+from woz_tui.core import messages as m
+
+#: Lines from which path and reason have a row each, and from which each sign has one.
+MIDDLE, FULL = 8, 14
+#: What was heard stays for so long where it shares its row with the path, in microseconds.
+HEARD_US = 30_000_000
+#: Cells of a sign without its bar: mark, word, blanks.
+_SIGN = 9
+_WORD = 7
+
+#: Draws the rows of the loudness, given what is said of speech.
+Loudness = Callable[[Picture, Frame, str], list[Row]]
+
+
+def block_rows(
+    picture: Picture, shown: m.EngagementShown, frame: Frame, loudness: Loudness
+) -> list[Row]:
+    """The block for a session with a model; `loudness` draws the rows that are not the model's."""
+    speech = _speech(picture, frame)
+    loud = loudness(picture, frame, speech)
+    unheard = "" if loud else speech
+    rows = [_state(picture, shown, frame)]
+    if frame.height < MIDDLE:
+        rows.append(_moment(picture, shown, frame, unheard, else_path=True))
+        rows += _pairs(picture, shown, frame)
+    elif frame.height < FULL:
+        rows.append(_moment(picture, shown, frame, unheard, else_path=False))
+        rows += [_path(shown, frame), _why(picture, frame), *_pairs(picture, shown, frame)]
+    else:
+        rows.append(_labelled_moment(picture, shown, frame, unheard))
+        rows += [_path(shown, frame), _why(picture, frame), *_singles(picture, shown, frame)]
+    rows += [*_distance(picture, shown, frame), *loud]
+    if frame.height >= FULL:
+        rows.append((named("heard"), *_heard(picture, frame)))
+    return rows
+
+
+# -- state, waiting, path, why ------------------------------------------------------------------
+
+
+def _state(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+    """The state and for how long; behind it the visitor and what is unusual, if there is room."""
+    since = elapsed(frame.now - shown.since)
+    row: Row = (
+        (" ", "plain"),
+        *headline(shown, frame.glyphs, old=bool(picture.lost)),
+        (f" {since}", "muted"),
+    )
+    if shown.attempt:
+        row += ((f" attempt {shown.attempt}", "muted"),)
+    attention = "" if shown.attention in ("", USUAL_ATTENTION) else clean(shown.attention)
+    for text, look in ((known_visitor(shown), "run"), (attention, "wait")):
+        if text and length(row) + len(text) + 2 <= frame.width:
+            row += (("  ", "plain"), (text, look))
+    return row
+
+
+def _speech(picture: Picture, frame: Frame) -> str:
+    """`speech 3.1 s` while somebody speaks."""
+    segment = None if picture.lost else picture.engaged.speaking(frame.now)
+    return "" if segment is None else f"speech {seconds(frame.now - segment.began)}"
+
+
+def _now(
+    picture: Picture, shown: m.EngagementShown, frame: Frame, unheard: str, *, terse: bool
+) -> list[Piece]:
+    """What asks for the wizard at this moment."""
+    glyphs = frame.glyphs
+    pieces = [
+        None if picture.lost else waiting(picture.engaged, frame.now, glyphs, terse=terse),
+        run_piece(shown, glyphs, terse=frame.height < FULL),
+        (f"{glyphs.yes} {unheard}", "good") if unheard else None,
+    ]
+    found: list[Piece] = []
+    for piece in pieces:
+        if piece is not None:
+            found += [("  ", "plain"), piece] if found else [piece]
+    return found
+
+
+def _moment(
+    picture: Picture, shown: m.EngagementShown, frame: Frame, unheard: str, *, else_path: bool
+) -> Row:
+    """Who waits, whether the machine is held, and what was heard; or else the path."""
+    heard = picture.engaged.heard()
+    recent = bool(heard) and frame.now - heard[0].t < HEARD_US
+    now = _now(picture, shown, frame, unheard, terse=recent)
+    if now:
+        row: Row = ((" ", "plain"), *now)
+        return (*row, ("  ", "plain"), quoted(heard[0], frame.glyphs)) if recent else row
+    if else_path and not recent:
+        return ((" ", "plain"), *path(shown, frame.width - 1, frame.glyphs))
+    return ((" ", "plain"), *_heard(picture, frame))
+
+
+def _labelled_moment(picture: Picture, shown: m.EngagementShown, frame: Frame, unheard: str) -> Row:
+    now = _now(picture, shown, frame, unheard, terse=False)
+    return (named("now"), *(now or [(frame.glyphs.dash, "faint")]))
+
+
+def _path(shown: m.EngagementShown, frame: Frame) -> Row:
+    return (named("path"), *path(shown, frame.width - NAME, frame.glyphs))
+
+
+def _why(picture: Picture, frame: Frame) -> Row:
+    """Why the last change came about."""
+    changes = picture.engaged.changes
+    last = changes[-1] if changes else picture.engagement
+    if last is None:
+        return (named("why"), (frame.glyphs.dash, "faint"))
+    hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
+    return (named("why"), *hand, (frame.glyphs.plain(clean(last.why)), "muted"))
+
+
+def _heard(picture: Picture, frame: Frame) -> Row:
+    """What was understood last, and when."""
+    heard = picture.engaged.heard()
+    if not heard:
+        return ((frame.glyphs.dash, "faint"),)
+    last = heard[0]
+    return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
+
+
+def quoted(segment: Segment, glyphs: Glyphs) -> Piece:
+    """What somebody said, in quotation marks."""
+    return (f"{glyphs.opening}{clean(segment.text or '')}{glyphs.closing}", "run")
+
+
+# -- signs --------------------------------------------------------------------------------------
+
+
+def _pairs(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """Two signs in a row: mark, word, fill of the queue."""
+    width = (frame.width - 2) // 2
+    small = replace(frame, width=width)
+    found = [_pair(name, sign, shown, picture, small) for name, sign in signs_of(shown)]
+    return [
+        ((" ", "plain"), *first, (" ", "plain"), *second)
+        for first, second in zip(found[::2], [*found[1::2], ()], strict=False)
+    ]
+
+
+def _pair(
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: Picture, frame: Frame
+) -> Row:
+    glyphs = frame.glyphs
+    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    word = found.word if name == "identity" and found.look != "stale" else WORD[name]
+    front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
+    room = frame.width - _SIGN
+    if room < LEAST:
+        return cut((front,), frame.width, glyphs.ellipsis)
+    if not is_used(name, shown):
+        back: Row = (("not used", "faint"),)
+    elif sign.forced:
+        back = ((f"{glyphs.forced} by hand", "wait"),)
+    elif found.look == "stale":
+        back = ((found.word, "stale"),)
+    else:
+        back = queue_bar(sign, room, glyphs)
+    return cut((front, *back), frame.width, glyphs.ellipsis)
+
+
+def _singles(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """A row for each sign: name, fill of the queue, verdict with its count."""
+    return [_single(name, sign, shown, picture, frame) for name, sign in signs_of(shown)]
+
+
+def _single(
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: Picture, frame: Frame
+) -> Row:
+    glyphs = frame.glyphs
+    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    quiet = found.look == "stale" or sign.forced or not is_used(name, shown)
+    bar = queue_bar(sign, track(frame), glyphs, "muted" if quiet else "good")
+    if not is_used(name, shown):
+        return labelled(WORD[name], bar, "not used", "faint")
+    if sign.forced:
+        return labelled(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
+    count = "" if found.look == "stale" else f" {share(sign)}"
+    return labelled(WORD[name], bar, f"{found.sign} {found.word}{count}", found.look)
+
+
+def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
+    sign = shown.signs.get("distance")
+    if sign is None or (sign.raw is None and "distance" not in picture.sensors):
+        return []
+    stale = bool(picture.lost) or sign.stale
+    bar = distance_bar(
+        sign.raw,
+        shown.social_distance,
+        track(frame),
+        frame.glyphs,
+        limits=LIMITS,
+        farthest=FARTHEST,
+        stale=stale,
+    )
+    if sign.raw is None:
+        return [labelled("distance", bar, "nothing seen", "muted")]
+    figure = f"{sign.raw:.2f} m" if sign.raw < 100 else "far"
+    if stale:
+        return [labelled("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
+    return [labelled("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]

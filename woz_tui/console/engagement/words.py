@@ -1,0 +1,181 @@
+"""The model in few words: signs, states, waiting; each with a sign and a look of its own."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import NamedTuple
+
+from rich.cells import cell_len
+
+from woz_tui.console.cells import Piece, Row, clean, fit
+from woz_tui.console.engagement.seen import Engaged
+from woz_tui.console.figures import seconds
+from woz_tui.console.glyphs import Glyphs
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import CONDITION, MODES, SIGNS
+
+#: From here on the wait for an answer is too long for a visitor: people like an answer within a
+#: second and suffer two (T. Shiwa et al., How quickly should communication robots respond?, HRI
+#: 2008). From the second on our own: long before it, people speak again or turn away.
+SLOW_US, LONG_US = 2_000_000, 5_000_000
+#: A state in a word, for a path of several.
+SHORT = {
+    "PersonDetected": "Detected",
+    "EngagedWithUnknown": "Unknown",
+    "EngagedWithKnown": "Known",
+    "UserSpeaks": "User",
+    "RobotThinks": "Thinks",
+    "RobotReplies": "Replies",
+    "RobotSpeaks": "Robot",
+}
+#: A sign in a word.
+WORD = {"presence": "person", "gaze": "looks", "distance": "near", "identity": "who"}
+#: The mode of attention that nobody needs to be told.
+USUAL_ATTENTION = MODES[2]
+#: Cells of a state's short name at the most.
+_SHORT_CELLS = 12
+#: What is not known of identities, as the model calls it.
+_UNKNOWN = ("", "Unknown")
+#: A joint filter counts per cent.
+_PER_CENT = 100
+
+
+class Mark(NamedTuple):
+    """A verdict: its sign, its word, its look."""
+
+    sign: str
+    word: str
+    look: str
+
+    @property
+    def piece(self) -> Piece:
+        """Both."""
+        return (f"{self.sign} {self.word}", self.look)
+
+
+def short(state: str) -> str:
+    """A state in a word."""
+    return SHORT.get(state) or fit(state, min(_SHORT_CELLS, cell_len(clean(state))))
+
+
+def signs_of(shown: m.EngagementShown) -> list[tuple[str, m.SignShown]]:
+    """All that are told, in the order that never changes."""
+    return [(name, shown.signs[name]) for name in SIGNS if name in shown.signs]
+
+
+def is_used(name: str, shown: m.EngagementShown) -> bool:
+    """Whether it is part of the condition, or gives a name."""
+    return name in shown.uses or name not in CONDITION
+
+
+def unsensed(sign: m.SignShown) -> bool:
+    """Whether nobody has ever given it, neither a sensor nor the wizard."""
+    return sign.raw is None and not sign.raw_name and not sign.name and not sign.forced
+
+
+def mark(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> Mark:
+    """What the sign says; `old`: nothing is heard of the model any more."""
+    if old or (sign.stale and not sign.forced):
+        return Mark(glyphs.stale, "no sensor" if unsensed(sign) else "stale", "stale")
+    if name not in CONDITION:
+        known = sign.name not in _UNKNOWN
+        named = clean(sign.name) if known else "unknown"
+        return Mark(glyphs.yes if known else glyphs.no, named, "good" if known else "muted")
+    if sign.verdict is None:
+        return Mark("?", "not yet", "muted")
+    return Mark(glyphs.yes, "yes", "good") if sign.verdict else Mark(glyphs.no, "no", "muted")
+
+
+def share(sign: m.SignShown) -> str:
+    """`5 of 8`, for a joint filter `87 %`."""
+    if sign.places <= 0:
+        return ""
+    if sign.filter == "joint" and sign.places == _PER_CENT:
+        return f"{sign.count} %"
+    return f"{sign.count} of {sign.places}"
+
+
+def needs(sign: m.SignShown) -> str:
+    """`needs 4`."""
+    if sign.places <= 0:
+        return ""
+    per_cent = " %" if sign.filter == "joint" and sign.places == _PER_CENT else ""
+    return f"needs {sign.needed}{per_cent}"
+
+
+def headline(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> Row:
+    """The state, with the sign for whether the condition holds."""
+    if old:
+        sign: Piece = (f"{glyphs.stale} ", "stale")
+    else:
+        sign = (f"{glyphs.yes} ", "good") if shown.engaged else (f"{glyphs.no} ", "muted")
+    return (sign, (clean(shown.state), "stale" if old else "strong"))
+
+
+def waiting(engaged: Engaged, now: int, glyphs: Glyphs, *, terse: bool = False) -> Piece | None:
+    """For how long the visitor has been waiting; louder and with a sign when it is too long."""
+    waited = engaged.waited(now)
+    if waited is None:
+        return None
+    text = f"{'' if terse else 'visitor '}waits {seconds(waited)}"
+    if waited >= LONG_US:
+        return (f"{glyphs.error} {text}", "bad")
+    if waited >= SLOW_US:
+        return (f"{glyphs.warning} {text}", "warn")
+    return (f"{glyphs.waits} {text}", "plain")
+
+
+def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) -> Piece | None:
+    """Whether the machine does not run by itself, and where it would go."""
+    if shown.run == "off":
+        return (f"{glyphs.stopped} off", "warn")
+    if shown.run != "hold":
+        return None
+    if not shown.next:
+        return (f"{glyphs.stopped} held", "warn")
+    to = short(shown.next) if terse else clean(shown.next)
+    would = f"held {glyphs.next} {to}" if terse else f"held: would go to {to}"
+    return (f"{glyphs.stopped} {would}", "warn")
+
+
+def path(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
+    """The last states, the newest at the right; the oldest are left out where room is short."""
+    names = [short(state) for state in shown.trail] or [short(shown.state)]
+    arrow = f" {glyphs.next} "
+    kept = [names[-1]]
+    for name in reversed(names[:-1]):
+        more = cell_len(name) + cell_len(arrow)
+        whole = sum(map(cell_len, kept)) + cell_len(arrow) * (len(kept) - 1)
+        if whole + more > width - 2:
+            kept.insert(0, glyphs.ellipsis)
+            break
+        kept.insert(0, name)
+    before = "".join(f"{name}{arrow}" for name in kept[:-1])
+    return ((before, "muted"), (kept[-1], "strong"))
+
+
+def condition(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> Row:
+    """`presence yes AND gaze no (2 of 8, needs 4) AND near yes -> not engaged`."""
+    row: Row = ()
+    for name in shown.uses:
+        sign = shown.signs.get(name, m.SignShown())
+        found = mark(name, sign, glyphs, old=old)
+        row += ((" AND ", "muted"),) if row else ()
+        word = "near" if name == "distance" else clean(name)
+        row += ((f"{word} {found.word}", found.look),)
+        if found.word == "no" and not sign.forced and sign.places > 0:
+            row += ((f" ({share(sign)}, {needs(sign)})", "muted"),)
+        if sign.forced:
+            row += ((f" {glyphs.forced} by hand", "wait"),)
+    said = ("engaged", "good") if shown.engaged else ("not engaged", "warn")
+    return (*row, (f" {glyphs.next} ", "muted"), said)
+
+
+def known_visitor(shown: m.EngagementShown) -> str:
+    """The visitor's code, or nothing."""
+    return "" if shown.visitor in _UNKNOWN else clean(shown.visitor)
+
+
+def joined_words(words: Iterable[str], between: str = ", ") -> str:
+    """Those that are not empty."""
+    return between.join(word for word in words if word)

@@ -1,0 +1,38 @@
+"""The page about engagement: its diagram and its table come from the table in the program."""
+
+from __future__ import annotations
+
+import re
+from collections import Counter
+from xml.etree import ElementTree
+
+from docs import engagement_diagram as diagram
+from woz_tui.sensing.machine import EDGES, State
+
+
+def test_the_diagram_is_fresh() -> None:
+    """E5: what is drawn is what runs."""
+    assert diagram.PICTURE.read_text("utf-8") == diagram.svg()
+
+
+def test_the_pages_table_is_fresh() -> None:
+    """E5: every edge stands on the page, with its condition in words."""
+    text = diagram.PAGE.read_text("utf-8")
+    assert text == diagram.page(text)
+    assert text.count(diagram.BEGIN) == text.count(diagram.END) == 1
+
+
+def test_every_edge_is_told_and_nothing_else() -> None:
+    told = {key: len(words) for key, words in diagram.CONDITIONS.items()}
+    assert told == Counter(f"{edge.source} {edge.outcome}" for edge in EDGES)
+
+
+def test_every_state_and_every_edge_is_drawn() -> None:
+    svg = ElementTree.fromstring(diagram.svg())
+    words = Counter(text.text for text in svg.iter("{http://www.w3.org/2000/svg}text"))
+    assert all(words[state] == 1 for state in State)
+    for edge in EDGES:
+        label = f"{edge.letter}  {edge.outcome}" if edge.letter else edge.outcome
+        assert words[label] >= 1
+    lines = len(re.findall(r"marker-end", diagram.svg()))
+    assert lines == len({(edge.source, edge.target) for edge in EDGES})

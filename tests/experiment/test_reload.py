@@ -42,7 +42,6 @@ class Edit:
         Edit("script:", "variables: {x: y}\nscript:", ["variable 'x' is new"]),
         Edit("script:", "session: {deadline: 3}\nscript:", ["session changed"]),
         Edit("script:", "participants: {pattern: x}\nscript:", ["participant pattern changed"]),
-        Edit("script:", "engagement: {samples: 9}\nscript:", ["engagement changed"]),
         Edit("script:", "# a comment\nscript:", []),
         Edit("title: T", "\n\ntitle: T", []),
     ],

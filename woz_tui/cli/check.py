@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -14,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui import plugins
+from woz_tui.cli.engagement_summary import as_json, lines
 from woz_tui.core.driver import Argument, Driver, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment import keys
@@ -22,13 +23,14 @@ from woz_tui.experiment.shape import (
     Action,
     Call,
     DriverSpec,
+    Engagement,
     Experiment,
     ExperimentError,
     Problem,
     Step,
     Wait,
 )
-from woz_tui.experiment.verbs import session_verbs
+from woz_tui.experiment.verbs import engagement_verbs, session_verbs
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
@@ -110,7 +112,12 @@ def _print(
     for spec in experiment.drivers:
         console.print()
         console.print(Text(f"{spec.name} ({spec.type})", style="bold"))
-        console.print(_verbs_table(spec))
+        console.print(_verbs_table(spec.verbs, spec.sensors))
+    if experiment.engagement is not None:
+        console.print()
+        console.print(Text("engagement", style="bold"))
+        console.print(_engagement_table(experiment, experiment.engagement))
+        console.print(_verbs_table(engagement_verbs(), ()))
 
 
 def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
@@ -158,16 +165,29 @@ def _moved_builtins(keymap: keys.KeyMap) -> Iterator[str]:
         yield f"{found.press or 'no key'}: {item.description}{why}"
 
 
-def _verbs_table(spec: DriverSpec) -> Table:
+def _pairs() -> Table:
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0), show_header=False)
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold", ratio=1)
-    for verb in spec.verbs:
+    return table
+
+
+def _engagement_table(experiment: Experiment, engagement: Engagement) -> Table:
+    table = _pairs()
+    mains = main_arguments(experiment)
+    for about, text in lines(experiment, engagement, lambda action: described(action, mains)):
+        table.add_row(Text(about, style="dim"), Text(text))
+    return table
+
+
+def _verbs_table(verbs: Sequence[Verb], sensors: Sequence[str]) -> Table:
+    table = _pairs()
+    for verb in verbs:
         arguments = "\n".join(f"  {_argument(argument)}" for argument in verb.arguments)
         text = verb.summary + (f"\n{arguments}" if arguments else "")
         table.add_row(Text(verb.name, style="bold"), Text(text))
-    if spec.sensors:
-        table.add_row(Text("(senses)", style="dim"), Text(", ".join(spec.sensors), style="dim"))
+    if sensors:
+        table.add_row(Text("(senses)", style="dim"), Text(", ".join(sensors), style="dim"))
     return table
 
 
@@ -197,7 +217,7 @@ def described(action: Action, mains: Mapping[str, str]) -> str:
 def main_arguments(experiment: Experiment) -> dict[str, str]:
     """The main argument of each verb by the verb's name."""
     verbs = [verb for spec in experiment.drivers for verb in spec.verbs]
-    verbs += session_verbs()
+    verbs += [*session_verbs(), *(engagement_verbs() if experiment.engagement else ())]
     return {verb.name: verb.arguments[0].name for verb in verbs if verb.arguments}
 
 
@@ -239,6 +259,7 @@ def _report(
     experiment: Experiment, keymap: keys.KeyMap, terminal: keys.Terminal, layout: str
 ) -> Json:
     mains = main_arguments(experiment)
+    engagement = experiment.engagement
     return {
         "file": str(experiment.path),
         "ok": True,
@@ -257,6 +278,7 @@ def _report(
         ],
         "notes": list(keymap.warnings),
         "drivers": [_driver(spec) for spec in experiment.drivers],
+        "engagement": _engagement(experiment, engagement, mains) if engagement else None,
     }
 
 
@@ -295,6 +317,11 @@ def _driver(spec: DriverSpec) -> Json:
         "verbs": [_verb(verb) for verb in spec.verbs],
         "sensors": list(spec.sensors),
     }
+
+
+def _engagement(experiment: Experiment, engagement: Engagement, mains: Mapping[str, str]) -> Json:
+    told = as_json(experiment, engagement, lambda action: described(action, mains))
+    return {**told, "verbs": [*map(_verb, engagement_verbs())]}
 
 
 def _verb(verb: Verb) -> Json:

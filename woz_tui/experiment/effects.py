@@ -13,13 +13,14 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from woz_tui.core.fields import OneOf
 from woz_tui.experiment import template
 from woz_tui.experiment.actions import StepReader
 from woz_tui.experiment.calls import Vocabulary
-from woz_tui.experiment.engagement import STATES, STOPPED, EngagementSettings
+from woz_tui.experiment.engagement import STATES, STOPPED, EngagementSettings, HandshakeSettings
 from woz_tui.experiment.nodes import Items, Scalar
 from woz_tui.experiment.report import quoted
-from woz_tui.experiment.settings import BAD, read_settings
+from woz_tui.experiment.settings import BAD, fields_of, note, read_settings, split
 from woz_tui.experiment.shape import Action, Call, Engagement, Step, Together, Wait
 from woz_tui.experiment.spot import Spot, read_text
 from woz_tui.experiment.verbs import ENGAGEMENT
@@ -139,7 +140,10 @@ def _moves(call: Call) -> bool:
 def _sentences(handshake: Spot | None) -> None:
     """The handshake's sentences know `{name}` and nothing else."""
     sections = dict(handshake.entries()) if handshake is not None else {}
-    for name in ("ask", "again", "confirm", "welcome", "give_up"):
-        entry = sections.get(name)
-        if entry is not None and isinstance(entry.node, Scalar):
+    for item in fields_of(HandshakeSettings):
+        bare, notes = split(item.annotation)
+        entry = sections.get(item.name)
+        if entry is None or bare is not str or note(notes, OneOf) is not None:
+            continue
+        if isinstance(entry.node, Scalar):
             template.check(entry, entry.node.text, _UNDERSTOOD)

@@ -4,13 +4,15 @@ which names and verbs the model takes.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
+from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import Drafted
 from woz_tui.experiment.effects import effect_name
-from woz_tui.experiment.engagement import SIGNS, EngagementSettings, SoundSettings
+from woz_tui.experiment.engagement import CONDITION, SIGNS, EngagementSettings, SoundSettings
 from woz_tui.experiment.report import Report, join, quoted
 from woz_tui.experiment.robot import Robots
+from woz_tui.experiment.sensed import SENSOR
 from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import Action, Engagement, Together
 from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS
@@ -91,7 +93,7 @@ def _signs(
                 f"{' and '.join(several)} give {sign}; say which one counts:"
                 f" {sign}: {{sensor: {several[0]}}}",
             )
-        elif sign in settings.signs and not given & {sign, "all"}:
+        elif sign in settings.signs and sign not in given:
             missing.append(sign)
     if missing:
         rest = ", ".join(sign for sign in settings.signs if sign not in missing)
@@ -114,13 +116,23 @@ def signs_given(action: Action) -> Iterator[str]:
     """Signs that an action gives by the wizard's hand."""
     for step in action.steps:
         for call in step.calls if isinstance(step, Together) else ():
-            if call.driver == ENGAGEMENT and call.verb in ("toggle", "sense"):
-                yield str(call.args.get("sign"))
+            if call.driver == ENGAGEMENT:
+                yield from _of_verb(call.verb, call.args)
+
+
+def _of_verb(verb: str, args: Mapping[str, Json]) -> Sequence[str]:
+    """Signs that a verb gives; giving them back to their sensors is the opposite."""
+    if verb == "visitor":
+        return ("identity",)
+    if verb not in ("toggle", "sense") or args.get("value") == SENSOR:
+        return ()
+    sign = str(args.get("sign"))
+    return CONDITION if sign == "all" else (sign,)
 
 
 def _asked(robots: Robots) -> Iterator[str]:
     """Signs that some driver's buttons give."""
     for asking in robots.asking:
         for _, ask in asking.asks:
-            if ask.what == "verb" and ask.name in ("toggle", "sense"):
-                yield str(ask.args.get("sign"))
+            if ask.what == "verb":
+                yield from _of_verb(ask.name, ask.args)

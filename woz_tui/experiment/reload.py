@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+import dataclasses
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.experiment.shape import Action, Call, DriverSpec, Experiment, Step, Wait
+from woz_tui.experiment.shape import (
+    Action,
+    Call,
+    DriverSpec,
+    Engagement,
+    Experiment,
+    Step,
+    Wait,
+)
 
 
 @dataclass(frozen=True, slots=True)
 class Difference:
     """`changes`: every difference in words, those of the drivers first.
 
-    `drivers`: the differences of the drivers alone. They cannot be swapped in a running session,
-    so a reload is possible only if there are none.
+    `drivers`: the differences of the drivers alone, and whether there is an engagement model at
+    all. None of these can be swapped in a running session, so a reload is possible only if there
+    are none.
     """
 
     changes: tuple[str, ...]
@@ -38,6 +48,8 @@ def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
     for name, spec in after.items():
         if name in before:
             yield from _driver(before[name], spec)
+    if (old.engagement is None) is not (new.engagement is None):
+        yield f"engagement is {'new' if old.engagement is None else 'gone'}"
 
 
 def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
@@ -61,8 +73,8 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.conditions != new.conditions:
         yield f"conditions are {', '.join(new.conditions) or 'none'}"
     yield from _entries("variable", old.variables, new.variables)
-    if old.engagement != new.engagement:
-        yield "engagement changed"
+    if old.engagement is not None and new.engagement is not None:
+        yield from _engagement(old.engagement, new.engagement)
     yield from _entries("profile", old.profiles, new.profiles)
     yield from _panels(old, new)
     yield from _actions(old, new)
@@ -72,6 +84,50 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
             if len(new.script) != len(old.script)
             else "script changed"
         )
+
+
+def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
+    for what in _settings(old.settings, new.settings):
+        yield f"engagement: {what}"
+    before = {action.name: action for action in old.effects.values()}
+    after = {action.name: action for action in new.effects.values()}
+    yield from _came_and_went("effect", before, after)
+    for name, action in after.items():
+        if name in before and _essences(before[name]) != _essences(action):
+            yield f"effect {name!r} does something else"
+    for state in dict.fromkeys([*old.plays, *new.plays]):
+        was, now = old.plays.get(state, ()), new.plays.get(state, ())
+        if was != now:
+            yield f"on {state} plays {_listed(now)}, it was {_listed(was)}"
+
+
+def _settings(old: object, new: object, prefix: str = "") -> Iterable[str]:
+    """`gaze.samples 9, it was 8`: each setting that differs, those of its parts included."""
+    for item in dataclasses.fields(new) if dataclasses.is_dataclass(new) else ():
+        was, now = getattr(old, item.name), getattr(new, item.name)
+        if dataclasses.is_dataclass(now):
+            yield from _settings(was, now, f"{prefix}{item.name}.")
+        elif was != now:
+            yield f"{prefix}{item.name} {_said(now)}, it was {_said(was)}"
+
+
+def _said(value: object) -> str:
+    """A setting's value as a file would have it."""
+    match value:
+        case None:
+            return "not set"
+        case bool():
+            return "on" if value else "off"
+        case float():
+            return f"{value:g}"
+        case tuple():
+            return _listed(value)
+        case _:
+            return str(value) or "not set"
+
+
+def _listed(values: Sequence[object]) -> str:
+    return ", ".join(map(str, values)) or "nothing"
 
 
 def _panels(old: Experiment, new: Experiment) -> Iterable[str]:
@@ -117,8 +173,12 @@ def _action(old: Action, new: Action) -> Iterable[str]:
         yield "locked" if new.locked else "unlocked"
     if old.help != new.help:
         yield "help changed"
-    if [*map(_essence, old.steps)] != [*map(_essence, new.steps)]:
+    if _essences(old) != _essences(new):
         yield "does something else"
+
+
+def _essences(action: Action) -> list[object]:
+    return [*map(_essence, action.steps)]
 
 
 def _essence(step: Step) -> object:

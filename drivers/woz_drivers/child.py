@@ -140,8 +140,11 @@ async def start(
     *,
     on_output: Callable[[bytes], None] | None = None,
     text: str | None = None,
+    humble: bool = False,
 ) -> Child:
     """Run a command in `folder`; `text` goes to its stdin. The caller must await `gone()`.
+
+    A `humble` one gets the processor only when the robot does not need it.
 
     Raises `ProgramMissing`, or `DriverError` if the system refuses to start it.
     """
@@ -151,6 +154,7 @@ async def start(
         running, child = await asyncio.get_running_loop().subprocess_exec(
             lambda: Child(words[0], on_output),
             *_bound_to_us(),
+            *(_humbly() if humble else ()),
             path,
             *words[1:],
             stdin=nothing if text is None else asyncio.subprocess.PIPE,
@@ -175,3 +179,9 @@ def _bound_to_us() -> tuple[str, ...]:
     """
     setpriv = shutil.which("setpriv")
     return (setpriv, "--pdeathsig", "KILL", "--") if setpriv is not None else ()
+
+
+def _humbly() -> tuple[str, ...]:
+    """What gives a child the lowest priority, as a prefix."""
+    nice = shutil.which("nice")
+    return (nice, "-n", "19") if nice is not None else ()

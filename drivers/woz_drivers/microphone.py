@@ -1,4 +1,4 @@
-"""Loudness from any program that writes raw sound: arecord, parec, `ssh other arecord` ..."""
+"""Loudness and speech from any program that writes raw sound: arecord, parec, `ssh other ...`."""
 
 from __future__ import annotations
 
@@ -9,8 +9,11 @@ from typing import Any, ClassVar
 from woz_drivers import microphone_check, sound
 from woz_drivers.byte_stream import ByteStream, Command, Listener
 from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_drivers.segments import Segments
 from woz_drivers.speaking import BLOCK_S, Speaking, learn
+from woz_drivers.transcriber import Transcriber
 from woz_tui.core.driver import (
+    SPEECH,
     Argument,
     DriverError,
     Finding,
@@ -25,6 +28,7 @@ from woz_tui.core.driver import (
 )
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
+from woz_tui.sensing.endpoint import Ended
 
 SENSOR = "loudness"
 #: RMS above which sound counts as speech, published at the start and when it is learned anew.
@@ -41,8 +45,9 @@ class Microphone:
 
     Publishes `loudness` and `loudness.threshold` (RMS, 0 to 1 of full scale) and moves the state of
     the first between quiet, speaking, clipping (speaking, too loud for the converter), silent (only
-    zeros come) and stale (nothing comes). Time is counted in blocks of sound, so a busy machine
-    delays values but drops none.
+    zeros come) and stale (nothing comes). Tells when somebody begins and ends to speak, and what
+    they say if a program is there that understands it. Time is counted in blocks of sound, so a
+    busy machine delays values but drops none.
     """
 
     Settings: ClassVar[type] = MicrophoneSettings
@@ -57,8 +62,14 @@ class Microphone:
         self._levels: list[float] = []
         self._learning: _Learning | None = None
         self._heard = 0
+        self._wondered = False
         self._resume: asyncio.TimerHandle | None = None
         self._source: ByteStream | None = None
+        words = settings.transcriber
+        self._transcriber = (
+            Transcriber(name, words, settings.transcribe_limit, outlet) if words else None
+        )
+        self._segments = Segments(name, settings.rate, outlet, settings.segments, self._transcriber)
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
@@ -69,8 +80,8 @@ class Microphone:
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """The loudness, and the threshold of speech on the same scale."""
-        return (SENSOR, THRESHOLD)
+        """The loudness, the threshold of speech on the same scale, and segments of speech."""
+        return (SENSOR, THRESHOLD, SPEECH)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -89,6 +100,8 @@ class Microphone:
         listener = Listener(self._begun, self._received, self._stale, self._lose)
         self._source = ByteStream(command, self._outlet.clock, listener)
         self._source.start()
+        if self._transcriber is not None:
+            self._transcriber.start()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Learn the room."""
@@ -118,17 +131,28 @@ class Microphone:
             await self._source.close()
             self._source = None
         self._forget_pause()
+        self._break_off("the session ended")
+        await self._segments.close()
 
     # -- the command ---------------------------------------------------------------------------
 
     def _begun(self) -> None:
         self._blocks = self._fresh_blocks()
         self._speaking.forget()
+        self._segments.forget()
         self._levels = []
         self._heard = 0
 
     def _stale(self, why: str) -> None:
+        self._break_off(why)
+        self._segments.gap()
         self._outlet.sensor(SENSOR, "stale", why)
+
+    def _break_off(self, why: str) -> None:
+        """Nobody can know whether they speak on: an utterance that never ends helps nobody."""
+        ended = self._speaking.break_off()
+        if ended is not None:
+            self._segments.ended(ended, f"the sound broke off: {why}")
 
     def _lose(self, trouble: DriverError) -> None:
         self._forget_pause()
@@ -155,13 +179,32 @@ class Microphone:
                 f" {settings.channels} channel{'s' if settings.channels > 1 else ''}",
             )
         self._heard += 1
-        level = self._speaking.take(settings.samples(block))
+        samples = settings.samples(block)
+        level = self._speaking.take(samples)
         self._outlet.sensor(SENSOR, self._speaking.state, self._reason(level))
+        self._cut(samples, level)
         if self._learning is not None:
             self._learning.take(level)
         self._levels.append(level)
         if self._heard * BLOCK_S * settings.publish >= 1 + self._published():
             self._publish()
+
+    def _cut(self, samples: sound.Samples, level: float) -> None:
+        self._segments.take(samples, level, self._outlet.clock.now_us())
+        event = self._speaking.event
+        self._segments.happened(event, self._speaking.earliest)
+        if isinstance(event, Ended):
+            self._wonder(event.cut)
+
+    def _wonder(self, cut: bool) -> None:
+        """Say once that somebody speaks without a pause, or that it is not speech at all."""
+        if cut and not self._wondered:
+            self._outlet.notice(
+                "warning",
+                f"loud for {self._settings.longest:g} s without a pause: is that speech?",
+                "if not, play listen_room while nobody speaks, or raise threshold",
+            )
+        self._wondered = cut
 
     def _published(self) -> int:
         """How many values were due before this block."""

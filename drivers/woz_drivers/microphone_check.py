@@ -6,7 +6,7 @@ import asyncio
 
 import numpy as np
 
-from woz_drivers import child, sound
+from woz_drivers import child, programs, sound
 from woz_drivers.microphone_settings import MicrophoneSettings
 from woz_tui.core.driver import DriverError, Finding, Probe
 
@@ -24,7 +24,19 @@ async def examine(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
         block = await _record(settings, words, probe)
     except DriverError as error:
         return [Finding("error", probe.name, error.what, error.remedy)]
-    return [_level(probe.name, settings, block)]
+    return [_level(probe.name, settings, block), *_transcriber(probe, settings)]
+
+
+def _transcriber(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
+    """Whether the program that understands speech is there, if one is wanted."""
+    try:
+        words = settings.transcriber
+        if not words:
+            return []
+        path = programs.find(words[0], probe.folder)
+    except DriverError as error:
+        return [Finding("error", probe.name, error.what, error.remedy)]
+    return [Finding("ok", probe.name, f"speech is understood by {path}")]
 
 
 async def _record(settings: MicrophoneSettings, words: tuple[str, ...], probe: Probe) -> bytes:

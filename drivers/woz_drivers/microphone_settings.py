@@ -7,6 +7,7 @@ from typing import Annotated
 
 from woz_drivers import programs, sound
 from woz_drivers.speaking import BLOCK_S, Ear
+from woz_tui.core.driver import DriverError
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds
 
 
@@ -30,6 +31,22 @@ class MicrophoneSettings:
     threshold: Annotated[float, Range(0, 1), Doc("louder than this RMS is speech")] = 0.02
     onset: Annotated[float, Seconds(0, 2), Doc("so long it must be loud to be speech")] = 0.06
     hang_over: Annotated[float, Seconds(0, 10), Doc("quiet for so long ends speech")] = 0.8
+    pre_roll: Annotated[
+        float, Seconds(0, 10), Doc("a segment of speech begins so long before it is loud")
+    ] = 0.5
+    longest: Annotated[
+        float, Seconds(1, 600), Doc("speech without a pause is cut into segments of this length")
+    ] = 60.0
+    segments: Annotated[
+        bool, Doc("keep what is said as WAV files beside the log; mind your ethics approval")
+    ] = False
+    transcribe: Annotated[
+        str | tuple[str, ...],
+        Doc("program that turns the WAV file {file} into text on stdout; empty: none"),
+    ] = ""
+    transcribe_limit: Annotated[
+        float, Seconds(1, 600), Doc("that program is ended when it takes longer")
+    ] = 30.0
     silent_after: Annotated[
         float, Seconds(0.1, 600), Doc("nothing but zeros for so long: muted or unplugged")
     ] = 3.0
@@ -46,7 +63,25 @@ class MicrophoneSettings:
             )
         if self.command and self.device:
             found.append(("device", "it is for arecord; put the device into your command instead"))
-        return found + programs.problems(self.command, "command")
+        if self.pre_roll + self.onset + 2 * BLOCK_S > self.longest:
+            found.append(("longest", "must be longer than pre_roll and onset together"))
+        return found + programs.problems(self.command, "command") + self._transcriber_problems()
+
+    def _transcriber_problems(self) -> list[tuple[str, str]]:
+        found = programs.problems(self.transcribe, "transcribe")
+        if found or not self.transcribe:
+            return found
+        try:
+            if "file" in programs.placeholders(self.transcriber, ("file",), "transcribe"):
+                return []
+        except DriverError as error:
+            return [("transcribe", f"{error.what}; {error.remedy}")]
+        return [("transcribe", "must say where the sound's file goes: write {file} there")]
+
+    @property
+    def transcriber(self) -> tuple[str, ...]:
+        """The command that turns speech into text; empty if there is none."""
+        return programs.split(self.transcribe, "transcribe") if self.transcribe else ()
 
     @property
     def words(self) -> tuple[str, ...]:
@@ -65,7 +100,14 @@ class MicrophoneSettings:
     @property
     def ear(self) -> Ear:
         """The part that decides about speech."""
-        return Ear(self.threshold, self.onset, self.hang_over, self.silent_after)
+        return Ear(
+            self.threshold,
+            self.onset,
+            self.hang_over,
+            self.silent_after,
+            self.pre_roll,
+            self.longest,
+        )
 
     def samples(self, block: bytes) -> sound.Samples:
         """A block of bytes as the chosen channel's samples."""

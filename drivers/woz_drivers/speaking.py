@@ -1,4 +1,7 @@
-"""When does somebody speak? Levels of 20 ms blocks in, states out; free of input and output."""
+"""When does somebody speak? 20 ms blocks in, states and segments out; free of input and output.
+
+Both come from one end-pointing, so the mark on the screen and the segments in the log agree.
+"""
 
 from __future__ import annotations
 
@@ -7,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 from woz_drivers.sound import Samples, clipped, rms
+from woz_tui.sensing.endpoint import Ended, Endpointer, Started
 
 #: Length of a block, in seconds.
 BLOCK_S = 0.02
@@ -24,50 +28,70 @@ class Ear:
     """What counts as speech; durations in seconds.
 
     A block is loud if its RMS lies strictly above `threshold`. `onset` of loud blocks in a row
-    begin speech, `hang_over` of quiet ones end it. All zeros for `silent_after` mean that the
-    microphone is off or muted: a live one always has some noise.
+    begin speech, `hang_over` of quiet ones end it. Its segment begins `pre_roll` earlier and has
+    at most the length `longest`. All zeros for `silent_after` mean that the microphone is off or
+    muted: a live one always has some noise.
     """
 
     threshold: float
     onset: float
     hang_over: float
     silent_after: float
+    pre_roll: float = 0.5
+    longest: float = 60.0
 
 
 class Speaking:
     """Turns blocks into a state: quiet, speaking, clipping (speaking, and too loud for the
-    converter) or silent.
+    converter) or silent; and into segments.
     """
 
     def __init__(self, ear: Ear) -> None:
         self.threshold = ear.threshold
-        self._onset = _blocks(ear.onset)
+        self._ear = ear
         self._hang_over = _blocks(ear.hang_over)
         self._silent_after = _blocks(ear.silent_after)
         self.forget()
 
     def forget(self) -> None:
-        """Begin afresh, for a new stream; the threshold stays."""
-        self._loud = 0
-        self._quiet = 0
+        """Begin afresh, for a new stream, with block 0; the threshold stays."""
+        ear = self._ear
+        self._ends = Endpointer(
+            self.threshold,
+            self._hang_over,
+            round(ear.pre_roll / BLOCK_S),
+            onset=_blocks(ear.onset),
+            longest=_blocks(ear.longest),
+        )
         self._zeros = 0
         self._since_clipping = _blocks(_SHOWN_S)
+        self._quiet = 0
         self._speaks = False
+        self.event: Started | Ended | None = None
+
+    @property
+    def earliest(self) -> int:
+        """The first block that a segment may still hold."""
+        return self._ends.earliest
 
     def take(self, samples: Samples) -> float:
-        """Judge the next block; returns its RMS."""
+        """Judge the next block; returns its RMS. `event` is what begins or ends with it."""
         level = rms(samples)
         self._zeros = 0 if samples.any() else self._zeros + 1
         self._since_clipping = 0 if clipped(samples) >= _CLIPS else self._since_clipping + 1
-        if level > self.threshold:
-            self._loud += 1
-            self._quiet = 0
-            self._speaks = self._speaks or self._loud >= self._onset
-        else:
-            self._loud = 0
-            self._quiet += 1
-            self._speaks = self._speaks and self._quiet < self._hang_over
+        self._ends.threshold = self.threshold
+        self.event = self._ends.take(level)
+        self._quiet = 0 if level > self.threshold else self._quiet + 1
+        if isinstance(self.event, Started):
+            self._speaks = True
+        elif self._quiet >= self._hang_over:
+            self._speaks = False
         return level
+
+    def break_off(self) -> Ended | None:
+        """The sound has broken off: the end of the segment that was open."""
+        self._speaks = False
+        return self._ends.close()
 
     @property
     def state(self) -> str:

@@ -149,11 +149,24 @@ def test_whoever_speaks_on_after_the_longest_segment_begins_the_next() -> None:
     ]
 
 
+def test_no_chunk_is_lost_where_the_longest_segment_is_cut() -> None:
+    """A voice that goes on needs no new onset, whatever that is."""
+    told = run(Endpointer(EDGE, hang=2, pre=1, onset=3, longest=5), [LOUD] * 12)
+    assert [what for _, what in told] == [
+        Started(0),
+        Ended(0, 4, cut=True),
+        Started(5),
+        Ended(5, 9, cut=True),
+        Started(10),
+    ]
+
+
 def test_sound_that_breaks_off_closes_the_segment() -> None:
     endpointer = Endpointer(EDGE, hang=5, pre=1)
     run(endpointer, [QUIET, QUIET, LOUD, QUIET])
     assert endpointer.close() == Ended(1, 3, cut=True)
     assert endpointer.close() is None
+    assert run(endpointer, [QUIET, LOUD]) == [(1, Started(4))]
 
 
 @pytest.mark.parametrize(

@@ -35,8 +35,8 @@ class Endpointer:
     A chunk is loud if its RMS lies strictly above the threshold; NaN and None are quiet. `onset`
     loud chunks in a row begin speech (1: each does). The segment's first chunk is then
     max(last of the previous segment + 1, first of the loud ones - `pre`). `hang` quiet chunks in a
-    row end it with the last of them, and no later than with its chunk number `longest`; what is
-    loud after that begins the next segment. Speech that is still open at the end has no end.
+    row end it with the last of them, and no later than with its chunk number `longest`; who speaks
+    on after that begins the next segment at once. Speech still open at the end has no end.
 
     Raises:
         ValueError: `hang` or `onset` below 1, `pre` below 0, or `longest` so short that a
@@ -105,6 +105,7 @@ class Endpointer:
         """The sound breaks off: an open segment ends with the last chunk there was."""
         if self._first is None:
             return None
+        self._loud = 0
         return self._end(self._first, self._chunks - 1, cut=True)
 
     def _begin(self, number: int) -> Started | None:
@@ -117,6 +118,4 @@ class Endpointer:
     def _end(self, first: int, last: int, *, cut: bool) -> Ended:
         self._first = None
         self._free = last + 1
-        self._loud = 0
-        self._quiet = 0
         return Ended(first, last, cut)

@@ -1,0 +1,284 @@
+"""Speech in segments: their times, their sound sample by sample, and what a disk may do."""
+
+from __future__ import annotations
+
+import os
+import wave
+from collections.abc import AsyncIterator, Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+from woz_drivers import sound
+from woz_drivers.microphone import Microphone
+from woz_drivers.microphone_settings import MicrophoneSettings
+
+from tests.drivers.heard import Heard, until
+from tests.fakes.piped_command import PipedCommand
+from tests.fakes.sound import RATE, square
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.messages import Notice, SensorChanged, SpeechEnded, SpeechStarted
+
+Begin = Callable[..., Any]
+
+#: Bytes of a block of 20 ms.
+BLOCK = RATE // 50 * 2
+EAR: dict[str, Any] = {"threshold": 0.1, "onset": 0.04, "hang_over": 0.1, "pre_roll": 0.06}
+
+
+@pytest.fixture
+def pipe(tmp_path: Path) -> PipedCommand:
+    return PipedCommand(tmp_path / "pipe")
+
+
+@pytest.fixture
+async def begin(tmp_path: Path) -> AsyncIterator[Begin]:
+    microphones: list[Microphone] = []
+
+    async def started(pipe: PipedCommand, **settings: Any) -> tuple[Microphone, Heard]:
+        heard = Heard(tmp_path, ManualClock())
+        made = MicrophoneSettings(command=pipe.command, **{**EAR, **settings})
+        assert made.problems() == []
+        microphone = Microphone("ears", made, heard.outlet)
+        microphones.append(microphone)
+        await microphone.open()
+        await until(pipe.connected)
+        return microphone, heard
+
+    yield started
+    for microphone in microphones:
+        await microphone.close()
+
+
+def ramp(blocks: int, level: float) -> bytes:
+    """Blocks whose levels rise by a little from one to the next: each is unlike all others."""
+    return b"".join(square(0.02, level + n * 0.0005) for n in range(blocks))
+
+
+def utterance(before: int = 10, loud: int = 5, after: int = 10) -> bytes:
+    return ramp(before, 0.01) + ramp(loud, 0.5) + ramp(after, 0.02)
+
+
+def kept(heard: Heard, ended: SpeechEnded) -> bytes:
+    """The samples in a segment's file, read by somebody else's code."""
+    with wave.open(str(heard.outlet.folder / ended.file)) as file:
+        shape = (file.getnchannels(), file.getsampwidth(), file.getframerate())
+        assert shape == (1, 2, RATE)
+        frames: bytes = file.readframes(file.getnframes())
+        return frames
+
+
+async def test_a_segment_has_its_pre_roll_and_its_hang_over(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    """10 quiet blocks, 5 loud, 10 quiet: from 3 before the onset to the 5th quiet one."""
+    _, heard = await begin(pipe)
+    pipe.send(utterance())
+    ended = await heard.first(SpeechEnded)
+    started = await heard.first(SpeechStarted)
+    assert (started.driver, started.segment, ended.segment) == ("it", 1, 1)
+    assert ended.began == started.began
+    assert ended.ended - ended.began == (3 + 5 + 5) * 20_000
+    assert ended.loudest == pytest.approx(0.502, rel=1e-3)
+    assert (ended.file, ended.detail) == ("", "")
+    assert not (heard.outlet.media).exists(), "nothing is kept unless it is asked for"
+
+
+async def test_the_file_holds_the_segment_sample_by_sample(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, heard = await begin(pipe, segments=True)
+    data = utterance()
+    pipe.send(data)
+    ended = await heard.first(SpeechEnded)
+    assert ended.file == "session.media/ears-0001.wav"
+    path = heard.outlet.folder / ended.file
+    assert kept(heard, ended) == data[(10 - 3) * BLOCK : (10 + 5 + 5) * BLOCK]
+    assert path.stat().st_mode & 0o777 == 0o600
+    assert path.parent.stat().st_mode & 0o777 == 0o700
+    assert [one.name for one in path.parent.iterdir()] == ["ears-0001.wav"]
+
+
+async def test_a_second_segment_never_holds_sound_of_the_first(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, heard = await begin(pipe, segments=True, pre_roll=1.0, hang_over=0.04)
+    data = ramp(4, 0.5) + ramp(3, 0.01) + ramp(4, 0.6) + ramp(3, 0.02)
+    pipe.send(data)
+    second = await heard.first(SpeechEnded, after=1)
+    first = heard.all(SpeechEnded)[0]
+    assert [kept(heard, first), kept(heard, second)] == [
+        data[: 6 * BLOCK],
+        data[6 * BLOCK : 13 * BLOCK],
+    ]
+
+
+async def test_of_several_channels_the_one_that_counts_is_kept(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, heard = await begin(pipe, segments=True, format="S24_3LE", channels=2, channel=2)
+    levels = np.repeat(np.array([0.0, 0.5, 0.0], np.float32), [320 * 5, 320 * 5, 320 * 6])
+    pipe.send(sound.encode(np.stack([np.full_like(levels, 0.9), levels], axis=1), "S24_3LE"))
+    ended = await heard.first(SpeechEnded)
+    assert (
+        np.frombuffer(kept(heard, ended), "<i2").tolist()
+        == [0] * 320 * 3 + [16384] * 320 * 5 + [0] * 320 * 5
+    )
+
+
+async def test_what_lies_on_the_threshold_is_no_speech(begin: Begin, pipe: PipedCommand) -> None:
+    exact = round(0.1 * 32768) / 32768
+    _, heard = await begin(pipe, threshold=exact)
+    pipe.send(square(0.4, 0.1))
+    await heard.until(lambda: len(heard.values("loudness")) == 4)
+    assert heard.all(SpeechStarted) == []
+    pipe.send(square(0.1, 0.1001))
+    await heard.first(SpeechStarted)
+
+
+async def test_not_a_number_and_zeros_are_quiet(begin: Begin, pipe: PipedCommand) -> None:
+    _, heard = await begin(pipe, format="FLOAT_LE", silent_after=0.2)
+    quiet = np.array([np.nan, 0.0] * (160 * 12), np.float32)
+    loud = np.full(320 * 5, 0.5, np.float32)
+    pipe.send(np.concatenate([quiet, loud, quiet]).astype("<f4").tobytes())
+    ended = await heard.first(SpeechEnded)
+    assert ended.ended - ended.began == (3 + 5 + 5) * 20_000
+    assert len(heard.all(SpeechStarted)) == 1
+    assert "muted" in (await heard.state("loudness", "silent")).why
+
+
+async def test_the_mark_on_the_screen_and_the_segments_agree(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, heard = await begin(pipe)
+    pipe.send(utterance() + utterance())
+    await heard.first(SpeechEnded, after=1)
+    seen = [
+        message.state if isinstance(message, SensorChanged) else type(message)
+        for message in heard.messages
+        if isinstance(message, SensorChanged | SpeechStarted | SpeechEnded)
+    ]
+    assert seen == ["quiet", *(["speaking", SpeechStarted, "quiet", SpeechEnded] * 2)]
+
+
+async def test_whoever_never_pauses_is_cut_and_nothing_of_it_is_lost(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, heard = await begin(pipe, segments=True, longest=1.0)
+    data = ramp(115, 0.3) + ramp(6, 0.01)
+    pipe.send(data[: 60 * BLOCK])
+    await heard.first(SpeechEnded)
+    pipe.send(data[60 * BLOCK :])
+    last = await heard.first(SpeechEnded, after=2)
+    ends = heard.all(SpeechEnded)
+    assert [ended.detail[:4] for ended in ends] == ["cut:", "cut:", ""]
+    assert [(ended.ended - ended.began) // 20_000 for ended in ends] == [50, 50, 20]
+    assert b"".join(kept(heard, ended) for ended in ends) == data[: 120 * BLOCK]
+    assert last.segment == 3
+    told = [notice.text for notice in heard.all(Notice)]
+    assert len(told) == 1, "said once, not for each piece"
+    assert "is that speech?" in told[0]
+    assert heard.states("loudness") == ["quiet", "speaking", "quiet"]
+
+
+# -- trouble -----------------------------------------------------------------------------------
+
+
+async def test_a_cable_pulled_in_mid_utterance_ends_the_segment(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, heard = await begin(pipe, segments=True)
+    data = ramp(5, 0.01) + ramp(20, 0.5)
+    pipe.send(data)
+    await heard.first(SpeechStarted)
+    pipe.unplug()
+    ended = await heard.first(SpeechEnded)
+    assert ended.detail == "the sound broke off: cat ended: exit status 0"
+    assert kept(heard, ended) == data[2 * BLOCK :]
+    await until(pipe.connected)
+    pipe.send(utterance())
+    again = await heard.first(SpeechEnded, after=1)
+    assert (again.segment, again.ended - again.began) == (2, 13 * 20_000)
+
+
+async def test_a_device_that_falls_silent_in_mid_utterance_ends_it_too(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    microphone, heard = await begin(pipe)
+    pipe.send(ramp(5, 0.01) + ramp(20, 0.5))
+    await heard.first(SpeechStarted)
+    clock = heard.clock
+    assert isinstance(clock, ManualClock)
+    clock.advance(1.5)
+    ended = await heard.first(SpeechEnded)
+    assert "delivers no sound" in ended.detail
+    pipe.send(utterance())
+    again = await heard.first(SpeechEnded, after=1)
+    assert again.began >= 1_000_000, "after the gap, not continued from before it"
+    await microphone.close()
+    assert len(heard.all(SpeechEnded)) == 2
+
+
+async def test_the_end_of_the_session_ends_the_utterance(begin: Begin, pipe: PipedCommand) -> None:
+    microphone, heard = await begin(pipe)
+    pipe.send(ramp(20, 0.5))
+    await heard.first(SpeechStarted)
+    await microphone.close()
+    (ended,) = heard.all(SpeechEnded)
+    assert ended.detail == "the sound broke off: the session ended"
+
+
+async def test_a_folder_that_is_none_costs_the_file_and_nothing_else(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    _, heard = await begin(pipe, segments=True)
+    heard.outlet.media.write_text("in the way")
+    pipe.send(utterance() + utterance())
+    second = await heard.first(SpeechEnded, after=1)
+    assert second.file == ""
+    assert second.detail.startswith("not kept: ")
+    assert second.ended - second.began == 13 * 20_000
+    assert [notice.level for notice in heard.all(Notice)] == ["warning"]
+    heard.outlet.media.unlink()
+    pipe.send(utterance())
+    third = await heard.first(SpeechEnded, after=2)
+    assert third.file == "session.media/ears-0003.wav"
+
+
+async def test_a_full_disk_is_said_once(begin: Begin, pipe: PipedCommand, tmp_path: Path) -> None:
+    """Every byte for the part file goes to /dev/full."""
+    _, heard = await begin(pipe, segments=True)
+    heard.outlet.media.mkdir()
+    for number in (1, 2):
+        (heard.outlet.media / f".ears-{number:04d}.wav.part").symlink_to("/dev/full")
+    pipe.send(utterance() + utterance())
+    second = await heard.first(SpeechEnded, after=1)
+    assert second.detail == "not kept: No space left on device"
+    assert len(heard.all(Notice)) == 1
+    assert list(heard.outlet.media.iterdir()) == []
+
+
+async def test_a_file_that_is_there_already_is_left_alone(begin: Begin, pipe: PipedCommand) -> None:
+    _, heard = await begin(pipe, segments=True)
+    heard.outlet.media.mkdir()
+    (heard.outlet.media / "ears-0001.wav").write_bytes(b"older")
+    pipe.send(utterance())
+    ended = await heard.first(SpeechEnded)
+    assert "already" in ended.detail
+    assert (heard.outlet.media / "ears-0001.wav").read_bytes() == b"older"
+
+
+async def test_a_disk_that_hangs_holds_up_nobody(begin: Begin, pipe: PipedCommand) -> None:
+    """The part file is a pipe that nobody reads: opening it never returns."""
+    _, heard = await begin(pipe, segments=True)
+    heard.outlet.media.mkdir()
+    stuck = heard.outlet.media / ".ears-0001.wav.part"
+    os.mkfifo(stuck)
+    pipe.send(utterance() + utterance())
+    second = await heard.first(SpeechEnded, after=1)
+    first = heard.all(SpeechEnded)[0]
+    assert "the disk is slow" in first.detail
+    assert second.file == "session.media/ears-0002.wav"
+    assert [message.segment for message in heard.all(SpeechStarted)] == [1, 2]
+    os.close(os.open(stuck, os.O_RDONLY | os.O_NONBLOCK))

@@ -1,0 +1,42 @@
+"""Blocks of sound on the clock."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.sound_time import BLOCK_US, SoundTime
+
+
+@given(st.lists(st.integers(0, 400_000), min_size=1, max_size=40), st.integers(0, 10**12))
+def test_late_blocks_do_not_move_the_others(late: list[int], zero: int) -> None:
+    """Whatever held blocks back, none seems to come before the promptest of them says."""
+    time = SoundTime()
+    for block, delay in enumerate(late):
+        time.arrived(block, zero + (block + 1) * BLOCK_US + delay)
+    assert time.begins(0) == zero + min(late)
+    assert time.begins(len(late)) - time.begins(0) == len(late) * BLOCK_US
+
+
+def test_a_converter_that_runs_slow_is_followed() -> None:
+    time = SoundTime()
+    begins = 0
+    for block in range(3 * 60 * 50):  # three minutes, 200 us late each second
+        heard = round((block + 1) * BLOCK_US * 1.0002)
+        time.arrived(block, heard)
+        begins = time.begins(block)
+        assert abs(begins - (heard - BLOCK_US)) < 2_500
+    assert begins > 170_000_000
+
+
+def test_after_a_gap_time_is_tied_anew() -> None:
+    time = SoundTime()
+    time.arrived(0, BLOCK_US)
+    time.forget()
+    time.arrived(1, 5_000_000)
+    assert time.begins(1) == 5_000_000 - BLOCK_US
+
+
+def test_nothing_is_known_before_the_first_block() -> None:
+    with pytest.raises(ValueError, match="no block"):
+        SoundTime().begins(0)

@@ -192,16 +192,15 @@ class Engagement:
             pass
         return self._take(edge, event, by_hand="stepped by the wizard: ")
 
-    def force(self, to: str) -> Change:
-        """Go to a state, or along an outcome of the present one.
-
-        It stands until the signs say something else than now. ValueError with a sentence if there
-        is no such state or outcome, or it is there already.
+    def force(self, to: str, *, stands: bool = True) -> Change:
+        """Go to a state, or along an outcome of the present one; it `stands` until the signs say
+        something else than now. ValueError with a sentence if there is no such state or outcome,
+        or it is there already.
         """
         edge = edge_to(self.state, to)
         self._held.clear()
         change = self._take(edge, None, by_hand="forced by the wizard: ")
-        self._stands = self._verdict()
+        self._stands = self._verdict() if stands else None
         return change
 
     @property

@@ -26,6 +26,7 @@ OPENERS = {
     "BodyDialog": "semicolon",
     "KnobsDialog": "plus",
     "ProfileDialog": "minus",
+    "EngagementDialog": "equals_sign",
 }
 
 
@@ -51,7 +52,7 @@ OPENING: tuple[str, ...] = (
     "preflight",
     "reload",
 )
-OPENING += ("drivers", "leave", "body", "knobs", "profile")
+OPENING += ("drivers", "leave", "body", "knobs", "profile", "engagement")
 #: What Textual's names of keys stand for.
 CHARACTERS = {
     "slash": "/",
@@ -61,6 +62,7 @@ CHARACTERS = {
     "semicolon": ";",
     "plus": "+",
     "minus": "-",
+    "equals_sign": "=",
     "enter": "\r",
 }
 

@@ -25,7 +25,7 @@ from woz_tui.console.feed import Feed, Incoming
 from woz_tui.console.glyphs import UNICODE, Frame
 from woz_tui.console.look import SIXTEEN, THEMES, Look
 from woz_tui.console.picture import Picture
-from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.screens.dialog import Dialog, give_keys
 from woz_tui.console.status import Line
 from woz_tui.console.stopbar import HINTS, Bar, News
 from woz_tui.console.surface import Surface
@@ -170,11 +170,10 @@ class Console(App[str]):
     def _beat(self) -> None:
         """Paint if anything has come or moves with time; otherwise once a second."""
         self.keyboard.tick()
-        moving = self._flash_until or self._stop_asked is not None
         local = self.clock.now_us()
-        still_us = local - self._painted
-        moving = moving or self.picture.moves(self.picture.now(local))
-        if self._inbox or self._lost or moving or still_us >= 1_000_000:
+        moving = self._flash_until or self.picture.moves(self.picture.now(local))
+        due = moving or self._stop_asked is not None or local - self._painted >= 1_000_000
+        if self._inbox or self._lost or due:
             self.paint()
 
     def paint(self) -> None:
@@ -379,7 +378,7 @@ class Console(App[str]):
         """Give the keyboard to a dialog, unless the robot is played meanwhile."""
         while dialog.plays and self.dialog is not None:
             self.close_dialog()  # drawings take turns
-        self.keyboard.free = dialog.plays
+        give_keys(self.keyboard, dialog)
         self.push_screen(dialog)
 
     def close_dialog(self, dialog: Dialog | None = None) -> None:
@@ -388,7 +387,7 @@ class Console(App[str]):
         if top is not None and (dialog is None or dialog is top):
             top.closing()
             self.pop_screen()
-        self.keyboard.free = self.dialog is None or self.dialog.plays
+        give_keys(self.keyboard, self.dialog)
         self.paint()
 
 

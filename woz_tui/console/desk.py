@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
+from woz_tui.console.engagement.hand import Order, is_offered, request
 from woz_tui.core import requests as r
 
 if TYPE_CHECKING:
@@ -162,6 +163,26 @@ class Desk:
         from woz_tui.console.screens.knobs import KnobsDialog  # noqa: PLC0415
 
         self._open(KnobsDialog())
+
+    def do_engagement(self) -> None:
+        """Show the engagement model."""
+        from woz_tui.console.screens.engagement import EngagementDialog  # noqa: PLC0415
+
+        self._open(EngagementDialog())
+
+    def steer(self, order: Order, key: str = "") -> None:
+        """The wizard's hand on the engagement model; some orders ask for more first."""
+        from woz_tui.console.screens.orders import asked  # noqa: PLC0415
+
+        engaged = self._console.picture.engaged
+        if not is_offered(engaged, self._console.picture.verbs):
+            self._console.news("this session has no engagement model")
+            return
+        dialog = asked(order, engaged, key)
+        if dialog is not None:
+            self._open(dialog)
+        else:
+            self.ask(request(order, engaged, key))
 
     def do_profile(self) -> None:
         """Choose what may be used."""

@@ -35,6 +35,8 @@ LOOK = {
     "marker": "run",
     "driver": "warn",
     "stop": "bad",
+    "forced": "wait",
+    "heard": "run",
 }
 
 

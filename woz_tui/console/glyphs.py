@@ -51,6 +51,7 @@ class Glyphs:
     opening: str = "“"
     closing: str = "”"
     forced: str = "✎"
+    heard: str = "»"
 
     def plain(self, text: str) -> str:
         """`text` as this terminal can show it."""
@@ -106,6 +107,7 @@ class AsciiGlyphs(Glyphs):
     opening: str = '"'
     closing: str = '"'
     forced: str = "="
+    heard: str = ">"
 
     def plain(self, text: str) -> str:
         """Our own signs replaced; letters with accents stay, the terminal may know them."""

@@ -67,6 +67,8 @@ class Keyboard:
         self.on_stale: OnPress = _ignore
         #: The first key of a sequence, while it waits for the second; then empty again.
         self.on_prefix: Callable[[str], None] = lambda prefix: None
+        #: Keys that belong to what is drawn over the screen while the rest plays the robot.
+        self.kept: frozenset[str] = frozenset()
         #: What the key for suspending does; set by the terminal.
         self.on_suspend: Callable[[], None] | None = None
         self._clock = clock or RealClock()
@@ -122,7 +124,7 @@ class Keyboard:
             return True
         if not self._free or self._behind:
             return False
-        if self._press(chord, age_us, stale):
+        if chord not in self.kept and self._press(chord, age_us, stale):
             return True
         if stale:  # nor may it open a dialog that the rest of the burst would fill
             self.on_stale(chord, "", 0)
@@ -132,7 +134,8 @@ class Keyboard:
         """`chord` goes to the screen; call the result when the screen has handled it."""
         name = self._builtins.get(chord, "")
         with self._lock:
-            opens = self._free and bool(name) and name not in _HARMLESS
+            asks = chord in self.kept or (bool(name) and name not in _HARMLESS)
+            opens = self._free and asks
             waited_for = int(opens or self._behind > 0)
             self._left += 1
             self._behind += waited_for

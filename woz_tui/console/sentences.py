@@ -6,6 +6,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from woz_tui.console.engagement.seen import texts
 from woz_tui.console.runs import Outcome, words
 from woz_tui.core import messages as m
 
@@ -23,6 +24,9 @@ _SOURCES = {
 }
 
 
+#: What happened to a visitor in the store.
+_VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
+
 #: Verbs that move something by one step: pressed in a row, they are one line.
 _STEPPING = frozenset({"control", "nudge"})
 
@@ -32,7 +36,7 @@ class Event:
     """One line of the list.
 
     `mark` names its glyph and colour (running, done, failed, refused, stopped, info, warning,
-    error, note, marker, driver, stop). A run's line gets its outcome when it ends.
+    error, note, marker, driver, stop, forced, heard). A run's line gets its outcome when it ends.
     """
 
     t: int
@@ -172,7 +176,31 @@ def _sensor(message: m.SensorChanged, picture: Picture) -> Event | None:
 
 
 def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:
+    if message.forced:
+        return Event(message.t, "forced", message.now, f"forced: {message.why}")
     return Event(message.t, "info", message.now, message.why)
+
+
+def _speech(message: m.SpeechEnded, picture: Picture) -> Event | None:
+    """Only that nothing was kept of it; what it says comes later."""
+    if not message.detail or message.file:
+        return None
+    return Event(message.t, "warning", "Speech not kept", message.detail)
+
+
+def _heard(message: m.SpeechText, picture: Picture) -> Event:
+    if message.text.strip():
+        return Event(message.t, "heard", f"“{message.text}”", "heard")
+    mark = "warning" if message.detail else "info"
+    return Event(message.t, mark, "Speech not understood", message.detail)
+
+
+def _visitor(message: m.VisitorChanged, picture: Picture) -> Event:
+    about = ", ".join(value for value in texts(message.about).values() if value)
+    if message.what == "renamed" and message.was:
+        return Event(message.t, "info", f"Visitor {message.was} is {message.visitor} now", about)
+    what = _VISITOR.get(message.what, message.what)
+    return Event(message.t, "info", f"Visitor {message.visitor} {what}".rstrip(), about)
 
 
 def _mode(message: m.ModeChanged, picture: Picture) -> Event:
@@ -238,6 +266,9 @@ _TELLERS: dict[type[m.Message], Callable[[Any, Picture], Event | None]] = {
     m.LaneRecovered: _lane_recovered,
     m.SensorChanged: _sensor,
     m.EngagementChanged: _engagement,
+    m.SpeechEnded: _speech,
+    m.SpeechText: _heard,
+    m.VisitorChanged: _visitor,
     m.ModeChanged: _mode,
     m.Marker: _marker,
     m.Note: _note,

@@ -55,6 +55,10 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("drivers", "ctrl+d", "how every driver is, and what to do"),
     Builtin("body", ";", "the robot's face and links in full size, and all its values"),
     Builtin("knobs", "+", "the MIDI panel: what each knob does, and where it stands"),
+    Builtin(
+        *("engagement", "=", "who is there and are they with the robot: the whole model, by hand"),
+        reserves=("ctrl+a",),
+    ),
     Builtin("profile", "-", "the profile: how much may be used"),
     Builtin("redraw", "ctrl+l", "draw the screen again"),
     Builtin("help", "?", "all keys as they are bound now"),

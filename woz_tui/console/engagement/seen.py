@@ -86,7 +86,9 @@ class Engaged:
             reducer(self, message)
 
     def _show(self, message: m.EngagementShown) -> None:
-        self.shown = message
+        told = message.signs, message.trail, message.uses
+        if all(map(isinstance, told, (dict, list, list))):  # another version may say anything
+            self.shown = message
 
     def _change(self, message: m.EngagementChanged) -> None:
         """A console that attaches is told the last one twice."""
@@ -125,7 +127,7 @@ class Engaged:
     def _visitor(self, message: m.VisitorChanged) -> None:
         about = self.visitors.pop(message.was or message.visitor, {})
         if message.what != "forgotten":
-            self.visitors[message.visitor] = {**about, **_texts(message.about)}
+            self.visitors[message.visitor] = {**about, **texts(message.about)}
 
     def _lost(self, message: m.DriverLost) -> None:
         """Nobody hears any more where the speech ends."""
@@ -134,8 +136,8 @@ class Engaged:
                 segment.ended = message.t
 
 
-def _texts(told: object) -> dict[str, str]:
-    """What is text in `told`: the log of another version may hold anything."""
+def texts(told: object) -> dict[str, str]:
+    """What is text in `told`; another version may say anything."""
     pairs = told.items() if isinstance(told, dict) else ()
     return {str(name): value for name, value in pairs if isinstance(value, str)}
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from typing import NamedTuple
 
 from rich.cells import cell_len
@@ -155,27 +154,20 @@ def path(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
 
 
 def condition(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> Row:
-    """`presence yes AND gaze no (2 of 8, needs 4) AND near yes -> not engaged`."""
-    row: Row = ()
-    for name in shown.uses:
+    """`not engaged: presence yes AND gaze no (2 of 8, needs 4) AND near yes`."""
+    row: Row = (("engaged", "good") if shown.engaged else ("not engaged", "warn"),)
+    for number, name in enumerate(shown.uses):
         sign = shown.signs.get(name, m.SignShown())
         found = mark(name, sign, glyphs, old=old)
-        row += ((" AND ", "muted"),) if row else ()
         word = "near" if name == "distance" else clean(name)
-        row += ((f"{word} {found.word}", found.look),)
+        row += ((" AND " if number else ": ", "muted"), (f"{word} {found.word}", found.look))
         if found.word == "no" and not sign.forced and sign.places > 0:
             row += ((f" ({share(sign)}, {needs(sign)})", "muted"),)
         if sign.forced:
             row += ((f" {glyphs.forced} by hand", "wait"),)
-    said = ("engaged", "good") if shown.engaged else ("not engaged", "warn")
-    return (*row, (f" {glyphs.next} ", "muted"), said)
+    return row
 
 
 def known_visitor(shown: m.EngagementShown) -> str:
     """The visitor's code, or nothing."""
     return "" if shown.visitor in _UNKNOWN else clean(shown.visitor)
-
-
-def joined_words(words: Iterable[str], between: str = ", ") -> str:
-    """Those that are not empty."""
-    return between.join(word for word in words if word)

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from woz_tui.console.app import Console
     from woz_tui.console.desk import Desk
     from woz_tui.console.glyphs import Glyphs
+    from woz_tui.console.keyboard import Keyboard
     from woz_tui.console.picture import Picture
 
 _STYLES = {
@@ -55,9 +56,10 @@ class Dialog(ModalScreen[None]):
     heading: ClassVar[str] = ""
     hint: ClassVar[str] = "ctrl+q closes"
     wide: ClassVar[bool] = False
-    #: Whether the robot is played while it is open; it then has no keys of its own but these.
+    #: Whether the robot is played while it is open; it then has no keys of its own but these, in
+    #: the normal form of keys. Whoever changes them calls `give_keys`.
     plays: ClassVar[bool] = False
-    own_keys: ClassVar[frozenset[str]] = frozenset()
+    own_keys: frozenset[str] = frozenset()
     #: Id of the console's key that opens it, and closes it where the robot is played meanwhile.
     opened_by: ClassVar[str] = ""
 
@@ -101,6 +103,12 @@ class Dialog(ModalScreen[None]):
 
     def refreshed(self) -> None:
         """Called after each painting of the screen beneath; for what changes while it is open."""
+
+
+def give_keys(keyboard: Keyboard, top: Dialog | None) -> None:
+    """Whom the keys belong to while `top` is the dialog on top; None: all to the robot."""
+    keyboard.kept = frozenset() if top is None else top.own_keys
+    keyboard.free = top is None or top.plays
 
 
 class Report(Dialog):

@@ -6,7 +6,6 @@ The robot is played meanwhile: whoever looks at its face in full size wants to s
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import ClassVar
 
 from textual import events
 from textual.app import ComposeResult
@@ -24,7 +23,7 @@ class Drawing(Dialog):
     """One of several drawings; tab shows the next."""
 
     plays = True
-    own_keys: ClassVar[frozenset[str]] = frozenset((_NEXT, _BACK))
+    own_keys = frozenset((_NEXT, _BACK))
 
     def __init__(self) -> None:
         super().__init__()

@@ -16,6 +16,7 @@ from textual.widgets.option_list import Option
 
 from woz_tui.console.caps import Cap, caption, key_name
 from woz_tui.console.cells import clean, fit
+from woz_tui.console.engagement.hand import ORDERS, is_offered
 from woz_tui.console.screens.dialog import Entry
 from woz_tui.core.requests import AskLock
 
@@ -66,7 +67,7 @@ class FindDialog(Entry):
         if not self.there:
             return
         self.entry.value = ""
-        self._all = [*self._actions(), *self._locks(), *self._commands()]
+        self._all = [*self._actions(), *self._locks(), *self._orders(), *self._commands()]
         self._shown = self._all
         self._search("")
 
@@ -99,6 +100,13 @@ class FindDialog(Entry):
             request = AskLock(panel=panel.title, locked=not locked)
             name = f"{word} {panel.title}"
             yield Find(name, "", "panel", functools.partial(self.desk.ask, request), name)
+
+    def _orders(self) -> Iterable[Find]:
+        """What the hand may do to the engagement model, in a session that has one."""
+        if is_offered(self.picture.engaged, self.picture.verbs):
+            for order in ORDERS:
+                do = functools.partial(self.desk.steer, order)
+                yield Find(order.text, "", "engagement", do, order.text)
 
     def _commands(self) -> Iterable[Find]:
         app = self.console_app

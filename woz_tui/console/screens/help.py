@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from woz_tui.console.caps import Cap, cap_of, caption, key_name
 from woz_tui.console.cells import Row, fit
+from woz_tui.console.engagement.hand import ORDERS, is_offered
 from woz_tui.console.keyboard import ARROW_VERBS
 from woz_tui.console.screens.dialog import Report
 
@@ -30,6 +31,13 @@ class HelpDialog(Report):
             found = self.console_app.keymap.builtins.get(item.id)
             if found is not None:
                 rows += self._key(cap_of(found), found.wanted, item.description, "")
+        if is_offered(self.picture.engaged, self.picture.verbs):
+            key = self.console_app.keymap.builtins.get("engagement")
+            opens = f"after {key_name(key.press, self.glyphs)} and Tab" if key is not None else ""
+            rows += [(), (("Engagement by hand", "title"), (f"  {opens}", "muted"))]
+            for order in ORDERS:
+                text = order.text.removeprefix("engagement: ")
+                rows.append(((fit(order.key, KEY), "strong"), (f"  {text}", "plain")))
         for panel in self.picture.panels:
             locked = "  locked" if self.picture.is_locked(panel) else ""
             rows += [(), ((panel.title, "title"), (locked, "muted"))]

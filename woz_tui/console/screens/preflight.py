@@ -11,6 +11,7 @@ from textual.binding import Binding, BindingType
 
 from woz_tui.console.caps import Cap
 from woz_tui.console.cells import Row
+from woz_tui.console.engagement.words import signs_of, unsensed
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Report
 from woz_tui.console.status import SLOW_LINE_US
@@ -51,6 +52,21 @@ def key_findings(picture: Picture, caps: Mapping[str, Cap]) -> list[tuple[str, s
                 level = "info" if cap.reserve else "warning"
                 findings.append((level, f"key {action.key}", cap.why, f"for {action.label}"))
     return findings or [("ok", "keys", "all keys of the file reach the robot", "")]
+
+
+def sign_findings(picture: Picture) -> list[Finding]:
+    """Signs of the engagement model that nobody has given so far."""
+    shown = picture.engaged.shown
+    if shown is None:
+        return []
+    wanted = [name for name, _ in signs_of(shown) if name in shown.uses]
+    missing = [name for name in wanted if unsensed(shown.signs[name])]
+    if not missing:
+        return [Finding("ok", "engagement", f"{', '.join(wanted)} are sensed")]
+    return [
+        Finding("warning", "engagement", f"nobody gives {name} yet", "give it by hand, or wait")
+        for name in missing
+    ]
 
 
 def line_finding(round_trip_us: int | None) -> Finding:
@@ -119,7 +135,7 @@ class PreflightDialog(Report):
         self._findings = finding_rows(reply.data) if reply.ok else []
         self._findings += [
             (found.level, found.subject, found.text, found.remedy)
-            for found in (*terminal, *self._own())
+            for found in (*terminal, *self._own(), *sign_findings(self.picture))
         ]
         self._findings += key_findings(self.picture, self.console_app.caps)
         self._findings.sort(key=lambda found: _ORDER.get(found[0], len(_ORDER)))

@@ -1,0 +1,44 @@
+"""Time limits that run in the present state, where the robot process has told them."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.console.cells import Piece
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+from woz_tui.core.messages import Json
+
+#: The limit that counts from the entry into a state, and what ends there in words.
+_LIMITS = {
+    "PersonDetected": ("approach", "to engage"),
+    "UserSpeaks": ("listening", "to speak"),
+    "RobotThinks": ("thinking", "to answer"),
+    "RobotReplies": ("talking", "to reply"),
+    "RobotSpeaks": ("talking", "to speak"),
+}
+#: From this share of a limit on it is amber.
+_SOON = 0.75
+
+
+def running(picture: Picture, shown: m.EngagementShown, now: int) -> list[Piece]:
+    """`12 of 60 s to speak`, for the state as it stands."""
+    told = picture.settings.get("engagement")
+    if not isinstance(told, Mapping):
+        return []
+    limits = told.get("timeouts")
+    name, words = _LIMITS.get(shown.state, ("", ""))
+    if shown.state == "Handshake":
+        limit, words = _number(told.get("handshake")), "for the handshake"
+    else:
+        limit = _number(limits.get(name)) if isinstance(limits, Mapping) else None
+    if limit is None or limit <= 0:
+        return []
+    gone = max(0, now - shown.since) / 1e6
+    look = "warn" if gone >= _SOON * limit else "muted"
+    return [(f"{min(gone, limit):.0f} of {limit:.0f} s {words}", look)]
+
+
+def _number(told: Json) -> float | None:
+    good = isinstance(told, int | float) and not isinstance(told, bool)
+    return float(told) if good and isinstance(told, int | float) else None

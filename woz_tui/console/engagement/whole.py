@@ -1,0 +1,220 @@
+"""The whole model in one picture: states, signs, the condition in words, its way, what was said."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from woz_tui.console.cells import Row, clean, cut, fit, length, spread
+from woz_tui.console.engagement.bars import queue_bar
+from woz_tui.console.engagement.diagram import HEIGHT, WIDTH, diagram
+from woz_tui.console.engagement.limits import running
+from woz_tui.console.engagement.meter import quoted
+from woz_tui.console.engagement.words import (
+    condition,
+    headline,
+    is_used,
+    known_visitor,
+    mark,
+    needs,
+    path,
+    run_piece,
+    share,
+    signs_of,
+    waiting,
+)
+from woz_tui.console.figures import elapsed, seconds
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.picture import Picture
+from woz_tui.console.rows import beside
+from woz_tui.console.zones import zone
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import CONDITION
+
+#: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
+_NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 27
+#: Cells from which the filter is named.
+_WITH_FILTER = 70
+#: The bar's cells at the most.
+_BAR = 22
+#: Cells from which what was heard stands beside the diagram.
+SIDE_BY_SIDE = WIDTH + 30
+#: Lines of the way at the least; below the diagram gives way to the path in words.
+_WAY = 3
+#: Lines of what was heard, where it has no place at the side.
+_HEARD = 2
+
+
+def whole_rows(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """As many rows as the frame is high; what matters most stands on top."""
+    table = [*_signs(picture, shown, frame), _condition(picture, shown, frame)]
+    top = [_head(picture, shown, frame), _second(picture, shown, frame)]
+    drawn = frame.width >= WIDTH and frame.height >= len(top) + HEIGHT + len(table) + _WAY
+    side = drawn and frame.width >= SIDE_BY_SIDE
+    if drawn:
+        top += _states(picture, shown, frame, side=side)
+    else:
+        top.append((("path  ", "muted"), *path(shown, frame.width - 6, frame.glyphs)))
+    rows = [*top, *_air(frame), *table, *_air(frame)]
+    heard = [] if side else _heard(picture, frame, _HEARD)
+    rows += _way(picture, frame, max(1, frame.height - len(rows) - len(heard)))
+    room = max(0, frame.height - len(heard))
+    rows = rows[:room] + [()] * max(0, room - len(rows)) + heard
+    return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
+
+
+def _air(frame: Frame) -> list[Row]:
+    """An empty line where there is room for one."""
+    return [()] if frame.height >= 24 else []
+
+
+# -- what is now --------------------------------------------------------------------------------
+
+
+def _head(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+    """State, time, run; at the right visitor and attention."""
+    glyphs = frame.glyphs
+    row: Row = (
+        *headline(shown, glyphs, old=bool(picture.lost)),
+        (f"  {elapsed(frame.now - shown.since)}", "plain"),
+    )
+    if shown.attempt:
+        row += ((f"  attempt {shown.attempt}", "plain"),)
+    run = run_piece(shown, glyphs)
+    if run is not None:
+        row += (("   ", "plain"), run)
+    right: Row = ()
+    if visitor := known_visitor(shown):
+        right = ((f"visitor {visitor}{_about(picture, shown.visitor)}", "run"),)
+    if shown.attention:
+        right += ((f"  {clean(shown.attention)}", "muted"),)
+    left = length(row) + 2
+    return spread(row, cut(right, min(length(right), max(1, frame.width - left))), frame.width)
+
+
+def _about(picture: Picture, visitor: str) -> str:
+    """What is known of them, in parentheses."""
+    about = picture.engaged.visitors.get(visitor, {})
+    told = ", ".join(clean(value) for value in about.values() if value)
+    return f" ({told})" if told else ""
+
+
+def _second(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+    """Who waits, what is being said, which limits run."""
+    glyphs, engaged = frame.glyphs, picture.engaged
+    row: Row = ()
+    if picture.lost:
+        return ((f"{glyphs.stale} the robot process is gone: all this is old", "stale"),)
+    if (waits := waiting(engaged, frame.now, glyphs)) is not None:
+        row += (waits, ("   ", "plain"))
+    if (segment := engaged.speaking(frame.now)) is not None:
+        row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.began)}   ", "good"),)
+    for text, look in running(picture, shown, frame.now):
+        row += ((f"{text}   ", look),)
+    return row or (("nobody waits", "muted"),)
+
+
+def _states(picture: Picture, shown: m.EngagementShown, frame: Frame, *, side: bool) -> list[Row]:
+    """The diagram, at its right what was heard."""
+    way = [(change.was, change.now) for change in reversed(picture.engaged.changes)]
+    if not way:
+        way = list(zip(shown.trail, shown.trail[1:], strict=False))[::-1]
+    drawn = diagram(shown.state, way, frame.glyphs)
+    if not side:
+        return drawn
+    room = frame.width - WIDTH - 2
+    heard = _heard(picture, replace(frame, width=room), HEIGHT)
+    return beside([(drawn, WIDTH), (heard, room)], HEIGHT, frame.glyphs, 2)
+
+
+# -- signs ----------------------------------------------------------------------------------------
+
+
+def _signs(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+    """A line for each sign beneath the names of the columns."""
+    filtered = _FILTER + 1 if frame.width >= _WITH_FILTER else 0
+    bar = min(_BAR, max(6, frame.width - _NAME - _SENSED - 2 - filtered - 1 - _VERDICT))
+    columns = (
+        ("sign", _NAME + 1),
+        ("sensed", _SENSED + 1),
+        ("filter", filtered),
+        ("queue", bar + 2),
+        ("verdict", len("verdict")),
+    )
+    rows: list[Row] = [tuple((fit(title, width), "title") for title, width in columns)]
+    for name, _ in signs_of(shown):
+        rows.append(_sign(name, shown, picture, replace(frame, width=bar), filtered))
+    return rows
+
+
+def _sign(
+    name: str, shown: m.EngagementShown, picture: Picture, frame: Frame, filtered: int
+) -> Row:
+    """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
+    sign = shown.signs[name]
+    glyphs = frame.glyphs
+    found = mark(name, sign, glyphs, old=bool(picture.lost))
+    used = is_used(name, shown)
+    quiet = sign.forced or found.look == "stale" or not used
+    row: Row = (
+        (fit(name, _NAME + 1), "plain" if used else "faint"),
+        (f"{fit(_sensed(name, sign), _SENSED, glyphs.ellipsis)} ", "stale" if quiet else "plain"),
+        (fit(sign.filter, filtered, glyphs.ellipsis), "muted"),
+        *queue_bar(sign, frame.width, glyphs, "muted" if quiet else "good"),
+        (" ", "plain"),
+    )
+    if not used:
+        return (*row, (" not used", "muted"))
+    row += ((f" {fit(found.piece[0], 9, glyphs.ellipsis)}", found.look),)
+    if sign.forced:
+        return (*row, (f" {glyphs.forced} by hand", "wait"))
+    both = f" {share(sign)}" if found.look == "stale" else f" {share(sign)}, {needs(sign)}"
+    return (*row, (both if sign.places > 0 else "", "muted"))
+
+
+def _sensed(name: str, sign: m.SignShown) -> str:
+    """The last sample, without any filter."""
+    if name not in CONDITION:
+        return clean(sign.raw_name) or "nobody"
+    if sign.raw is None:
+        return "nothing"
+    if name == "distance":
+        return f"{sign.raw:.2f} m {zone(sign.raw)}" if sign.raw < 100 else "far"
+    return "yes" if sign.raw >= 0.5 else "no"
+
+
+def _condition(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+    row = condition(shown, frame.glyphs, old=bool(picture.lost))
+    near = f"   near: up to {shown.social_distance:.2f} m"
+    if "distance" in shown.uses and length(row) + len(near) <= frame.width:
+        row += ((near, "muted"),)
+    return row
+
+
+# -- what was -------------------------------------------------------------------------------------
+
+
+def _way(picture: Picture, frame: Frame, room: int) -> list[Row]:
+    """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
+    glyphs = frame.glyphs
+    rows: list[Row] = []
+    for change in reversed(picture.engaged.changes):
+        hand = f"{glyphs.forced} " if change.forced else "  "
+        rows.append(
+            (
+                (f"{elapsed(change.t):>6} ", "muted"),
+                (hand, "wait"),
+                (fit(change.now, 19, glyphs.ellipsis), "plain"),
+                (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
+                (glyphs.plain(clean(change.why)), "muted"),
+            )
+        )
+    return rows[:room] or [(("nothing has changed yet", "muted"),)]
+
+
+def _heard(picture: Picture, frame: Frame, room: int) -> list[Row]:
+    """What was understood, newest on top."""
+    rows: list[Row] = []
+    for segment in picture.engaged.heard():
+        front = f"{elapsed(segment.t):>6} "
+        rows.append(((front, "muted"), quoted(segment, frame.glyphs)))
+    return rows[:room]

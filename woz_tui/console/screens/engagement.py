@@ -1,0 +1,90 @@
+"""The whole engagement model in one picture, and the wizard's hand on it.
+
+Keys play the robot as everywhere, until tab takes the model into the hand: then some letters are
+the model's, and which actions they cover meanwhile is said. Everything else plays on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from textual import events
+
+from woz_tui.console.cells import Row
+from woz_tui.console.engagement.hand import BY_KEY, KEYS, ON
+from woz_tui.console.engagement.legend import HEIGHT, legend_rows
+from woz_tui.console.engagement.whole import whole_rows
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.screens.dialog import give_keys
+from woz_tui.console.screens.drawing import Drawing
+from woz_tui.experiment.textual_names import from_textual
+
+_TAKE = frozenset(("tab", "shift+tab"))
+_HINTS = {
+    False: "keys play · tab: your hand · ctrl+q closes",
+    True: "YOUR HAND · tab: all keys play again · ctrl+q closes",
+}
+
+
+class EngagementDialog(Drawing):
+    """States, signs, the condition, the way, what was said; beneath them what the keys do."""
+
+    heading = "Engagement"
+    hint = _HINTS[False]
+    opened_by = "engagement"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._steers = False
+        self.own_keys = _TAKE
+
+    def count(self) -> int:
+        """One, in a session with a model that has said something."""
+        return int(self.picture.engaged.shown is not None)
+
+    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+        """The model, then the legend."""
+        engaged = self.picture.engaged
+        if engaged.shown is None:
+            return []
+        inner = replace(frame, height=max(1, frame.height - HEIGHT))
+        rows = whole_rows(self.picture, engaged.shown, inner)
+        rows += [()] * (inner.height - len(rows))
+        covered = self._covered()
+        legend = legend_rows(engaged, covered, frame.width, frame.glyphs, steers=self._steers)
+        return [*rows, *legend]
+
+    def _covered(self) -> dict[str, str]:
+        """The hand's keys that play an action of this experiment, with the action's label."""
+        table = self.console_app.keymap.table
+        found = {key: table[key] for key in BY_KEY if key in table}
+        return {key: self.picture.label(name) for key, name in found.items()}
+
+    def nothing(self) -> str:
+        """What stands there in a session without a model."""
+        if ON in self.picture.verbs:
+            return "The engagement model has not said anything yet."
+        return (
+            "This session has no engagement model.\n"
+            "An experiment gets one by a section in its file:\n"
+            "  engagement: {}"
+        )
+
+    def on_key(self, event: events.Key) -> None:
+        """Take the model into the hand or give it back; with it in hand, its keys."""
+        chord = from_textual(event.key, event.character)
+        event.stop()
+        if chord in _TAKE:
+            if self.count():
+                self._take_in_hand(not self._steers)
+        elif self._steers and chord in BY_KEY:
+            self.desk.steer(BY_KEY[chord], chord)
+
+    def _take_in_hand(self, steers: bool) -> None:
+        self._steers = steers
+        self.own_keys = _TAKE | KEYS if steers else _TAKE
+        give_keys(self.console_app.keyboard, self)
+        for box in self.query(".dialog"):
+            box.border_subtitle = self.glyphs.plain(_HINTS[steers])
+            box.set_class(steers, "-steers")
+        self.refreshed()

@@ -121,25 +121,27 @@ class Engagement:
         samples: int | None = None,
         threshold: float | None = None,
     ) -> None:
-        """Another filter for a sign, or other numbers; its queue keeps what fits. For `loudness`:
-        the threshold of speech that the microphone has learnt.
+        """Another filter for a sign, or other numbers; its queue keeps what fits.
 
         ValueError with a sentence for a sign or numbers that there are not.
         """
-        if sign == "loudness":
-            self.voice.tell_threshold(threshold)
-        else:
-            self.signs.configure(sign, kind, samples, threshold)
+        self.signs.configure(sign, kind, samples, threshold)
         self._look()
+
+    def set_threshold(self, rms: object) -> None:
+        """The loudness of speech as the microphone has learnt it; the settings go before it."""
+        self.voice.tell_threshold(rms)
 
     def near_within(self, metres: float) -> None:
         """Another social distance; ValueError outside of 0.1 to 10 m."""
         self.signs.near_within(metres)
         self._look()
 
-    def set_threshold(self, rms: object) -> None:
-        """The loudness of speech as the microphone has learnt it; the settings go before it."""
-        self.voice.tell_threshold(rms)
+    def heard(self) -> list[Event]:
+        """Take out what the loudness has brought since the last step."""
+        events = list(self._events)
+        self._events.clear()
+        return events
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Go on with other settings. State, name and the wizard's verdicts stay; so does what was

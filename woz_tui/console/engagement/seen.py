@@ -82,13 +82,11 @@ class Engaged:
     def take(self, message: m.Message) -> None:
         """Work a message in; others than those of the model are passed over."""
         reducer = _REDUCERS.get(type(message))
-        if reducer is not None:
+        if reducer is not None and _sound(message):
             reducer(self, message)
 
     def _show(self, message: m.EngagementShown) -> None:
-        told = message.signs, message.trail, message.uses
-        if all(map(isinstance, told, (dict, list, list))):  # another version may say anything
-            self.shown = message
+        self.shown = message
 
     def _change(self, message: m.EngagementChanged) -> None:
         """A console that attaches is told the last one twice."""
@@ -134,6 +132,24 @@ class Engaged:
         for segment in self.segments:
             if segment.driver == message.driver and segment.ended is None:
                 segment.ended = message.t
+
+
+#: What must be numbers, or lists and the like, for a picture to be made of it.
+_KINDS: dict[str, type] = {
+    **dict.fromkeys(("segment", "began", "ended", "since", "waits_since", "attempt"), int),
+    **dict.fromkeys(("trail", "uses"), list),
+    **dict.fromkeys(("signs", "verdicts"), dict),
+    "social_distance": float,
+}
+
+
+def _sound(message: m.Message) -> bool:
+    """Whether it is what it should be; another version may say anything."""
+    return all(
+        isinstance(getattr(message, name), kind)
+        for name, kind in _KINDS.items()
+        if name in message.__struct_fields__
+    )
 
 
 def texts(told: object) -> dict[str, str]:

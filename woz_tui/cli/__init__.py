@@ -20,7 +20,9 @@ COMMANDS = {
     "doctor": "check this machine, its devices and this terminal for an experiment",
     "midi": "learn the controls of a MIDI panel, or show what they do",
     "render": "compute what a body would do: setpoints and face as lines, or curves",
+    "visitors": "who has a name: list, show, add, rename, forget, profile",
     "modes": "which mode takes which input",
+    "engagement": "run the engagement model over samples or a session's log",
     "record-move": "record a layer of a move by puppeteering",
     "schema": "print the JSON Schema of experiment files, for editors",
 }

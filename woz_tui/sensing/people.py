@@ -25,10 +25,11 @@ import stat
 import threading
 import time
 from collections.abc import Iterable, Iterator
+from dataclasses import replace
 from datetime import date
 from pathlib import Path
 
-from woz_tui.core.replacing import replace, sweep
+from woz_tui.core import replacing
 from woz_tui.sensing import visitors as changes
 from woz_tui.sensing.names import BadNameError, key_of, label_of, name_of, word_of
 from woz_tui.sensing.visitors import (
@@ -61,6 +62,11 @@ _PATIENCE = 2.0
 _LOOKS_AFTER = 0.01
 
 _Stamp = tuple[int, int, int] | None
+
+
+def store_at(named: str, logs: Path) -> Path:
+    """The store's file: the one that an experiment names, or that beside the logs."""
+    return Path(named) if named else logs / FILE
 
 
 class Visitors:
@@ -116,18 +122,19 @@ class Visitors:
     # -- changing -------------------------------------------------------------------------------
 
     def add(
-        self, name: str, *, on: date, age_group: str = "", address: str = "", label: str = ""
+        self, name: str, *, on: date | None, age_group: str = "", address: str = "", label: str = ""
     ) -> Visitor:
-        """Somebody new, met for the first time on that day."""
-        day = on.isoformat()
+        """Somebody new, met for the first time on that day; None: not met yet."""
         with _bad_names_refused():
             visitor = Visitor(
                 name_of(name),
                 word_of(age_group, "an age group"),
                 word_of(address, "a form of address"),
                 (label_of(label),) if label else (),
-                *(day, day, 1),
             )
+        if on is not None:
+            day = on.isoformat()
+            visitor = replace(visitor, first_met=day, last_met=day, meetings=1)
         return self._change(changes.added(visitor), visitor.name)
 
     def met(self, name: str, *, on: date) -> Visitor:
@@ -145,18 +152,25 @@ class Visitors:
         *,
         age_group: str | None = None,
         address: str | None = None,
+        label: str | None = None,
         anew: bool = False,
     ) -> Visitor:
-        """What is known of them; None leaves a fact as it is, "" takes it away. Where another
-        value stands it is refused, unless `anew` says that this one shall replace it.
+        """What is known of them, in one change; None leaves a fact as it is, "" takes it away.
+        Where another value stands it is refused, unless `anew` says that this one shall replace it.
+        A label comes to those that are there.
         """
+        given = {"age_group": age_group, "address": address}
         with _bad_names_refused():
-            facts = {}
-            if age_group is not None:
-                facts["age_group"] = word_of(age_group, "an age group")
-            if address is not None:
-                facts["address"] = word_of(address, "a form of address")
-        return self._change(changes.profiled(name, facts, anew=anew), name)
+            facts = {
+                fact: word_of(word, f"the {fact.replace('_', ' ')}")
+                for fact, word in given.items()
+                if word is not None
+            }
+            face = label_of(label) if label is not None else None
+        change = changes.profiled(name, facts, anew=anew)
+        if face is not None:
+            change = changes.both(change, changes.labelled(name, face))
+        return self._change(change, name)
 
     def rename(self, old: str, new: str) -> Visitor:
         """Give them another name; profile, meetings and labels stay."""
@@ -164,13 +178,9 @@ class Visitors:
             name = name_of(new)
         return self._change(changes.renamed(old, name), name)
 
-    def forget(self, name: str) -> Visitor:
-        """Remove all there is; returns what it was."""
-        with self._thread:
-            self._look()
-            before = self._people.get(key_of(name))
-            self._change(changes.forgotten(name), "")
-            return before or Visitor(name)
+    def forget(self, *names: str) -> None:
+        """Remove all there is of them, in one change; refused if somebody is not there."""
+        self._change(changes.forgotten(*names), "")
 
     def save(self) -> None:
         """Try once more to write what is not in the file. `UnsavedError` if it fails again."""
@@ -198,8 +208,8 @@ class Visitors:
                 self._was_read = True
                 people, misfits = _made(self._pending, stored)
                 people = change(people) if change is not None else people
-                sweep(path)
-                replace(path, changes.written(people), mode=_MODE)
+                replacing.sweep(path)
+                replacing.replace(path, changes.written(people), mode=_MODE)
                 stamp = _stamp(path)
         except (OSError, UnreadableError) as error:
             if isinstance(error, UnreadableError) and not self._was_read:

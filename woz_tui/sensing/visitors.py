@@ -147,14 +147,19 @@ def renamed(old: str, new: str) -> Change:
     return change
 
 
-def forgotten(name: str) -> Change:
-    """Nothing is left of the visitor."""
+def forgotten(*names: str) -> Change:
+    """Nothing is left of these visitors."""
 
     def change(people: People) -> dict[str, Visitor]:
-        _found(people, name)
-        return {key: one for key, one in people.items() if key != key_of(name)}
+        keys = {key_of(_found(people, name).name) for name in names}
+        return {key: one for key, one in people.items() if key not in keys}
 
     return change
+
+
+def both(first: Change, second: Change) -> Change:
+    """Two changes, of which none is made if one does not fit."""
+    return lambda people: second(first(people))
 
 
 def _changed(name: str, change: Callable[[Visitor], Visitor]) -> Change:

@@ -1,0 +1,261 @@
+"""`woz visitors`: who has a name, what is kept about them, and how to change or remove it."""
+
+from __future__ import annotations
+
+import argparse
+import difflib
+import json
+import os
+import sys
+from collections.abc import Callable
+from dataclasses import asdict
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from woz_tui.cli.failure import explained
+from woz_tui.core.messages import Json
+from woz_tui.sensing.people import (
+    RefusedError,
+    UnsavedError,
+    Visitor,
+    Visitors,
+    VisitorsError,
+    store_at,
+)
+
+#: Columns of a page that goes into a file or a pipe.
+_PAGE = 120
+_Command = Callable[[Visitors, argparse.Namespace], int]
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    where = argparse.ArgumentParser(add_help=False)
+    file = where.add_argument_group("which store").add_mutually_exclusive_group()
+    file.add_argument("--file", type=Path, metavar="FILE", help="the store itself")
+    file.add_argument(
+        "--experiment", type=Path, metavar="FILE", help="the store that this experiment uses"
+    )
+    where.add_argument(
+        "--recordings",
+        type=Path,
+        default=Path("recordings"),
+        metavar="FOLDER",
+        help="folder of the logs, where the store is unless it is named (default: recordings)",
+    )
+    where.add_argument("--json", action="store_true", help="one JSON object, for programs")
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+
+    def command(name: str, summary: str, does: _Command) -> argparse.ArgumentParser:
+        one = commands.add_parser(name, help=summary, description=summary, parents=[where])
+        one.set_defaults(run=lambda arguments: explained(lambda: _told(does, arguments)))
+        return one
+
+    command("list", "everybody who has a name", _list)
+    show = command("show", "all that is kept about a visitor", _show)
+    show.add_argument("name", help="name or face label, in any letter case")
+    new = command("add", "somebody who was not met yet", _add)
+    new.add_argument("name", help="a code or a name")
+    rename = command("rename", "give a visitor another name", _rename)
+    rename.add_argument("name", help="as it is now")
+    rename.add_argument("new", help="as it shall be")
+    profile = command("profile", 'change what is known of a visitor; "" removes it', _profile)
+    profile.add_argument("name")
+    for one in (new, profile):
+        one.add_argument("--age-group", metavar="TEXT", help="for example child, adult")
+        one.add_argument("--address", metavar="TEXT", help="form of address, for example Ms")
+        one.add_argument("--label", metavar="TEXT", help="what a recogniser calls the face")
+    forget = command("forget", "remove all that is kept about visitors", _forget)
+    forget.add_argument("name", nargs="*", help="whom to forget")
+    forget.add_argument("--all", action="store_true", help="everybody")
+    forget.add_argument("--yes", action="store_true", help="do not ask")
+
+
+def _told(does: _Command, arguments: argparse.Namespace) -> int:
+    try:
+        return does(Visitors(_path(arguments)), arguments)
+    except VisitorsError as error:
+        # What could not be written is gone when this process ends.
+        unchanged = "\nnothing was changed" if isinstance(error, UnsavedError) else ""
+        print(f"woz visitors: {error.reason}\n{error.remedy}{unchanged}", file=sys.stderr)
+        return 1
+
+
+def _path(arguments: argparse.Namespace) -> Path:
+    if arguments.file is not None:
+        file: Path = arguments.file
+        return file
+    named = ""
+    if arguments.experiment is not None:
+        # Drivers are needed to read an experiment, and for nothing else here.
+        from woz_tui import plugins  # noqa: PLC0415
+        from woz_tui.experiment.decode import load  # noqa: PLC0415
+
+        engagement = load(arguments.experiment, plugins.installed()).engagement
+        named = engagement.settings.visitors if engagement is not None else ""
+    return store_at(named, arguments.recordings)
+
+
+# -- the commands -------------------------------------------------------------------------------
+
+
+def _list(store: Visitors, arguments: argparse.Namespace) -> int:
+    everybody = store.everybody()
+    if arguments.json:
+        visitors: list[Json] = [_fields(visitor) for visitor in everybody]
+        _print_json({"file": str(store.path), "visitors": visitors})
+    elif everybody:
+        _console().print(_table(everybody))
+    else:
+        missing = "" if store.path.exists() else " (there is no such file yet)"
+        print(f"{store.path}: nobody{missing}")
+    return 0
+
+
+def _show(store: Visitors, arguments: argparse.Namespace) -> int:
+    _report(store.called(arguments.name) or _wanted(store, arguments.name), arguments)
+    return 0
+
+
+def _add(store: Visitors, arguments: argparse.Namespace) -> int:
+    visitor = store.add(
+        arguments.name,
+        on=None,
+        age_group=arguments.age_group or "",
+        address=arguments.address or "",
+        label=arguments.label or "",
+    )
+    _report(visitor, arguments)
+    return 0
+
+
+def _rename(store: Visitors, arguments: argparse.Namespace) -> int:
+    before = _wanted(store, arguments.name)
+    after = store.rename(before.name, arguments.new)
+    if arguments.json:
+        _print_json({**_fields(after), "was": before.name})
+    else:
+        print(f"{before.name} is now {after.name}")
+    return 0
+
+
+def _profile(store: Visitors, arguments: argparse.Namespace) -> int:
+    given = (arguments.age_group, arguments.address, arguments.label)
+    if given == (None, None, None):
+        raise RefusedError("nothing to change", "give --age-group, --address or --label")
+    before = _wanted(store, arguments.name)
+    after = store.profile(
+        before.name,
+        age_group=arguments.age_group,
+        address=arguments.address,
+        label=arguments.label,
+        anew=True,
+    )
+    if arguments.json:
+        _print_json(_fields(after))
+        return 0
+    old = dict(_facts(before))
+    changes = [
+        f"  {fact}: {old[fact] or '-'} -> {value or '-'}"
+        for fact, value in _facts(after)
+        if value != old[fact]
+    ]
+    print("\n".join([after.name, *(changes or ["  as it was"])]))
+    return 0
+
+
+def _forget(store: Visitors, arguments: argparse.Namespace) -> int:
+    if bool(arguments.name) == arguments.all:
+        raise RefusedError("whom?", "name visitors, or give --all and no name")
+    names = arguments.name
+    visitors = store.everybody() if arguments.all else [_wanted(store, name) for name in names]
+    visitors = list(dict.fromkeys(visitors))
+    if visitors and not arguments.yes and not _agreed(visitors):
+        print("woz visitors: nobody was forgotten", file=sys.stderr)
+        return 1
+    if visitors:
+        store.forget(*(visitor.name for visitor in visitors))
+    if arguments.json:
+        _print_json({"forgotten": [visitor.name for visitor in visitors]})
+    else:
+        print(f"forgotten: {', '.join(visitor.name for visitor in visitors) or 'nobody'}")
+    labels = [label for visitor in visitors for label in visitor.labels]
+    if labels:
+        known = ", ".join(labels)
+        print(f"woz visitors: the recogniser still knows {known}; remove it there", file=sys.stderr)
+    return 0
+
+
+# -- asking and telling -------------------------------------------------------------------------
+
+
+def _agreed(visitors: list[Visitor]) -> bool:
+    """Whether whoever sits at the terminal wants it; `RefusedError` if nobody does."""
+    if not sys.stdin.isatty():
+        raise RefusedError(
+            "nobody can be asked here whether to forget", "give --yes if it is meant"
+        )
+    for visitor in visitors:
+        last = f", last on {visitor.last_met}" if visitor.last_met else ""
+        print(f"{visitor.name}: met {visitor.meetings} times{last}", file=sys.stderr)
+    print("Forget for good? [y/N] ", end="", file=sys.stderr, flush=True)
+    return sys.stdin.readline().strip().casefold() in ("y", "yes")
+
+
+def _wanted(store: Visitors, name: str) -> Visitor:
+    visitor = store.find(name)
+    if visitor is not None:
+        return visitor
+    names = [one.name for one in store.everybody()]
+    near = difflib.get_close_matches(name, names, n=3)
+    remedy = f"did you mean {' or '.join(near)}?" if near else "woz visitors list shows them all"
+    raise RefusedError(f"{store.path}: there is no visitor {name!r}", remedy)
+
+
+def _report(visitor: Visitor, arguments: argparse.Namespace) -> None:
+    if arguments.json:
+        _print_json(_fields(visitor))
+        return
+    print(visitor.name)
+    for fact, value in _facts(visitor):
+        print(f"  {fact}: {value or '-'}")
+
+
+def _fields(visitor: Visitor) -> dict[str, Json]:
+    return {**asdict(visitor), "labels": list(visitor.labels)}
+
+
+def _facts(visitor: Visitor) -> list[tuple[str, str]]:
+    return [
+        ("age group", visitor.age_group),
+        ("address", visitor.address),
+        ("meetings", str(visitor.meetings)),
+        ("first met", visitor.first_met),
+        ("last met", visitor.last_met),
+        ("face labels", ", ".join(visitor.labels)),
+    ]
+
+
+def _table(visitors: list[Visitor]) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    table.add_column("name", overflow="fold", style="bold")
+    for fact, _ in _facts(visitors[0]):
+        number = fact == "meetings"
+        table.add_column(fact, overflow="fold", justify="right" if number else "left")
+    for visitor in visitors:
+        table.add_row(Text(visitor.name), *(Text(value) for _, value in _facts(visitor)))
+    return table
+
+
+def _console() -> Console:
+    console = Console(highlight=False)
+    if console.is_terminal or "COLUMNS" in os.environ:
+        return console
+    return Console(highlight=False, width=_PAGE)
+
+
+def _print_json(found: Json) -> None:
+    print(json.dumps(found, indent=2, ensure_ascii=False))

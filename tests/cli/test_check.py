@@ -163,3 +163,89 @@ def test_the_command_with_the_installed_drivers(capsys: pytest.CaptureFixture[st
     arguments = parser.parse_args([str(demo)])
     assert arguments.run(arguments) == 0
     assert "Museum guide" in capsys.readouterr().out
+
+
+MODEL = """title: T
+robot: {drivers: {eye: {type: camera, sees: [presence, loudness]}, voice: {type: voice}}}
+engagement:
+  threshold: 0.7
+  samples: 10
+  gaze: {filter: joint}
+  distance: {filter: median, samples: 9}
+  social_distance: 1.2
+  timeouts: {lost: 3, listening: null}
+  handshake: {by: robot, attempts: 2}
+  on_enter: {Wait: [Looks, {say: Bye, sound: a.wav}, {wait: 1}, {repeat: 2}]}
+"""
+
+
+def test_the_engagement_model_in_a_few_lines(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    looks, who = "{key: g, label: Looks, toggle: gaze}", "{label: Who, visitor: V1}"
+    assert checked(tmp_path, panel(looks, who, head=MODEL)) == 0
+    out = capsys.readouterr().out
+    told: dict[str, str] = {}
+    for line in out.splitlines():
+        about, _, text = line.partition("  ")
+        told.setdefault(about, text.strip())
+    assert told["engaged"] == "who is there and looks and is within 1.2 m"
+    assert told["presence"] == "fifo 7 of 10, from presence (eye)"
+    assert told["gaze"] == "joint, from 70 % on, by 'Looks'"
+    assert told["distance"] == "median of 9, nobody gives it"
+    assert told["identity"] == "fifo 7 of 10, by 'Who'"
+    assert told["speech"] == "loudness (eye), as loud as it has learnt, 1 s of silence end it"
+    assert told["timeouts"] == "lost 3 s, talking 120 s"
+    assert told["handshake"] == "led by the robot, asks 2 times within 60 s"
+    assert told["starts"] == "running"
+    assert told["on Wait"] == (
+        "say Bye + sound a.wav, then wait 1 s, then repeat 2, beside it plays 'Looks'"
+    )
+    assert told["toggle"] == "your verdict on a sign: the opposite of what it is"
+    assert "toggle gaze" in out
+    assert "nobody gives distance" in out
+
+
+@pytest.mark.parametrize(
+    ("sees", "settings", "about"),
+    [
+        ("presence, speech", "", "speech cut by eye"),
+        ("presence", "", "speech nobody hears it"),
+        ("loudness", "sound: {threshold: 0.1}", "louder than 0.1,"),
+        ("presence", "handshake: {by: nobody}", "who has no name stays without one"),
+        ("presence", "handshake: {by: wizard}", "led by the wizard, 60 s at most"),
+        ("presence", "timeouts: {listening: null, talking: null}", "timeouts none"),
+        ("presence", "start: off", "switched off"),
+        ("presence", "signs: [gaze]", "engaged who looks"),
+    ],
+)
+def test_other_models(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], sees: str, settings: str, about: str
+) -> None:
+    head = f"title: T\nrobot: {{drivers: {{eye: {{type: camera, sees: [{sees}]}}}}}}\n"
+    text = panel("{label: A, mark: x}", head=f"{head}engagement: {{{settings}}}\n")
+    assert checked(tmp_path, text) == 0
+    assert about in " ".join(capsys.readouterr().out.split())
+
+
+def test_the_engagement_model_for_programs(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert (
+        checked(tmp_path, panel("{label: Looks, toggle: gaze}", head=MODEL), "--format", "json")
+        == 0
+    )
+    model = json.loads(capsys.readouterr().out)["engagement"]
+    assert model["signs"]["presence"] == {
+        "used": True,
+        "filter": "fifo",
+        "needed": 7,
+        "places": 10,
+        "sensors": ["presence (eye)"],
+        "actions": [],
+    }
+    assert model["signs"]["gaze"]["actions"] == ["Looks"]
+    assert model["on_enter"]["Wait"][1] == "plays 'Looks'"
+    assert {verb["name"] for verb in model["verbs"]} >= {"toggle", "sense", "force"}
+    assert checked(tmp_path, GOOD, "--format", "json") == 0
+    assert json.loads(capsys.readouterr().out)["engagement"] is None

@@ -11,7 +11,7 @@ from typing import Annotated, Any, ClassVar, Literal
 from woz_drivers.body import Body
 from woz_drivers.dynamixel import DynamixelServos
 
-from woz_tui.core.driver import Argument, Driver, Finding, Job, Outlet, Probe, Scope, Verb
+from woz_tui.core.driver import Argument, Ask, Driver, Finding, Job, Outlet, Probe, Scope, Verb
 from woz_tui.core.fields import Doc, OneOf, Path, Pattern, Range, Seconds
 from woz_tui.core.messages import Json
 
@@ -196,6 +196,31 @@ class Simulated(Bare):
         )
 
 
+@dataclass(frozen=True, slots=True)
+class CameraSettings:
+    """What it sees; and buttons on it that ask for verbs: `toggle: gaze`."""
+
+    sees: tuple[str, ...] = ("presence", "gaze", "identity")
+    buttons: dict[str, str] = field(default_factory=dict)
+
+
+class Camera(Bare):
+    """Senses what it is told to."""
+
+    Settings: ClassVar[type] = CameraSettings
+
+    @classmethod
+    def sensors(cls, settings: CameraSettings) -> tuple[str, ...]:
+        return settings.sees
+
+    @classmethod
+    def asks(cls, settings: CameraSettings) -> list[tuple[str, Ask]]:
+        return [
+            (f"buttons.{verb}", Ask("verb", verb, {"sign": sign}))
+            for verb, sign in settings.buttons.items()
+        ]
+
+
 class Failing(Bare):
     """A stranger's driver with a bug."""
 
@@ -210,6 +235,7 @@ CATALOGUE: Mapping[str, type[Driver]] = {
     "head": Head,
     "voice": Voice,
     "simulated": Simulated,
+    "camera": Camera,
     "failing": Failing,
     "body": Body,
     "dynamixel": DynamixelServos,

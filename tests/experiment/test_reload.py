@@ -91,3 +91,52 @@ def test_drivers_that_changed_forbid_a_reload(tmp_path: Path) -> None:
     assert compare(old, simulated).drivers
     kind = read(tmp_path, panel(action, head=ROBOT.replace("voice: {type: voice}", "voice: {type: simulated}")))  # fmt: skip # noqa: E501
     assert compare(old, kind).drivers == ("driver 'voice' is of type simulated, it was voice",)
+
+
+MODEL = """engagement:
+  threshold: 0.5
+  gaze: {samples: 8}
+  timeouts: {lost: 1}
+  on_enter: {Wait: {say: Bye}, PersonDetected: [A, {say: Near}], RobotThinks: B}
+"""
+
+
+@pytest.mark.parametrize(
+    "edit",
+    [
+        Edit("threshold: 0.5", "threshold: 0.6", ["engagement: threshold 0.6, it was 0.5"]),
+        Edit("  threshold: 0.5\n", "", []),
+        Edit("samples: 8", "samples: 9", ["engagement: gaze.samples 9, it was 8"]),
+        Edit("{samples: 8}", "{}", ["engagement: gaze.samples not set, it was 8"]),
+        Edit("lost: 1", "lost: 1 s", []),
+        Edit("{lost: 1}", "{listening: null}", [
+            "engagement: timeouts.lost 0, it was 1",
+            "engagement: timeouts.listening not set, it was 60",
+        ]),
+        Edit("gaze:", "signs: [gaze]\n  gaze:", [
+            "engagement: signs gaze, it was presence, gaze, distance"
+        ]),
+        Edit("gaze:", "attention: {look: on}\n  gaze:", [
+            "engagement: attention.look on, it was off"
+        ]),
+        Edit("say: Bye", "say: Good bye", ["effect 'on Wait' does something else"]),
+        Edit("Wait: {say: Bye}", "Wait: [{say: Bye}]", []),
+        Edit("Wait:", "Handshake:", ["effect 'on Wait' is gone", "effect 'on Handshake' is new"]),
+        Edit("[A, {", "[{", ["on PersonDetected plays nothing, it was A"]),
+        Edit("Thinks: B", "Thinks: [B, A]", ["on RobotThinks plays B, A, it was B"]),
+        Edit("engagement:", "\n\nengagement:", []),
+        Edit(MODEL, "", ["engagement is gone"]),
+    ],
+)  # fmt: skip
+def test_one_edit_of_the_engagement_model(tmp_path: Path, edit: Edit) -> None:
+    """A running session takes all of them over."""
+    assert edit.old in MODEL
+    old = read(tmp_path, BASE + MODEL)
+    new = read(tmp_path, BASE + MODEL.replace(edit.old, edit.new, 1))
+    assert list(compare(old, new).changes) == edit.said
+    assert compare(old, new).reloadable
+
+
+def test_an_engagement_model_that_was_not_there(tmp_path: Path) -> None:
+    without = read(tmp_path, BASE)
+    assert list(compare(without, read(tmp_path, BASE + MODEL)).changes) == ["engagement is new"]

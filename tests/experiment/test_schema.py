@@ -83,7 +83,8 @@ def test_everything_that_can_be_said_fits_the_schema() -> None:
     "name",
     ["a-list", "just-text", "missing-everything", "unknown-section", "robot-and-robots",
      "misspelt-fields", "misspelt-verb", "wrong-kinds", "panels", "no-panels", "takes-nothing",
-     "settings-of-all-kinds", "argument-types", "session-settings"],
+     "settings-of-all-kinds", "argument-types", "session-settings", "engagement-on",
+     "engagement-settings", "engagement-states", "engagement-effects", "engagement-verbs"],
 )  # fmt: skip
 def test_broken_files_do_not_fit(name: str) -> None:
     data = as_editors_read((BROKEN / f"{name}.yaml").read_text(encoding="utf-8"))

@@ -117,6 +117,7 @@ def _print(
         console.print()
         console.print(Text("engagement", style="bold"))
         console.print(_engagement_table(experiment, experiment.engagement))
+        console.print()
         console.print(_verbs_table(engagement_verbs(), ()))
 
 

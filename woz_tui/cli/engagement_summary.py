@@ -36,7 +36,9 @@ def lines(
         yield f"on {state}", ", beside it ".join(doing)
 
 
-def as_json(experiment: Experiment, engagement: Engagement, described: Described) -> dict[str, Json]:
+def as_json(
+    experiment: Experiment, engagement: Engagement, described: Described
+) -> dict[str, Json]:
     """The same for programs."""
     settings = engagement.settings
     shown = Model(settings).shown().signs

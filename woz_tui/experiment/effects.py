@@ -22,7 +22,7 @@ from woz_tui.experiment.nodes import Items, Scalar
 from woz_tui.experiment.report import quoted
 from woz_tui.experiment.settings import BAD, fields_of, note, read_settings, split
 from woz_tui.experiment.shape import Action, Call, Engagement, Step, Together, Wait
-from woz_tui.experiment.spot import Spot, read_text
+from woz_tui.experiment.spot import Spot, read_text, without
 from woz_tui.experiment.verbs import ENGAGEMENT
 
 #: What the section has beside its settings.
@@ -30,6 +30,8 @@ ON_ENTER = "on_enter"
 #: States that can be entered.
 ENTERED = (*STATES, STOPPED)
 
+#: What an action may say and the step of an effect may not.
+_OF_ACTIONS = ("steps", "key", "label", "help", "locked", "when_busy")
 #: Variables of the handshake's sentences.
 _UNDERSTOOD = ("name",)
 
@@ -51,6 +53,8 @@ class EngagementReader:
 
     def read(self, spot: Spot) -> Engagement | None:
         """The section, or None after everything that is wrong has been reported."""
+        if spot.table("settings such as {samples: 8}, or {} for the defaults") is None:
+            return None
         settings: Any = read_settings(spot, EngagementSettings, others=(ON_ENTER,))
         sections = dict(spot.entries())
         _sentences(sections.get("handshake"))
@@ -85,7 +89,8 @@ class EngagementReader:
                 name = self._named(entry, late=any(isinstance(step, Wait) for step in steps))
                 names += [] if name is None else [name]
                 continue
-            step = self._steps.step(entry)
+            verbs = _only_verbs(entry)
+            step = self._steps.step(verbs) if verbs is not None else None
             if step is not None:
                 _no_chase(entry, step)
                 steps.append(step)
@@ -114,6 +119,20 @@ class EngagementReader:
         if name in self._vocabulary.names:
             return f"; a verb stands in braces: {{{name}: ...}}"
         return spot.report.hint(name, self._actions, or_list="actions are")
+
+
+def _only_verbs(spot: Spot) -> Spot | None:
+    """Without what only actions of panels have, which is reported; None if that is all."""
+    strange = {name: entry for name, entry in spot.entries() if name in _OF_ACTIONS}
+    verbs = spot
+    for name, entry in strange.items():
+        entry.error(
+            "steps stand in a list right under the state: [{say: Hello}, {wait: 0.5}]"
+            if name == "steps"
+            else "belongs to actions of panels; put one there and name it here"
+        )
+        verbs = without(verbs, name)
+    return None if strange and not [*verbs.entries()] else verbs
 
 
 def _effect(state: str, steps: tuple[Step, ...], spot: Spot) -> Action:

@@ -21,9 +21,8 @@ from woz_tui.experiment.shape import (
 class Difference:
     """`changes`: every difference in words, those of the drivers first.
 
-    `drivers`: the differences of the drivers alone, and whether there is an engagement model at
-    all. None of these can be swapped in a running session, so a reload is possible only if there
-    are none.
+    `drivers`: the differences of the drivers alone. They cannot be swapped in a running session,
+    so a reload is possible only if there are none.
     """
 
     changes: tuple[str, ...]
@@ -48,8 +47,6 @@ def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
     for name, spec in after.items():
         if name in before:
             yield from _driver(before[name], spec)
-    if (old.engagement is None) is not (new.engagement is None):
-        yield f"engagement is {'new' if old.engagement is None else 'gone'}"
 
 
 def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
@@ -75,6 +72,8 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     yield from _entries("variable", old.variables, new.variables)
     if old.engagement is not None and new.engagement is not None:
         yield from _engagement(old.engagement, new.engagement)
+    elif old.engagement is not new.engagement:
+        yield f"engagement is {'new' if old.engagement is None else 'gone'}"
     yield from _entries("profile", old.profiles, new.profiles)
     yield from _panels(old, new)
     yield from _actions(old, new)

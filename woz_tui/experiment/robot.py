@@ -15,7 +15,7 @@ from woz_tui.experiment.report import Report, join, quoted
 from woz_tui.experiment.settings import BAD, fields_of, note, read_settings, split
 from woz_tui.experiment.shape import DriverSpec, Place
 from woz_tui.experiment.source import Source, SourceError, read
-from woz_tui.experiment.spot import Spot, missing, read_text
+from woz_tui.experiment.spot import Spot, missing, read_text, without
 from woz_tui.experiment.verbs import PERFORMERS, SESSION
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
@@ -214,7 +214,7 @@ class RobotReader:
         kind = None if kind_spot is None else read_text(kind_spot, "the driver's type")
         if kind_spot is not None and kind is not None:
             if kind in self._catalogue:
-                self._driver(_without(spot, "type"), name, kind)
+                self._driver(without(spot, "type"), name, kind)
             else:
                 near = self._report.hint(kind, self._catalogue, or_list="installed are")
                 kind_spot.error(f"there is no driver of type {quoted(kind)}{near}")
@@ -280,12 +280,3 @@ def _named(spot: Spot, name: str) -> bool:
         spot.error(_NAME_RULE)
         return False
     return True
-
-
-def _without(spot: Spot, name: str) -> Spot:
-    """The same mapping without one entry."""
-    if not isinstance(spot.node, Table):
-        return spot
-    entries = {key: value for key, value in spot.node.entries.items() if key != name}
-    node = Table(spot.node.place, entries, spot.node.keys)
-    return Spot(node, spot.path, spot.place, spot.report)

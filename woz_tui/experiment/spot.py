@@ -180,3 +180,12 @@ def missing(table: Mapping[str, Spot], name: str, parent: Spot, why: str = "") -
         path = join(parent.path, name)
         parent.report.missing(parent.place, path, f"is missing{because}", path)
     return spot
+
+
+def without(spot: Spot, name: str) -> Spot:
+    """The same mapping without one entry."""
+    if not isinstance(spot.node, Table):
+        return spot
+    entries = {key: value for key, value in spot.node.entries.items() if key != name}
+    node = Table(spot.node.place, entries, spot.node.keys)
+    return Spot(node, spot.path, spot.place, spot.report)

@@ -85,7 +85,7 @@ def engagement_verbs() -> tuple[Verb, ...]:
             "sense",
             "your verdict on a sign, or the sensor's again",
             _sign(*SIGNS, "all"),
-            _text("value", "on, off, metres, a name, or sensor (gives it back)", required=True),
+            _text("value", "on, off, metres, a name, or sensor to give it back", required=True),
         ),
         _brief(
             "force",

@@ -1,0 +1,339 @@
+"""`woz engagement FILE`: the engagement model over samples, without a robot."""
+
+from __future__ import annotations
+
+import argparse
+import contextlib
+import importlib
+import importlib.util
+import json
+import os
+import stat
+import sys
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from fractions import Fraction
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, BinaryIO
+
+from woz_tui.experiment.engagement import (
+    CONDITION,
+    FILTERS,
+    SIGNS,
+    START_UPS,
+    EngagementSettings,
+)
+
+if TYPE_CHECKING:
+    from woz_tui.sensing.rows import Rows
+
+#: The longest line that is read, in bytes; the rest of a longer one is thrown away.
+LONGEST = 1 << 20
+#: So many wrong lines are told one by one, the others as a number at the end.
+TOLD = 10
+#: Digits that a threshold may have, so that it is computed with exactly as it was typed.
+_DIGITS = 15
+#: Loudness of speech on a scale of one's own, such as a sound card's whole numbers.
+_LOUDEST = 1e9
+
+_DESCRIPTION = """\
+Run the engagement model over recorded or made-up samples, or over a session's log, and print what
+it says after each line. A line of samples is a JSON object with any of
+
+  t          seconds; a line without it comes one period (--rate) after the one before
+  presence   0 or 1: somebody is there        gaze   0 or 1: they look at the robot
+  id         their name, or "Unknown"         distance   metres
+  rms        loudness                         events     list of what happens, of
+             handshake_fail handshake_ok reply_done robot_initiative say_done speech_end
+             speech_error speech_start stop think_done
+
+null means that a value is missing, the texts "NaN" and "Infinity" stand for those numbers. Each
+line gives one line: t, presence, gaze, id, distance (verdicts: 1, 0, null for none yet), state,
+outcome and why (null unless the state changed); besides, where there is something to say, steps
+(several changes), stale (signs that have gone silent) and bad (keys whose values say nothing).
+"""
+
+
+class UsageError(Exception):
+    """Options that do not go together; the text says why."""
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.description = _DESCRIPTION
+    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.add_argument(
+        "file", nargs="?", help="lines of samples, or a session's log; - is standard input"
+    )
+    parser.add_argument(
+        "--experiment", type=Path, help="settings from this file's section engagement"
+    )
+    add_settings(parser)
+    parser.add_argument(
+        "--compare", action="store_true", help="a session's log: what it says, and what this says"
+    )
+    for module in _others():
+        module.add_options(parser)
+    parser.set_defaults(run=run)
+
+
+def _others() -> list[Any]:
+    names = ["woz_tui.cli.engagement_bench"]
+    return [importlib.import_module(name) for name in names if importlib.util.find_spec(name)]
+
+
+def add_settings(parser: argparse.ArgumentParser) -> None:
+    """Options that stand above the experiment's settings; for all signs where signs differ."""
+    setting = parser.add_argument_group("settings", "above those of the experiment, for all signs")
+    setting.add_argument("--samples", type=_places, metavar="N", help="places of each queue (8)")
+    setting.add_argument(
+        "--threshold", type=_share, metavar="X", help="share of the queue that decides (0.5)"
+    )
+    setting.add_argument(
+        "--filter", choices=FILTERS, help="fifo; median: of the distance, others stay fifo; joint"
+    )
+    setting.add_argument(
+        "--start-up", choices=START_UPS, help="queues that are not full (zero-fill)"
+    )
+    setting.add_argument(
+        "--stale", type=_bounded(0.05, 60, "s"), metavar="SECONDS",
+        help="a sign that is silent for longer is forgotten (1); after 2 s nobody is engaged by it",
+    )  # fmt: skip
+    setting.add_argument(
+        "--rate", type=_bounded(0.1, 1000, "Hz"), metavar="HZ",
+        help="samples a second: how long a line lasts whose t is missing or goes back (3)",
+    )  # fmt: skip
+    setting.add_argument(
+        "--social-distance", type=_bounded(0.1, 10, "m"), metavar="M", help="near enough (1.3)"
+    )
+    setting.add_argument(
+        "--signs", type=_signs, metavar="SIGN,...",
+        help=f"what the condition of engagement uses ({','.join(CONDITION)})",
+    )  # fmt: skip
+    setting.add_argument(
+        "--loud", type=_bounded(0, _LOUDEST), metavar="X",
+        help="louder is speech (0.0732, which is 2400 of 32768); above 1: rms is on that scale",
+    )  # fmt: skip
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print a line for each line; 0, 1 for a file that cannot be read, 2 for wrong options."""
+    from woz_tui import plugins  # noqa: PLC0415
+    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
+
+    try:
+        return _run(arguments)
+    except UsageError as error:
+        _tell(str(error))
+        return 2
+    except ExperimentError as error:
+        print(*error.problems, sep="\n", file=sys.stderr)
+    except BrokenPipeError:
+        raise
+    except (plugins.PluginError, OSError) as error:
+        _tell(str(error))
+    return 1
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    settings = settings_of(arguments)
+    if getattr(arguments, "bench", False):
+        from woz_tui.cli import engagement_bench  # noqa: PLC0415
+
+        return engagement_bench.run(arguments, settings)
+    if arguments.file is None:
+        raise UsageError("name a file with lines of samples, a session's log, or - (or --bench)")
+    with _opened(arguments.file) as file:
+        first = file.readline(LONGEST)
+        if _is_log(arguments.file, first):
+            if arguments.file == "-":
+                raise UsageError("a session's log is two files: name the log instead of -")
+            from woz_tui.cli import engagement_log  # noqa: PLC0415
+
+            return engagement_log.run(arguments, settings)
+        if arguments.compare:
+            raise UsageError("--compare needs a session's log: lines of samples say no verdicts")
+        _rows(_Lines(arguments.file, file, first), settings, _live(file))
+    return 0
+
+
+# -- settings -----------------------------------------------------------------------------------
+
+
+def settings_of(arguments: argparse.Namespace) -> EngagementSettings:
+    """The experiment's settings, or the defaults, with the options above them.
+
+    Raises `ExperimentError` for a wrong file and `UsageError` for options that do not go together.
+    """
+    settings = _experiments(arguments.experiment) if arguments.experiment else EngagementSettings()
+    given = {
+        name: getattr(arguments, name)
+        for name in ("samples", "threshold", "filter", "start_up", "stale", "rate", "signs")
+        if getattr(arguments, name) is not None
+    }
+    if arguments.social_distance is not None:
+        given["social_distance"] = arguments.social_distance
+    own = {name: None for name in ("samples", "threshold", "filter", "stale") if name in given}
+    signs = {sign: replace(settings.sign(sign), **own) for sign in SIGNS}
+    if arguments.loud is not None:
+        given["sound"] = replace(settings.sound, threshold=arguments.loud)
+    settings = replace(settings, **given, **signs)
+    problems = settings.problems()
+    if problems:
+        raise UsageError("; ".join(f"{name}: {why}" for name, why in problems))
+    return settings
+
+
+def _experiments(file: Path) -> EngagementSettings:
+    from woz_tui import plugins  # noqa: PLC0415
+    from woz_tui.experiment.decode import load  # noqa: PLC0415
+
+    engagement = load(file, plugins.installed()).engagement
+    if engagement is None:
+        _tell(f"{file} has no section engagement: these are the defaults")
+        return EngagementSettings()
+    return engagement.settings
+
+
+def _bounded(low: float, high: float, unit: str = "") -> Callable[[str], float]:
+    """A type of argparse that tells the range, with its unit."""
+
+    def bounded(text: str) -> float:
+        with contextlib.suppress(ValueError):
+            value = float(text)
+            if low <= value <= high:
+                return value
+        raise argparse.ArgumentTypeError(f"{text!r} is not {low:g} to {high:g} {unit}".rstrip())
+
+    return bounded
+
+
+def _places(text: str) -> int:
+    with contextlib.suppress(ValueError):
+        if 1 <= int(text) <= 1000:
+            return int(text)
+    raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 1 to 1000")
+
+
+def _share(text: str) -> float:
+    """A decimal from 0 to 1; it is computed with as it stands, so it must be exact as a float."""
+    value = _bounded(0, 1)(text)
+    with contextlib.suppress(ValueError):
+        if Fraction(text) == Fraction(str(value)):
+            return value
+    raise argparse.ArgumentTypeError(f"{text!r} has more than {_DIGITS} digits")
+
+
+def _signs(text: str) -> tuple[str, ...]:
+    names = [name.strip() for name in text.split(",")]
+    unknown = [name for name in names if name not in CONDITION]
+    if unknown or len(set(names)) < len(names):
+        raise argparse.ArgumentTypeError(f"{text!r} is not some of {','.join(CONDITION)}")
+    return tuple(name for name in CONDITION if name in names)
+
+
+# -- lines --------------------------------------------------------------------------------------
+
+
+class _Lines:
+    """The lines of a file with their numbers, blank ones left out; what is wrong is told."""
+
+    def __init__(self, name: str, file: BinaryIO, first: bytes) -> None:
+        self._name = "standard input" if name == "-" else name
+        self._file = file
+        self._line = first
+        self._number = 0
+        self.wrong = 0
+
+    def __iter__(self) -> Iterator[dict[str, object] | None]:
+        """Each line's object; None for a line that is none."""
+        while self._line:
+            self._number += 1
+            whole = self._whole()
+            if not whole or self._line.strip(b"\xef\xbb\xbf \t\r\n"):
+                yield self._row() if whole else self._is_wrong(f"is longer than {LONGEST} bytes")
+            self._line = self._file.readline(LONGEST)
+
+    def _whole(self) -> bool:
+        """Throw away the rest of a line that is too long."""
+        part = self._line
+        if len(part) < LONGEST or part.endswith(b"\n"):
+            return True
+        while part and not part.endswith(b"\n"):
+            part = self._file.readline(LONGEST)
+        return False
+
+    def _row(self) -> dict[str, object] | None:
+        try:
+            row = json.loads(self._line.decode("utf-8").removeprefix("\ufeff"))
+        except UnicodeDecodeError:
+            return self._is_wrong("is no UTF-8 text")
+        except RecursionError:
+            return self._is_wrong("is nested too deeply")
+        except ValueError as error:
+            return self._is_wrong(f"is no JSON: {error}")
+        return row if isinstance(row, dict) else self._is_wrong("is no JSON object")
+
+    def _is_wrong(self, why: str) -> None:
+        self.wrong += 1
+        if self.wrong <= TOLD:
+            _tell(f"{self._name}:{self._number}: the line {why}")
+
+
+def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
+    from woz_tui.sensing.rows import Rows  # noqa: PLC0415
+
+    rows = Rows(settings)
+    out = sys.stdout.buffer
+    for row in lines:
+        said = rows.no_row() if row is None else rows.take(row)
+        out.write(json.dumps(said, ensure_ascii=False).encode("utf-8") + b"\n")
+        if live:
+            out.flush()
+    out.flush()
+    _hints(rows, settings, lines.wrong)
+
+
+def _hints(rows: Rows, settings: EngagementSettings, wrong: int) -> None:
+    """What may explain that nothing came of it."""
+    if wrong > TOLD:
+        _tell(f"{wrong} lines are no rows of samples")
+    silent = [sign for sign in settings.signs if sign not in rows.given]
+    if silent:
+        _tell(
+            f"no line gave {' or '.join(silent)}, so nobody was ever engaged"
+            f" (--signs names what the condition uses: {','.join(settings.signs)})"
+        )
+    if rows.over:
+        _tell(
+            f"{rows.over} values of rms lie above 1 and were left out"
+            " (--loud above 1 puts loudness on another scale)"
+        )
+
+
+def _opened(name: str) -> contextlib.AbstractContextManager[BinaryIO]:
+    if name == "-":
+        return contextlib.nullcontext(sys.stdin.buffer)
+    return Path(name).open("rb")
+
+
+def _live(file: BinaryIO) -> bool:
+    """Whether somebody may be waiting for the next line: anything but a file on disk."""
+    try:
+        return not stat.S_ISREG(os.fstat(file.fileno()).st_mode)
+    except OSError:
+        return True
+
+
+def _is_log(name: str, first: bytes) -> bool:
+    """Whether it is a session's log, or the samples beside one."""
+    if name.endswith(".samples.jsonl"):
+        return True
+    with contextlib.suppress(ValueError, RecursionError):
+        line = json.loads(first)
+        return isinstance(line, dict) and line.get("kind") == "session.start"
+    return False
+
+
+def _tell(text: str) -> None:
+    print(f"woz engagement: {text}", file=sys.stderr)

@@ -20,7 +20,7 @@ from tests.drivers.body.rig import SteppedBody
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
 from woz_tui.core import wire
-from woz_tui.core.driver import Outlet
+from woz_tui.core.driver import Driver, Outlet
 from woz_tui.core.requests import PROTOCOL, Welcome
 from woz_tui.experiment.decode import load
 from woz_tui.host.views import (
@@ -57,6 +57,11 @@ class _Robot(SimulatedRobot):
 
     def __init__(self, name: str, settings: Settings, outlet: Outlet) -> None:
         super().__init__(name, settings, outlet, pace=_LoopPace())
+
+
+def catalogue() -> dict[str, type[Driver]]:
+    """Drivers without hardware, on the loop's time."""
+    return {"simulated": _Robot, "body": SteppedBody}
 
 
 def play(name: str) -> Callable[[Session], object]:
@@ -120,12 +125,12 @@ async def _demo(
 ) -> Welcome:
     loop = asyncio.get_running_loop()
     clock = LoopClock(loop)
-    catalogue = {"simulated": _Robot, "body": SteppedBody}
-    experiment = load(file, catalogue)
+    drivers = catalogue()
+    experiment = load(file, drivers)
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder), "demo", clock)
         identity = Identity(participant="P07", condition="warm", wizard="W2", seed=7)
-        session = Session(experiment, catalogue, identity, recorder, clock)
+        session = Session(experiment, drivers, identity, recorder, clock)
         await session.open()
         watch(session)
         session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))

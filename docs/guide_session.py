@@ -1,0 +1,109 @@
+"""The guide alone with its visitors, twice: does the same happen?
+
+`python -m docs.guide_session [minutes]` plays experiments/guide.yaml in two robot processes side by
+side, without a console, and compares the states that each log has; ten minutes if nothing is said.
+`played` gives a session in virtual time, at once.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+from collections.abc import Sequence
+from pathlib import Path
+
+from docs.demo_session import EXPERIMENTS, catalogue
+from tests.fakes.virtual_time import LoopClock, run_virtual
+from woz_tui.core import messages as m
+from woz_tui.experiment.decode import load
+from woz_tui.record import log
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import Identity
+from woz_tui.session.session import Session
+
+GUIDE = EXPERIMENTS / "guide.yaml"
+MINUTES = 10.0
+#: How long a robot process may take to begin, and to end, in seconds.
+BEGINS_S, ENDS_S = 20.0, 30.0
+
+
+def played(folder: Path, seconds: float) -> list[m.AnyMessage]:
+    """All messages of a session in virtual time; its log and its visitors go into `folder`."""
+    return run_virtual(_played(folder, seconds))
+
+
+async def _played(folder: Path, seconds: float) -> list[m.AnyMessage]:
+    loop = asyncio.get_running_loop()
+    clock = LoopClock(loop)
+    drivers = catalogue()
+    recorder = Recorder(folder, "guide", clock)
+    identity = Identity(participant="G01", condition="alone", wizard="W1", seed=1)
+    session = Session(load(GUIDE, drivers), drivers, identity, recorder, clock)
+    heard: list[m.AnyMessage] = []
+    session.hub.listen(heard.append)
+    await session.open()
+    await asyncio.sleep(seconds - loop.time())
+    await session.close("enough", rest=False)
+    return heard
+
+
+def path(messages: Sequence[m.AnyMessage]) -> list[str]:
+    """The states, one after the other."""
+    changes = [each for each in messages if isinstance(each, m.EngagementChanged)]
+    return [each.was for each in changes[:1]] + [each.now for each in changes]
+
+
+# -- in real time ---------------------------------------------------------------------------------
+
+
+def hosted(folders: Sequence[Path], seconds: float) -> list[list[m.AnyMessage]]:
+    """The logs of sessions that run side by side for `seconds`, one for each folder."""
+    with contextlib.ExitStack() as stack:
+        hosts = [stack.enter_context(_host(folder)) for folder in folders]
+        time.sleep(seconds)
+        for host in hosts:
+            host.send_signal(signal.SIGTERM)
+        for host in hosts:
+            host.wait(ENDS_S)
+    return [_read(folder) for folder in folders]
+
+
+def _host(folder: Path) -> subprocess.Popen[bytes]:
+    command = [sys.executable, "-m", "woz_tui", "host", str(GUIDE)]
+    command += ["--recordings", str(folder), "--name", f"guide-{folder.name}", "--session", "S01"]
+    command += ["--participant", "G01", "--condition", "alone"]
+    with (folder / "errors.txt").open("wb") as errors:
+        return subprocess.Popen(command, stderr=errors, stdin=subprocess.DEVNULL)
+
+
+def _read(folder: Path) -> list[m.AnyMessage]:
+    [first] = sorted(folder.glob("*_S01.jsonl"))
+    lines = log.read(first)
+    return [line.message for line in lines if line.message is not None]
+
+
+def main() -> int:
+    """Compare two sessions; 1 if their states differ."""
+    minutes = float(sys.argv[1]) if len(sys.argv) > 1 else MINUTES
+    with tempfile.TemporaryDirectory() as parent:
+        folders = [Path(parent) / name for name in ("first", "second")]
+        for folder in folders:
+            folder.mkdir()
+        first, second = (path(messages) for messages in hosted(folders, minutes * 60))
+    common = min(len(first), len(second))
+    same = first[:common] == second[:common] and abs(len(first) - len(second)) <= 1
+    out = sys.stdout.write
+    out(f"{minutes:g} minutes, {len(first)} and {len(second)} states: ")
+    out("the same\n" if same else "not the same\n")
+    for name, states in (("first", first), ("second", second)):
+        out(f"{name}: {' '.join(states)}\n")
+    return 0 if same else 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

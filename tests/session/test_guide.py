@@ -1,0 +1,64 @@
+"""The museum guide alone with its visitors: the whole model, without a hand on the keyboard."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import pytest
+
+from docs import guide_session
+from woz_tui.core import messages as m
+from woz_tui.sensing.machine import EDGES
+
+TEN_MINUTES = 600.0
+
+
+@pytest.fixture(scope="module")
+def twice(tmp_path_factory: pytest.TempPathFactory) -> list[list[m.AnyMessage]]:
+    """Two sessions of ten minutes, each with visitors of its own."""
+    return [guide_session.played(tmp_path_factory.mktemp("guide"), TEN_MINUTES) for _ in range(2)]
+
+
+def changes(messages: list[m.AnyMessage]) -> Iterator[m.EngagementChanged]:
+    return (each for each in messages if isinstance(each, m.EngagementChanged))
+
+
+def test_ten_minutes_are_the_same_twice(twice: list[list[m.AnyMessage]]) -> None:
+    """The same visitors bring the same states, at the same times, for the same reasons."""
+    first, second = (list(changes(messages)) for messages in twice)
+    assert [(each.t, each.now, each.why) for each in first] == [
+        (each.t, each.now, each.why) for each in second
+    ]
+    assert guide_session.path(twice[0]) == guide_session.path(twice[1])
+    assert len(first) > 50
+
+
+def test_every_state_is_entered_by_edges_of_the_table(twice: list[list[m.AnyMessage]]) -> None:
+    """E5: every step of the path is an edge, and the whole conversation happens."""
+    edges = {(edge.source.value, edge.target.value, edge.outcome) for edge in EDGES}
+    taken = {(each.was, each.now, each.outcome) for each in changes(twice[0])}
+    assert taken <= edges
+    assert {now for _, now, _ in taken} == {
+        *("Wait", "PersonDetected", "EngagedWithUnknown", "Handshake", "EngagedWithKnown"),
+        *("UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks"),
+    }
+
+
+def test_nothing_fails_and_nobody_presses_a_key(twice: list[list[m.AnyMessage]]) -> None:
+    bad = (m.Failed, m.TimedOut, m.ActionFailed, m.ActionRefused)
+    assert not [each for each in twice[0] if isinstance(each, bad)]
+    assert not [each for each in twice[0] if isinstance(each, m.Notice) and each.level != "info"]
+    sources = {each.source for each in twice[0] if isinstance(each, m.Command)}
+    assert sources == {"engagement"}
+
+
+def test_every_signal_comes_within_a_third_of_a_second(twice: list[list[m.AnyMessage]]) -> None:
+    """E6: eyes and picture of each state follow at once, and a beep ends each utterance."""
+    sent = {(each.verb, each.t): each.args for each in twice[0] if isinstance(each, m.Command)}
+    for change in changes(twice[0]):
+        for verb in ("eyes", "screen"):
+            assert (verb, change.t) in sent or any(
+                name == verb and change.t <= t <= change.t + 333_000 for name, t in sent
+            )
+    beeps = [t for (verb, t) in sent if verb == "sound"]
+    assert beeps == [each.t for each in changes(twice[0]) if each.now == "RobotThinks"]

@@ -16,6 +16,7 @@ DEMOS: dict[str, tuple[str, str, str]] = {
     "simulated": ("demo.yaml", "warm", "P01"),
     "eyepi": ("eyepi.yaml", "default", "P01"),
     "show": ("show.yaml", "", "S1"),
+    "guide": ("guide.yaml", "alone", "G01"),
 }
 
 
@@ -26,7 +27,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         choices=tuple(DEMOS),
         default="simulated",
         help="simulated: a museum guide and a visitor; eyepi: a body with a face to be played by"
-        " hand; show: two of these",
+        " hand; show: two of these; guide: knows who is with it, and runs alone",
     )
     add_session(parser)
     add_keymap(parser)

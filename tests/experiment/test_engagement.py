@@ -160,6 +160,16 @@ def test_an_effect_on_a_locked_action_or_behind_a_pause_is_warned_of(tmp_path: P
     ]
 
 
+def test_the_visitor_is_a_variable_where_there_is_a_model(tmp_path: Path) -> None:
+    greets = panel("{key: h, label: H, say: 'Hello {visitor}'}")
+    assert not errors(tmp_path, greets + "engagement: {}\n")
+    assert "there is no variable {visitor}" in errors(tmp_path, greets)[0]
+    own = greets + "variables: {visitor: you}\n"
+    assert read(tmp_path, own).variables == {"visitor": "you"}
+    (found,) = errors(tmp_path, own + "engagement: {}\n")
+    assert found.endswith("'visitor' is filled in by the session; choose another name")
+
+
 # -- verbs --------------------------------------------------------------------------------------
 
 

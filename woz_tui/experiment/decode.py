@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -93,14 +93,16 @@ class _Decoder:
         title = missing(table, "title", root)
         robots = self._robots.read(root, table)
         conditions = _words(table.get("conditions"))
-        variables = _variables(table.get("variables"))
+        section = table.get("engagement")
+        filled = (*template.BUILT_IN, *((template.VISITOR,) if section is not None else ()))
+        variables = _variables(table.get("variables"), filled)
         keyboard = table.get("keyboard")
         layout = (keyboard and read_word(keyboard, LAYOUTS)) or "us"
         panels_spot = missing(table, "panels", root)
         vocabulary = Vocabulary(
             robots,
-            _own(session_verbs(conditions, titles(panels_spot)), table.get("engagement")),
-            dict.fromkeys((*template.BUILT_IN, *variables)),
+            _own(session_verbs(conditions, titles(panels_spot)), section),
+            dict.fromkeys((*filled, *variables)),
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, layout)
@@ -112,7 +114,6 @@ class _Decoder:
             complete=not robots.incomplete,
         )
         actions = {draft.action.name: draft.action for draft in panels.drafts}
-        section = table.get("engagement")
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
         experiment = Experiment(
@@ -161,11 +162,12 @@ def _words(spot: Spot | None, *, once: bool = True) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _variables(spot: Spot | None) -> dict[str, str]:
+def _variables(spot: Spot | None, filled: Collection[str]) -> dict[str, str]:
+    """The experiment's own; those that are `filled` in are not among them."""
     table = spot.table("a mapping of names to texts") if spot is not None else None
     values: dict[str, str] = {}
     for name, entry in (table or {}).items():
-        if name in template.BUILT_IN:
+        if name in filled:
             entry.error(f"{name!r} is filled in by the session; choose another name")
         elif not template.NAME.fullmatch(name):
             entry.error("a variable's name has letters, digits and _, and no digit in front")

@@ -11,7 +11,9 @@ from collections.abc import Collection
 from woz_tui.experiment.spot import Spot
 
 #: Variables that the session itself fills in.
-BUILT_IN = ("participant", "condition", "session", "trial", "wizard", "visitor")
+BUILT_IN = ("participant", "condition", "session", "trial", "wizard")
+#: One more where there is an engagement model: who stands there.
+VISITOR = "visitor"
 
 #: What a variable may be called.
 NAME = re.compile(r"[A-Za-z_][A-Za-z0-9_]*")

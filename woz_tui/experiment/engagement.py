@@ -67,6 +67,20 @@ class SoundSettings:
 
 
 @dataclass(frozen=True, slots=True)
+class JointSettings:
+    """The joint filter's one number; the others stand in `woz_tui/sensing/joint_dwell.py`."""
+
+    glance: Annotated[
+        float,
+        Seconds(0.1, 10),
+        Doc(
+            "an engaged visitor glances away for so long on average; the longer, the later turning"
+            " away is noticed"
+        ),
+    ] = 0.56
+
+
+@dataclass(frozen=True, slots=True)
 class Timeouts:
     """Seconds; none: never. Edges beyond the paper's table are off unless a time is given."""
 
@@ -149,6 +163,7 @@ class EngagementSettings:
     gaze: SignSettings = field(default_factory=SignSettings)
     distance: SignSettings = field(default_factory=SignSettings)
     identity: SignSettings = field(default_factory=SignSettings)
+    joint: JointSettings = field(default_factory=JointSettings)
     sound: SoundSettings = field(default_factory=SoundSettings)
     timeouts: Timeouts = field(default_factory=Timeouts)
     handshake: HandshakeSettings = field(default_factory=HandshakeSettings)

@@ -1,0 +1,241 @@
+"""One filter for all signs at once: a hidden Markov model of a visitor and of what fools sensors.
+
+A queue has to wait because it cannot tell a sensor's error from a visitor who moves. Seen
+together the signs often can: a detector that loses a visitor whose eyes and distance are still
+measured is wrong, and one that loses them together with both is right. The model has six worlds
+(nobody, somebody who looks elsewhere, somebody who attends to the robot; each near or far) times
+six conditions of the readings (right; the detector wrong; the gaze wrong, or a glance, in two
+phases; a stray distance; blind altogether). Thirty-six probabilities are all it remembers. Time
+passes by `joint_dwell`, a sample counts by how likely each of them would give it. Equations
+and sources stand in `docs/engagement-filters.md`.
+
+A sign that says nothing changes nothing: there is no evidence in silence. Samples may come at
+any rate and in any order of signs, because only elapsed time matters, not their number.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+from woz_tui.sensing.filters import least
+from woz_tui.sensing.joint_dwell import CONDITIONS, WORLDS, Dwell, passed
+from woz_tui.sensing.joint_names import Names
+from woz_tui.sensing.samples import UNKNOWN
+
+#: A probability is shown as so many of so many.
+PLACES = 100
+#: Metres over which "near" turns into "far" when a reading lies on the limit: some resolution of a
+#: sonar (0.03 m on Pepper) and of a visitor who sways.
+BORDER = 0.04
+#: How long before the first sample nobody was there, in microseconds.
+MOMENT = 333_333
+#: No reading says more than this against a state, so that no state ever becomes impossible.
+FLOOR = 0.02
+#: A reading that agrees, one that does not, and one that says nothing about the state.
+_YES, _NO, _OPEN = 1.0 - FLOOR, FLOOR, 0.5
+
+#: A face that is missed takes the gaze along, mostly.
+_LOST = 0.2
+
+#: How likely each condition (right, missed, away, still away, stray, blind) makes a reading of
+#: "yes", for nobody, somebody, somebody who attends.
+_PRESENCE = (
+    (_NO, _YES, _NO, _NO, _NO, _YES),
+    (_YES, _NO, _YES, _YES, _YES, _NO),
+    (_YES, _NO, _YES, _YES, _YES, _NO),
+)
+_GAZE = (
+    (_NO, _OPEN, _YES, _YES, _NO, _YES),  # a person who is not there looks, or does not
+    (_NO, _NO, _YES, _YES, _NO, _NO),
+    (_YES, _LOST, _NO, _NO, _YES, _NO),
+)
+
+
+def _table(rows: Sequence[Sequence[float]], yes: bool) -> tuple[float, ...]:
+    """Likelihoods of a flag for all states; worlds come in pairs, far and near."""
+    twice = [row for row in rows for _ in range(2)]
+    return tuple(share if yes else 1.0 - share for row in twice for share in row)
+
+
+#: Nothing within reach: that is how it is with nobody there, but of somebody who is there an echo
+#: was rather lost than that they are seen so far away.
+_UNSEEN = 0.25
+_BY_WALL = (_YES, _YES, _YES, _YES, _OPEN, _NO)
+_BY_FAR = (_UNSEEN, _UNSEEN, _UNSEEN, _UNSEEN, _OPEN, _YES)
+_BY_NEAR = (_NO, _NO, _NO, _NO, _OPEN, _YES)
+_NO_ECHO = (*_BY_WALL, *_BY_NEAR[:5], _NO, *(*_BY_FAR, *_BY_NEAR) * 2)
+#: Where the near worlds begin.
+_NEAR = range(CONDITIONS, WORLDS * CONDITIONS, 2 * CONDITIONS)
+_FLAGS = {
+    "presence": (_table(_PRESENCE, False), _table(_PRESENCE, True)),
+    "gaze": (_table(_GAZE, False), _table(_GAZE, True)),
+}
+
+
+class Joint:
+    """All signs of one visitor. `view(sign)` is a filter like any other; times in microseconds.
+
+    `near` is the social distance in metres, `glance` how long a glance away lasts on average, in
+    seconds: the longer, the later turning away is noticed. Under the start-up policy `hold` a sign
+    has no verdict before its first sample; otherwise nobody is there until the signs say so.
+    """
+
+    def __init__(
+        self, near: float, threshold: float = 0.5, start_up: str = "zero-fill", glance: float = 0.56
+    ) -> None:
+        self.near = near
+        self._dwell = Dwell(glance)
+        self._names = Names()
+        self._shares = self._nobody()
+        self._there = False
+        self._t: int | None = None
+        self._views = {
+            sign: Sign(self, sign, threshold, start_up)
+            for sign in ("presence", "gaze", "distance", "identity")
+        }
+
+    def view(self, sign: str) -> Sign:
+        """The filter of one sign."""
+        return self._views[sign]
+
+    def near_within(self, metres: float) -> None:
+        """Another social distance from now on."""
+        self.near = metres
+
+    def take(self, sign: str, value: float | str, t: int) -> None:
+        """A valid sample: a flag, metres (infinite: out of reach) or a name, at the time `t`."""
+        self._pass(t)
+        if sign == "identity":
+            self._names.take(str(value))
+        elif isinstance(value, str) or math.isnan(value):
+            return
+        elif sign == "distance":
+            self._weigh(_distances(value, self.near))
+        else:
+            self._weigh(_FLAGS[sign][bool(value)])
+        self._views[sign].heard = True
+        self._judge()
+
+    def forget(self, sign: str) -> None:
+        """The sign is gone: it has no verdict until its next sample. The others stay.
+
+        Without any sign that is left, everything starts again with nobody.
+        """
+        self._views[sign].heard = False
+        if sign == "identity":
+            self._names.forget()
+        if not any(view.heard for view in self._views.values()):
+            self._shares = self._nobody()
+            self._there = False
+            self._t = None
+
+    def probability(self, sign: str) -> float:
+        """How likely it is that somebody is there, attends, is near, or is who they seem: 0..1."""
+        if sign == "presence":
+            return min(1.0, sum(self._shares[2 * CONDITIONS :]))
+        if sign == "gaze":
+            return min(1.0, sum(self._shares[4 * CONDITIONS :]))
+        if sign == "distance":
+            near = (sum(self._shares[at : at + CONDITIONS]) for at in _NEAR)
+            return min(1.0, sum(near))
+        return self._names.best[1]
+
+    @property
+    def name(self) -> str:
+        """The likeliest name, or "Unknown" before any."""
+        return self._names.best[0]
+
+    def _pass(self, t: int) -> None:
+        if self._t is None:
+            self._t = t
+        elapsed = t - self._t
+        if elapsed > 0:
+            self._t = t
+            self._shares = passed(self._shares, self._dwell, elapsed)
+            self._names.passed(elapsed)
+
+    def _weigh(self, likelihoods: Sequence[float]) -> None:
+        weighed = [share * likely for share, likely in zip(self._shares, likelihoods, strict=True)]
+        scale = 1.0 / sum(weighed)  # no likelihood is below the floor, so the sum is not zero
+        self._shares = [share * scale for share in weighed]
+
+    def _nobody(self) -> list[float]:
+        """Nobody was there a moment ago, and a moment is long enough for somebody to come."""
+        return passed([1.0] + [0.0] * (WORLDS * CONDITIONS - 1), self._dwell, MOMENT)
+
+    def _judge(self) -> None:
+        """Whoever is lost takes their name along."""
+        there = self.probability("presence") >= 0.5
+        if self._there and not there:
+            self._names.forget()
+        self._there = there
+
+
+class Sign:
+    """What the joint filter says about one sign: `count` per cent are sure, `needed` suffice."""
+
+    kind = "joint"
+    places = PLACES
+
+    def __init__(self, joint: Joint, sign: str, threshold: float, start_up: str) -> None:
+        self._joint = joint
+        self._sign = sign
+        self._silent = None if start_up == "hold" else 0
+        self.heard = False
+        self.configure(PLACES, threshold)
+
+    def configure(self, samples: int, threshold: float) -> None:
+        """Another probability that suffices; there is no queue, so `samples` has no say."""
+        self.threshold = threshold
+        self.needed = least(threshold, PLACES)
+
+    def near_within(self, metres: float) -> None:
+        """Another social distance, for all signs."""
+        self._joint.near_within(metres)
+
+    @property
+    def values(self) -> list[float]:
+        """There is no queue."""
+        return []
+
+    def resume(self, values: Sequence[float | str]) -> None:
+        """Nothing of what another filter held: a sample or two tell everything again."""
+
+    def take(self, value: float | str, t: int) -> None:
+        """One more valid sample of this sign."""
+        self._joint.take(self._sign, value, t)
+
+    def forget(self) -> None:
+        """As before the first sample of this sign."""
+        self._joint.forget(self._sign)
+
+    @property
+    def count(self) -> int:
+        """The probability in per cent, rounded down; 0 for a sign that says nothing."""
+        return int(PLACES * self._joint.probability(self._sign) + 1e-9) if self.heard else 0
+
+    @property
+    def verdict(self) -> int | None:
+        """1 or 0; before the first sample 0, or None under `hold`. Nobody becomes a name."""
+        if not self.heard:
+            return self._silent
+        if self._sign == "identity" and self._joint.name == UNKNOWN:
+            return 0
+        return int(self.count >= self.needed)
+
+    @property
+    def name(self) -> str:
+        """For identity: the name if it is sure enough, else "Unknown"."""
+        return self._joint.name if self._sign == "identity" and self.verdict else UNKNOWN
+
+
+def _distances(metres: float, near: float) -> tuple[float, ...]:
+    """Likelihoods of a distance: sure well inside and outside of the limit, open on it."""
+    if math.isinf(metres):
+        return _NO_ECHO
+    beyond = max(-50.0, min(50.0, (metres - near) / BORDER))
+    close = FLOOR + (1.0 - 2.0 * FLOOR) / (1.0 + math.exp(beyond))
+    far = 1.0 - close
+    by_far, by_near = (far, far, far, far, _OPEN), (close, close, close, close, _OPEN)
+    return (*by_far, close, *by_near, close, *(*by_far, far, *by_near, far) * 2)

@@ -17,6 +17,7 @@ from rich.text import Text
 
 from woz_tui.cli.failure import explained
 from woz_tui.core.messages import Json
+from woz_tui.sensing.names import key_of, shown
 from woz_tui.sensing.people import (
     RefusedError,
     UnsavedError,
@@ -209,10 +210,10 @@ def _wanted(store: Visitors, name: str) -> Visitor:
     visitor = store.find(name)
     if visitor is not None:
         return visitor
-    names = [one.name for one in store.everybody()]
-    near = difflib.get_close_matches(name, names, n=3)
+    names = {key_of(one.name): one.name for one in store.everybody()}
+    near = [names[key] for key in difflib.get_close_matches(key_of(name), names)]
     remedy = f"did you mean {' or '.join(near)}?" if near else "woz visitors list shows them all"
-    raise RefusedError(f"{store.path}: there is no visitor {name!r}", remedy)
+    raise RefusedError(f"{store.path}: there is no visitor {shown(name)}", remedy)
 
 
 def _report(visitor: Visitor, arguments: argparse.Namespace) -> None:

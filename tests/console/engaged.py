@@ -101,7 +101,7 @@ def welcome(*state: m.AnyMessage, **more: Any) -> r.Welcome:
     """A session with a model; `state` is told last."""
     return scenes.welcome(
         state=[*scenes.healthy(), *scenes.sensors(), *(state or (waits(),))],
-        recent=[*scenes.history(), *way(), *talk()],
+        recent=sorted([*scenes.history(), *way(), *talk()], key=lambda message: message.t),
         **more,
     )
 

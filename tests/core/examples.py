@@ -295,6 +295,7 @@ def answers() -> list[r.AnyAnswer]:
             profiles=["child"],
             profile="child",
             allows={"child": {"panels": ["Speech"], "hide": True}},
+            engagement={"timeouts": {"listening": 60.0}, "handshake": 60.0, "attempts": 3},
         ),
     ]
 

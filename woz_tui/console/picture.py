@@ -158,6 +158,9 @@ class Picture:
         self.settings["profiles"] = list(changed.profiles)
         self.settings["profile"] = changed.profile
         self.settings["allows"] = dict(changed.allows)
+        if self.settings.get("engagement") and not changed.engagement:
+            self.engaged = Engaged()  # the file has no such section any more
+        self.settings["engagement"] = dict(changed.engagement)
         self.profiles = profiles_of(self.settings)
         self._plan(changed)
 

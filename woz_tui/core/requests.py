@@ -247,7 +247,9 @@ class Welcome(
     -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
     what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
     `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
-    names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown.
+    names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
+    `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
+    whole `handshake` and how many `attempts` it has.
     """
 
     protocol: int
@@ -282,7 +284,8 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values. `profiles`, `profile` and `allows` as in the welcome's `settings`.
+    variables' present values. `profiles`, `profile`, `allows` and `engagement` as in the welcome's
+    `settings`.
     """
 
     title: str
@@ -295,6 +298,7 @@ class PanelsChanged(
     profiles: list[str] = []
     profile: str = ""
     allows: dict[str, Json] = {}
+    engagement: dict[str, Json] = {}
 
 
 #: Lines from the host that are not messages of the session.

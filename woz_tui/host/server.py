@@ -28,6 +28,7 @@ from woz_tui.host.client import LINGER_S, Client
 from woz_tui.host.desk import Desk
 from woz_tui.host.views import (
     allowances,
+    engagement_limits,
     joint_limits,
     outlines,
     panel_views,
@@ -242,6 +243,7 @@ class Host:
                 "profiles": [*experiment.profiles],
                 "profile": _profile(session),
                 "allows": allowances(experiment),
+                "engagement": engagement_limits(experiment),
             },
         )
 
@@ -258,6 +260,7 @@ class Host:
             profiles=[*experiment.profiles],
             profile=_profile(self.session),
             allows=allowances(experiment),
+            engagement=engagement_limits(experiment),
         )
         for client in self._clients:
             client.send(news)

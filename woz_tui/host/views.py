@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 from collections.abc import Mapping
+from dataclasses import asdict
 
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
@@ -81,6 +82,18 @@ def _allowance(profile: Profile) -> dict[str, Json]:
     named = {field: sorted(getattr(profile, field)) for field in FIELDS if field != "hide"}
     told: dict[str, Json] = {field: [*names] for field, names in named.items() if names}
     return {**told, "hide": True} if profile.hide else told
+
+
+def engagement_limits(experiment: Experiment) -> dict[str, Json]:
+    """What limits the engagement model in time; nothing in a session without one."""
+    if experiment.engagement is None:
+        return {}
+    settings = experiment.engagement.settings
+    return {
+        "timeouts": asdict(settings.timeouts),
+        "handshake": settings.handshake.seconds,
+        "attempts": settings.handshake.attempts,
+    }
 
 
 def joint_limits(session: Session) -> dict[str, Json]:

@@ -9,24 +9,27 @@ from woz_tui.console.engagement.hand import ORDERS, Order
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.glyphs import Glyphs
 
-#: Lines of the legend.
-HEIGHT = 3
+#: Lines of the legend at the most.
+HEIGHT = 4
 
 
 def legend_rows(
     engaged: Engaged, covered: Mapping[str, str], width: int, glyphs: Glyphs, *, steers: bool
 ) -> list[Row]:
-    """`HEIGHT` rows. `covered`: keys of the hand that else play an action -> the action's label."""
+    """`covered`: keys of the hand that else play an action -> the action's label."""
     if steers:
         rows = _orders(engaged, width)
-        rows += [_covered(covered, glyphs)] if covered and len(rows) < HEIGHT else []
+        rows += [_covered(covered, glyphs)] if covered else []
     else:
         keys = " ".join(order.key for order in ORDERS)
         rows = [
-            (("Keys play the robot. ", "plain"), ("tab", "key"), (" takes the model", "strong")),
-            ((f"into your hand: then {keys} are its keys", "muted"),),
+            (
+                ("Keys play the robot. ", "muted"),
+                (" tab ", "key"),
+                (" takes the model into your hand: ", "plain"),
+                (keys, "muted"),
+            )
         ]
-    rows += [()] * (HEIGHT - len(rows))
     return [cut(row, width, glyphs.ellipsis) for row in rows[:HEIGHT]]
 
 

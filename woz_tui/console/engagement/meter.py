@@ -177,7 +177,8 @@ def _pair(
 ) -> Row:
     glyphs = frame.glyphs
     found = mark(name, sign, glyphs, old=bool(picture.lost))
-    word = found.word if name == "identity" and found.look != "stale" else WORD[name]
+    is_named = name == "identity" and found.look == "good"
+    word = found.word if is_named else WORD[name]
     front: Piece = (f"{found.sign} {fit(word, _WORD - 1, glyphs.ellipsis)} ", found.look)
     room = frame.width - _SIGN
     if room < LEAST:

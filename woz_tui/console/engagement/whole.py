@@ -40,8 +40,10 @@ _BAR = 22
 SIDE_BY_SIDE = WIDTH + 30
 #: Lines of the way at the least; below the diagram gives way to the path in words.
 _WAY = 3
-#: Lines of what was heard, where it has no place at the side.
+#: Lines of what was heard, where it has no place at the side and lines enough.
 _HEARD = 2
+#: From so many lines on there is room for air.
+_TALL = 24
 
 
 def whole_rows(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
@@ -55,7 +57,7 @@ def whole_rows(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list
     else:
         top.append((("path  ", "muted"), *path(shown, frame.width - 6, frame.glyphs)))
     rows = [*top, *_air(frame), *table, *_air(frame)]
-    heard = [] if side else _heard(picture, frame, _HEARD)
+    heard = [] if side else _heard(picture, frame, _HEARD if frame.height >= _TALL else 1)
     rows += _way(picture, frame, max(1, frame.height - len(rows) - len(heard)))
     room = max(0, frame.height - len(heard))
     rows = rows[:room] + [()] * max(0, room - len(rows)) + heard
@@ -64,7 +66,7 @@ def whole_rows(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list
 
 def _air(frame: Frame) -> list[Row]:
     """An empty line where there is room for one."""
-    return [()] if frame.height >= 24 else []
+    return [()] if frame.height >= _TALL else []
 
 
 # -- what is now --------------------------------------------------------------------------------
@@ -82,13 +84,19 @@ def _head(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
     run = run_piece(shown, glyphs)
     if run is not None:
         row += (("   ", "plain"), run)
+    parts = [
+        f"visitor {visitor}{_about(picture, shown.visitor)}"
+        if (visitor := known_visitor(shown))
+        else "",
+        f"attention {clean(shown.attention)}" if shown.attention else "",
+    ]
     right: Row = ()
-    if visitor := known_visitor(shown):
-        right = ((f"visitor {visitor}{_about(picture, shown.visitor)}", "run"),)
-    if shown.attention:
-        right += ((f"  {clean(shown.attention)}", "muted"),)
-    left = length(row) + 2
-    return spread(row, cut(right, min(length(right), max(1, frame.width - left))), frame.width)
+    for part, look in zip(parts, ("run", "muted"), strict=True):
+        between = "  " if right and part else ""
+        more: Row = ((between, "plain"), (part, look))
+        if length(row) + length(right) + length(more) + 2 <= frame.width:
+            right += more
+    return spread(row, right, frame.width, glyphs.ellipsis)
 
 
 def _about(picture: Picture, visitor: str) -> str:
@@ -116,7 +124,7 @@ def _second(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
 def _states(picture: Picture, shown: m.EngagementShown, frame: Frame, *, side: bool) -> list[Row]:
     """The diagram, at its right what was heard."""
     way = [(change.was, change.now) for change in reversed(picture.engaged.changes)]
-    if not way:
+    if not way or way[0][1] != shown.state:  # its message is still on the way, or was left out
         way = list(zip(shown.trail, shown.trail[1:], strict=False))[::-1]
     drawn = diagram(shown.state, way, frame.glyphs)
     if not side:
@@ -183,7 +191,10 @@ def _sensed(name: str, sign: m.SignShown) -> str:
 
 
 def _condition(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
-    row = condition(shown, frame.glyphs, old=bool(picture.lost))
+    old = bool(picture.lost)
+    row = condition(shown, frame.glyphs, old=old)
+    if length(row) > frame.width:
+        row = condition(shown, frame.glyphs, old=old, brief=True)
     near = f"   near: up to {shown.social_distance:.2f} m"
     if "distance" in shown.uses and length(row) + len(near) <= frame.width:
         row += ((near, "muted"),)

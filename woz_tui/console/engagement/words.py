@@ -28,7 +28,7 @@ SHORT = {
     "RobotSpeaks": "Robot",
 }
 #: A sign in a word.
-WORD = {"presence": "person", "gaze": "looks", "distance": "near", "identity": "who"}
+WORD = {"presence": "person", "gaze": "looks", "distance": "near", "identity": "who?"}
 #: The mode of attention that nobody needs to be told.
 USUAL_ATTENTION = MODES[2]
 #: Cells of a state's short name at the most.
@@ -153,18 +153,22 @@ def path(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
     return ((before, "muted"), (kept[-1], "strong"))
 
 
-def condition(shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False) -> Row:
-    """`not engaged: presence yes AND gaze no (2 of 8, needs 4) AND near yes`."""
+def condition(
+    shown: m.EngagementShown, glyphs: Glyphs, *, old: bool = False, brief: bool = False
+) -> Row:
+    """`not engaged: presence yes AND gaze no (2 of 8, needs 4) AND near yes`; `brief`: without
+    figures.
+    """
     row: Row = (("engaged", "good") if shown.engaged else ("not engaged", "warn"),)
     for number, name in enumerate(shown.uses):
         sign = shown.signs.get(name, m.SignShown())
         found = mark(name, sign, glyphs, old=old)
         word = "near" if name == "distance" else clean(name)
         row += ((" AND " if number else ": ", "muted"), (f"{word} {found.word}", found.look))
-        if found.word == "no" and not sign.forced and sign.places > 0:
+        if found.word == "no" and not (brief or sign.forced) and sign.places > 0:
             row += ((f" ({share(sign)}, {needs(sign)})", "muted"),)
         if sign.forced:
-            row += ((f" {glyphs.forced} by hand", "wait"),)
+            row += ((f" {glyphs.forced}{'' if brief else ' by hand'}", "wait"),)
     return row
 
 

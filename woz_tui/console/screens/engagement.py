@@ -12,7 +12,7 @@ from textual import events
 
 from woz_tui.console.cells import Row
 from woz_tui.console.engagement.hand import BY_KEY, KEYS, ON
-from woz_tui.console.engagement.legend import HEIGHT, legend_rows
+from woz_tui.console.engagement.legend import legend_rows
 from woz_tui.console.engagement.whole import whole_rows
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.screens.dialog import give_keys
@@ -47,12 +47,11 @@ class EngagementDialog(Drawing):
         engaged = self.picture.engaged
         if engaged.shown is None:
             return []
-        inner = replace(frame, height=max(1, frame.height - HEIGHT))
+        covered, glyphs = self._covered(), frame.glyphs
+        legend = legend_rows(engaged, covered, frame.width, glyphs, steers=self._steers)
+        inner = replace(frame, height=max(1, frame.height - len(legend)))
         rows = whole_rows(self.picture, engaged.shown, inner)
-        rows += [()] * (inner.height - len(rows))
-        covered = self._covered()
-        legend = legend_rows(engaged, covered, frame.width, frame.glyphs, steers=self._steers)
-        return [*rows, *legend]
+        return [*rows, *[()] * (inner.height - len(rows)), *legend]
 
     def _covered(self) -> dict[str, str]:
         """The hand's keys that play an action of this experiment, with the action's label."""

@@ -106,6 +106,12 @@ class Follower:
         """Whether the robot says something at this moment."""
         return bool(self._speaking)
 
+    @property
+    def loud(self) -> bool:
+        """Whether it is as loud as speech; also where nothing tells how loud it is."""
+        voice = self.model.voice
+        return voice.level is None or voice.level > voice.threshold
+
     def shown(self) -> m.EngagementShown:
         """The model as it stands."""
         return self.model.shown()

@@ -24,13 +24,14 @@ from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
 from woz_tui.session.beginning import session_start
 from woz_tui.session.crew import Crew
+from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.outlet import DriverOutlet
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.standing import Standing
 from woz_tui.session.utterances import utterances
-from woz_tui.session.verbs import SESSION, VERBS, SessionVerbs
+from woz_tui.session.verbs import ENGAGEMENT, SESSION, VERBS, SessionVerbs
 
 #: Seconds between two lines that tie the session's clock to the calendar.
 CLOCK_TIE_S = 30.0
@@ -66,6 +67,7 @@ class Session:
         self.standing = Standing()
         self.hub.listen(self.standing.see)
         self.hub.publish(session_start(self.identity, self.experiment, self.clock))
+        self.engagement = LiveEngagement(self)
         self.profiles = Profiles(self.hub.publish)
         self._make_drivers()
         self._crew = Crew(self.drivers, self.hub)
@@ -74,8 +76,10 @@ class Session:
             name: {verb.name: verb for verb in offered}
             for name, offered in {**self.verbs, SESSION: VERBS}.items()
         }
+        by_name[ENGAGEMENT] = self.engagement.offered
         performers: dict[str, Performer] = {
             **self.drivers,
+            ENGAGEMENT: self.engagement,
             SESSION: SessionVerbs(
                 {
                     "mark": lambda args: self.mark(str(args.get("text", "")), "action"),
@@ -89,8 +93,9 @@ class Session:
         self.bus = Bus(
             self.hub,
             performers,
-            {**self.verbs, SESSION: VERBS},
-            motionless=frozenset({SESSION}),
+            {name: tuple(offered.values()) for name, offered in by_name.items()},
+            motionless=frozenset({SESSION, ENGAGEMENT}),
+            unstopped=frozenset({ENGAGEMENT}),
         )
         self.runner = Runner(
             self.hub, self.bus, by_name, self.values, self.experiment.session.deadline
@@ -142,6 +147,7 @@ class Session:
 
     async def open(self) -> None:
         """Let every driver look for its hardware; none of them can fail the session."""
+        self.engagement.begin()
         await self._crew.open()
         self._tie_clock()
         self._checkpoint()
@@ -157,6 +163,7 @@ class Session:
         self.ended = True
         for timer in self._timers.values():
             timer.cancel()
+        self.engagement.close()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
@@ -190,7 +197,7 @@ class Session:
 
     def values(self) -> dict[str, str]:
         """The variables' present values."""
-        return {**self.experiment.variables, **self.identity.values()}
+        return {**self.experiment.variables, **self.identity.values(), **self.engagement.values()}
 
     def play(self, name: str, origin: Origin, when_busy: str = "", stale: str = "") -> str:
         """Play the action `name`; its run id. Raises `AskError`; the refusal is in the log too.
@@ -218,7 +225,7 @@ class Session:
             return f"{name!r} is locked"
         if self.locked.get(action.panel, False):
             return f"the panel {action.panel!r} is locked"
-        if self.bus.latched:
+        if self.bus.latched and not self.engagement.believes(action):
             return "the stop is pressed"
         return self.profiles.no_action(action)
 

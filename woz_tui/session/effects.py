@@ -1,0 +1,196 @@
+"""What happens when the engagement model enters a state: signals, effects, actions of panels.
+
+Rules:
+
+* What a state has begun is finished; its steps that still wait when the state is left are dropped.
+* A greeting is not repeated: whoever comes back to EngagedWithKnown from their own or the robot's
+  turn gets that state's effects without what is said there.
+* While the stop is pressed nothing is played. At its release the lasting signals of the state
+  (eyes, screen, emotion) are given again; what is heard is not.
+* A signal overtakes an older one of its kind that is still on its way.
+* What does not work is in the log, and the wizard is told of each reason once.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections import deque
+from collections.abc import Iterable
+from typing import TYPE_CHECKING
+
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import Action, Call, Step, Together
+from woz_tui.experiment.verbs import ENGAGEMENT
+from woz_tui.sensing.machine import State
+from woz_tui.sensing.model import Change
+from woz_tui.sensing.stream import SPEECH
+from woz_tui.session.runner import Origin
+from woz_tui.session.signals import Signals, nearly
+
+if TYPE_CHECKING:
+    from woz_tui.session.session import Session
+
+#: Whose hand it is, in the log.
+ORIGIN = Origin(ENGAGEMENT)
+#: Verbs whose result is seen until something else is shown.
+LASTING = frozenset({"eyes", "screen", "emotion"})
+#: Where somebody has had a turn: the greeting has been said.
+_TURNS = frozenset({State.USER_SPEAKS, State.THINKS, State.REPLIES, State.ROBOT_SPEAKS})
+#: A sound that comes too late says something wrong: it is not kept waiting.
+_AT_ONCE = "refuse"
+
+
+class Effects:
+    """Plays what belongs to states, through the session's runner.
+
+    Args:
+        session: Whose experiment, runner and stop count.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._state: str = State.WAIT
+        self._told: set[str] = set()
+        self._runs: set[str] = set()
+        self._left: set[str] = set()
+        #: Ends of runs that nobody has claimed yet: they may end while they begin.
+        self._early: deque[m.ActionEnd] = deque(maxlen=8)
+        self._shown: dict[tuple[str, str], str] = {}
+        self.adopt()
+
+    def adopt(self) -> None:
+        """The experiment was read: from now on its effects count."""
+        self._signals = Signals(self._session.experiment)
+        self._signals.entered(self._state)
+
+    # -- when --------------------------------------------------------------------------------------
+
+    def entered(self, change: Change) -> None:
+        """A state was entered."""
+        self._leave(change.now)
+        self._state = change.now
+        calls = self._signals.entered(change.now)
+        if self._session.bus.latched or self._session.ended:
+            return
+        self._signal(calls)
+        engagement = self._session.experiment.engagement
+        if engagement is None:
+            return
+        action = engagement.effects.get(change.now)
+        if action is not None:
+            again = change.now == State.KNOWN and change.was in _TURNS
+            self._play(_silent(action) if again else action)
+        for name in engagement.plays.get(change.now, ()):
+            self._play_named(name)
+
+    def noticed(self, shown: m.EngagementShown) -> None:
+        """The signs moved: somebody may be nearly engaged, or not any more."""
+        verdicts: dict[str, m.Json] = {name: sign.verdict for name, sign in shown.signs.items()}
+        calls = self._signals.noticed(nearly(verdicts, shown.uses))
+        if not (self._session.bus.latched or self._session.ended):
+            self._signal(calls)
+
+    def released(self) -> None:
+        """The stop was released: what lasts is shown again."""
+        engagement = self._session.experiment.engagement
+        action = engagement.effects.get(self._state) if engagement else None
+        calls = [*self._signals.entered(self._state), *(_calls(action) if action else ())]
+        self._signal(call for call in calls if call.verb in LASTING)
+
+    def ended(self, end: m.ActionEnd) -> None:
+        """A run has ended; if it was one of these and has not worked, the wizard is told."""
+        if end.run not in self._runs:
+            self._early.append(end)
+            return
+        self._runs.discard(end.run)
+        self._left.discard(end.run)
+        if isinstance(end, m.ActionFailed | m.ActionRefused):
+            self._tell(f"{end.action}: {end.reason}")
+
+    # -- what --------------------------------------------------------------------------------------
+
+    def _leave(self, now: str) -> None:
+        for run in list(self._runs - self._left):
+            self._left.add(run)
+            self._session.runner.leave(run, f"{self._state} was left for {now}")
+
+    def _play(self, action: Action) -> None:
+        if action.steps:
+            self._began(self._session.runner.play(action, ORIGIN)[0])
+
+    def _play_named(self, name: str) -> None:
+        """An action of a panel, as far as neither lock nor stop stands against it.
+
+        What the wizard may use by their profile is no affair of the robot's own.
+        """
+        session = self._session
+        action = session.experiment.action(name)
+        if action is None:
+            self._tell(f"there is no action {name!r}")
+        elif action.locked or session.locked.get(action.panel, False):
+            reason = f"{action.name!r} is locked" if action.locked else "its panel is locked"
+            self._began(session.runner.refuse(name, action.panel, ORIGIN, reason))
+        else:
+            self._began(session.runner.play(action, ORIGIN)[0])
+
+    def _began(self, run: str) -> None:
+        self._runs.add(run)
+        early = [end for end in self._early if end.run == run]
+        self._early.clear()
+        for end in early:
+            self.ended(end)
+
+    def _signal(self, calls: Iterable[Call]) -> None:
+        for call in calls:
+            self._show(call)
+
+    def _show(self, call: Call) -> None:
+        kind = (call.driver, call.verb)
+        lasting = call.verb in LASTING
+        older = self._shown.pop(kind, "")
+        if older and lasting:
+            self._session.runner.cancel(older, f"{self._state} has begun")
+        done: list[m.End] = []
+
+        def ended(end: m.End) -> None:
+            done.append(end)
+            if self._shown.get(kind) == end.command:
+                del self._shown[kind]
+            self._signalled(call, end)
+
+        when_busy = "queue" if lasting else _AT_ONCE
+        sent = self._session.runner.send(call, ORIGIN, when_busy, None, ended)
+        if not done:
+            self._shown[kind] = sent.command
+
+    def _signalled(self, call: Call, end: m.End) -> None:
+        if isinstance(end, m.Failed | m.TimedOut):
+            self._tell(f"{call.driver} does not show {call.verb}: {end.reason}", end.remedy)
+        elif isinstance(end, m.Refused) and end.code not in ("busy", "stopped"):
+            self._tell(f"{call.driver} refuses {call.verb}: {end.reason}", end.remedy)
+
+    def _tell(self, why: str, remedy: str = "") -> None:
+        """A notice, once for each reason."""
+        if why not in self._told:
+            self._told.add(why)
+            self._session.hub.publish(
+                m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy)
+            )
+
+
+def _calls(action: Action) -> list[Call]:
+    return [call for step in action.steps if isinstance(step, Together) for call in step.calls]
+
+
+def _silent(action: Action) -> Action:
+    """Without what is said, and without what waits for it."""
+    steps: list[Step] = []
+    for step in action.steps:
+        if isinstance(step, Together):
+            calls = tuple(call for call in step.calls if call.verb not in SPEECH)
+            steps += [Together(calls)] if calls else []
+        else:
+            steps.append(step)
+    if not any(isinstance(step, Together) for step in steps):
+        steps = []
+    return dataclasses.replace(action, steps=tuple(steps))

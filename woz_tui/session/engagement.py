@@ -1,0 +1,278 @@
+"""The engagement model in the robot process: it hears every message and says what it makes of them.
+
+A session has one such object, also if its experiment has no section `engagement`: then it does
+nothing, until a reload brings the section. The model itself is in `woz_tui.sensing`; here it meets
+the hub, the clock and the robot.
+
+Its verbs (`toggle: gaze`) are commands to a performer of their own, `engagement`. They are taken
+while the stop is pressed too: nothing moves because of them then, and what happens to a visitor
+meanwhile is just what a wizard has to put right.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING
+
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Job, Rejected, Scope, Verb
+from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.shape import Action, Experiment, Together
+from woz_tui.experiment.template import VISITOR
+from woz_tui.experiment.verbs import ENGAGEMENT, engagement_verbs
+from woz_tui.sensing import orders
+from woz_tui.sensing.model import Change
+from woz_tui.sensing.stream import Follower
+from woz_tui.session.attending import Attending
+from woz_tui.session.effects import Effects
+from woz_tui.session.visiting import Visiting
+
+if TYPE_CHECKING:
+    from woz_tui.session.session import Session
+
+#: Microseconds between two looks at the signs, while no state changes.
+SHOWN_EVERY_US = 200_000
+#: The least that a timer waits, in seconds.
+_SOON_S = 0.001
+
+log = logging.getLogger(__name__)
+
+
+class LiveEngagement:
+    """See the module's text.
+
+    Args:
+        session: Whose hub, runner, bus and experiment count; the last two from `begin` on.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._hub = session.hub
+        self._loop = asyncio.get_running_loop()
+        self._follower: Follower | None = None
+        self._effects = Effects(session)
+        self._visiting: Visiting | None = None
+        self._attending: Attending | None = None
+        self._timer: asyncio.TimerHandle | None = None
+        self._look: asyncio.TimerHandle | None = None
+        self._shown: m.EngagementShown | None = None
+        self._shown_us = -SHOWN_EVERY_US
+        self._failed = ""
+        self._opened = False
+        #: Verbs under way, by command.
+        self._named: dict[str, str] = {}
+        #: Verbs by name, as the bus has them; empty without the section.
+        self.offered: dict[str, Verb] = {}
+        self._adopt(session.experiment)
+        for message in session.standing.state():
+            self._hear(message)
+        self._hub.listen(self._hear)
+
+    # -- what the session asks ---------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """The session is open: show how things stand."""
+        self._opened = True
+        self._show()
+        self._wind()
+
+    def close(self) -> None:
+        """The session ends: nothing more comes of what is heard."""
+        self._follower = None
+        for timer in (self._timer, self._look):
+            if timer is not None:
+                timer.cancel()
+        for part in (self._visiting, self._attending):
+            if part is not None:
+                part.close()
+        self._visiting = self._attending = None
+
+    def values(self) -> dict[str, str]:
+        """Variables for utterances: `{visitor}`, empty while nobody is known."""
+        if self._follower is None or self._visiting is None:
+            return {}
+        return {VISITOR: self._visiting.name(self._follower.model.visitor)}
+
+    def believes(self, action: Action | None) -> bool:
+        """Whether an action does nothing but tell the model something."""
+        calls = [
+            call
+            for step in (action.steps if action else ())
+            for call in (step.calls if isinstance(step, Together) else ())
+        ]
+        return bool(calls) and all(call.driver == ENGAGEMENT for call in calls)
+
+    # -- a performer on the bus --------------------------------------------------------------------
+
+    async def perform(self, job: Job) -> Mapping[str, m.Json]:
+        """Understand a verb; it is obeyed when `command.done` is heard, as in the log."""
+        if self._follower is None or self._visiting is None:
+            raise Rejected("the experiment has no engagement model")
+        try:
+            said = orders.understood(self._follower.model, job.verb, job.args)
+        except ValueError as error:
+            raise Rejected(str(error)) from error
+        if isinstance(name := said.get("name"), str):
+            said["name"] = self._visiting.name(name)
+        self._named[job.command] = job.verb
+        return said
+
+    async def stop(self, scope: Scope) -> None:
+        """Nothing of it moves."""
+
+    # -- hearing -----------------------------------------------------------------------------------
+
+    def _hear(self, message: m.AnyMessage) -> None:
+        """A listener of the hub: whatever goes wrong in here, the others still hear."""
+        try:
+            self._listen(message)
+        except Exception as error:
+            log.exception("the engagement model failed at %s", type(message).__name__)
+            self._tell_failure(f"{type(error).__name__}: {error}")
+
+    def _tell_failure(self, reason: str) -> None:
+        if reason != self._failed:
+            self._failed = reason
+            self._hub.publish(
+                m.Notice(
+                    level="error",
+                    text=f"the engagement model failed: {reason}",
+                    remedy="the robot process's own log has the traceback",
+                )
+            )
+
+    def _listen(self, message: m.AnyMessage) -> None:
+        if isinstance(message, m.ExperimentReloaded):
+            self._adopt(self._session.experiment)
+            self._show()
+        follower, visiting, attending = self._follower, self._visiting, self._attending
+        if follower is None or visiting is None or attending is None:
+            return
+        if isinstance(message, m.End):
+            verb = self._named.pop(message.command, "")
+            if isinstance(message, m.Done):
+                visiting.introduced(verb, message.sent)
+        if follower.reads(message):
+            self._moved(follower.take(message))
+        elif isinstance(message, m.Reading):
+            attending.hear(message)
+            return
+        visiting.hear(message)
+        attending.hear(message)
+        match message:
+            case m.Done():
+                attending.attend(follower.mode)
+            case m.ActionEnd():
+                self._effects.ended(message)
+            case m.StopReleased():
+                self._effects.released()
+                visiting.resume(follower.model.state)
+
+    def _adopt(self, experiment: Experiment) -> None:
+        """Take the section as it is now in the file."""
+        engagement = experiment.engagement
+        verbs = engagement_verbs() if engagement else ()
+        self.offered.clear()
+        self.offered.update({verb.name: verb for verb in verbs})
+        if self._opened:
+            self._session.bus.offer(ENGAGEMENT, verbs)
+        if engagement is None:
+            self.close()
+        else:
+            self._take_settings(engagement.settings)
+        self._effects.adopt()
+
+    def _take_settings(self, settings: EngagementSettings) -> None:
+        if self._follower is None or self._visiting is None:
+            self._follower = Follower(settings)
+            self._visiting = Visiting(self._session, settings)
+        else:
+            self._follower.adopt(settings)
+            self._visiting.adopt(settings)
+        if self._attending is not None:
+            self._attending.close()
+        self._attending = Attending(self._session, self._follower, settings, self._show_later)
+        self._attending.entered(self._follower.model.state)
+
+    # -- what comes of it --------------------------------------------------------------------------
+
+    def _moved(self, changes: Sequence[Change]) -> None:
+        for change in changes:
+            self._hub.publish(
+                m.EngagementChanged(
+                    was=change.was,
+                    now=change.now,
+                    outcome=change.outcome,
+                    why=change.why,
+                    verdicts=change.verdicts,
+                    visitor=change.visitor,
+                    forced=change.forced,
+                )
+            )
+            self._entered(change)
+        if changes:
+            self._show()
+        else:
+            self._show_later()
+        self._wind()
+
+    def _entered(self, change: Change) -> None:
+        self._effects.entered(change)
+        if self._visiting is not None:
+            self._visiting.entered(change)
+        if self._attending is not None:
+            self._attending.entered(change.now)
+
+    def _wind(self) -> None:
+        """Wake up when something happens by itself."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        due = self._follower.due() if self._follower else None
+        if due is not None:
+            seconds = max((due - self._hub.now()) / 1_000_000, _SOON_S)
+            self._timer = self._loop.call_later(seconds, self._ring)
+
+    def _ring(self) -> None:
+        self._timer = None
+        if self._follower is None:
+            return
+        try:
+            self._moved(self._follower.until(self._hub.now()))
+        except Exception as error:
+            log.exception("the engagement model failed by itself")
+            self._tell_failure(f"{type(error).__name__}: {error}")
+
+    # -- what is shown -----------------------------------------------------------------------------
+
+    def _show_later(self) -> None:
+        if self._look is None:
+            wait = self._shown_us + SHOWN_EVERY_US - self._hub.now()
+            if wait <= 0:
+                self._show()
+            else:
+                self._look = self._loop.call_later(wait / 1_000_000, self._show)
+
+    def _show(self) -> None:
+        """Publish how things stand, if anything is different from what was told last."""
+        if self._look is not None:
+            self._look.cancel()
+            self._look = None
+        if self._follower is None or self._visiting is None or not self._opened:
+            return
+        if self._visiting.attempt:
+            self._follower.model.attempt = self._visiting.attempt
+        shown = self._follower.shown()
+        if shown == self._shown or (shown.run == "off" and not self._on):
+            return
+        self._shown = shown
+        self._shown_us = self._hub.now()
+        self._hub.publish(shown)
+        self._effects.noticed(shown)
+
+    @property
+    def _on(self) -> bool:
+        """Whether a console has been told that the model runs."""
+        return self._shown is not None and self._shown.run != "off"

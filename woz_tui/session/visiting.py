@@ -1,0 +1,149 @@
+"""Who stands there: recognised by a sensor, introduced by the wizard or by the robot, remembered.
+
+The handshake is the wizard's unless the settings say otherwise: the machine waits in *Handshake*,
+a notice says what is to be done, and `visitor: CODE` or `handshake: fail` ends it. With `by: robot`
+the robot asks. While the stop is pressed nobody asks; after the release the question comes anew.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.sensing.machine import State
+from woz_tui.sensing.model import Change
+from woz_tui.sensing.people import FILE
+from woz_tui.session.acquaintances import Acquaintances
+from woz_tui.session.introducing import Introduction
+
+if TYPE_CHECKING:
+    from woz_tui.session.session import Session
+
+_SAY = "say"
+
+
+def store_of(session: Session, settings: EngagementSettings) -> Path:
+    """The file of visitors: as the experiment says, else beside the logs."""
+    if settings.visitors:
+        return session.experiment.path.parent / Path(settings.visitors).expanduser()
+    return session.recorder.path.parent / FILE
+
+
+class Visiting:
+    """See the module's text.
+
+    Args:
+        session: Whose hub and runner count.
+        settings: What the section says.
+    """
+
+    def __init__(self, session: Session, settings: EngagementSettings) -> None:
+        self._session = session
+        self._settings = settings
+        self._loop = asyncio.get_running_loop()
+        self.known = self._acquaintances(store_of(session, settings))
+        self._introduction: Introduction | None = None
+        self._verbs: dict[str, m.Command] = {}
+
+    def adopt(self, settings: EngagementSettings) -> None:
+        """Other settings count from the next handshake on; another file from now on."""
+        self._settings = settings
+        path = store_of(self._session, settings)
+        if path != self.known.path:
+            self.known = self._acquaintances(path)
+
+    def _acquaintances(self, path: Path) -> Acquaintances:
+        known = Acquaintances(path, self._session.hub.publish, self._later)
+        known.read()
+        return known
+
+    def _later(self, call: Callable[[], object]) -> None:
+        """From any thread: in the session's, if it still goes on."""
+        self._loop.call_soon_threadsafe(lambda: None if self._session.ended else call())
+
+    def close(self) -> None:
+        """The session ends."""
+        self._end_introduction()
+
+    @property
+    def attempt(self) -> int:
+        """How many names this handshake has asked for; 0: none is led by the robot."""
+        return self._introduction.attempt if self._introduction else 0
+
+    def name(self, label: str) -> str:
+        """The visitor's name, for what a recogniser calls them."""
+        visitor = self.known.called(label) if label else None
+        return visitor.name if visitor else label
+
+    # -- what happens ------------------------------------------------------------------------------
+
+    def entered(self, change: Change) -> None:
+        """The machine is in another state."""
+        if change.was == State.HANDSHAKE and self._introduction is not None:
+            introduction, self._introduction = self._introduction, None
+            introduction.left(change.outcome, self.name(change.visitor))
+        if change.now == State.HANDSHAKE:
+            self._introduce()
+        elif change.now == State.KNOWN and change.visitor:
+            self.known.meet(change.visitor, self._session.clock.wall().date())
+        elif change.now == State.WAIT:
+            self.known.gone()
+
+    def hear(self, message: m.AnyMessage) -> None:
+        """Speech, the stop, and verbs that say who it is."""
+        match message:
+            case m.SpeechStarted() | m.SpeechEnded() | m.SpeechText():
+                if self._introduction is not None:
+                    self._introduction.hear(message)
+            case m.StopPressed(scope="all"):
+                self._end_introduction()
+
+    def introduced(self, verb: str, args: dict[str, m.Json]) -> None:
+        """A verb that names the visitor was carried out."""
+        name = args.get("name")
+        named = verb == "visitor" or (verb == "handshake" and args.get("what") == "ok")
+        if named and isinstance(name, str) and name:
+            facts = {fact: str(args[fact]) for fact in ("age_group", "address") if args.get(fact)}
+            self.known.introduce(name, facts, self._session.clock.wall().date())
+
+    def resume(self, state: State) -> None:
+        """The stop was released."""
+        if state is State.HANDSHAKE:
+            self._introduce()
+
+    # -- the handshake -----------------------------------------------------------------------------
+
+    def _introduce(self) -> None:
+        self._end_introduction()
+        settings = self._settings.handshake
+        voice = self._voice()
+        if settings.by == "robot" and not voice:
+            self._notice("the robot cannot ask for a name: it has no voice")
+        elif settings.by != "robot":
+            self._notice("a visitor without a name: who is it?")
+        elif not self._session.bus.latched:
+            self._introduction = Introduction(self._session, settings, voice, self.known.is_taken)
+            self._introduction.begin()
+
+    def _end_introduction(self) -> None:
+        if self._introduction is not None:
+            self._introduction.stop()
+            self._introduction = None
+
+    def _voice(self) -> str:
+        drivers = self._session.experiment.drivers
+        speaking = (spec.name for spec in drivers for verb in spec.verbs if verb.name == _SAY)
+        return next(speaking, "")
+
+    def _notice(self, text: str) -> None:
+        self._session.hub.publish(
+            m.Notice(
+                level="info",
+                text=f"handshake: {text}",
+                remedy="`visitor` gives a name, `handshake: fail` goes on without one",
+            )
+        )

@@ -8,7 +8,8 @@ from itertools import pairwise
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.simulated.visitor import DOOR, SENSORS, WALL, Phase, Sample, Visitor
+from woz_drivers.simulated.senses import DOOR, SENSORS, WALL, Sample
+from woz_drivers.simulated.visitor import Phase, Visitor
 
 HOUR = 3600.0
 
@@ -82,8 +83,8 @@ def test_every_phase_occurs_and_a_visit_lasts(hour: list[Sample]) -> None:
     assert DOOR > 4
 
 
-def talk_to(visitor: Visitor, ends: float, until: float) -> list[Sample]:
-    visitor.hear(ends)
+def talk_to(visitor: Visitor, begins: float, seconds: float, until: float) -> list[Sample]:
+    visitor.hear(begins, seconds)
     return by_sensor(visitor.step(until), "loudness")
 
 
@@ -99,7 +100,7 @@ def arrived() -> tuple[Visitor, float]:
 
 def test_a_visitor_who_is_spoken_to_looks_up_and_answers_within_two_seconds() -> None:
     visitor, now = arrived()
-    heard = talk_to(visitor, now + 1.0, now + 5.0)
+    heard = talk_to(visitor, now, 1.0, now + 3.5)
     assert visitor.looking
     answer = [s.t for s in heard if s.value is not None and s.value > 0.05]
     assert now + 1.9 < answer[0] < now + 3.3
@@ -107,14 +108,14 @@ def test_a_visitor_who_is_spoken_to_looks_up_and_answers_within_two_seconds() ->
 
 def test_speech_rises_above_the_room_and_is_made_of_syllables() -> None:
     visitor, now = arrived()
-    heard = talk_to(visitor, now, now + 2.5)
-    spoken = [s.value for s in heard if s.value is not None and s.t > now + 2.0]
+    heard = talk_to(visitor, now, 0.1, now + 3.5)
+    spoken = [s.value for s in heard if s.value is not None and now + 2.6 < s.t < now + 3.2]
     assert statistics.mean(spoken) > 0.05
     assert max(spoken) > 1.5 * min(spoken)
 
 
 def test_nobody_answers_in_an_empty_room() -> None:
     visitor = Visitor(7)
-    visitor.hear(0.2)
+    visitor.hear(0.1, 0.1)
     loudness = [s.value for s in by_sensor(visitor.step(2.0), "loudness")]
     assert all(value is not None and value < 0.04 for value in loudness)

@@ -21,6 +21,9 @@ Sent = Mapping[str, Json]
 #: How long the face takes to change, and a screen or a colour, in seconds.
 FACE_SECONDS, SCREEN_SECONDS = 0.3, 0.1
 
+#: A face is looked at so long before it is known, in seconds.
+FACE_LEARNT_SECONDS = 1.0
+
 #: Joints that lag behind their track get this much longer to arrive, in seconds.
 LAG = 1.5
 
@@ -32,8 +35,12 @@ class Stage(Protocol):
         """Let `seconds` of the simulated world pass, less once `done`; raises what breaks it."""
         ...
 
-    def spoke(self, seconds: float) -> None:
-        """The robot begins to speak for `seconds`."""
+    def spoke(self, text: str, seconds: float) -> None:
+        """The robot begins to say `text`, for `seconds`."""
+        ...
+
+    def learn_face(self, name: str) -> None:
+        """The present visitor is called `name`. Raises `DriverError` if that cannot be."""
         ...
 
     def mode_changed(self, mode: str) -> None:
@@ -71,6 +78,7 @@ class Performance:
             "screen": self._screen,
             "drive": self._drive,
             "mode": self._mode,
+            "learn_face": self._learn_face,
         }
 
     async def act(self, job: Job) -> Sent:
@@ -83,7 +91,7 @@ class Performance:
         said = utterance(values.text(job.args, "text"), self._settings.characters_per_second)
         if not said.text:
             raise Rejected("nothing to say", "give the utterance a text")
-        self._stage.spoke(said.seconds)
+        self._stage.spoke(said.text, said.seconds)
         await self._stage.spend(job, said.seconds)
         return {"text": said.text, "seconds": round(said.seconds, 3), "volume": self.volume}
 
@@ -96,6 +104,14 @@ class Performance:
     async def _set_volume(self, job: Job) -> Sent:
         self.volume = min(max(values.number(job.args, "level"), 0.0), 1.0)
         return {"level": self.volume}
+
+    async def _learn_face(self, job: Job) -> Sent:
+        name = values.text(job.args, "name").strip()
+        if not name:
+            raise Rejected("a face needs a name", "give a code, such as V7")
+        await self._stage.spend(job, FACE_LEARNT_SECONDS)
+        self._stage.learn_face(name)
+        return {"name": name}
 
     # -- body -----------------------------------------------------------------------------------
 

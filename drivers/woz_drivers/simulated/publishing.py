@@ -3,15 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 
 from woz_drivers.simulated.body import Body
 from woz_drivers.simulated.faults import Faults
-from woz_drivers.simulated.visitor import UNITS, Sample
+from woz_drivers.simulated.senses import UNITS, Sample
 from woz_tui.core.driver import Outlet
 
 #: Joints and base are published this often when nothing moves, in seconds; else at every tick.
 CALM = 1.0
+
+#: So many samples may be published at once: those of a second and a half.
+MANY = 50
 
 
 class Publisher:
@@ -38,10 +41,14 @@ class Publisher:
         self._say("base.y", round(body.base.y, 3), now, unit="m")
         self._say("base.heading", round(body.base.heading, 1), now, unit="deg")
 
-    def samples(self, samples: Mapping[str, Sample], now: float) -> None:
-        """What a visitor leaves in the sensors."""
-        for sensor, sample in samples.items():
-            self._say(sensor, sample.value, now, text=sample.text, unit=UNITS.get(sensor, ""))
+    def samples(self, samples: Sequence[Sample], now: float) -> None:
+        """What a visitor leaves in the sensors: all of it, so that being late now and then changes
+        nothing; of much at once, as in a world that runs fast, the last of each sensor.
+        """
+        if len(samples) > MANY:
+            samples = list({sample.sensor: sample for sample in samples}.values())
+        for one in samples:
+            self._say(one.sensor, one.value, now, text=one.text, unit=UNITS.get(one.sensor, ""))
 
     def _say(
         self, sensor: str, value: float | None, now: float, *, text: str = "", unit: str = ""

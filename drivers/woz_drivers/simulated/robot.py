@@ -15,7 +15,9 @@ from woz_drivers.simulated.moves import roles
 from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.performance import Performance
 from woz_drivers.simulated.publishing import Publisher
-from woz_drivers.simulated.visitor import THRESHOLD, Visitor
+from woz_drivers.simulated.senses import THRESHOLD
+from woz_drivers.simulated.telling import Teller
+from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
     DriverError,
     Finding,
@@ -66,6 +68,7 @@ class SimulatedRobot:
         self._body.torque = settings.torque
         self._visitor = Visitor(settings.seed) if settings.visitor else None
         self._publisher = Publisher(outlet, self._faults)
+        self._teller = Teller(name, outlet, self._clock_us)
         self._performance = Performance(settings, self._body, outlet.folder, self)
         self._opened = self._looked = self._pace.now()
         self._stops = {Scope.ALL: 0, Scope.DRIVE: 0}
@@ -203,9 +206,18 @@ class SimulatedRobot:
         if self._gone(now) is None:
             if not self._settings.voice_only:
                 self._publisher.body(self._body, now)
-            self._publisher.samples({sample.sensor: sample for sample in samples}, now)
-            if self._visitor is not None:
-                self._outlet.sensor("loudness", "speaking" if self._visitor.talking else "quiet")
+            self._publisher.samples(samples, now)
+        if self._visitor is not None:
+            self._listen(self._visitor, now)
+
+    def _listen(self, visitor: Visitor, now: float) -> None:
+        """What the microphone makes of the visitor's voice, unless it is unplugged."""
+        speech, gone = visitor.speech(), self._gone(now)
+        if gone is not None:
+            self._teller.break_off(self._world(now), gone)
+            return
+        self._outlet.sensor("loudness", "speaking" if visitor.speaks else "quiet")
+        self._teller.tell(speech)
 
     def _tell_health(self, now: float) -> None:
         gone = self._gone(now)
@@ -247,10 +259,18 @@ class SimulatedRobot:
         """Tell which mode holds now."""
         self._outlet.mode(mode)
 
-    def spoke(self, seconds: float) -> None:
+    def spoke(self, text: str, seconds: float) -> None:
         """A visitor hears it."""
         if self._visitor is not None:
-            self._visitor.hear(self._world(self._pace.now()) + seconds)
+            self._visitor.hear(self._world(self._pace.now()), seconds, text)
+
+    def learn_face(self, name: str) -> None:
+        """The present visitor is called `name` from now on."""
+        visitor = self._visitor
+        if visitor is None or visitor.recognised_as(name):
+            raise Rejected(f"{name} is somebody else's face", "choose another name")
+        if not visitor.learn_face(name):
+            raise DriverError("nobody shows a face", "wait until somebody stands before the robot")
 
     def _advance(self) -> float:
         """Move the body on to now, and return that in seconds of the pace."""
@@ -265,6 +285,11 @@ class SimulatedRobot:
 
     def _world(self, now: float) -> float:
         return (now - self._opened) * self._settings.speed
+
+    def _clock_us(self, world: float) -> int:
+        """The session's clock at a second of the simulated world."""
+        ago = self._pace.now() - (self._opened + world / self._settings.speed)
+        return self._outlet.clock.now_us() - round(ago * 1_000_000)
 
     async def _hold_out(self, seconds: float) -> None:
         """Take `seconds`, cancelled or not; the cancellation counts afterwards."""

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from woz_drivers.simulated.faults import MEANING
 from woz_drivers.simulated.moves import known, roles
+from woz_drivers.simulated.senses import SENSORS
 from woz_drivers.simulated.settings import Settings
-from woz_drivers.simulated.visitor import SENSORS
-from woz_tui.core.driver import Argument, Verb
+from woz_tui.core.driver import SPEECH, Argument, Verb
 from woz_tui.core.fields import Range
 
 #: How coloured eyes move.
@@ -19,15 +19,17 @@ _METRES = Range(-5, 5, "m")
 
 def offered(settings: Settings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
+    eye = (_learn_face(),) if settings.visitor else ()
     if settings.voice_only:
-        return _voice()
-    return (*_voice(), *_body(settings), *_face(settings), _drive(), *_control(settings))
+        return (*_voice(), *eye)
+    rest = (*_body(settings), *_face(settings), _drive(), *_control(settings))
+    return (*_voice(), *rest, *eye)
 
 
 def sensors(settings: Settings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
-    seen = (*SENSORS, "loudness.threshold") if settings.visitor else ()
+    seen = (*SENSORS, "loudness.threshold", SPEECH) if settings.visitor else ()
     if settings.voice_only:
         return seen
     return (*joints, "base.x", "base.y", "base.heading", *seen)
@@ -60,6 +62,16 @@ def _voice() -> tuple[Verb, ...]:
             (Argument("level", "number", "0 mute, 1 full", required=True, range=Range(0, 1)),),
             lane="control",
         ),
+    )
+
+
+def _learn_face() -> Verb:
+    return Verb(
+        "learn_face",
+        "recognise the present visitor by this name from now on",
+        (Argument("name", "text", "a code or a pseudonym", required=True),),
+        lane="eye",
+        limit_s=10.0,
     )
 
 

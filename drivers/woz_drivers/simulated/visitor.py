@@ -2,41 +2,41 @@
 
 A pure model, moved by asking for the time: `step(t)` returns every sample up to `t` seconds. It
 has no clock and no task, and all chance comes from its seed, so that the same seed gives the same
-samples whatever the steps.
+samples whatever the steps. What a person decides hangs on the seed, the visit and what it is they
+decide, never on what was drawn before; and they react in whole ticks to a robot that speaks. So a
+real clock, which is never quite on time, changes nothing about the course of their visits.
 """
 
 from __future__ import annotations
 
 import enum
 import math
-import random
-from dataclasses import dataclass
+from collections import Counter
+from random import Random
 
-#: The model's own tick in seconds; distance and loudness are sampled at each.
-TICK = 0.1
+from woz_drivers.simulated import words
+from woz_drivers.simulated.hearing import Hearing, Speech
+from woz_drivers.simulated.senses import DOOR, THRESHOLD, TICK, Sample, Seen, Senses
 
-#: Presence, gaze, identity and direction come every so many ticks: 3.3 Hz.
-SLOW_EVERY = 3
+#: Visitors whom the robot knows by their faces, and those whom it does not.
+PEOPLE, STRANGERS = ("V1", "V2"), ("Kim", "Robin")
 
-#: Metres from the robot at which the sensors lose a person, and what the range sensor then sees.
-DOOR, WALL = 4.5, 4.9
+#: From here a face can be recognised and learnt, in metres.
+FACE_RANGE = 2.2
 
-#: The room's own noise: RMS of full scale, and its spread.
-ROOM_NOISE, ROOM_SPREAD = 0.012, 0.003
+#: Seconds of looking until a face is recognised.
+_RECOGNISED_AFTER = 0.6
 
-#: RMS of speech one metre away; it falls with the distance.
-VOICE = 0.16
+#: Nobody walks away before they have waited so long for an answer, in seconds.
+_WAITS_FOR_ANSWER = 6.0
 
-#: RMS above which the simulated microphone takes sound for speech: five spreads above the noise.
-THRESHOLD = ROOM_NOISE + 5 * ROOM_SPREAD
+#: A robot that begins to speak up to so much before a tick began at it, in seconds.
+_PUNCTUALITY = 0.02
 
-#: Syllables a second; a syllable of spontaneous speech lasts about 0.2 s (Greenberg et al.,
-#: Journal of Phonetics 31, 2003).
-SYLLABLES = 4.3
+#: People notice that a robot has ended at whole multiples of this, in ticks.
+_NOTICED = 5
 
-SENSORS = ("presence", "gaze", "identity", "distance", "loudness", "direction")
-UNITS = {"distance": "m", "direction": "deg"}
-PEOPLE = ("V1", "V2")
+_NEVER = 2**62
 
 
 class Phase(enum.Enum):
@@ -49,34 +49,31 @@ class Phase(enum.Enum):
     GOING = "going"
 
 
-@dataclass(frozen=True, slots=True)
-class Sample:
-    """One value at `t` seconds; `value` None where the sensor saw nothing, `text` an identity."""
-
-    t: float
-    sensor: str
-    value: float | None
-    text: str = ""
-
-
 class Visitor:
-    """Comes, looks, talks, looks away, steps back, leaves, and comes again."""
+    """Comes, looks, talks, answers, looks away, steps back, leaves, and comes again."""
 
     def __init__(self, seed: int) -> None:
-        self._chance = random.Random(seed)
+        self._seed = seed
+        self._senses = Senses(seed)
+        self._hearing = Hearing(THRESHOLD, TICK)
+        self._speech: list[Speech] = []
+        self._faces = {person: person for person in PEOPLE}
         self._tick = 0
+        self._visit = 0
+        self._drawn: Counter[str] = Counter()
         self.phase = Phase.AWAY
-        self.person = self._chance.choice(PEOPLE)
+        self.person = ""
         self.distance = DOOR
         self._goal = DOOR
         self._side = 0.0
-        self._phase_ends = self._chance.uniform(2.0, 4.0)
+        self._phase_ends = self._ticks("away", 2.0, 4.0)
         self.looking = False
-        self._look_ends = 0.0
-        self._talk_begins = math.inf
-        self._talk_ends = 0.0
-        self._near_since = math.inf
-        self._blind_until = 0.0
+        self._look_ends = 0
+        self._talk_begins, self._talk_ends = _NEVER, 0
+        self._talk_again = _NEVER
+        self._words = ""
+        self._patience = 0
+        self._near_since = _NEVER
 
     @property
     def present(self) -> bool:
@@ -86,11 +83,12 @@ class Visitor:
     @property
     def talking(self) -> bool:
         """Whether the person is saying something now."""
-        return self._talk_begins <= self._now < self._talk_ends
+        return self._talk_begins <= self._tick < self._talk_ends
 
     @property
-    def _now(self) -> float:
-        return self._tick * TICK
+    def speaks(self) -> bool:
+        """Whether the microphone hears a voice, the pauses in it included."""
+        return self._hearing.speaks
 
     def step(self, t: float) -> list[Sample]:
         """All samples after the last step up to `t` seconds, oldest first."""
@@ -101,56 +99,110 @@ class Visitor:
             samples += self._sensed()
         return samples
 
-    def hear(self, ends: float) -> None:
-        """The robot speaks until `ends`: a person who is near looks up and answers 1-2 s later."""
-        if self.phase not in (Phase.STAYING, Phase.DOUBTING):
+    def speech(self) -> list[Speech]:
+        """What the microphone made of their voice since this was asked last."""
+        told, self._speech = self._speech, []
+        return told
+
+    def hear(self, begins: float, seconds: float, text: str = "") -> None:
+        """The robot says `text` from `begins` on, for `seconds`: a person who is near looks up and
+        answers 1-2 s later. After some answers they thank, and go.
+        """
+        if not self._listens:
             return
+        spoken = math.floor((begins + _PUNCTUALITY) / TICK) + math.ceil(seconds / TICK - 1e-6)
+        ends = -(-spoken // _NOTICED) * _NOTICED
+        dice = self._dice("answer")
         self.looking = True
-        self._look_ends = ends + self._chance.uniform(3.0, 6.0)
-        self._talk_begins = ends + self._chance.uniform(1.0, 2.0)
-        self._talk_ends = self._talk_begins + self._chance.uniform(1.2, 3.5)
-        self._phase_ends = max(self._phase_ends, self._talk_ends + 1.0)
+        self._look_ends = ends + _whole(dice.uniform(3.0, 6.0))
+        if not words.is_about_the_name(self.person, text):
+            self._patience -= 1
+        goodbye = self._patience < 0
+        said = words.GOODBYE if goodbye else words.reply(self.person, text, dice)
+        self._talk(ends + _whole(dice.uniform(1.0, 2.0)), said)
+        if goodbye:
+            self._phase_ends = self._talk_ends + _whole(1.0)
+
+    def learn_face(self, name: str) -> bool:
+        """Recognise the present person as `name` from now on; False if nobody shows a face."""
+        if not self.present or self.distance >= FACE_RANGE or self.phase is Phase.GOING:
+            return False
+        self._faces[self.person] = name
+        return True
+
+    def recognised_as(self, name: str) -> bool:
+        """Whether somebody else's face has this name already."""
+        return any(name == face for one, face in self._faces.items() if one != self.person)
 
     # -- the person ---------------------------------------------------------------------------
 
+    @property
+    def _listens(self) -> bool:
+        near = self.phase is Phase.COMING and self.distance < FACE_RANGE
+        return near or self.phase in (Phase.STAYING, Phase.DOUBTING)
+
+    def _dice(self, decision: str) -> Random:
+        """Chance for the next decision of a kind in this visit."""
+        self._drawn[decision] += 1
+        return Random(f"{self._seed} {self._visit} {decision} {self._drawn[decision]}")
+
+    def _ticks(self, decision: str, low: float, high: float) -> int:
+        """A duration between `low` and `high` seconds."""
+        return _whole(self._dice(decision).uniform(low, high))
+
     def _live(self) -> None:
-        if self._now >= self._phase_ends:
+        if self._tick >= self._phase_ends:
             self._next_phase()
         self._walk()
         if self.phase in (Phase.STAYING, Phase.DOUBTING):
             self._attend()
-        recognisable = self.phase is not Phase.AWAY and self.looking and self.distance < 2.2
-        if not recognisable:
-            self._near_since = math.inf
-        elif self._near_since == math.inf:
-            self._near_since = self._now
+        if self._tick == self._talk_begins:
+            self._hearing.words(self._words)
+        if not (self.present and self.looking and self.distance < FACE_RANGE):
+            self._near_since = _NEVER
+        elif self._near_since == _NEVER:
+            self._near_since = self._tick
 
     def _next_phase(self) -> None:
-        chance = self._chance
         if self.phase is Phase.AWAY:
-            self._enter(Phase.COMING, chance.uniform(0.85, 1.15), 12.0)
-            self.distance = DOOR
-            self._side = chance.uniform(-25.0, 25.0)
-            self.person = chance.choice(PEOPLE)
-            self.looking = False
-            self._look_ends = self._now + chance.uniform(0.5, 2.5)
-        elif self.phase is Phase.STAYING and chance.random() < 0.45:
-            self._enter(Phase.DOUBTING, chance.uniform(1.6, 2.3), chance.uniform(4.0, 8.0))
-        elif self.phase is Phase.DOUBTING and chance.random() < 0.5:
-            self._enter(Phase.STAYING, chance.uniform(0.8, 1.2), chance.uniform(10.0, 25.0))
-        elif self.phase is Phase.GOING:
-            self._enter(Phase.AWAY, DOOR, chance.uniform(6.0, 15.0))
+            self._arrive()
         elif self.phase is Phase.COMING:
-            self._enter(Phase.STAYING, self._goal, chance.uniform(15.0, 35.0))
+            self._enter(Phase.STAYING, self._goal, self._ticks("stay", 15.0, 35.0))
+            if self._talk_again == _NEVER:
+                self._talk_again = self._tick + self._ticks("talk again", 2.0, 7.0)
+        elif self.phase is Phase.STAYING and self._stays("step back", 0.45):
+            back = self._dice("back").uniform(1.6, 2.3)
+            self._enter(Phase.DOUBTING, back, self._ticks("doubt", 4.0, 8.0))
+        elif self.phase is Phase.DOUBTING and self._stays("come back", 0.5):
+            near = self._dice("near").uniform(0.8, 1.2)
+            self._enter(Phase.STAYING, near, self._ticks("stay", 10.0, 25.0))
+        elif self.phase is Phase.GOING:
+            self._enter(Phase.AWAY, DOOR, self._ticks("away", 6.0, 15.0))
         else:
-            self._enter(Phase.GOING, DOOR + 0.2, 10.0)
+            self._enter(Phase.GOING, DOOR + 0.2, _whole(10.0))
             self.looking = False
-            self._talk_ends = self._now
+            self._talk_begins = _NEVER
 
-    def _enter(self, phase: Phase, goal: float, seconds: float) -> None:
+    def _stays(self, decision: str, share: float) -> bool:
+        """Whether they do that rather than go; nobody who has said goodbye does."""
+        return self._patience >= 0 and self._dice(decision).random() < share
+
+    def _arrive(self) -> None:
+        self._visit += 1
+        self._drawn.clear()
+        self._enter(Phase.COMING, self._dice("near").uniform(0.85, 1.15), _whole(12.0))
+        self.distance = DOOR
+        self._side = self._dice("side").uniform(-25.0, 25.0)
+        self.person = self._dice("person").choice(PEOPLE + STRANGERS)
+        self._patience = self._dice("patience").randint(1, 3)
+        self.looking = False
+        self._look_ends = self._tick + self._ticks("first look", 0.5, 2.5)
+        self._talk_begins, self._talk_ends, self._talk_again = _NEVER, 0, _NEVER
+
+    def _enter(self, phase: Phase, goal: float, ticks: int) -> None:
         self.phase = phase
         self._goal = goal
-        self._phase_ends = self._now + seconds
+        self._phase_ends = self._tick + ticks
 
     def _walk(self) -> None:
         if self.phase is Phase.AWAY:
@@ -159,64 +211,44 @@ class Visitor:
         self.distance += min(max(self._goal - self.distance, -pace * TICK), pace * TICK)
         arrived = abs(self._goal - self.distance) < 1e-6
         if arrived and self.phase in (Phase.COMING, Phase.GOING):
-            self._phase_ends = min(self._phase_ends, self._now)
-        if self.phase is Phase.COMING and self._now >= self._look_ends:
+            self._phase_ends = min(self._phase_ends, self._tick)
+        if self.phase is Phase.COMING and self._tick >= self._look_ends:
             self.looking = True
 
     def _attend(self) -> None:
-        chance = self._chance
-        if self._now >= self._look_ends and not self.talking:
+        if self._tick >= self._look_ends and not self.talking:
             self.looking = not self.looking
-            stay = chance.uniform(4.0, 9.0) if self.looking else chance.uniform(0.8, 2.5)
-            self._look_ends = self._now + stay
-        silent = self._now >= self._talk_ends
-        if silent and self.looking and chance.random() < 0.012:
-            self._talk_begins = self._now
-            self._talk_ends = self._now + chance.uniform(1.0, 4.0)
+            stay = (4.0, 9.0) if self.looking else (0.8, 2.5)
+            self._look_ends = self._tick + self._ticks("look", *stay)
+        if self._tick >= self._talk_again and self.looking:
+            self._talk(self._tick, self._dice("remark").choice(words.REMARKS))
+
+    def _talk(self, begins: int, text: str) -> None:
+        """Say `text` from `begins` on, and nothing more by themselves for a while after it."""
+        self._words = text
+        self._talk_begins, self._talk_ends = begins, begins + _whole(words.seconds(text))
+        self._talk_again = self._talk_ends + self._ticks("talk again", 8.0, 16.0)
+        self._phase_ends = max(self._phase_ends, self._talk_ends + _whole(_WAITS_FOR_ANSWER))
 
     # -- the sensors --------------------------------------------------------------------------
 
     def _sensed(self) -> list[Sample]:
-        samples = [
-            Sample(self._now, "distance", self._range()),
-            Sample(self._now, "loudness", self._loudness()),
-        ]
-        if self._tick % SLOW_EVERY == 0:
-            samples += self._seen()
+        face = self._faces.get(self.person, "")
+        recognised = self._tick - self._near_since > _RECOGNISED_AFTER / TICK
+        samples = self._senses.sensed(
+            self._tick,
+            Seen(
+                distance=self.distance if self.present else None,
+                looking=self.looking,
+                talking=self.talking,
+                side=self._side,
+                face=face if recognised else "",
+            ),
+        )
+        loudness = next(sample.value for sample in samples if sample.sensor == "loudness")
+        self._speech += self._hearing.take(loudness or 0.0)
         return samples
 
-    def _range(self) -> float | None:
-        """Metres, to the centimetre; now and then the echo is lost for up to a second."""
-        noise = self._chance.gauss(0.0, 0.015)
-        lost = self._chance.random() < 0.004
-        length = self._chance.uniform(0.2, 1.0)
-        if lost and self._now >= self._blind_until:
-            self._blind_until = self._now + length
-        if self._now < self._blind_until:
-            return None
-        return round((self.distance if self.present else WALL) + noise, 2)
 
-    def _loudness(self) -> float:
-        """RMS of the last tick: the room, and bursts of syllables while the person talks."""
-        room = max(0.001, self._chance.gauss(ROOM_NOISE, ROOM_SPREAD))
-        strength = self._chance.uniform(0.8, 1.2)
-        if not self.talking:
-            return round(room, 4)
-        syllable = 0.35 + 0.65 * abs(math.sin(math.pi * SYLLABLES * self._now))
-        voice = VOICE * strength * syllable / max(self.distance, 0.5)
-        return round(min(1.0, math.hypot(room, voice)), 4)
-
-    def _seen(self) -> list[Sample]:
-        missed, flicker, mistaken = (self._chance.random() for _ in range(3))
-        turn = self._chance.gauss(0.0, 2.0)
-        score = round(self._chance.uniform(0.6, 0.95), 2)
-        present = self.present and missed >= 0.01
-        looking = present and (self.looking != (flicker < 0.03))
-        known = present and self._now - self._near_since > 1.5 and mistaken >= 0.06
-        heard = self.talking or present
-        return [
-            Sample(self._now, "presence", float(present)),
-            Sample(self._now, "gaze", float(looking)),
-            Sample(self._now, "identity", score if known else 0.0, self.person if known else ""),
-            Sample(self._now, "direction", round(self._side + turn, 1) if heard else None),
-        ]
+def _whole(seconds: float) -> int:
+    return max(1, round(seconds / TICK))

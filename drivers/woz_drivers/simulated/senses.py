@@ -1,0 +1,112 @@
+"""The simulated sensors: what they make of a person, with noise, lost echoes and mistakes.
+
+Every tick takes the same number of draws whatever the person does, so that a tick's noise hangs on
+its number alone.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from random import Random
+
+#: The model's own tick in seconds; distance and loudness are sampled at each.
+TICK = 0.1
+
+#: Presence, gaze, identity and direction come every so many ticks: 3.3 Hz.
+SLOW_EVERY = 3
+
+#: Metres from the robot at which the sensors lose a person, and what the range sensor then sees.
+DOOR, WALL = 4.5, 4.9
+
+#: The room's own noise: RMS of full scale, and its spread.
+ROOM_NOISE, ROOM_SPREAD = 0.012, 0.003
+
+#: RMS of speech one metre away; it falls with the distance.
+VOICE = 0.16
+
+#: RMS above which the simulated microphone takes sound for speech: five spreads above the noise.
+THRESHOLD = ROOM_NOISE + 5 * ROOM_SPREAD
+
+#: Syllables a second; a syllable of spontaneous speech lasts about 0.2 s (Greenberg et al.,
+#: Journal of Phonetics 31, 2003).
+SYLLABLES = 4.3
+
+SENSORS = ("presence", "gaze", "identity", "distance", "loudness", "direction")
+UNITS = {"distance": "m", "direction": "deg"}
+
+
+@dataclass(frozen=True, slots=True)
+class Sample:
+    """One value at `t` seconds; `value` None where the sensor saw nothing, `text` an identity."""
+
+    t: float
+    sensor: str
+    value: float | None
+    text: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Seen:
+    """The person as they are: metres (None: nobody), degrees to the left, a name to recognise."""
+
+    distance: float | None
+    looking: bool
+    talking: bool
+    side: float
+    face: str
+
+
+class Senses:
+    """All sensors of the simulated robot that are about people."""
+
+    def __init__(self, seed: int) -> None:
+        self._chance = Random(f"{seed} noise")
+        self._blind_until = 0.0
+
+    def sensed(self, tick: int, seen: Seen) -> list[Sample]:
+        """The samples of one tick; each has to be asked for, in order."""
+        now = tick * TICK
+        samples = [
+            Sample(now, "distance", self._range(now, seen)),
+            Sample(now, "loudness", self._loudness(now, seen)),
+        ]
+        if tick % SLOW_EVERY == 0:
+            samples += self._seen(now, seen)
+        return samples
+
+    def _range(self, now: float, seen: Seen) -> float | None:
+        """Metres, to the centimetre; now and then the echo is lost for up to 0.7 s."""
+        noise = self._chance.gauss(0.0, 0.015)
+        lost = self._chance.random() < 0.004
+        length = self._chance.uniform(0.2, 0.7)
+        if lost and now >= self._blind_until:
+            self._blind_until = now + length
+        if now < self._blind_until:
+            return None
+        return round((WALL if seen.distance is None else seen.distance) + noise, 2)
+
+    def _loudness(self, now: float, seen: Seen) -> float:
+        """RMS of the last tick: the room, and bursts of syllables while the person talks."""
+        room = max(0.001, self._chance.gauss(ROOM_NOISE, ROOM_SPREAD))
+        strength = self._chance.uniform(0.8, 1.2)
+        if not seen.talking or seen.distance is None:
+            return round(room, 4)
+        syllable = 0.35 + 0.65 * abs(math.sin(math.pi * SYLLABLES * now))
+        voice = VOICE * strength * syllable / max(seen.distance, 0.5)
+        return round(min(1.0, math.hypot(room, voice)), 4)
+
+    def _seen(self, now: float, seen: Seen) -> list[Sample]:
+        missed, flicker, mistaken = (self._chance.random() for _ in range(3))
+        turn = self._chance.gauss(0.0, 2.0)
+        score = round(self._chance.uniform(0.6, 0.95), 2)
+        there = seen.distance is not None
+        present = there and missed >= 0.01
+        looking = present and (seen.looking != (flicker < 0.03))
+        name = seen.face if present and mistaken >= 0.06 else ""
+        return [
+            Sample(now, "presence", float(present)),
+            Sample(now, "gaze", float(looking)),
+            Sample(now, "identity", score if name else 0.0, name),
+            Sample(now, "direction", round(seen.side + turn, 1) if there else None),
+        ]

@@ -29,6 +29,8 @@ if TYPE_CHECKING:
 
 #: The longest line that is read, in bytes; the rest of a longer one is thrown away.
 LONGEST = 1 << 20
+#: What a blank line may consist of, the mark at the beginning of some files included.
+_BLANK = b"\xef\xbb\xbf \t\r\n"
 #: So many wrong lines are told one by one, the others as a number at the end.
 TOLD = 10
 #: Digits that a threshold may have, so that it is computed with exactly as it was typed.
@@ -166,18 +168,18 @@ def settings_of(arguments: argparse.Namespace) -> EngagementSettings:
     Raises `ExperimentError` for a wrong file and `UsageError` for options that do not go together.
     """
     settings = _experiments(arguments.experiment) if arguments.experiment else EngagementSettings()
-    given = {
+    numbers = ("samples", "threshold", "filter", "stale")
+    others = ("start_up", "rate", "signs", "social_distance")
+    given: dict[str, Any] = {
         name: getattr(arguments, name)
-        for name in ("samples", "threshold", "filter", "start_up", "stale", "rate", "signs")
+        for name in (*numbers, *others)
         if getattr(arguments, name) is not None
     }
-    if arguments.social_distance is not None:
-        given["social_distance"] = arguments.social_distance
-    own = {name: None for name in ("samples", "threshold", "filter", "stale") if name in given}
-    signs = {sign: replace(settings.sign(sign), **own) for sign in SIGNS}
+    own: dict[str, Any] = {name: None for name in numbers if name in given}
+    given |= {sign: replace(settings.sign(sign), **own) for sign in SIGNS}
     if arguments.loud is not None:
         given["sound"] = replace(settings.sound, threshold=arguments.loud)
-    settings = replace(settings, **given, **signs)
+    settings = replace(settings, **given)
     problems = settings.problems()
     if problems:
         raise UsageError("; ".join(f"{name}: {why}" for name, why in problems))
@@ -249,9 +251,11 @@ class _Lines:
         """Each line's object; None for a line that is none."""
         while self._line:
             self._number += 1
-            whole = self._whole()
-            if not whole or self._line.strip(b"\xef\xbb\xbf \t\r\n"):
-                yield self._row() if whole else self._is_wrong(f"is longer than {LONGEST} bytes")
+            if not self._whole():
+                self._is_wrong(f"is longer than {LONGEST} bytes")
+                yield None
+            elif self._line.strip(_BLANK):
+                yield self._row()
             self._line = self._file.readline(LONGEST)
 
     def _whole(self) -> bool:
@@ -267,12 +271,16 @@ class _Lines:
         try:
             row = json.loads(self._line.decode("utf-8").removeprefix("\ufeff"))
         except UnicodeDecodeError:
-            return self._is_wrong("is no UTF-8 text")
+            self._is_wrong("is no UTF-8 text")
         except RecursionError:
-            return self._is_wrong("is nested too deeply")
+            self._is_wrong("is nested too deeply")
         except ValueError as error:
-            return self._is_wrong(f"is no JSON: {error}")
-        return row if isinstance(row, dict) else self._is_wrong("is no JSON object")
+            self._is_wrong(f"is no JSON: {error}")
+        else:
+            if isinstance(row, dict):
+                return row
+            self._is_wrong("is no JSON object")
+        return None
 
     def _is_wrong(self, why: str) -> None:
         self.wrong += 1

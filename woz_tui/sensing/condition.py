@@ -23,7 +23,9 @@ class Signs:
     """Presence, gaze, distance and identity. Times are the model's, in microseconds."""
 
     def __init__(self, settings: EngagementSettings, now: int) -> None:
-        self._joint = Joint(settings.social_distance, start_up=settings.start_up)
+        self._joint = Joint(
+            settings.social_distance, start_up=settings.start_up, glance=settings.joint.glance
+        )
         self._by_name = {name: Sign(name, settings, self._joint, now) for name in CONDITION}
         self.identity = Identity(settings, self._joint, now)
         self.uses: list[Sign] = []

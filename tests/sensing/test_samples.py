@@ -1,0 +1,110 @@
+"""What raw values mean, and what is none: the policies that the paper leaves open."""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from woz_tui.sensing import samples
+from woz_tui.sensing.proxemics import phase, zone
+from woz_tui.sensing.samples import UNKNOWN
+
+#: Whatever a line of JSON, or a driver, may hold.
+JUNK: tuple[object, ...] = (
+    *(None, math.nan, "NaN", math.inf, "Infinity", -math.inf, "-Infinity", True, False),
+    *("", " ", "1", "yes", "nan", "\x00", "\ud800", "x" * 10**5, b"\xff", [], [1], {}, {"a": {}}),
+    *(1e300, -1e300, 10**400, -(10**400), -1, 2, 0, 1, 0.0, -0.0, 5e-324, object(), 1j),
+)
+anything = st.sampled_from(JUNK) | st.floats() | st.integers() | st.text() | st.binary()
+
+
+@given(anything)
+def test_no_value_raises_and_no_verdict_is_nan(value: object) -> None:
+    assert samples.flag(value) in (True, False, None)
+    metres = samples.metres(value, 5.0)
+    assert metres is None or 0.0 < metres <= 5.0 or metres == math.inf
+    name = samples.name(value)
+    assert name is None or 0 < len(name) <= 64
+    level = samples.level(value, 0.1)
+    assert level is None or 0.0 <= level <= 1.0
+    assert samples.absent(value) in (True, False)
+
+
+@pytest.mark.parametrize(
+    ("value", "meant"),
+    [
+        *((1, True), (0, False), (True, True), (False, False), (0.5, True), (0.49, False)),
+        *((None, None), (math.nan, None), ("NaN", None), (2, None), (-1, None), (1e300, None)),
+        *((math.inf, None), ("Infinity", None), ("1", None), ([1], None), (10**400, None)),
+    ],
+)
+def test_presence_and_gaze(value: object, meant: bool | None) -> None:
+    assert samples.flag(value) is meant
+
+
+@pytest.mark.parametrize(
+    ("value", "meant"),
+    [
+        *((0.9, 0.9), (5.0, 5.0), (0.3, 0.3), (0.01, 0.01), (1, 1.0)),
+        *((5.1, math.inf), (math.inf, math.inf), ("Infinity", math.inf), (10**400, math.inf)),
+        *((0, None), (-0.0, None), (-1, None), (-math.inf, None), ("-Infinity", None)),
+        *((None, None), (math.nan, None), ("NaN", None), (True, None), ("0.9", None), ({}, None)),
+    ],
+)
+def test_distance(value: object, meant: float | None) -> None:
+    """Beyond the reach is far; nothing and less is no measurement; the sonar's floor is near."""
+    assert samples.metres(value, 5.0) == meant
+
+
+@pytest.mark.parametrize(
+    ("value", "text", "meant"),
+    [
+        *(("Anna", "", "Anna"), (" Anna  B ", "", "Anna B"), (0.8, "Anna", "Anna")),
+        *(("Unknown", "", UNKNOWN), ("unknown", "", UNKNOWN), (" ", "", UNKNOWN)),
+        *((0.2, "", UNKNOWN), (0, "", UNKNOWN), (None, "", None), (math.nan, "", None)),
+        *(("NaN", "", None), (True, "", None), ([], "", None), ("a\x07b", "", None)),
+        *(("\ud800", "", None), ("x" * 10**5, "", None), ("\u202eanna", "", None)),
+    ],
+)  # fmt: skip
+def test_identity(value: object, text: str, meant: str | None) -> None:
+    assert samples.name(value, text) == meant
+
+
+@pytest.mark.parametrize(
+    ("value", "threshold", "meant"),
+    [
+        *((0.2, 0.1, 0.2), (0, 0.1, 0.0), (1.0, 0.1, 1.0), (math.nan, 0.1, 0.0), ("NaN", 0.1, 0.0)),
+        *((None, 0.1, None), (-0.1, 0.1, None), (1.5, 0.1, None), (math.inf, 0.1, None)),
+        *((3000, 2400.0, 3000.0), (math.inf, 2400.0, None), ("0.2", 0.1, None), (True, 0.1, None)),
+    ],
+)
+def test_loudness(value: object, threshold: float, meant: float | None) -> None:
+    """NaN is a quiet chunk, None is none; above full scale only on a scale without full scale."""
+    assert samples.level(value, threshold) == meant
+
+
+def test_nothing_is_told_from_rubbish() -> None:
+    assert all(map(samples.absent, (None, math.nan, "NaN")))
+    assert not any(map(samples.absent, (0, "x", [], True, math.inf, "Infinity")))
+
+
+ZONES: list[Any] = [
+    *((0.0, "intimate", "near"), (0.149, "intimate", "near"), (0.15, "intimate", "far")),
+    *((0.449, "intimate", "far"), (0.45, "personal", "near"), (0.75, "personal", "far")),
+    *((1.19, "personal", "far"), (1.2, "social", "near"), (1.3, "social", "near")),
+    *((2.1, "social", "far"), (3.59, "social", "far"), (3.6, "public", "near")),
+    *((7.59, "public", "near"), (7.6, "public", "far"), (math.inf, "public", "far")),
+]
+
+
+@pytest.mark.parametrize(("metres", "space", "part"), ZONES)
+def test_halls_spaces_and_their_phases(metres: float, space: str, part: str) -> None:
+    assert (zone(metres), phase(metres)) == (space, part)
+
+
+def test_no_distance_is_in_no_space() -> None:
+    assert (zone(math.nan), phase(math.nan)) == ("", "")

@@ -123,6 +123,7 @@ class Room:
             self.recorder,
             clock,
         )
+        self.lines += self.session.standing.recent()
         self.session.hub.listen(self.lines.append)
 
     @property

@@ -76,12 +76,12 @@ class Effects:
         engagement = self._session.experiment.engagement
         if engagement is None:
             return
+        again = change.now == State.KNOWN and change.was in _TURNS
         action = engagement.effects.get(change.now)
         if action is not None:
-            again = change.now == State.KNOWN and change.was in _TURNS
-            self._play(_silent(action) if again else action)
+            self._play(action, again)
         for name in engagement.plays.get(change.now, ()):
-            self._play_named(name)
+            self._play_named(name, again)
 
     def noticed(self, shown: m.EngagementShown) -> None:
         """The signs moved: somebody may be nearly engaged, or not any more."""
@@ -114,12 +114,13 @@ class Effects:
             self._left.add(run)
             self._session.runner.leave(run, f"{self._state} was left for {now}")
 
-    def _play(self, action: Action) -> None:
+    def _play(self, action: Action, again: bool) -> None:
+        action = _silent(action) if again else action
         if action.steps:
             self._began(self._session.runner.play(action, ORIGIN)[0])
 
-    def _play_named(self, name: str) -> None:
-        """An action of a panel, as far as neither lock nor stop stands against it.
+    def _play_named(self, name: str, again: bool) -> None:
+        """An action of a panel, as far as no lock stands against it.
 
         What the wizard may use by their profile is no affair of the robot's own.
         """
@@ -131,7 +132,7 @@ class Effects:
             reason = f"{action.name!r} is locked" if action.locked else "its panel is locked"
             self._began(session.runner.refuse(name, action.panel, ORIGIN, reason))
         else:
-            self._began(session.runner.play(action, ORIGIN)[0])
+            self._play(action, again)
 
     def _began(self, run: str) -> None:
         self._runs.add(run)

@@ -1,0 +1,228 @@
+"""What the robot does by itself on entering a state."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.session.engaged import PLAIN, WIZARD, Room, effect, guided, in_room
+from tests.session.rig import call, together
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import STATES, EngagementSettings
+from woz_tui.experiment.shape import Profile, Wait
+from woz_tui.session.signals import SIGNALS
+
+KNOWN = "EngagedWithKnown"
+SHOWING = EngagementSettings()
+
+
+async def through_all_states(room: Room) -> None:
+    room.tell("sense", sign="presence", value="on")
+    await asyncio.sleep(1)
+    room.tell("sense", sign="all", value="on")
+    await asyncio.sleep(1)
+    room.tell("visitor", name="Anna")
+    await asyncio.sleep(1)
+    await room.hears(1)
+    await asyncio.sleep(1)
+    room.tell("say", text="Yes")
+    await asyncio.sleep(2)
+    room.tell("say", text="Well")
+    await asyncio.sleep(2)
+    room.tell("sense", sign="all", value="off")
+    await asyncio.sleep(1)
+
+
+def test_each_state_shows_its_signals_within_a_third_of_a_second(tmp_path: Path) -> None:
+    """E6: eyes, tablet and sound of each state; the beep once for each utterance."""
+    room = in_room(tmp_path, through_all_states, guided(tmp_path, SHOWING))
+    changes = room.of(m.EngagementChanged)
+    assert {change.now for change in changes} == set(STATES)
+    dispatched = {line.command: line.t for line in room.of(m.Dispatched)}
+    done = {line.command for line in room.of(m.Done)}
+    commands = [line for line in room.of(m.Command) if line.source == "engagement"]
+    for change in changes:
+        signal = SIGNALS[change.now]
+        window = [
+            command
+            for command in commands
+            if change.t <= dispatched[command.command] <= change.t + 333_333
+            and command.seq > change.seq
+        ]
+        eyes = next(command for command in window if command.verb == "eyes")
+        assert eyes.args["color"] == signal.eyes, change.now
+        left = next((other.t for other in changes if other.seq > change.seq), None)
+        assert eyes.command in done or left == change.t
+        if signal.screen:
+            screen = next(command for command in window if command.verb == "screen")
+            assert str(screen.args["file"]).endswith(signal.screen)
+    beeps = [command for command in commands if command.verb == "sound"]
+    assert len(beeps) == len(room.of(m.SpeechEnded)) == 1
+
+
+def test_effects_of_the_file_are_played_as_actions_of_the_model(tmp_path: Path) -> None:
+    """E6: an explicit effect stands in the place of the default of that verb."""
+    effects = effect(
+        "PersonDetected", together(call("eyes", color="red")), together(call("play", move="nod"))
+    )
+    experiment = guided(tmp_path, SHOWING, effects, {KNOWN: ("Greet",)})
+
+    async def scenario(room: Room) -> None:
+        await room.visit(5, identity="V1")
+
+    room = in_room(tmp_path, scenario, experiment)
+    requested = [line for line in room.of(m.ActionRequested) if line.source == "engagement"]
+    assert [line.action for line in requested][:2] == ["on PersonDetected", "Greet"]
+    assert [line.action for line in requested].count("Greet") == 1
+    assert [line.reason for line in room.of(m.ActionEnd)].count("") >= 1
+    seen = [args["color"] for verb, args in room.commands if verb == "eyes"]
+    assert seen[0] == "red"
+    assert ("say", {"text": "Hello V1"}) in room.robot.calls
+    # What the model says by itself in EngagedWithKnown is the robot's initiative like any other.
+    assert room.path[1:4] == [KNOWN, "RobotSpeaks", KNOWN]
+
+
+def test_what_waits_is_dropped_when_the_state_is_left(tmp_path: Path) -> None:
+    """What was begun (a sentence) ends; what stood behind a pause does not come any more."""
+    effects = effect(
+        "PersonDetected",
+        together(call("say", text="Come near")),
+        Wait(5.0),
+        together(call("say", text="Are you still there?")),
+    ) | effect(
+        "EngagedWithUnknown", together(call("say", text="Hello")), together(call("play", move="x"))
+    )
+
+    async def scenario(room: Room) -> None:
+        room.tell("force", to="PersonDetected")
+        await asyncio.sleep(2)
+        room.tell("force", to="EngagedWithUnknown")
+        await asyncio.sleep(0.5)
+        room.tell("force", to="PersonDetected")
+        await asyncio.sleep(0.1)
+        room.tell("force", to="Wait")
+        await asyncio.sleep(10)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said == ["Come near", "Hello", "Come near"]
+    assert "play" not in [verb for verb, _ in room.robot.calls]
+    ends = room.of(m.ActionStopped)
+    assert len(ends) == 3
+    assert "PersonDetected was left for EngagedWithUnknown" in ends[0].reason
+
+
+def test_a_greeting_is_not_repeated_after_each_turn(tmp_path: Path) -> None:
+    effects = effect(KNOWN, together(call("say", text="Welcome"), call("eyes", color="pink")))
+
+    async def scenario(room: Room) -> None:
+        room.stands_there()
+        await asyncio.sleep(3)
+        await room.hears(1)
+        room.tell("say", text="Yes")
+        await asyncio.sleep(3)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said == ["Welcome", "Yes"]
+    assert [args["color"] for verb, args in room.commands if verb == "eyes"] == ["pink"] * 3
+
+
+def test_an_effect_that_speaks_in_robot_thinks_is_the_answer(tmp_path: Path) -> None:
+    effects = effect("RobotThinks", together(call("say", text="Let me see")))
+
+    async def scenario(room: Room) -> None:
+        room.stands_there()
+        await asyncio.sleep(1)
+        await room.hears(1)
+        await asyncio.sleep(2)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
+    assert room.path[-4:] == ["UserSpeaks", "RobotThinks", "RobotReplies", KNOWN]
+
+
+def test_while_stopped_nothing_is_played_and_then_what_lasts_is_shown_again(
+    tmp_path: Path,
+) -> None:
+    effects = effect(
+        "PersonDetected", together(call("say", text="Come near"), call("eyes", color="red"))
+    )
+
+    async def scenario(room: Room) -> None:
+        room.session.stop("key")
+        room.tell("force", to="PersonDetected")
+        await asyncio.sleep(1)
+        assert room.path == ["PersonDetected"]
+        assert [verb for verb, _ in room.robot.calls if verb != "stop"] == []
+        room.session.release("key")
+        await asyncio.sleep(1)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, SHOWING, effects))
+    shown = [verb for verb, _ in room.robot.calls if verb not in ("stop", "rest", "close")]
+    assert sorted(shown) == ["eyes", "screen"]
+    assert ("eyes", {"color": "red"}) in room.robot.calls
+
+
+def test_what_fails_is_told_once(tmp_path: Path) -> None:
+    effects = effect("PersonDetected", together(call("say", text="Hello {visitor}")))
+    experiment = guided(tmp_path, SHOWING, effects, {"PersonDetected": ("Never", "Nothing")})
+
+    async def scenario(room: Room) -> None:
+        room.robot.broken = "eyes"
+        for _ in range(3):
+            room.tell("force", to="PersonDetected")
+            await asyncio.sleep(0.5)
+            room.tell("force", to="Wait")
+            await asyncio.sleep(0.5)
+
+    room = in_room(tmp_path, scenario, experiment)
+    told = [text for text in room.notices if text.startswith("engagement: ")]
+    assert len(told) == len(set(told))
+    assert any("no eyes today" in text for text in told)
+    assert any("{visitor} has no value yet" in text for text in told)
+    assert any("'Never' is locked" in text for text in told)
+    assert any("there is no action 'Nothing'" in text for text in told)
+    assert len(room.of(m.ActionRefused)) == 6
+
+
+def test_a_signal_overtakes_an_older_one(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        for to in ("PersonDetected", "EngagedWithUnknown", "Handshake", "Wait") * 5:
+            room.tell("force", to=to)
+        await asyncio.sleep(1)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, SHOWING))
+    assert room.robot.calls[-4:] != []
+    eyes = [args["color"] for verb, args in room.robot.calls if verb == "eyes"]
+    assert eyes[-1] == "off"
+
+
+def test_somebody_who_is_nearly_engaged_sees_it(tmp_path: Path) -> None:
+    """All but the distance: green that comes and goes, after the paper's table."""
+
+    async def scenario(room: Room) -> None:
+        await room.visit(4, distance=3.0)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, SHOWING))
+    eyes = [args["color"] for verb, args in room.commands if verb == "eyes"]
+    assert eyes[:2] == ["white", "green"]
+
+
+def test_a_profile_of_the_wizard_does_not_bind_the_robot(tmp_path: Path) -> None:
+    experiment = replace(
+        guided(tmp_path, PLAIN, None, {"PersonDetected": ("Welcome",)}),
+        profiles={"little": Profile("little", verbs=frozenset({"force"}))},
+    )
+
+    async def scenario(room: Room) -> None:
+        room.session.use_profile("little", "key")
+        room.tell("force", to="PersonDetected")
+        await asyncio.sleep(2)
+        with pytest.raises(ValueError, match="not in the profile"):
+            room.session.play("Welcome", WIZARD)
+
+    room = in_room(tmp_path, scenario, experiment)
+    assert ("say", {"text": "Welcome"}) in room.robot.calls

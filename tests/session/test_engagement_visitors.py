@@ -1,0 +1,218 @@
+"""Who stands there: handshakes by the wizard and by the robot, and the store of visitors."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+from tests.session.engaged import PLAIN, Room, guided, in_room
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import HandshakeSettings
+from woz_tui.sensing.people import Visitors
+
+KNOWN = "EngagedWithKnown"
+ASKING = replace(PLAIN, handshake=HandshakeSettings(by="robot", seconds=40.0, silence=4.0))
+
+
+def stranger(
+    scenario: Callable[[Room], Awaitable[None]],
+) -> Callable[[Room], Awaitable[None]]:
+    """Somebody without a name is engaged before `scenario`."""
+
+    async def go(room: Room) -> None:
+        room.tell("sense", sign="all", value="on")
+        await asyncio.sleep(0.1)
+        await scenario(room)
+
+    return go
+
+
+async def answers(room: Room, segment: int, text: str) -> None:
+    """Wait until the robot has asked, then say something."""
+    await asyncio.sleep(1.5)
+    await room.hears(segment, 0.8)
+    room.session.hub.publish(m.SpeechText(driver="robot", segment=segment, text=text))
+
+
+def stored(tmp_path: Path) -> list[str]:
+    path = tmp_path / "recordings" / "visitors.json"
+    return [visitor.name for visitor in Visitors(path).everybody()]
+
+
+def saves(room: Room) -> None:
+    """Wait for the thread that writes the file."""
+    visiting = room.session.engagement._visiting
+    assert visiting is not None
+    visiting.known.wait(10)
+
+
+def test_the_wizard_is_told_and_gives_a_name(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        assert room.shown.state == "Handshake"
+        assert any("who is it" in text for text in room.notices)
+        room.tell("visitor", name="Anna", age_group="adult")
+        await asyncio.sleep(0.5)
+        saves(room)
+
+    room = in_room(tmp_path, stranger(scenario))
+    assert room.path[-2:] == ["Handshake", KNOWN]
+    assert room.outcomes[-1] == "eng2know"
+    (changed,) = room.of(m.VisitorChanged)
+    assert (changed.visitor, changed.what) == ("Anna", "learnt")
+    assert changed.about == {"age_group": "adult"}
+    assert stored(tmp_path) == ["Anna"]
+
+
+def test_a_name_that_is_known_is_that_visitor_and_nothing_is_overwritten(tmp_path: Path) -> None:
+    store = Visitors(tmp_path / "recordings" / "visitors.json")
+    store.path.parent.mkdir()
+    store.add("Anna", on=date(2026, 1, 1), age_group="adult")
+
+    async def scenario(room: Room) -> None:
+        room.tell("visitor", name="anna", age_group="child", address="formal")
+        await asyncio.sleep(0.5)
+        saves(room)
+
+    room = in_room(tmp_path, stranger(scenario))
+    assert [change.what for change in room.of(m.VisitorChanged)] == ["met", "profile"]
+    assert room.shown.visitor == "Anna"
+    assert any("age group adult; it stays" in text for text in room.notices)
+    (anna,) = Visitors(store.path).everybody()
+    assert (anna.name, anna.about) == ("Anna", {"age_group": "adult", "address": "formal"})
+    assert anna.meetings == 2
+
+
+def test_the_wizard_goes_on_without_a_name(tmp_path: Path) -> None:
+    settings = replace(PLAIN, handshake=HandshakeSettings(attempts=2))
+
+    async def scenario(room: Room) -> None:
+        for _ in range(2):
+            room.tell("handshake", what="fail")
+            await asyncio.sleep(0.3)
+        room.tell("handshake", what="ok")
+        await asyncio.sleep(0.3)
+
+    room = in_room(tmp_path, stranger(scenario), guided(tmp_path, settings))
+    assert room.outcomes[-4:] == ["handshake", "eng2unknow", "handshake", "eng2unknow"]
+    (refused,) = room.of(m.Refused)
+    assert "no handshake to end" in refused.reason
+
+
+def test_bad_names_are_refused_with_a_reason(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        for name in ("", " \t", "x" * 500, "a\x1bb", "Unknown"):
+            room.tell("visitor", name=name)
+        await asyncio.sleep(0.3)
+
+    room = in_room(tmp_path, stranger(scenario))
+    assert len(room.of(m.Refused)) == 5
+    assert room.shown.state == "Handshake"
+
+
+def test_a_recogniser_that_finds_the_name_ends_the_handshake(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        await room.visit(4, identity="V1")
+
+    room = in_room(tmp_path, stranger(scenario))
+    assert room.outcomes[-2:] == ["handshake", "eng2know"]
+    assert room.shown.visitor == "V1"
+
+
+def test_the_robot_asks_repeats_and_learns(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        await answers(room, 1, "My name is Bruno")
+        await answers(room, 2, "Yes!")
+        await asyncio.sleep(2)
+        saves(room)
+
+    room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING))
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said == [
+        ASKING.handshake.ask,
+        "Bruno, is that right?",
+        "Nice to meet you, Bruno!",
+    ]
+    assert "eng2know" in room.outcomes
+    assert stored(tmp_path) == ["Bruno"]
+    assert ("visitor", {"name": "Bruno"}) in room.commands
+
+
+def test_silence_is_asked_again_and_then_left_alone(tmp_path: Path) -> None:
+    """Attempts and time are bounded."""
+
+    async def scenario(room: Room) -> None:
+        await asyncio.sleep(60)
+
+    room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING))
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said == [
+        ASKING.handshake.ask,
+        ASKING.handshake.again,
+        ASKING.handshake.again,
+        ASKING.handshake.give_up,
+    ]
+    assert room.outcomes[-2:] == ["handshake", "eng2unknow"]
+    assert max(shown.attempt for shown in room.of(m.EngagementShown)) == 3
+
+
+def test_what_the_robot_hears_of_itself_is_no_answer(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        await room.hears(1, 0.5)
+        room.session.hub.publish(m.SpeechText(driver="robot", segment=1, text="my name is Robot"))
+        await asyncio.sleep(1)
+
+    room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING), linger=0.1)
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said == [ASKING.handshake.ask]
+
+
+def test_the_stop_silences_the_question_and_its_release_asks_anew(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        await asyncio.sleep(0.5)
+        room.session.stop("key")
+        await asyncio.sleep(10)
+        room.session.release("key")
+        await asyncio.sleep(2)
+        room.tell("visitor", name="Carla")
+        await asyncio.sleep(2)
+
+    room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING), linger=0.1)
+    said = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+    assert said == [ASKING.handshake.ask] * 2 + ["Nice to meet you, Carla!"]
+
+
+def test_a_store_that_cannot_be_read_costs_a_notice_and_no_name(tmp_path: Path) -> None:
+    path = tmp_path / "recordings" / "visitors.json"
+    path.parent.mkdir()
+    path.write_text("{ this is no store")
+
+    async def scenario(room: Room) -> None:
+        room.tell("visitor", name="Anna")
+        await asyncio.sleep(0.3)
+        saves(room)
+        await asyncio.sleep(0.3)
+        assert room.session.values()["visitor"] == "Anna"
+
+    room = in_room(tmp_path, stranger(scenario))
+    notices = [line for line in room.of(m.Notice) if line.text.startswith("visitors: ")]
+    assert notices
+    assert all(notice.remedy for notice in notices)
+    assert path.read_text() == "{ this is no store"
+    assert room.path[-1] == KNOWN
+
+
+def test_the_store_may_lie_elsewhere(tmp_path: Path) -> None:
+    settings = replace(PLAIN, visitors="people/known.json")
+    (tmp_path / "people").mkdir()
+
+    async def scenario(room: Room) -> None:
+        room.tell("visitor", name="Anna")
+        await asyncio.sleep(0.3)
+        saves(room)
+
+    in_room(tmp_path, stranger(scenario), guided(tmp_path, settings))
+    assert "Anna" in json.dumps(json.loads((tmp_path / "people" / "known.json").read_text()))

@@ -328,14 +328,16 @@ def test_signs_that_are_not_used_need_nobody(tmp_path: Path) -> None:
 
 
 def test_two_robots_with_one_sign_each_need_a_choice(tmp_path: Path) -> None:
-    camera = "{drivers: {eye: {type: camera, sees: [gaze]}, voice: {type: voice}}}"
+    camera = "{drivers: {eye: {type: camera, sees: [gaze, loudness]}, voice: {type: voice}}}"
     head = f"title: T\nrobots: {{left: {camera}, right: {camera}}}\n"
     action = "{label: A, mark: x}"
     assert warned(tmp_path, "{signs: [gaze]}", action, head=head) == [
-        "engagement.signs: left.gaze and right.gaze give gaze; say which one counts:"
-        " gaze: {sensor: left.gaze}"
+        "engagement.gaze: left.gaze and right.gaze give gaze; say which one counts:"
+        " gaze: {sensor: left.gaze}",
+        "engagement.sound: left.loudness and right.loudness give loudness; say which one counts:"
+        " sound: {sensor: left.loudness}",
     ]
-    chosen = "{signs: [gaze], gaze: {sensor: right.gaze}}"
+    chosen = "{signs: [gaze], gaze: {sensor: right.gaze}, sound: {sensor: left.loudness}}"
     assert not warned(tmp_path, chosen, action, head=head)
 
 

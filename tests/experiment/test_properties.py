@@ -24,6 +24,7 @@ words = st.sampled_from(
     ["title", "robot", "robots", "simulated", "panels", "actions", "key", "label", "say", "steps",
      "wait", "pose", "poses", "pan", "on", "drivers", "type", "head", "voice", "joints", "script",
      "variables", "conditions", "participants", "pattern", "session", "dead_man", "keyboard", "<<",
+     "engagement", "on_enter", "Wait", "toggle", "sense", "value", "gaze", "force", "{visitor}",
      "emotion", "happy", "set", "lock", "ctrl+3", "1e400", "-0", "0x10", "{a}", "{", "No", "~", ""]
 )  # fmt: skip
 nested = st.recursive(

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
+from woz_tui.core.driver import SPEECH
 from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import Drafted
 from woz_tui.experiment.effects import effect_name
@@ -34,6 +35,7 @@ def check_engagement(
     _sensors(engagement.settings, published, report)
     given = {*published, *_given(drafts), *_asked(robots)}
     _signs(engagement.settings, given, published, report)
+    _choices(engagement.settings, published, report)
 
 
 def _names(engagement: Engagement, drafts: Sequence[Drafted], report: Report) -> None:
@@ -64,15 +66,19 @@ def _verbs(robots: Robots, report: Report) -> None:
 
 
 def _sensors(settings: EngagementSettings, published: list[str], report: Report) -> None:
-    """Sensors that the section names must be there."""
-    named = [(sign, settings.sign(sign).sensor) for sign in SIGNS]
-    if settings.sound.sensor != SoundSettings().sensor:
-        named.append(("sound", settings.sound.sensor))
-    for part, name in named:
-        if name and name not in published:
-            path = f"{SECTION}.{part}.sensor"
+    """Sensors that the section names must be there, and each can give one thing only."""
+    names = {sign: settings.sign(sign).sensor or sign for sign in SIGNS}
+    names["sound"] = settings.sound.sensor
+    default = {**{sign: sign for sign in SIGNS}, "sound": SoundSettings().sensor}
+    for part, name in names.items():
+        path = f"{SECTION}.{part}.sensor"
+        other = next((part for part, used in names.items() if used == name), part)
+        if name != default[part] and name not in published:
             near = report.hint(name, published, or_list="sensors are")
             report.error(report.place(path), path, f"there is no sensor {quoted(name)}{near}")
+        elif other != part and name in published:
+            said = f"{quoted(name)} gives {other} already"
+            report.error(report.place(path), path, said)
 
 
 def _signs(
@@ -80,30 +86,43 @@ def _signs(
 ) -> None:
     """Somebody must give each sign of the condition: a sensor or the wizard."""
     path = f"{SECTION}.signs"
-    place = report.place(path)
-    missing = []
-    for sign in SIGNS:
-        if settings.sign(sign).sensor or sign in published:
-            continue
-        several = [name for name in published if name.endswith(f".{sign}")]
-        if several:
-            report.warning(
-                place,
-                path,
-                f"{' and '.join(several)} give {sign}; say which one counts:"
-                f" {sign}: {{sensor: {several[0]}}}",
-            )
-        elif sign in settings.signs and sign not in given:
-            missing.append(sign)
+    missing = [
+        sign
+        for sign in settings.signs
+        if not settings.sign(sign).sensor and sign not in given and not _several(sign, published)
+    ]
     if missing:
         rest = ", ".join(sign for sign in settings.signs if sign not in missing)
         report.warning(
-            place,
+            report.place(path),
             path,
             f"nobody gives {' and '.join(missing)}, so nobody is ever engaged; let the wizard do it"
             f" with an action such as {{key: ..., label: ..., toggle: {missing[0]}}}"
             + (f", or do without: signs: [{rest}]" if rest else ""),
         )
+
+
+def _choices(settings: EngagementSettings, published: list[str], report: Report) -> None:
+    """Where several robots give the same, one of them must be named."""
+    wanted = {sign: sign for sign in (*settings.signs, "identity")}
+    wanted = {part: name for part, name in wanted.items() if not settings.sign(part).sensor}
+    if SPEECH not in {name.rpartition(".")[2] for name in published}:
+        wanted["sound"] = settings.sound.sensor
+    for part, name in wanted.items():
+        several = _several(name, published)
+        if several and name not in published:
+            path = f"{SECTION}.{part}"
+            report.warning(
+                report.place(path),
+                path,
+                f"{' and '.join(several)} give {name}; say which one counts:"
+                f" {part}: {{sensor: {several[0]}}}",
+            )
+
+
+def _several(name: str, published: list[str]) -> list[str]:
+    """Readings of this name that have a robot's or a driver's name in front."""
+    return [each for each in published if each.endswith(f".{name}")]
 
 
 def _given(drafts: Sequence[Drafted]) -> Iterator[str]:

@@ -36,6 +36,7 @@ LINES: dict[tuple[str, str], tuple[Cell, ...]] = {
     ("PersonDetected", "EngagedWithUnknown"): _across(0, 25, 27),
     ("EngagedWithUnknown", "Handshake"): _across(0, 47, 49),
     ("PersonDetected", "EngagedWithKnown"): ((18, 1),),
+    ("EngagedWithUnknown", "EngagedWithKnown"): ((30, 1),),
     ("Handshake", "EngagedWithKnown"): ((54, 1), *((x, 2) for x in range(54, 32, -1))),
     ("EngagedWithKnown", "RobotSpeaks"): tuple((x, 2) for x in range(14, 12, -1)),
     ("EngagedWithKnown", "UserSpeaks"): ((17, 3),),

@@ -1,0 +1,331 @@
+"""The engagement model among the meters: what is shown, in which order, and in how much room."""
+
+from __future__ import annotations
+
+import itertools
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.console import engaged, scenes
+from woz_tui.console.cells import Row, length
+from woz_tui.console.engagement.bars import distance_bar, queue_bar
+from woz_tui.console.engagement.words import LONG_US, SLOW_US, waiting
+from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.meters import meter_rows
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+
+NOW, SECOND = scenes.NOW, scenes.SECOND
+LOW, MIDDLE, HIGH = Frame(39, 6, NOW), Frame(50, 11, NOW), Frame(50, 30, NOW)
+
+
+def pictured(*messages: m.AnyMessage) -> Picture:
+    picture = Picture()
+    picture.take([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
+    return picture
+
+
+def text(rows: list[Row]) -> str:
+    return "\n".join("".join(piece for piece, _ in row) for row in rows)
+
+
+def meters(*messages: m.AnyMessage, frame: Frame = HIGH) -> str:
+    return text(meter_rows(pictured(*messages), frame))
+
+
+def looks(*messages: m.AnyMessage, frame: Frame = HIGH) -> dict[str, str]:
+    """Each piece's look, by its text without blanks."""
+    rows = meter_rows(pictured(*messages), frame)
+    return {piece.strip(): look for row in rows for piece, look in row}
+
+
+def sign(**other: object) -> m.SignShown:
+    found = engaged.signs()["gaze"]
+    return msgspec.structs.replace(found, **other)
+
+
+# -- what and where ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("frame", [LOW, MIDDLE, HIGH], ids=["6", "11", "30"])
+def test_the_state_stands_first_and_the_order_is_fixed(frame: Frame) -> None:
+    shown = meters(engaged.waits(), *scenes.sensors(), frame=frame).splitlines()
+    assert shown[0].startswith(" ● RobotThinks 00:03  v12")
+    assert "visitor waits 3.2 s" in shown[1]
+    wanted = ("RobotThinks", "waits", "person", "near", "0.84 m personal", "loudness")
+    places = [next(y for y, line in enumerate(shown) if word in line) for word in wanted]
+    assert places == sorted(places)
+
+
+def test_nothing_moves_when_the_visitor_goes() -> None:
+    gone = engaged.shown(
+        "Wait",
+        visitor="",
+        engaged=False,
+        trail=["Wait"],
+        signs={
+            name: msgspec.structs.replace(found, verdict=0, count=0, name="")
+            for name, found in engaged.signs().items()
+        },
+    )
+    for frame in (LOW, MIDDLE, HIGH):
+        here = meters(engaged.waits(), *scenes.sensors(), frame=frame).splitlines()
+        away = meters(gone, *scenes.sensors(), frame=frame).splitlines()
+        assert len(here) == len(away)
+        assert away[0].startswith(" ○ Wait")
+        for word in ("person", "near", "distance", "loudness"):
+            assert [word in line for line in here] == [word in line for line in away]
+
+
+def test_a_high_screen_has_a_row_for_everything() -> None:
+    rows = [engaged.waits(), *engaged.way(), *engaged.talk(), *scenes.sensors()]
+    names = [line.split()[0] for line in meters(*rows).splitlines()]
+    signs = ["person", "looks", "near", "who?"]
+    block = ["●", "now", "path", "why", *signs, "distance", "loudness", "heard"]
+    assert names[: len(block)] == block
+    shown = meters(*rows)
+    assert "Handshake → Known → User → Thinks" in shown
+    assert "speech has ended" in shown
+    assert "2 s ago “where is the roman glass”" in shown
+    assert "● yes 5 of 8" in shown
+    assert "● v12 9 of 10" in shown
+
+
+def test_a_session_without_a_model_shows_what_it_always_did() -> None:
+    shown = meters(*scenes.sensors())
+    assert [line.split()[0] for line in shown.splitlines()][:3] == [
+        "distance",
+        "loudness",
+        "visitor",
+    ]
+
+
+def test_several_robots_keep_a_ruler_each_beside_the_models_own() -> None:
+    shown = meters(
+        engaged.shown(),
+        scenes.reading(NOW, "left.distance", 0.3),
+        scenes.reading(NOW, "right.distance", 2.0),
+    )
+    assert "0.84 m personal" in shown
+    assert "0.30 m intimate" in shown
+    assert "2.00 m social" in shown
+
+
+# -- waiting, speaking, hearing ----------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("seconds", "glyph", "look"),
+    [(0.0, "waits", "plain"), (1.9, "waits", "plain"), (2.0, "warning", "warn"),
+     (4.9, "warning", "warn"), (5.0, "error", "bad"), (400.0, "error", "bad")],
+)  # fmt: skip
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+def test_a_wait_grows_louder_with_a_sign(
+    seconds: float, glyph: str, look: str, glyphs: Glyphs
+) -> None:
+    picture = pictured(engaged.waits(seconds))
+    found = waiting(picture.engaged, NOW, glyphs)
+    assert found is not None
+    assert found[0].startswith(str(getattr(glyphs, glyph)))
+    assert found[1] == look
+    assert SLOW_US < LONG_US
+    assert len({glyphs.waits, glyphs.warning, glyphs.error}) == 3
+
+
+def test_the_wait_goes_on_between_messages() -> None:
+    picture = pictured(engaged.waits(1.0))
+    for later, wanted in ((0, "1.0 s"), (700_000, "1.7 s"), (9_000_000, "10.0 s")):
+        rows = meter_rows(picture, Frame(50, 30, NOW + later))
+        assert f"visitor waits {wanted}" in text(rows)
+    assert picture.moves(NOW)
+    assert not pictured(engaged.shown()).moves(NOW)
+
+
+def test_what_was_heard_stands_beside_the_wait_where_room_is_short() -> None:
+    shown = meters(engaged.waits(), *engaged.talk(), frame=LOW).splitlines()
+    assert shown[1].startswith(" ▲ waits 3.2 s  “where is the roman")
+
+
+def test_an_open_segment_is_timed_beside_the_level() -> None:
+    shown = meters(engaged.shown("UserSpeaks"), engaged.speaks(), *scenes.sensors())
+    assert "-31 dB ● 3.1 s" in shown
+    ended = m.SpeechEnded(driver="microphone", segment=9, began=NOW - 9, ended=NOW, t=NOW)
+    assert "● 3.1 s" not in meters(engaged.shown(), engaged.speaks(), ended, *scenes.sensors())
+
+
+def test_without_a_level_the_speech_is_told_by_itself() -> None:
+    assert "speech 3.1 s" in meters(engaged.shown("UserSpeaks"), engaged.speaks())
+
+
+def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
+    lost = m.DriverLost(driver="microphone", detail="unplugged", t=NOW)
+    picture = Picture()
+    picture.take([scenes.welcome(state=[engaged.shown()]), engaged.speaks(), lost], 0)
+    assert picture.engaged.speaking(NOW) is None
+    assert not picture.moves(NOW)
+
+
+# -- honest --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("frame", [LOW, HIGH], ids=["low", "high"])
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+def test_yes_no_none_stale_and_by_hand_are_told_apart_without_colour(
+    frame: Frame, glyphs: Glyphs
+) -> None:
+    frame = Frame(frame.width, frame.height, NOW, glyphs)
+    states = [
+        sign(),
+        sign(verdict=0, count=2),
+        sign(verdict=None, count=2),
+        sign(stale=True, verdict=0, count=0),
+        sign(stale=True, verdict=0, count=0, raw=None),
+        sign(forced=True, count=0),
+        sign(forced=True, verdict=0, count=0),
+    ]
+    seen = [meters(engaged.shown(signs={"gaze": one}), frame=frame) for one in states]
+    for first, second in itertools.combinations(seen, 2):
+        assert first != second
+    assert "by hand" in seen[5] or "hand" in seen[5]
+    assert "stale" in seen[3]
+    assert "no sensor" in seen[4]
+
+
+def test_a_stale_distance_looks_old() -> None:
+    far = msgspec.structs.replace(engaged.signs()["distance"], stale=True, verdict=0)
+    found = looks(engaged.shown(signs=engaged.signs(distance=far)))
+    assert found["~ 0.84 m stale"] == "stale"
+
+
+def test_a_sign_outside_the_condition_says_so() -> None:
+    assert "not used" in meters(engaged.shown(uses=["presence", "distance"]))
+
+
+def test_a_lost_robot_process_leaves_no_verdict_and_no_clock() -> None:
+    picture = pictured(engaged.waits())
+    picture.lose("gone")
+    shown = text(meter_rows(picture, HIGH))
+    assert shown.startswith(" ~ RobotThinks")
+    assert "waits" not in shown
+    assert "● yes" not in shown
+    assert not picture.moves(NOW)
+
+
+def test_held_tells_where_it_would_go_and_off_that_it_is() -> None:
+    held = engaged.shown("EngagedWithUnknown", run="hold", next="Handshake")
+    assert "■ held: would go to Handshake" in meters(held)
+    assert "■ held → Handshake" in meters(held, frame=LOW)
+    assert "■ held" in meters(engaged.shown(run="hold"), frame=LOW)
+    assert "■ off" in meters(engaged.shown(run="off"))
+    assert "held" not in meters(engaged.shown())
+
+
+def test_a_forced_change_is_marked_beside_its_reason() -> None:
+    change = engaged.changed("Wait", "Handshake", "forced", "by the wizard", 1.0, forced=True)
+    assert "✎ by the wizard" in meters(engaged.shown(), change)
+    assert "= by the wizard" in text(
+        meter_rows(pictured(engaged.shown(), change), Frame(50, 30, NOW, ASCII))
+    )
+
+
+def test_only_an_unusual_attention_is_told() -> None:
+    assert "SemiEngaged" not in meters(engaged.shown())
+    assert "FullyEngaged" in meters(engaged.shown(attention="FullyEngaged"))
+
+
+def test_the_attempts_of_a_handshake_are_counted() -> None:
+    assert "Handshake 00:12 attempt 2" in meters(engaged.shown("Handshake", attempt=2))
+
+
+# -- bars -----------------------------------------------------------------------------------------
+
+
+@given(
+    st.integers(-5, 1200),
+    st.integers(-5, 1200),
+    st.integers(-5, 1200),
+    st.integers(0, 60),
+    st.sampled_from([UNICODE, ASCII]),
+)
+def test_a_queues_bar_keeps_its_width_and_reaches_its_tick_only_when_enough(
+    count: int, needed: int, places: int, width: int, glyphs: Glyphs
+) -> None:
+    shown = m.SignShown(count=count, needed=needed, places=places)
+    row = queue_bar(shown, width, glyphs)
+    assert length(row) == width
+    told = "".join(piece for piece, _ in row)
+    if width < 3 or places <= 0:
+        assert glyphs.tick not in told
+        return
+    before, after = told.split(glyphs.tick)
+    needed, count = min(places, max(0, needed)), min(places, max(0, count))
+    assert (glyphs.track not in before) is (count >= needed)
+    if glyphs.bar in after:
+        assert count > needed
+
+
+@pytest.mark.parametrize("places", range(1, 9))
+def test_a_short_queue_has_a_cell_for_every_place(places: int) -> None:
+    for needed, count in itertools.product(range(places + 1), repeat=2):
+        row = queue_bar(m.SignShown(count=count, needed=needed, places=places), 9, UNICODE)
+        told = "".join(piece for piece, _ in row)
+        each = 8 // places
+        if 0 < needed < places or count >= needed:
+            assert told.count("━") == count * each, (needed, count, told)
+
+
+@given(
+    st.one_of(st.none(), st.floats()),
+    st.floats(),
+    st.integers(1, 60),
+    st.booleans(),
+)
+def test_a_distance_bar_keeps_its_width(
+    metres: float | None, social: float, width: int, stale: bool
+) -> None:
+    limits = (0.45, 1.2, 3.6)
+    row = distance_bar(metres, social, width, UNICODE, limits=limits, farthest=4.8, stale=stale)
+    assert length(row) == width
+
+
+def test_the_line_is_solid_as_far_as_the_robot_talks() -> None:
+    def solid(social: float) -> int:
+        row = distance_bar(None, social, 40, UNICODE, limits=(), farthest=4.8)
+        return "".join(piece for piece, _ in row).count("─")
+
+    assert solid(0.5) < solid(1.3) < solid(3.0) < solid(9.0) == 40
+
+
+# -- any text, any room -------------------------------------------------------------------------
+
+NASTY = [
+    "\x1b[31mred",
+    "日本語の名前です",
+    "e\u0301e\u0301",
+    "\u202eevil",
+    "x" * 300,
+    "a\nb\tc",
+    "👍🏽",
+]
+
+
+@pytest.mark.parametrize("nasty", NASTY)
+@pytest.mark.parametrize("width", [30, 39, 50, 60, 80, 100, 160])
+@pytest.mark.parametrize("height", [3, 6, 11, 30])
+def test_hostile_texts_are_clean_and_keep_to_the_frame(nasty: str, width: int, height: int) -> None:
+    found = engaged.signs()
+    identity = msgspec.structs.replace(found["identity"], name=nasty, raw_name=nasty)
+    messages = [
+        engaged.waits(visitor=nasty, signs={**found, "identity": identity}, trail=[nasty] * 9),
+        engaged.changed(nasty, nasty, nasty, nasty, 1.0, forced=True),
+        m.SpeechText(driver=nasty, segment=1, text=nasty, t=NOW),
+        *scenes.sensors(),
+    ]
+    rows = meter_rows(pictured(*messages), Frame(width, height, NOW))
+    assert len(rows) <= height
+    for row in rows:
+        assert length(row) == width
+        assert not any(ord(letter) < 32 or letter == "\u202e" for letter in text([row]))

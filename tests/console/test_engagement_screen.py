@@ -1,0 +1,371 @@
+"""The whole model in one picture, and what the keys do while it is shown."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from textual.events import Key
+
+from tests.console import engaged, scenes
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.cells import Row, length
+from woz_tui.console.engagement.diagram import HEIGHT, LINES, PLACES, WIDTH, diagram, line_of
+from woz_tui.console.engagement.hand import KEYS, ORDERS
+from woz_tui.console.engagement.whole import whole_rows
+from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
+from woz_tui.console.look import Look
+from woz_tui.console.picture import Picture
+from woz_tui.console.screens.engagement import EngagementDialog
+from woz_tui.console.screens.orders import ForceDialog, IdentityDialog, VisitorDialog
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.experiment.engagement import STATES
+from woz_tui.sensing.machine import EDGES, State
+
+NOW = scenes.NOW
+WHOLE = Frame(96, 28, NOW)
+HAND = ("equals_sign", "tab")
+
+
+def text(rows: list[Row]) -> str:
+    return "\n".join("".join(piece for piece, _ in row) for row in rows)
+
+
+def drawn(*state: m.AnyMessage, frame: Frame = WHOLE, **more: object) -> str:
+    picture = Picture()
+    settings = engaged.told(**more)
+    picture.take([engaged.welcome(*state, settings=settings)], 0)
+    assert picture.engaged.shown is not None
+    rows = whole_rows(picture, picture.engaged.shown, frame)
+    assert len(rows) <= frame.height
+    assert {length(row) for row in rows} == {frame.width}
+    return text(rows)
+
+
+def verbs(seat: Sitting) -> list[tuple[str, dict[str, m.Json]]]:
+    """What was asked of the model."""
+    found = [asked for asked in seat.feed.asked if isinstance(asked, r.AskVerb)]
+    assert all(asked.on == "engagement" for asked in found)
+    return [(asked.verb, asked.args) for asked in found]
+
+
+def played(seat: Sitting) -> list[str]:
+    return [asked.action for asked in seat.feed.asked if isinstance(asked, r.AskAction)]
+
+
+# -- the picture ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+def test_every_edge_of_the_table_has_a_line(glyphs: Glyphs) -> None:
+    assert set(PLACES) == set(STATES)
+    pairs = {frozenset(pair) for pair in LINES}
+    edges = {
+        frozenset((edge.source.value, edge.target.value))
+        for edge in EDGES
+        if edge.target is not State.STOP
+    }
+    assert pairs == edges
+    for edge in EDGES:
+        if edge.target is not State.STOP:
+            rows = diagram(edge.target, [(edge.source, edge.target)], glyphs)
+            assert (len(rows), {length(row) for row in rows}) == (HEIGHT, {WIDTH})
+            assert f"[{edge.target}]" in text(rows)
+            taken = sum(len(piece) for row in rows for piece, look in row if look == "run")
+            assert taken == len(line_of(edge.source, edge.target)) > 0
+            for state in set(STATES) - {edge.target.value}:
+                assert f" {state} " in f" {text(rows)} ".replace("\n", " ").replace("─", " ")
+
+
+def test_the_last_edge_has_an_arrow_to_where_it_went() -> None:
+    there = text(diagram("RobotThinks", [("UserSpeaks", "RobotThinks")], UNICODE))
+    assert "UserSpeaks ━━→[RobotThinks]" in there
+    up = text(diagram("EngagedWithKnown", [("UserSpeaks", "EngagedWithKnown")], UNICODE))
+    assert "↑" in up
+    down = text(diagram("UserSpeaks", [("EngagedWithKnown", "UserSpeaks")], ASCII))
+    assert "v" in down.splitlines()[3]
+
+
+def test_a_state_that_nobody_knows_is_drawn_without_a_place() -> None:
+    rows = diagram("Dancing", [("Dancing", "Wait"), ("a", "b")], UNICODE)
+    assert "[" not in text(rows)
+
+
+def test_everything_is_in_the_picture() -> None:
+    gaze = m.SignShown(raw=0.0, verdict=0, count=2, needed=4, places=8, filter="fifo")
+    shown = drawn(
+        engaged.waits(signs=engaged.signs(gaze=gaze), engaged=False),
+        m.VisitorChanged(visitor="v12", what="learnt", about={"age_group": "adult"}, t=NOW),
+        thinking=10.0,
+    )
+    for part in (
+        "○ RobotThinks  00:03",
+        "visitor v12 (adult)  attention SemiEngaged",
+        "▲ visitor waits 3.2 s   3 of 10 s to answer",
+        "presence  yes             fifo",
+        "distance  0.84 m personal median",
+        "○ no      2 of 8, needs 4",
+        "● v12     9 of 10, needs 5",
+        "not engaged: presence yes AND gaze no (2 of 8, needs 4) AND near yes   near: up to 1.30 m",
+        "12:29 “where is the roman glass”",
+        "12:27   RobotThinks        done           speech has ended",
+        "12:00 ✎ EngagedWithKnown   eng2know       introduced",
+    ):
+        assert part in shown, part
+
+
+@pytest.mark.parametrize(
+    ("width", "height"), [(56, 14), (76, 19), (96, 28), (108, 28), (30, 8), (160, 50)]
+)
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+def test_every_room_has_the_state_the_signs_and_the_condition(
+    width: int, height: int, glyphs: Glyphs
+) -> None:
+    shown = drawn(frame=Frame(width, height, NOW, glyphs))
+    for part in ("RobotThinks", "presence", "gaze"):
+        assert part in shown
+    assert "engaged: presence yes" in shown or height < 10
+
+
+def test_limits_are_told_where_the_host_tells_them() -> None:
+    assert "12 of 60 s to speak" in drawn(engaged.shown("UserSpeaks"))
+    assert "12 of 60 s for the handshake" in drawn(engaged.shown("Handshake"))
+    assert " s to answer" not in drawn(thinking=None)
+    assert " s to answer" not in drawn(thinking="soon")
+    picture = Picture()
+    picture.take([engaged.welcome(settings={"engagement": "odd"})], 0)
+    assert picture.engaged.shown is not None
+    assert " of " in text(whole_rows(picture, picture.engaged.shown, Frame(96, 28, NOW)))
+
+
+def test_by_hand_and_stale_are_said_in_words() -> None:
+    found = engaged.signs()
+    hand = msgspec.structs.replace(found["presence"], raw=None, forced=True)
+    old = msgspec.structs.replace(found["distance"], stale=True, verdict=0)
+    shown = drawn(engaged.shown(signs={**found, "presence": hand, "distance": old}))
+    assert "✎ by hand" in shown
+    assert "~ stale" in shown
+    assert "near stale" in shown
+
+
+def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
+    picture = Picture()
+    picture.take([engaged.welcome(settings=engaged.told())], 0)
+    kept = r.PanelsChanged(
+        title="t", panels=[], script=[], verbs={}, conditions=[], keyboard="us",
+        engagement={"timeouts": {}},
+    )  # fmt: skip
+    picture.take([kept], 0)
+    assert picture.engaged.shown is not None
+    picture.take([msgspec.structs.replace(kept, engagement={})], 0)
+    assert picture.engaged.shown is None
+
+
+# -- keys -----------------------------------------------------------------------------------------
+
+
+async def test_keys_play_until_tab_takes_the_model_into_the_hand() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.press("equals_sign")
+        assert isinstance(seat.console.dialog, EngagementDialog)
+        assert "Keys play the robot." in seat.drawn()
+        await seat.press("g", "1")
+        assert played(seat) == ["Coin hoard", "Nod"]
+        assert verbs(seat) == []
+        await seat.press("tab", "g", "1", "space")
+        assert verbs(seat) == [("toggle", {"sign": "gaze"})]
+        assert played(seat) == ["Coin hoard", "Nod", "Nod"], "other keys play on"
+        assert any(isinstance(asked, r.AskScript) for asked in seat.feed.asked)
+        assert "YOUR HAND" in seat.drawn()
+        assert "not played meanwhile: p Pause, g Coin hoard" in seat.drawn()
+        await seat.press("tab", "g")
+        assert played(seat)[-1] == "Coin hoard"
+        assert len(verbs(seat)) == 1
+
+
+async def test_the_reading_thread_leaves_the_hands_keys_to_the_screen() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        keyboard = seat.console.keyboard
+        await seat.press(*HAND)
+        assert not keyboard.arrive("g")
+        assert keyboard.arrive("1")
+        handled = keyboard.leave_to_screen("f")
+        assert not keyboard.arrive("1"), "it may belong into the dialog that f opens"
+        handled()
+        assert keyboard.arrive("1")
+        await seat.press("tab")
+        assert keyboard.arrive("g")
+        assert verbs(seat) == []
+
+
+async def test_a_key_right_behind_tab_is_the_hands() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.press("equals_sign")
+        handled = seat.console.keyboard.leave_to_screen("tab")
+        assert not seat.console.keyboard.arrive("g"), "the screen has not seen tab yet"
+        handled()
+
+
+async def test_a_stale_key_of_the_hand_does_nothing() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.press(*HAND)
+        assert seat.console.keyboard.arrive("p", stale=True)
+        await seat.settle()
+        assert verbs(seat) == []
+        assert "not played, the line had stalled: p" in seat.text("StopBar")
+
+
+ASKED: dict[str, tuple[str, dict[str, m.Json]]] = {
+    "p": ("toggle", {"sign": "presence"}),
+    "g": ("toggle", {"sign": "gaze"}),
+    "d": ("toggle", {"sign": "distance"}),
+    "s": ("sense", {"sign": "all", "value": "sensor"}),
+    "h": ("engagement", {"run": "hold"}),
+    "n": ("engagement", {"run": "step"}),
+    "o": ("engagement", {"run": "off"}),
+    "k": ("handshake", {"what": "ok"}),
+    "x": ("handshake", {"what": "fail"}),
+}
+
+
+async def test_each_key_of_the_hand_asks_the_model() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.press(*HAND, *ASKED)
+        assert verbs(seat) == list(ASKED.values())
+        asked = seat.feed.last(r.AskVerb)
+        assert isinstance(asked, r.AskVerb)
+        assert (asked.source, asked.key) == ("key", "x")
+        assert {order.key for order in ORDERS} == KEYS == {*ASKED, "i", "f", "v"}
+
+
+async def test_hold_and_off_are_their_own_way_back() -> None:
+    for run, key in (("hold", "h"), ("off", "o")):
+        async with sitting(engaged.welcome(engaged.shown(run=run))) as seat:
+            await seat.press(*HAND, key)
+            assert verbs(seat) == [("engagement", {"run": "run"})]
+
+
+async def test_a_state_is_forced_from_the_list() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.press(*HAND, "f")
+        assert isinstance(seat.console.dialog, ForceDialog)
+        assert "done             → RobotReplies" in seat.drawn()
+        await seat.press("down", "enter", "f", "down", "down", "enter")
+        assert verbs(seat) == [("force", {"to": "error"}), ("force", {"to": "Wait"})]
+        assert isinstance(seat.console.dialog, EngagementDialog)
+
+
+async def test_an_outcome_becomes_its_state_if_the_model_has_moved_on() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.press(*HAND, "f")
+        await seat.tell(engaged.shown("EngagedWithKnown"))
+        await seat.press("enter")
+        assert verbs(seat) == [("force", {"to": "RobotReplies"})]
+
+
+async def test_an_identity_is_typed() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.tell(m.VisitorChanged(visitor="v7", what="learnt", t=NOW))
+        await seat.press(*HAND, "i")
+        assert isinstance(seat.console.dialog, IdentityDialog)
+        assert "known: v7" in seat.drawn()
+        await seat.type("v9")
+        await seat.press("enter", "i", "enter")
+        assert verbs(seat) == [
+            ("sense", {"sign": "identity", "value": "v9"}),
+            ("sense", {"sign": "identity", "value": "Unknown"}),
+        ]
+
+
+@pytest.mark.parametrize("size", [(60, 20), (80, 24)])
+async def test_a_visitor_is_named(size: tuple[int, int]) -> None:
+    async with sitting(engaged.welcome(engaged.shown(visitor="")), size=size) as seat:
+        await seat.press(*HAND, "v")
+        dialog = seat.console.dialog
+        assert isinstance(dialog, VisitorDialog)
+        assert dialog.query_one(".dialog").region.bottom <= size[1]
+        await seat.press("enter")
+        assert "A visitor needs a code." in seat.drawn() or size == (60, 20)
+        await seat.type("v31")
+        await seat.press("tab")
+        await seat.type("child")
+        await seat.press("enter")
+        assert verbs(seat) == [("visitor", {"name": "v31", "age_group": "child"})]
+        assert isinstance(seat.console.dialog, EngagementDialog)
+
+
+async def test_a_name_that_is_taken_keeps_the_dialog_open_with_the_reason() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        seat.feed.answers[r.AskVerb] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason="v12 is somebody else", hint="take another code"
+        )
+        await seat.press(*HAND, "v", "enter")
+        assert isinstance(seat.console.dialog, VisitorDialog)
+        assert "v12 is somebody else take another code" in seat.drawn()
+
+
+async def test_a_handshake_without_a_name_asks_for_one() -> None:
+    nobody = m.SignShown(raw_name="Unknown", name="Unknown", places=10)
+    state = engaged.shown("Handshake", visitor="", signs=engaged.signs(identity=nobody))
+    async with sitting(engaged.welcome(state)) as seat:
+        await seat.press(*HAND, "k")
+        assert isinstance(seat.console.dialog, VisitorDialog)
+        assert verbs(seat) == []
+
+
+@pytest.mark.parametrize("keys", [(), ("tab",), ("tab", "f"), ("tab", "v"), ("tab", "i")])
+async def test_the_stop_reaches_the_robot_and_closes_everything(keys: tuple[str, ...]) -> None:
+    async with sitting(engaged.welcome()) as seat:
+        await seat.press("equals_sign", *keys, "escape")
+        await seat.until(lambda: seat.console.dialog is None)
+        assert seat.feed.last(r.AskStop) is not None
+        assert seat.console.keyboard.kept == frozenset()
+        await seat.press("g")
+        assert played(seat) == ["Coin hoard"]
+
+
+async def test_the_hand_lets_go_when_the_screen_is_closed() -> None:
+    async with sitting(engaged.welcome()) as seat:
+        for closing in ("ctrl+q", "equals_sign", "semicolon"):
+            await seat.press(*HAND, closing)
+            assert seat.console.keyboard.kept <= {"tab", "shift+tab"}
+            assert not isinstance(seat.console.dialog, EngagementDialog)
+        await seat.press("ctrl+q", "equals_sign", "p")
+        assert played(seat) == ["Pause"], "opened again it plays"
+
+
+async def test_without_a_model_it_says_how_a_session_gets_one() -> None:
+    async with sitting() as seat:
+        await seat.press(*HAND, "g")
+        assert "no engagement model" in seat.drawn()
+        assert "engagement: {}" in seat.drawn()
+        assert played(seat) == ["Coin hoard"], "there is nothing to take into the hand"
+
+
+async def test_the_time_in_the_state_goes_on_while_it_is_open() -> None:
+    async with sitting(engaged.welcome(engaged.shown())) as seat:
+        await seat.press("equals_sign")
+        assert "RobotThinks  00:12" in seat.drawn()
+        await seat.pass_time(5)
+        assert "RobotThinks  00:17" in seat.drawn()
+
+
+@pytest.mark.parametrize("size", [(60, 20), (80, 24), (100, 36), (160, 50)])
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+async def test_it_fits_every_screen_with_hostile_names(
+    size: tuple[int, int], glyphs: Glyphs, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    nasty = "\x1b[2J日本\u202e" + "x" * 200
+    found = msgspec.structs.replace(engaged.signs()["identity"], name=nasty, raw_name=nasty)
+    state = engaged.waits(visitor=nasty, signs=engaged.signs(identity=found), attention=nasty)
+    first = engaged.welcome(state, engaged.changed("Wait", nasty, nasty, nasty, 1.0))
+    async with sitting(first, size=size, look=Look(glyphs, "woz-16")) as seat:
+        await seat.press(*HAND)
+        shown = seat.drawn()
+        assert "\x1b" not in shown
+        assert "\u202e" not in shown
+        assert "RobotThinks" in shown
+        assert "presence" in shown
+        seat.console.post_message(Key("escape", "\x1b"))
+        await seat.until(lambda: seat.console.dialog is None)

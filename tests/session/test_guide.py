@@ -8,7 +8,10 @@ import pytest
 
 from docs import guide_session
 from woz_tui.core import messages as m
+from woz_tui.experiment.decode import load
+from woz_tui.plugins import installed
 from woz_tui.sensing.machine import EDGES
+from woz_tui.sensing.stream import Follower
 
 TEN_MINUTES = 600.0
 
@@ -62,3 +65,26 @@ def test_every_signal_comes_within_a_third_of_a_second(twice: list[list[m.AnyMes
             )
     beeps = [t for (verb, t) in sent if verb == "sound"]
     assert beeps == [each.t for each in changes(twice[0]) if each.now == "RobotThinks"]
+
+
+def test_strangers_are_introduced_and_known_when_they_come_again(
+    twice: list[list[m.AnyMessage]],
+) -> None:
+    known = [each for each in twice[0] if isinstance(each, m.VisitorChanged)]
+    learnt = [each.visitor for each in known if each.what == "learnt"]
+    assert learnt
+    assert len(set(learnt)) == len(learnt)
+    first = next(each for each in known if each.what == "learnt")
+    assert any(
+        each.visitor == first.visitor and each.what == "met" and each.t > first.t for each in known
+    )
+
+
+def test_whoever_reads_the_log_comes_to_the_same(twice: list[list[m.AnyMessage]]) -> None:
+    experiment = load(guide_session.GUIDE, installed())
+    assert experiment.engagement is not None
+    follower = Follower(experiment.engagement.settings)
+    found = [change for message in twice[0] for change in follower.take(message)]
+    assert [(each.t, each.was, each.now, each.outcome, each.why) for each in found] == [
+        (each.t, each.was, each.now, each.outcome, each.why) for each in changes(twice[0])
+    ]

@@ -33,6 +33,10 @@ class Answer:
     why: str = ""
 
 
+_YES = Answer(yes=True)
+_AMBIGUOUS = Answer(why="both yes and no")
+
+
 @dataclass(frozen=True, slots=True)
 class _Word:
     """A word as it was said, how it is compared, and whether a clause ends with it."""
@@ -82,25 +86,32 @@ class Answers:
 
     def _about(self, words: _Words, asked: str) -> Answer:
         """The answer to whether `asked` is right."""
-        rest = self._led(words)
+        if self._is_yes(words):
+            return _YES
         introduced = self._introduced(words)
         if introduced and key_of(introduced) != key_of(asked):
             return Answer(name=introduced, no=True)
         without = _without(words, asked)
         yes, no = self._agrees(without), self._denies(without)
-        if yes and no:
-            return Answer(why="both yes and no")
         if yes:
-            return Answer(yes=True)
+            return _AMBIGUOUS if no else _YES
         if no:
-            left = [word for word in _without(rest, asked) if word.key not in self._denials]
-            return Answer(name=self._name(self._led(left)), no=True)
-        name = self._name(rest)
-        if name and key_of(name) == key_of(asked):
-            return Answer(yes=True)
-        return Answer(name=name)
+            return self._instead(words, asked)
+        name = self._name(self._led(words))
+        return _YES if name and key_of(name) == key_of(asked) else Answer(name=name)
+
+    def _instead(self, words: _Words, asked: str) -> Answer:
+        """A no, and the name that comes with it, if any: `no, not Anna, Bob`."""
+        rest = _without(self._led(words), asked)
+        left = [word for word in rest if word.key not in self._denials]
+        return Answer(name=self._name(self._led(left)), no=True)
 
     # -- yes and no -----------------------------------------------------------------------------
+
+    def _is_yes(self, words: _Words) -> bool:
+        """Whether it is a yes and nothing else."""
+        led = self._led(words, self._fillers)
+        return 0 < _leading(led, self._yes) == len(led)
 
     def _agrees(self, words: _Words) -> bool:
         """A yes in front, or one somewhere in a short answer that denies nothing."""
@@ -128,7 +139,7 @@ class Answers:
         for start in range(len(words)):
             here = words[start:]
             if length := _leading(here, self._before):
-                name = self._spoken(self._led(here[length:]), set())
+                name = self._spoken(self._led(here[length:], self._fillers), set())
             elif length := _leading(here, self._copulas if start else self._starting):
                 name = self._spoken(self._led(here[length:]), self._never)
             else:
@@ -148,25 +159,23 @@ class Answers:
     def _bare(self, words: _Words) -> str:
         """The name and nothing else, as one clause of what was said."""
         for clause in _clauses(words):
-            name = self._spoken(self._led(clause), self._never, whole=True)
+            name = self._spoken(self._led(clause), self._never)
             if name:
                 return name
         return ""
 
-    def _spoken(self, words: _Words, never: set[str], *, whole: bool = False) -> str:
-        """The words in front that are a name. `whole`: there is nothing else but an end."""
+    def _spoken(self, words: _Words, never: set[str]) -> str:
+        """The words in front, up to an end; empty if they are no name."""
         name: list[str] = []
         for word in words:
-            if word.key in self._ends and (name or not whole):
+            if word.key in self._ends:
                 break
             if word.key in self._denials or word.key in never:
                 return ""
             name.append(word.text)
             if word.last:
                 break
-        if not name or len(name) > WORDS or name == [""]:
-            return ""
-        return _written(" ".join(name))
+        return _written(" ".join(name)) if len(name) <= WORDS else ""
 
 
 def _phrases(*tables: Iterable[str]) -> list[_Phrase]:

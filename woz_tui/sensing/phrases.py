@@ -104,7 +104,7 @@ LANGUAGES: dict[str, Phrases] = {
             *("ich", "du", "sie", "es", "wir", "mich", "mir", "mein", "dein", "ist", "bin"),
             *("bist", "sind", "hat", "habe", "das", "der", "die", "was", "wie", "wer", "warum"),
             *("bitte", "danke", "nochmal", "verstehe", "jahre", "ein", "eine", "hier", "gut"),
-            *("auch", "hallo", "moment", "anders"),
+            *("auch", "hallo", "moment", "anders", "müde"),
         ),
         ends=("und", "aber", "aus", "danke", "bitte", "wie", "wer"),
         declines=("das sage ich nicht", "möchte ich nicht", "will ich nicht", "das geht dich"),
@@ -126,7 +126,7 @@ LANGUAGES: dict[str, Phrases] = {
             *("che", "cosa", "come", "chi", "perché", "nome", "grazie", "prego", "capito", "anni"),
             *("ciao", "stanco", "stanca"),
         ),
-        ends=("e", "ma", "grazie", "piacere", "tu", "vengo"),
+        ends=("e", "ma", "grazie", "piacere", "vengo"),
         declines=("non voglio", "preferisco di no", "non lo dico", "preferirei di no"),
     ),
     "fr": Phrases(

@@ -1,0 +1,280 @@
+"""The handshake led by the robot: what it says, learns, gives up, and how it is bounded."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from woz_tui.experiment.engagement import HandshakeSettings
+from woz_tui.sensing.handshake import Done, Failed, Handshake, Learn, Order, Say, Stage
+from woz_tui.sensing.names import key_of, name_of
+
+SECOND = 1_000_000
+SETTINGS = HandshakeSettings(
+    by="robot", attempts=3, seconds=60.0, silence=8.0,
+    ask="Who?", again="Again?", confirm="{name}?", taken="The {name} I know?", another="Other?",
+    welcome="Hello {name}!", give_up="Bye.",
+)  # fmt: skip
+
+
+class Visit:
+    """A handshake, one second after the other. `say` answers with what the robot says or does."""
+
+    def __init__(self, settings: HandshakeSettings = SETTINGS, known: tuple[str, ...] = ()) -> None:
+        self.t = 0
+        self.known = {key_of(name) for name in known}
+        self.handshake = Handshake(settings, lambda name: key_of(name) in self.known)
+        self.first = self._after(self.handshake.begin(0))
+
+    def say(self, text: str) -> Order | None:
+        self.t += SECOND
+        self.handshake.speaks(self.t)
+        self.t += SECOND
+        self.handshake.spoke(self.t)
+        return self._after(self.handshake.heard(text, self.t))
+
+    def wait(self) -> Order | None:
+        """Until the handshake has something to do by itself."""
+        due = self.handshake.due()
+        assert due is not None and due >= self.t
+        self.t = due
+        return self._after(self.handshake.advance(self.t))
+
+    def learnt(self, ok: bool = True, why: str = "") -> Order | None:
+        return self._after(self.handshake.learnt(ok, self.t, why))
+
+    def _after(self, order: Order | None) -> Order | None:
+        if isinstance(order, Say):
+            self.t += SECOND
+            self.handshake.said(self.t)
+        return order
+
+
+def said(order: Order | None) -> str:
+    assert isinstance(order, Say)
+    assert order.why
+    return order.text
+
+
+def test_a_name_is_asked_for_repeated_confirmed_and_learnt() -> None:
+    visit = Visit()
+    assert said(visit.first) == "Who?"
+    assert said(visit.say("My name is Anna.")) == "Anna?"
+    assert visit.say("Yes it is!") == Learn("Anna", known=False)
+    assert visit.handshake.stage is Stage.LEARNING
+    assert visit.learnt() == Done("Anna", False, "Hello Anna!", "name confirmed and learnt")
+    assert visit.handshake.attempt == 1
+
+
+@pytest.mark.parametrize("yes", ["ok", "OK", "Ok!", "yes", "YES.", "Sì", "Anna", "that's right"])
+def test_a_confirmation_counts_in_any_letter_case(yes: str) -> None:
+    visit = Visit()
+    visit.say("anna")
+    assert visit.say(yes) == Learn("Anna", known=False)
+
+
+def test_ok_as_the_first_word_is_no_name() -> None:
+    visit = Visit()
+    assert said(visit.say("OK")) == "Again?"
+    assert visit.handshake.attempt == 2
+    assert said(visit.say("Ok, I am Bob")) == "Bob?"
+
+
+def test_no_with_a_name_corrects_and_no_alone_asks_again() -> None:
+    visit = Visit()
+    visit.say("Rob")
+    assert said(visit.say("no, Bob")) == "Bob?"
+    assert said(visit.say("No!")) == "Again?"
+    assert visit.handshake.attempt == 3
+    assert said(visit.say("Robert")) == "Robert?"
+    failed = visit.say("no")
+    assert failed == Failed("Bye.", "the name was denied; no name in 3 attempts")
+
+
+@pytest.mark.parametrize(
+    "text", ["", "x" * 65, "word " * 200, "An\x00na", "Anna\u202ebob", "Unknown", "sensor", "!?"]
+)
+def test_what_cannot_be_a_name_is_asked_for_again_a_bounded_number_of_times(text: str) -> None:
+    """Empty, over-long names and control characters end in no name, not in an endless loop."""
+    visit = Visit()
+    assert said(visit.say(text)) == said(visit.say(text)) == "Again?"
+    assert isinstance(visit.say(text), Failed)
+    assert visit.handshake.due() is None
+
+
+def test_a_name_that_is_taken_may_be_the_visitor_from_before() -> None:
+    """A known name is not given to somebody else, and whose it is is not overwritten."""
+    visit = Visit(known=("Anna",))
+    assert said(visit.say("I'm anna")) == "The Anna I know?"
+    assert visit.say("yes") == Learn("Anna", known=True)
+    assert visit.learnt() == Done("Anna", True, "Hello Anna!", "a visitor from before")
+
+
+def test_somebody_else_with_a_name_that_is_taken_gives_another_one() -> None:
+    visit = Visit(known=("Anna",))
+    visit.say("Anna")
+    assert said(visit.say("no")) == "Other?"
+    assert said(visit.say("Anna")) == "The Anna I know?"
+    assert said(visit.say("No, Annabel")) == "Annabel?"
+    assert visit.say("yes") == Learn("Annabel", known=False)
+
+
+def test_a_name_that_is_taken_while_it_is_confirmed_is_not_given_twice() -> None:
+    visit = Visit()
+    visit.say("Anna")
+    visit.known.add("anna")
+    assert said(visit.say("yes")) == "The Anna I know?"
+    assert visit.say("yes") == Learn("Anna", known=True)
+    visit = Visit(known=("Anna",))
+    visit.say("Anna")
+    visit.known.clear()
+    assert visit.say("yes") == Learn("Anna", known=False)
+
+
+def test_a_face_that_cannot_be_learnt_ends_it() -> None:
+    visit = Visit()
+    visit.say("Anna")
+    visit.say("yes")
+    assert visit.learnt(False, "the camera is lost") == Failed("Bye.", "the camera is lost")
+    visit = Visit()
+    assert visit.learnt() is None
+    visit.say("Anna")
+    visit.say("yes")
+    assert visit.learnt(False) == Failed("Bye.", '"Anna" could not be learnt')
+
+
+def test_silence_asks_again_counts_and_ends() -> None:
+    visit = Visit()
+    assert visit.handshake.due() == visit.t + 8 * SECOND
+    assert said(visit.wait()) == "Again?"
+    assert said(visit.say("Anna")) == "Anna?"
+    assert said(visit.wait()) == "Anna?"
+    assert visit.handshake.attempt == 3
+    assert visit.wait() == Failed("Bye.", "no answer for 8 s; no name in 3 attempts")
+
+
+def test_silence_counts_from_the_end_of_what_the_robot_says_and_not_while_anybody_speaks() -> None:
+    handshake = Handshake(SETTINGS, lambda name: False)
+    handshake.begin(0)
+    assert handshake.due() == 60 * SECOND
+    handshake.said(5 * SECOND)
+    assert handshake.due() == 13 * SECOND
+    handshake.speaks(12 * SECOND)
+    assert handshake.due() == 60 * SECOND
+    assert handshake.advance(20 * SECOND) is None
+    handshake.spoke(21 * SECOND)
+    assert handshake.due() == 29 * SECOND
+    assert handshake.advance(28 * SECOND) is None
+    assert said(handshake.heard("Anna", 29 * SECOND)) == "Anna?"
+
+
+def test_all_of_it_takes_no_longer_than_it_may() -> None:
+    handshake = Handshake(SETTINGS, lambda name: False)
+    handshake.begin(0)
+    handshake.said(SECOND)
+    handshake.speaks(2 * SECOND)
+    assert handshake.advance(60 * SECOND - 1) is None
+    assert handshake.heard("Anna", 60 * SECOND) == Failed("Bye.", "no name after 60 s")
+    assert handshake.heard("Anna", 61 * SECOND) is None
+    handshake = Handshake(SETTINGS, lambda name: False)
+    handshake.begin(0)
+    assert isinstance(handshake.advance(600 * SECOND), Failed)
+
+
+def test_the_robot_does_not_answer_itself() -> None:
+    handshake = Handshake(
+        replace(SETTINGS, ask="Hello there! What is your name?"), lambda name: False
+    )
+    handshake.begin(0)
+    assert handshake.heard("Anna", SECOND) is None
+    handshake.said(2 * SECOND)
+    assert handshake.heard("what is your name?", 3 * SECOND) is None
+    assert handshake.attempt == 1
+    assert said(handshake.heard("Anna", 4 * SECOND)) == "Anna?"
+
+
+def test_somebody_who_is_recognised_meanwhile_is_done_with_it() -> None:
+    visit = Visit(known=("Anna",))
+    visit.say("Bob")
+    done = visit.handshake.recognised("Anna", visit.t)
+    assert done == Done("Anna", True, "Hello Anna!", "recognised meanwhile")
+    assert visit.handshake.recognised("Anna", visit.t) is None
+    assert visit.say("yes") is None
+
+
+def test_it_can_be_ended_from_outside_at_any_time() -> None:
+    visit = Visit()
+    assert visit.handshake.abandon("the visitor left", visit.t) == Failed("", "the visitor left")
+    assert visit.handshake.abandon("again", visit.t) is None
+    assert visit.say("Anna") is None and visit.handshake.due() is None
+    with pytest.raises(ValueError, match="begun already"):
+        visit.handshake.begin(visit.t)
+
+
+def test_nobody_must_tell_their_name() -> None:
+    assert Visit().say("I'd rather not") == Failed("Bye.", "the visitor does not want to tell")
+
+
+def test_a_sentence_may_do_without_the_name_and_a_name_may_look_like_a_template() -> None:
+    visit = Visit(replace(SETTINGS, confirm="Is that right?"))
+    assert said(visit.say("A{name}Z")) == "Is that right?"
+    assert visit.say("yes") == Learn("A{name}Z", known=False)
+
+
+WORDS = st.sampled_from(
+    ["", "Anna", "my name is Bob", "yes", "no", "no, Bob", "ok", "I'd say", "x" * 70, "\x00"]
+) | st.text(max_size=20)  # fmt: skip
+EVENTS = st.one_of(
+    st.tuples(st.just("heard"), WORDS),
+    st.tuples(st.sampled_from(["said", "speaks", "spoke", "advance", "ok", "failed"]), st.just("")),
+)
+
+
+@given(
+    st.integers(1, 5),
+    st.lists(st.tuples(EVENTS, st.integers(-2, 9)), max_size=40),
+    st.sets(st.sampled_from(["Anna", "Bob"])),
+)
+def test_whatever_happens_it_ends_and_learns_only_what_was_confirmed(
+    attempts: int, events: list[tuple[tuple[str, str], int]], known: set[str]
+) -> None:
+    """Attempts and time are bounded; every name is a valid one and no taken one is given anew."""
+    handshake = Handshake(replace(SETTINGS, attempts=attempts), lambda name: name in known)
+    t = 0
+    orders: list[Order] = [handshake.begin(0)]
+    asked: list[str] = []
+    for (event, text), seconds in events:
+        t += seconds * SECOND
+        order = _happens(handshake, event, text, t)
+        if order is not None:
+            orders.append(order)
+            if isinstance(order, Learn):
+                assert asked and asked[-1] in (f"{order.name}?", f"The {order.name} I know?")
+                assert name_of(order.name) == order.name
+                assert order.known == (order.name in known)
+            asked += [order.text] if isinstance(order, Say) else []
+        assert 1 <= handshake.attempt <= attempts
+    while (due := handshake.due()) is not None:
+        order = handshake.advance(due)
+        orders += [order] if order is not None else []
+        handshake.said(due)
+        assert due <= 60 * SECOND
+    questions = [order for order in orders if isinstance(order, Say)]
+    assert len(questions) <= 2 * attempts
+    assert sum(isinstance(order, Done | Failed) for order in orders) == 1
+    assert isinstance(orders[-1], Done | Failed)
+
+
+def _happens(handshake: Handshake, event: str, text: str, t: int) -> Order | None:
+    match event:
+        case "heard":
+            return handshake.heard(text, t)
+        case "advance":
+            return handshake.advance(t)
+        case "ok" | "failed":
+            return handshake.learnt(event == "ok", t)
+    getattr(handshake, event)(t)
+    return None

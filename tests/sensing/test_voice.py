@@ -1,0 +1,91 @@
+"""Loudness now and then, cut into speech by the time that passes."""
+
+from __future__ import annotations
+
+import math
+
+import pytest
+
+from tests.sensing.visiting import PERIOD, WITH, Visit
+from woz_tui.experiment.engagement import SoundSettings
+from woz_tui.sensing.machine import Event, State
+from woz_tui.sensing.passing import SECOND
+from woz_tui.sensing.voice import PUBLISHED_THRESHOLD, Voice
+
+
+def heard(voice: Voice, *values: object, period: int = PERIOD) -> list[Event | None]:
+    """What each of so many values brings, one period apart."""
+    return [voice.take(value, number * period)[1] for number, value in enumerate(values, start=1)]
+
+
+START, END = Event.SPEECH_START, Event.SPEECH_END
+
+
+def test_speech_begins_strictly_above_the_threshold() -> None:
+    voice = Voice(SoundSettings(threshold=0.1))
+    assert heard(voice, 0.1, 0.11) == [None, START]
+
+
+@pytest.mark.parametrize("period", [SECOND // 3, 333_000, 100_000, 20_000])
+def test_a_second_of_quiet_ends_it_whatever_the_rate(period: int) -> None:
+    """Also where stamps are rounded: three times 0.333 s are a second."""
+    chunks = round(SECOND / period)
+    events = heard(Voice(SoundSettings(threshold=0.1)), 0.5, *[0.0] * chunks, period=period)
+    assert events == [START, *[None] * (chunks - 1), END]
+
+
+def test_a_pause_within_a_sentence_does_not_end_it() -> None:
+    voice = Voice(SoundSettings(threshold=0.1))
+    assert heard(voice, 0.5, 0.0, 0.0, 0.5, 0.0, 0.0, math.nan) == [START, *[None] * 5, END]
+
+
+def test_nothing_and_rubbish_are_no_chunks() -> None:
+    voice = Voice(SoundSettings(threshold=0.1))
+    assert [voice.take(value, SECOND)[0] for value in (None, "x", -1, 2.0, math.inf)] == [False] * 5
+    assert voice.level is None
+    assert voice.take(math.nan, SECOND) == (True, None)
+
+
+def test_the_threshold_is_the_settings_or_what_the_microphone_learnt_or_the_published_one() -> None:
+    voice = Voice(SoundSettings())
+    assert voice.threshold == PUBLISHED_THRESHOLD == 2400 / 32768
+    for junk in (None, math.nan, -1.0, "x", math.inf):
+        voice.tell_threshold(junk)
+    assert voice.threshold == PUBLISHED_THRESHOLD
+    voice.tell_threshold(0.02)
+    assert voice.threshold == 0.02
+    fixed = Voice(SoundSettings(threshold=0.3))
+    fixed.tell_threshold(0.02)
+    assert fixed.threshold == 0.3
+    fixed.adopt(SoundSettings(threshold=0.2))
+    assert fixed.threshold == 0.2
+
+
+def test_loudness_moves_the_machine() -> None:
+    visit = Visit(sound=SoundSettings(threshold=0.1)).engage()
+    assert [c.outcome for c in visit.see(2, **WITH, loudness=0.5)] == ["listening"]
+    assert [c.outcome for c in visit.see(3, **WITH, loudness=0.01)] == ["done"]
+    assert visit.model.state is State.THINKS
+
+
+def test_a_microphone_that_dies_ends_the_speech() -> None:
+    visit = Visit(sound=SoundSettings(threshold=0.1)).engage()
+    visit.see(2, **WITH, loudness=0.5)
+    assert [c.outcome for c in visit.see(4, **WITH)] == ["done"]
+
+
+def test_a_microphone_that_cuts_speech_itself_is_believed() -> None:
+    visit = Visit(sound=SoundSettings(threshold=0.1)).engage()
+    visit.model.cuts = True
+    assert visit.see(9, **WITH, loudness=0.5) == []
+    assert visit.see(9, **WITH, loudness=0.0) == []
+    assert visit.event(Event.SPEECH_START) is not None
+
+
+def test_speech_while_the_robot_talks_is_not_heard() -> None:
+    """The robot's own voice may be what is loud."""
+    visit = Visit(sound=SoundSettings(threshold=0.1)).engage()
+    visit.event(Event.ROBOT_INITIATIVE)
+    assert visit.see(9, **WITH, loudness=0.5) == []
+    assert visit.event(Event.SAY_DONE) is not None
+    assert visit.see(9, **WITH, loudness=0.0) == []

@@ -7,15 +7,16 @@ import re
 import tomllib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import jsonschema
 import pytest
 import yaml
 
-from tests.experiment.catalogue import CATALOGUE
+from tests.experiment.catalogue import CATALOGUE, HeadSettings, Voice
 from tests.experiment.golden import BROKEN
 from tests.experiment.reading import HEAD, ROBOT, panel
+from woz_tui.core.driver import Verb
 from woz_tui.experiment.schema import experiment_schema, robot_schema
 from woz_tui.plugins import installed
 
@@ -132,3 +133,15 @@ def test_actions(action: str, fits: bool) -> None:
     for head in (HEAD, ROBOT):
         data = as_editors_read(panel(action, head=head))
         assert validator(experiment_schema(CATALOGUE)).is_valid(data) is fits
+
+
+def test_verbs_that_a_switch_brings_are_known_to_editors() -> None:
+    class Switched(Voice):
+        Settings: ClassVar[type] = HeadSettings
+
+        @classmethod
+        def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+            return (Verb("let_go", "let go"),) if settings.torque else (Verb("hold", "hold"),)
+
+    found = experiment_schema({"switched": Switched})["$defs"]["step"]["properties"]
+    assert {"let_go", "hold"} <= set(found)

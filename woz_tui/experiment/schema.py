@@ -7,6 +7,7 @@ be anything that YAML would take for a number or a boolean, since here it stays 
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import types
 import typing
@@ -303,8 +304,17 @@ def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -
 
 
 def _sample_verbs(driver: type[Driver]) -> Iterable[Verb]:
-    """The verbs with settings as a file would give them at least; may raise anything."""
-    return [_opened(verb) for verb in driver.verbs(_sample(driver.Settings))]
+    """The verbs with settings as a file would give them at least, and those that a switch brings
+    along; may raise anything.
+    """
+    sample = _sample(driver.Settings)
+    offered = [*driver.verbs(sample)]
+    for item in fields_of(driver.Settings):
+        if split(item.annotation)[0] is bool and item.default is False:
+            # Not every switch goes with this sample; then it has nothing to say here.
+            with contextlib.suppress(Exception):
+                offered += driver.verbs(dataclasses.replace(sample, **{item.attribute: True}))
+    return [_opened(verb) for verb in offered]
 
 
 def _opened(verb: Verb) -> Verb:

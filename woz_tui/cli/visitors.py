@@ -200,10 +200,14 @@ def _agreed(visitors: list[Visitor]) -> bool:
             "nobody can be asked here whether to forget", "give --yes if it is meant"
         )
     for visitor in visitors:
-        last = f", last on {visitor.last_met}" if visitor.last_met else ""
-        print(f"{visitor.name}: met {visitor.meetings} times{last}", file=sys.stderr)
+        print(f"{visitor.name}: {_meetings(visitor)}", file=sys.stderr)
     print("Forget for good? [y/N] ", end="", file=sys.stderr, flush=True)
     return sys.stdin.readline().strip().casefold() in ("y", "yes")
+
+
+def _meetings(visitor: Visitor) -> str:
+    often = {0: "not met yet", 1: "met once"}.get(visitor.meetings, f"met {visitor.meetings} times")
+    return f"{often}, last on {visitor.last_met}" if visitor.last_met else often
 
 
 def _wanted(store: Visitors, name: str) -> Visitor:

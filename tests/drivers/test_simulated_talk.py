@@ -1,0 +1,251 @@
+"""The simulated visitor talks: segments, words, names, and a course that no clock can disturb."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import AsyncIterator
+from itertools import groupby
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from woz_drivers.simulated import Settings, words
+from woz_drivers.simulated.hearing import HANG_OVER, PRE_ROLL, UNDERSTOOD_AFTER, Hearing, Speech
+from woz_drivers.simulated.senses import THRESHOLD, TICK
+from woz_drivers.simulated.verbs import offered, sensors
+from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, Phase, Visitor
+
+from tests.fakes.simulated_rig import Rig, rig
+from woz_tui.core.driver import SPEECH, DriverError, Rejected
+from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
+
+VISITED = Settings(visitor=True, seed=7)
+LOUD, QUIET = 0.1, 0.01
+
+
+# -- the microphone -------------------------------------------------------------------------------
+
+
+def test_a_segment_has_pre_roll_hang_over_and_words() -> None:
+    hearing = Hearing(THRESHOLD, TICK)
+    told: list[Speech] = []
+    for tick in range(60):
+        if tick == 20:
+            hearing.words("How old is it?")
+        told += hearing.take(LOUD if 20 <= tick < 35 else QUIET)
+    started, ended, text = told
+    assert (started.what, ended.what, text.what) == ("started", "ended", "text")
+    assert started.began == ended.began == pytest.approx((20 - PRE_ROLL) * TICK)
+    assert ended.ended == pytest.approx((35 + HANG_OVER) * TICK)
+    assert ended.t == pytest.approx(ended.ended), "told with the chunk that completes it"
+    assert ended.loudest == LOUD
+    assert text.text == "How old is it?"
+    assert text.t == pytest.approx(ended.ended + UNDERSTOOD_AFTER * TICK)
+
+
+def test_what_a_visitor_says_is_heard_segment_by_segment() -> None:
+    visitor = Visitor(7)
+    visitor.step(600.0)
+    speech = visitor.speech()
+    assert visitor.speech() == [], "told once"
+    numbers = [one.segment for one in speech if one.what == "started"]
+    assert numbers == list(range(1, len(numbers) + 1))
+    assert len(numbers) >= 10
+    texts = {one.text for one in speech if one.what == "text"}
+    assert len(texts) >= 4
+    assert texts <= set(words.REMARKS)
+
+
+# -- words ----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("said", "answer"),
+    [
+        ("I do not think we have met. What is your name?", "Kim."),
+        ("What may I call you?", "Kim."),
+        ("Who are you?", "Kim."),
+        ("kim, is that right?", "Yes."),
+        ("I know Kim already. Is that you?", "Yes."),
+        ("Tim, is that right?", "No."),
+    ],
+)
+def test_strangers_answer_what_is_asked_about_their_name(said: str, answer: str) -> None:
+    assert words.reply("Kim", said, random.Random(1)) == answer
+    assert words.is_about_the_name("Kim", said)
+
+
+def test_other_questions_and_sentences_get_other_answers() -> None:
+    chance = random.Random(1)
+    assert words.reply("Kim", "Shall I tell you how old it is?", chance) in words.ANSWERS
+    assert words.reply("Kim", "Nice to meet you, Kim!", chance) not in ("Yes.", "Kim.")
+    assert not words.is_about_the_name("Kim", "Nice to meet you, Kim!")
+
+
+# -- faces ----------------------------------------------------------------------------------------
+
+
+def standing(visitor: Visitor, person: str, now: float = 0.0) -> float:
+    """Let time pass until this person stands there and is silent; returns the time."""
+    while not (visitor.phase is Phase.STAYING and visitor.person == person and not visitor.talking):
+        now += 0.1
+        visitor.step(now)
+        assert now < 3000, f"{person} never came"
+    return now
+
+
+def names(visitor: Visitor, until: float) -> set[str]:
+    return {sample.text for sample in visitor.step(until) if sample.sensor == "identity"}
+
+
+@pytest.mark.parametrize("person", STRANGERS)
+def test_a_stranger_is_recognised_once_introduced(person: str) -> None:
+    visitor = Visitor(7)
+    now = standing(visitor, person)
+    assert names(visitor, now + 5) == {""}
+    assert visitor.learn_face("V9")
+    assert "V9" in names(visitor, now + 15)
+    gone = now + 15
+    while visitor.present:
+        gone += 1
+        visitor.step(gone)
+    assert not visitor.learn_face("V10"), "nobody is there"
+    again = standing(visitor, person, gone)
+    assert "V9" in names(visitor, again + 8), "and when they come again"
+
+
+def test_those_whom_the_robot_knows_are_called_by_their_name() -> None:
+    visitor = Visitor(7)
+    for person in PEOPLE:
+        now = standing(visitor, person, 0.0)
+        assert person in names(visitor, now + 10)
+        visitor = Visitor(7)
+
+
+# -- answers and the clock ------------------------------------------------------------------------
+
+
+def talked(seed: int, lateness: random.Random | None) -> list[tuple[str, int, str]]:
+    """Ten minutes with a robot that answers everything; `lateness` shakes its clock as a busy
+    machine does, and cuts the steps anew.
+    """
+    visitor = Visitor(seed)
+    course: list[tuple[str, int, str]] = []
+    for tick in range(1, 6000):
+        late = lateness.uniform(0.0, 0.07) if lateness else 0.0
+        if lateness and lateness.random() < 0.1:
+            continue
+        visitor.step(tick * TICK + late)
+        for one in visitor.speech():
+            course.append((one.what, one.segment, one.text))
+            if one.what == "ended":
+                visitor.hear(one.t + late, 2.345, "Is that so?")
+    return course
+
+
+@settings(max_examples=15, deadline=None)
+@given(st.integers(0, 2**31 - 1))
+def test_a_clock_that_is_not_quite_on_time_changes_nothing(seed: int) -> None:
+    exact = talked(seed, None)
+    shaken = talked(seed, random.Random(seed))
+    common = min(len(exact), len(shaken))
+    assert abs(len(exact) - len(shaken)) <= 2, "at the end one of them may be a step behind"
+    assert shaken[:common] == exact[:common]
+
+
+def test_whoever_has_answered_enough_thanks_and_goes() -> None:
+    visitor = Visitor(7)
+    now = standing(visitor, "V1")
+    visitor.speech()  # whatever others have said
+    said: list[str] = []
+    while visitor.present:
+        if not visitor.speaks:
+            visitor.hear(now, 1.0, "And that is the whale.")
+        now += 6.0
+        visitor.step(now)
+        said += [one.text for one in visitor.speech() if one.what == "text"]
+        assert now < 400
+    assert said[-1] == words.GOODBYE
+    assert 2 <= len(said) <= 6
+
+
+def test_being_asked_for_a_name_is_not_too_much() -> None:
+    visitor = Visitor(7)
+    now = standing(visitor, "Kim")
+    for _ in range(8):
+        visitor.hear(now, 1.0, "What is your name?")
+        now += 6.0
+        visitor.step(now)
+        assert "Kim." in {one.text for one in visitor.speech()}
+
+
+# -- as a driver ----------------------------------------------------------------------------------
+
+
+@pytest.fixture
+async def it(tmp_path: Path) -> AsyncIterator[Rig]:
+    async with rig(tmp_path, VISITED) as made:
+        yield made
+
+
+def test_speech_and_faces_are_there_with_a_visitor_only() -> None:
+    alone = Settings()
+    voice = Settings(visitor=True, voice_only=True)
+    assert SPEECH in sensors(VISITED)
+    assert SPEECH in sensors(voice)
+    assert SPEECH not in sensors(alone)
+    assert [verb.name for verb in offered(voice)][-1] == "learn_face"
+    assert "learn_face" not in {verb.name for verb in offered(alone)}
+
+
+async def test_speech_goes_out_as_messages_with_times_of_the_log(it: Rig) -> None:
+    for _ in range(40):
+        await it.pace.advance(1.0)
+    told = it.outlet.told
+    assert [type(one) for one in told[:3]] == [SpeechStarted, SpeechEnded, SpeechText]
+    started, ended, text = told[:3]
+    assert isinstance(started, SpeechStarted)
+    assert isinstance(ended, SpeechEnded)
+    assert isinstance(text, SpeechText)
+    assert ended.began == started.began
+    assert 1_800_000 < ended.ended - ended.began < 6_000_000
+    assert (ended.file, ended.detail) == ("", "")
+    assert text.took == UNDERSTOOD_AFTER * 100_000
+    states = [state for sensor, state, _ in it.outlet.states if sensor == "loudness"]
+    assert [state for state, _ in groupby(states)][:3] == ["quiet", "speaking", "quiet"]
+
+
+async def test_an_unplugged_microphone_ends_the_segment_and_says_why(it: Rig) -> None:
+    while not it.outlet.told:
+        await it.pace.advance(0.1)
+    await it.do("fault", kind="disconnect", seconds=3.0)
+    await it.pace.advance(8.0)
+    started, ended, *rest = it.outlet.told
+    assert isinstance(started, SpeechStarted)
+    assert isinstance(ended, SpeechEnded)
+    assert ended.detail == "the sound broke off: unplugged on purpose"
+    assert ended.ended > ended.began
+    assert all(one.segment > 1 for one in rest), "nothing more of that segment"
+
+
+async def test_a_face_is_learnt_by_a_verb(it: Rig) -> None:
+    with pytest.raises(DriverError, match="nobody shows a face"):
+        await it.do("learn_face", name="V9")
+    for _ in range(20):
+        await it.pace.advance(0.5)
+    assert (await it.do("learn_face", name=" V9 ")) == {"name": "V9"}
+    await it.pace.advance(4.0)
+    assert "V9" in {reading.text for reading in it.outlet.of("identity")}
+
+
+async def test_a_face_without_a_name_or_with_somebody_elses_is_refused(it: Rig) -> None:
+    for _ in range(20):
+        await it.pace.advance(0.5)
+    with pytest.raises(Rejected, match="needs a name"):
+        await it.do("learn_face", name="  ")
+    with pytest.raises(Rejected, match="somebody else"):
+        await it.do("learn_face", name="V1")  # V2 stands there
+    with pytest.raises(Rejected, match="does not know"):
+        async with rig(it.outlet.folder) as alone:
+            await alone.do("learn_face", name="V9")

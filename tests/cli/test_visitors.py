@@ -51,6 +51,16 @@ def test_the_list_is_a_table(file: Path, capsys: pytest.CaptureFixture[str]) -> 
     assert bob.split() == ["Bob", "Herr", "1", "2026-03-02", "2026-03-02"]
 
 
+def test_it_lists_if_not_told_otherwise_and_takes_options_on_both_sides(
+    file: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    for words in (["--json"], ["list", "--json"], ["--json", "list"]):
+        assert visitors(*words, file=file) == 0
+        assert len(json.loads(capsys.readouterr().out)["visitors"]) == 2
+    assert main(["visitors", "--file", str(file), "rename", "Bob", "B01", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["name"] == "B01"
+
+
 def test_nobody_is_no_error(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     file = tmp_path / "v.json"
     assert visitors("list", file=file) == 0

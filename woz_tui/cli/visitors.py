@@ -29,26 +29,17 @@ from woz_tui.sensing.people import (
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
+_STORE_OPTIONS = ("file", "experiment", "recordings", "json")
 _Command = Callable[[Visitors, argparse.Namespace], int]
 
 
 def add(parser: argparse.ArgumentParser) -> None:
-    """Declare the command's options."""
+    """Declare the command's options. Without a command it lists everybody."""
+    _which_store(parser, file=None, experiment=None, recordings=Path("recordings"), json=False)
+    parser.set_defaults(run=lambda arguments: explained(lambda: _told(_list, arguments)))
     where = argparse.ArgumentParser(add_help=False)
-    file = where.add_argument_group("which store").add_mutually_exclusive_group()
-    file.add_argument("--file", type=Path, metavar="FILE", help="the store itself")
-    file.add_argument(
-        "--experiment", type=Path, metavar="FILE", help="the store that this experiment uses"
-    )
-    where.add_argument(
-        "--recordings",
-        type=Path,
-        default=Path("recordings"),
-        metavar="FOLDER",
-        help="folder of the logs, where the store is unless it is named (default: recordings)",
-    )
-    where.add_argument("--json", action="store_true", help="one JSON object, for programs")
-    commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
+    _which_store(where)
+    commands = parser.add_subparsers(title="commands", metavar="COMMAND")
 
     def command(name: str, summary: str, does: _Command) -> argparse.ArgumentParser:
         one = commands.add_parser(name, help=summary, description=summary, parents=[where])
@@ -73,6 +64,34 @@ def add(parser: argparse.ArgumentParser) -> None:
     forget.add_argument("name", nargs="*", help="whom to forget")
     forget.add_argument("--all", action="store_true", help="everybody")
     forget.add_argument("--yes", action="store_true", help="do not ask")
+
+
+def _which_store(parser: argparse.ArgumentParser, **defaults: object) -> None:
+    """Options that stand before or after the command; only the former have `defaults`."""
+    # A default after the command would take the place of what was given before it.
+    default = {name: defaults.get(name, argparse.SUPPRESS) for name in _STORE_OPTIONS}
+    where = parser.add_argument_group("which store")
+    file = where.add_mutually_exclusive_group()
+    file.add_argument(
+        "--file", type=Path, metavar="FILE", default=default["file"], help="the store itself"
+    )
+    file.add_argument(
+        "--experiment",
+        type=Path,
+        metavar="FILE",
+        default=default["experiment"],
+        help="the store that this experiment uses",
+    )
+    where.add_argument(
+        "--recordings",
+        type=Path,
+        metavar="FOLDER",
+        default=default["recordings"],
+        help="folder of the logs, where the store is unless it is named (default: recordings)",
+    )
+    parser.add_argument(
+        "--json", action="store_true", default=default["json"], help="one object, for programs"
+    )
 
 
 def _told(does: _Command, arguments: argparse.Namespace) -> int:

@@ -286,15 +286,14 @@ def test_a_short_queue_has_a_cell_for_every_place(places: int) -> None:
 def test_a_distance_bar_keeps_its_width(
     metres: float | None, social: float, width: int, stale: bool
 ) -> None:
-    limits = (0.45, 1.2, 3.6)
-    row = distance_bar(metres, social, width, UNICODE, limits=limits, farthest=4.8, stale=stale)
+    row = distance_bar(metres, social, width, UNICODE, stale=stale)
     assert length(row) == width
 
 
 def test_the_line_is_solid_as_far_as_the_robot_talks() -> None:
     def solid(social: float) -> int:
-        row = distance_bar(None, social, 40, UNICODE, limits=(), farthest=4.8)
-        return "".join(piece for piece, _ in row).count("─")
+        row = distance_bar(None, social, 40, UNICODE)
+        return len("".join(piece for piece, _ in row).partition("┈")[0])
 
     assert solid(0.5) < solid(1.3) < solid(3.0) < solid(9.0) == 40
 

@@ -14,8 +14,8 @@ from woz_tui.console.picture import Picture
 from woz_tui.console.script import script_row
 from woz_tui.console.status import Line, status_rows
 from woz_tui.console.stopbar import Bar, News, bar_rows
-from woz_tui.console.zones import zone
 from woz_tui.core import messages as m
+from woz_tui.sensing.proxemics import zone
 
 NOW = scenes.NOW
 FRAME = Frame(50, 30, NOW)

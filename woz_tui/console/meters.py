@@ -11,6 +11,7 @@ from dataclasses import replace
 from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, length
+from woz_tui.console.engagement.bars import FARTHEST
 from woz_tui.console.engagement.meter import block_rows
 from woz_tui.console.figures import SILENCE_DB, decibels
 from woz_tui.console.glyphs import Frame, Glyphs
@@ -18,8 +19,8 @@ from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.pose import joint_rows, other_rows
 from woz_tui.console.rows import NAME, at, joined, labelled, named, old, ruler, track
-from woz_tui.console.zones import FARTHEST, ZONES, zone
 from woz_tui.core import messages as m
+from woz_tui.sensing.proxemics import ZONES, zone
 
 #: Rows of meters at the most.
 MOST = 40

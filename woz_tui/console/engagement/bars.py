@@ -8,7 +8,10 @@ from woz_tui.console.cells import Piece, Row
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.rows import at, joined
 from woz_tui.core.messages import SignShown
+from woz_tui.sensing.proxemics import ZONES
 
+#: The far end of a ruler of distances, in metres.
+FARTHEST = 4.8
 #: The narrowest bar: one cell at each side of its tick.
 LEAST = 3
 
@@ -49,18 +52,11 @@ def queue_bar(sign: SignShown, width: int, glyphs: Glyphs, look: str = "good") -
 
 
 def distance_bar(
-    metres: float | None,
-    social: float,
-    width: int,
-    glyphs: Glyphs,
-    *,
-    limits: tuple[float, ...],
-    farthest: float,
-    stale: bool = False,
+    metres: float | None, social: float, width: int, glyphs: Glyphs, *, stale: bool = False
 ) -> Row:
     """Hall's spaces with ticks between them; as far as the robot talks (S_d) the line is solid."""
-    near = at(social / farthest, width) if math.isfinite(social) else 0
-    ticks = {at(limit / farthest, width) for limit in limits}
+    near = at(social / FARTHEST, width) if math.isfinite(social) else 0
+    ticks = {at(limit / FARTHEST, width) for limit, _ in ZONES}
     cells: list[Piece] = []
     for x in range(width):
         if x in ticks:
@@ -70,5 +66,5 @@ def distance_bar(
         else:
             cells.append((glyphs.track, "faint"))
     if metres is not None and not math.isnan(metres):
-        cells[at(metres / farthest, width)] = (glyphs.spot, "stale" if stale else "strong")
+        cells[at(metres / FARTHEST, width)] = (glyphs.spot, "stale" if stale else "strong")
     return joined(cells)

@@ -29,8 +29,8 @@ from woz_tui.console.figures import age, elapsed, seconds
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import NAME, labelled, named, track
-from woz_tui.console.zones import FARTHEST, LIMITS, zone
 from woz_tui.core import messages as m
+from woz_tui.sensing.proxemics import zone
 
 #: Lines from which path and reason have a row each, and from which each sign has one.
 MIDDLE, FULL = 8, 14
@@ -225,8 +225,6 @@ def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[
         shown.social_distance,
         track(frame),
         frame.glyphs,
-        limits=LIMITS,
-        farthest=FARTHEST,
         stale=stale,
     )
     if sign.raw is None:

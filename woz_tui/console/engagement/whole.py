@@ -26,9 +26,9 @@ from woz_tui.console.figures import elapsed, seconds
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import beside
-from woz_tui.console.zones import zone
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION
+from woz_tui.sensing.proxemics import zone
 
 #: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
 _NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 27

@@ -141,16 +141,15 @@ def path(shown: m.EngagementShown, width: int, glyphs: Glyphs) -> Row:
     """The last states, the newest at the right; the oldest are left out where room is short."""
     names = [short(state) for state in shown.trail] or [short(shown.state)]
     arrow = f" {glyphs.next} "
-    kept = [names[-1]]
-    for name in reversed(names[:-1]):
-        more = cell_len(name) + cell_len(arrow)
-        whole = sum(map(cell_len, kept)) + cell_len(arrow) * (len(kept) - 1)
-        if whole + more > width - 2:
-            kept.insert(0, glyphs.ellipsis)
+    before = ""
+    for number, name in reversed(list(enumerate(names[:-1]))):
+        more = f"{name}{arrow}{before}"
+        room = width - cell_len(names[-1]) - (cell_len(glyphs.ellipsis + arrow) if number else 0)
+        if cell_len(more) > room:
+            before = f"{glyphs.ellipsis}{arrow}{before}"
             break
-        kept.insert(0, name)
-    before = "".join(f"{name}{arrow}" for name in kept[:-1])
-    return ((before, "muted"), (kept[-1], "strong"))
+        before = more
+    return ((before, "muted"), (names[-1], "strong"))
 
 
 def condition(

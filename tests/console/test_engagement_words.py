@@ -1,0 +1,205 @@
+"""The model in the list of events, the palette, the list of keys and the preflight."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.console import engaged, scenes
+from tests.console.dialogs import opened
+from tests.console.driving import sitting
+from woz_tui.console.cells import length
+from woz_tui.console.engagement.orders import VERBS, order_words
+from woz_tui.console.engagement.words import SHORT, path, short
+from woz_tui.console.events import event_row
+from woz_tui.console.glyphs import ASCII, UNICODE, Frame
+from woz_tui.console.picture import Picture
+from woz_tui.console.screens.preflight import sign_findings
+from woz_tui.console.sentences import Event
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.experiment.engagement import STATES
+
+NOW = scenes.NOW
+
+
+def told(*messages: m.AnyMessage) -> list[Event]:
+    """The lines that messages get."""
+    picture = Picture()
+    picture.take([scenes.welcome()], 0)
+    before = len(picture.events)
+    picture.take(messages, 0)
+    return list(picture.events)[before:]
+
+
+def line(message: m.AnyMessage) -> tuple[str, str, str]:
+    (event,) = told(message)
+    return event.mark, event.text, event.detail
+
+
+# -- events ---------------------------------------------------------------------------------------
+
+
+def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
+    change = engaged.changed("Wait", "PersonDetected", "human_presence", "present", 0)
+    assert line(change) == ("info", "PersonDetected", "present")
+    forced = msgspec.structs.replace(change, forced=True)
+    assert line(forced) == ("forced", "PersonDetected", "forced: present")
+    (event,) = told(forced)
+    for glyphs in (UNICODE, ASCII):
+        row = event_row(event, Picture(), Frame(60, 1, NOW, glyphs))
+        assert glyphs.forced in "".join(piece for piece, _ in row)
+
+
+def test_what_was_heard_is_a_line_and_so_is_what_was_not_understood() -> None:
+    heard = m.SpeechText(driver="mic", segment=1, text="hello robot", t=NOW)
+    assert line(heard) == ("heard", "“hello robot”", "heard")
+    nothing = m.SpeechText(driver="mic", segment=1, text="", t=NOW)
+    assert line(nothing) == ("info", "Speech not understood", "")
+    failed = m.SpeechText(driver="mic", segment=1, text="", detail="whisper: no model", t=NOW)
+    assert line(failed) == ("warning", "Speech not understood", "whisper: no model")
+
+
+def test_a_segment_is_a_line_only_where_it_could_not_be_kept() -> None:
+    ended = m.SpeechEnded(driver="mic", segment=1, began=1, ended=2, file="a.wav", t=NOW)
+    assert told(ended, m.SpeechStarted(driver="mic", segment=2, began=3, t=NOW)) == []
+    lost = msgspec.structs.replace(ended, file="", detail="the disk is full")
+    assert line(lost) == ("warning", "Speech not kept", "the disk is full")
+
+
+@pytest.mark.parametrize(
+    ("what", "more", "wanted"),
+    [
+        ("met", {}, ("Visitor v3 is back", "")),
+        ("learnt", {"about": {"age_group": "child"}}, ("Visitor v3 is new", "child")),
+        ("profile", {"about": {"address": "formal"}}, ("Visitor v3 is described", "formal")),
+        ("renamed", {"was": "v2"}, ("Visitor v2 is v3 now", "")),
+        ("forgotten", {}, ("Visitor v3 forgotten", "")),
+    ],
+)
+def test_what_happens_to_a_visitor_is_a_line(
+    what: str, more: dict[str, object], wanted: tuple[str, str]
+) -> None:
+    message = m.VisitorChanged(visitor="v3", what=what, t=NOW)
+    assert line(msgspec.structs.replace(message, **more))[1:] == wanted
+
+
+def test_the_store_is_followed_through_renames_and_oblivion() -> None:
+    picture = Picture()
+    learnt = m.VisitorChanged(visitor="v2", what="learnt", about={"age_group": "child"}, t=1)
+    renamed = m.VisitorChanged(visitor="v3", what="renamed", was="v2", t=2)
+    picture.take([learnt, renamed], 0)
+    assert picture.engaged.visitors == {"v3": {"age_group": "child"}}
+    picture.take([m.VisitorChanged(visitor="v3", what="forgotten", t=3)], 0)
+    assert picture.engaged.visitors == {}
+
+
+@pytest.mark.parametrize(
+    ("verb", "args", "words"),
+    [
+        ("toggle", {"sign": "gaze"}, "gaze the other way, by hand"),
+        ("sense", {"sign": "presence", "value": "on"}, "presence yes, by hand"),
+        ("sense", {"sign": "distance", "value": "0.8"}, "distance 0.8 m, by hand"),
+        ("sense", {"sign": "gaze", "value": "sensor"}, "gaze back to its sensor"),
+        ("sense", {"sign": "all", "value": "sensor"}, "all signs back to their sensors"),
+        ("sense", {"sign": "identity", "value": "v3"}, "identity v3, by hand"),
+        ("force", {"to": "Handshake"}, "force Handshake"),
+        ("engagement", {"run": "hold"}, "engagement held"),
+        ("filter", {"sign": "gaze", "kind": "joint", "threshold": 0.7},
+         "filter of gaze joint 0.7"),
+        ("social_distance", {"metres": 1.0}, "near: up to 1 m"),
+        ("attend", {"mode": "Unengaged"}, "attention Unengaged"),
+        ("handshake", {"what": "ok", "name": "v3"}, "handshake ok v3"),
+        ("visitor", {"name": "v3", "age_group": "child"}, "visitor v3, child"),
+    ],
+)  # fmt: skip
+def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: str) -> None:
+    assert order_words(verb, args) == words
+    command = m.Command(
+        command="c1", verb=verb, args=args, driver="engagement", source="key", t=NOW
+    )
+    assert told(command)[0].text == words
+
+
+@given(
+    st.sampled_from([*sorted(VERBS), "odd"]),
+    st.dictionaries(
+        st.sampled_from(["sign", "value", "to", "run", "name", "what", "metres", "kind"]),
+        st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(), st.just([1])),
+    ),
+)
+def test_any_arguments_make_a_line(verb: str, args: dict[str, m.Json]) -> None:
+    assert isinstance(order_words(verb, args), str)
+
+
+# -- the path ------------------------------------------------------------------------------
+
+
+@given(
+    st.lists(st.sampled_from([*STATES, "stop", "odd" * 9, "日本"]), max_size=12), st.integers(1, 80)
+)
+def test_the_path_keeps_to_its_room_and_ends_with_the_present(trail: list[str], width: int) -> None:
+    row = path(engaged.shown("Wait", trail=trail), width, UNICODE)
+    last = short(trail[-1] if trail else "Wait")
+    assert row[-1] == (last, "strong")
+    assert length(row) <= max(width, length((row[-1],)) + 4)
+
+
+def test_every_state_is_told_from_the_others_by_its_short_name() -> None:
+    assert len({short(state) for state in STATES}) == len(STATES)
+    assert set(SHORT) <= set(STATES)
+
+
+# -- palette, keys, preflight -------------------------------------------------------------------
+
+
+async def test_the_palette_finds_what_the_hand_does() -> None:
+    async with sitting(engaged.welcome(), size=(100, 36)) as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("hold the machine")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskVerb)
+        assert isinstance(asked, r.AskVerb)
+        assert (asked.verb, asked.args, asked.on) == ("engagement", {"run": "hold"}, "engagement")
+        assert asked.source == "palette"
+        await opened(seat, "FindDialog")
+        await seat.type("force a state")
+        await seat.press("enter")
+        assert type(seat.console.dialog).__name__ == "ForceDialog"
+        await seat.press("enter")
+        assert seat.console.keyboard.free
+
+
+async def test_without_a_model_nothing_of_it_is_offered() -> None:
+    async with sitting(size=(100, 120)) as seat:
+        await opened(seat, "FindDialog")
+        await seat.type("hold the machine")
+        assert "hold the machine" not in seat.drawn().replace("hold the machine", "", 1)
+        await seat.press("ctrl+q")
+        await opened(seat, "HelpDialog")
+        assert "Engagement by hand" not in seat.drawn()
+
+
+async def test_the_list_of_keys_tells_the_hands() -> None:
+    async with sitting(engaged.welcome(), size=(120, 140)) as seat:
+        await opened(seat, "HelpDialog")
+        shown = seat.drawn()
+        assert "Engagement by hand  after = and Tab" in shown
+        assert "force a state or an outcome" in shown
+
+
+def test_the_preflight_names_signs_that_nobody_gives() -> None:
+    picture = Picture()
+    assert sign_findings(picture) == []
+    picture.take([engaged.welcome()], 0)
+    (well,) = sign_findings(picture)
+    assert (well.level, well.text) == ("ok", "presence, gaze, distance are sensed")
+    never = m.SignShown(stale=True, verdict=0, places=8)
+    picture.take([engaged.shown(signs=engaged.signs(gaze=never))], 0)
+    (missing,) = sign_findings(picture)
+    assert (missing.level, missing.text) == ("warning", "nobody gives gaze yet")
+    hand = m.SignShown(verdict=1, places=8, forced=True)
+    picture.take([engaged.shown(signs=engaged.signs(gaze=hand))], 0)
+    assert sign_findings(picture)[0].level == "ok"

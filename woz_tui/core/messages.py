@@ -45,6 +45,15 @@ from woz_tui.core.engaged import (
     VisitorChanged,
 )
 from woz_tui.core.envelope import Json, Message
+from woz_tui.core.health import (
+    DriverConnected,
+    DriverConnecting,
+    DriverFaulted,
+    DriverHealth,
+    DriverLost,
+    LaneFaulted,
+    LaneRecovered,
+)
 from woz_tui.core.shown import BodyChanged, ControlsMoved, FaceShown, Shown
 
 #: Names that are defined next door and belong to this module's readers.
@@ -61,12 +70,19 @@ __all__ = [
     "ControlsMoved",
     "Dispatched",
     "Done",
+    "DriverConnected",
+    "DriverConnecting",
+    "DriverFaulted",
+    "DriverHealth",
+    "DriverLost",
     "End",
     "EngagementChanged",
     "EngagementShown",
     "FaceShown",
     "Failed",
     "Json",
+    "LaneFaulted",
+    "LaneRecovered",
     "Message",
     "Progress",
     "Refused",
@@ -174,52 +190,7 @@ class Notice(Message, frozen=True, kw_only=True, omit_defaults=True, tag="notice
     remedy: str = ""
 
 
-# -- drivers and sensors ----------------------------------------------------------------------
-
-
-class DriverHealth(Message, frozen=True, kw_only=True, omit_defaults=True):
-    """How a driver is. Only the subclasses are sent."""
-
-    driver: str
-    detail: str = ""
-    remedy: str = ""
-
-
-class DriverConnecting(
-    DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.connecting"
-):
-    """It is looking for its hardware."""
-
-
-class DriverConnected(
-    DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.connected"
-):
-    """It is ready; `detail` says with what (port, models found)."""
-
-
-class DriverLost(DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.lost"):
-    """Its hardware went away; it looks for it by itself."""
-
-
-class DriverFaulted(
-    DriverHealth, frozen=True, kw_only=True, omit_defaults=True, tag="driver.faulted"
-):
-    """A part of it does not answer or reports an alarm; `detail` names the part."""
-
-
-class LaneFaulted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="lane.faulted"):
-    """A job outlived its limit and its cancelling; its lane takes nothing until it has ended."""
-
-    driver: str
-    lane: str
-    command: str
-
-
-class LaneRecovered(Message, frozen=True, kw_only=True, omit_defaults=True, tag="lane.recovered"):
-    """The job of a faulted lane has ended at last."""
-
-    driver: str
-    lane: str
+# -- sensors ----------------------------------------------------------------------------------
 
 
 class Reading(Message, frozen=True, kw_only=True, omit_defaults=True, tag="sample"):

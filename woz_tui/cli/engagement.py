@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import contextlib
-import importlib
-import importlib.util
 import json
 import os
 import stat
@@ -60,8 +58,14 @@ class UsageError(Exception):
     """Options that do not go together; the text says why."""
 
 
+class UnreadableError(Exception):
+    """A file that is not what it seems to be; the text says why."""
+
+
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
+    from woz_tui.cli import engagement_bench  # noqa: PLC0415
+
     parser.description = _DESCRIPTION
     parser.formatter_class = argparse.RawDescriptionHelpFormatter
     parser.add_argument(
@@ -74,14 +78,8 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--compare", action="store_true", help="a session's log: what it says, and what this says"
     )
-    for module in _others():
-        module.add_options(parser)
+    engagement_bench.add_options(parser)
     parser.set_defaults(run=run)
-
-
-def _others() -> list[Any]:
-    names = ["woz_tui.cli.engagement_bench"]
-    return [importlib.import_module(name) for name in names if importlib.util.find_spec(name)]
 
 
 def add_settings(parser: argparse.ArgumentParser) -> None:
@@ -132,14 +130,14 @@ def run(arguments: argparse.Namespace) -> int:
         print(*error.problems, sep="\n", file=sys.stderr)
     except BrokenPipeError:
         raise
-    except (plugins.PluginError, OSError) as error:
+    except (UnreadableError, plugins.PluginError, OSError) as error:
         _tell(str(error))
     return 1
 
 
 def _run(arguments: argparse.Namespace) -> int:
     settings = settings_of(arguments)
-    if getattr(arguments, "bench", False):
+    if arguments.bench:
         from woz_tui.cli import engagement_bench  # noqa: PLC0415
 
         return engagement_bench.run(arguments, settings)
@@ -152,7 +150,10 @@ def _run(arguments: argparse.Namespace) -> int:
                 raise UsageError("a session's log is two files: name the log instead of -")
             from woz_tui.cli import engagement_log  # noqa: PLC0415
 
-            return engagement_log.run(arguments, settings)
+            try:
+                return engagement_log.run(arguments, settings)
+            except ValueError as error:  # it only looked like one
+                raise UnreadableError(str(error)) from error
         if arguments.compare:
             raise UsageError("--compare needs a session's log: lines of samples say no verdicts")
         _rows(_Lines(arguments.file, file, first), settings, _live(file))
@@ -334,13 +335,12 @@ def _live(file: BinaryIO) -> bool:
 
 
 def _is_log(name: str, first: bytes) -> bool:
-    """Whether it is a session's log, or the samples beside one."""
-    if name.endswith(".samples.jsonl"):
-        return True
-    with contextlib.suppress(ValueError, RecursionError):
+    """Whether it is a session's log, or the samples beside one: messages name their kind."""
+    try:
         line = json.loads(first)
-        return isinstance(line, dict) and line.get("kind") == "session.start"
-    return False
+    except (ValueError, RecursionError):
+        return name.endswith(".samples.jsonl") and bool(first)
+    return isinstance(line, dict) and isinstance(line.get("kind"), str)
 
 
 def _tell(text: str) -> None:

@@ -293,10 +293,16 @@ def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
         with pytest.raises(AskError, match="nothing was played as 'a00099'"):
             stage.session.mistake("a00099", "")
         assert typed == "c00002"
+        by_itself = stage.session.play("Welcome", Origin("engagement"))
+        stage.session.mistake("", "still the one by hand")
+        stage.session.mistake(by_itself, "")
 
     stage = on_stage(tmp_path, scenario)
     labels = [(line.run, line.action) for line in stage.lines if isinstance(line, m.Mistake)]
-    assert labels == [("c00002", "say"), ("a00001", "Hello")]
+    assert labels == [
+        *(("c00002", "say"), ("a00001", "Hello")),
+        *(("c00002", "say"), ("a00002", "Welcome")),
+    ]
 
 
 def test_the_session_fills_in_just_the_variables_that_files_may_use() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import os
 import wave
 from collections.abc import Mapping
 from dataclasses import replace
@@ -13,6 +14,7 @@ from PIL import Image, ImageChops, ImageSequence
 
 from docs import signal_pictures
 from tests.session.rig import HERE, action, call, experiment, together
+from woz_tui.core import messages as m
 from woz_tui.core.driver import Argument, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import STATES, EngagementSettings
@@ -79,9 +81,38 @@ def test_every_robot_shows_what_it_can(tmp_path: Path) -> None:
     assert [(each.driver, dict(each.args)) for each in calls] == [
         ("left.face", {"color": "white", "animation": "blink"}),
         ("right", {"color": "white"}),
-        ("right", {"file": str(FOLDER / "beep.wav")}),
+        ("right", {"file": os.path.relpath(FOLDER / "beep.wav", tmp_path)}),
     ]
     assert ("third", "eyes", "green") in shown(one, "UserSpeaks")
+
+
+def test_files_are_found_from_the_experiments_folder_also_through_links(tmp_path: Path) -> None:
+    (tmp_path / "deep" / "er").mkdir(parents=True)
+    (tmp_path / "link").symlink_to(tmp_path / "deep" / "er")
+    for folder in (tmp_path, tmp_path / "link"):
+        one = replace(made(folder, {"robot": (SCREEN, SOUND)}), path=folder / "made.yaml")
+        calls = [each for calls in default_signals(one).values() for each in calls]
+        assert calls
+        for each in calls:
+            assert not Path(str(each.args["file"])).is_absolute()
+            assert (folder / str(each.args["file"])).is_file()
+
+
+@pytest.mark.parametrize(
+    ("verb", "source", "run", "passing"),
+    [
+        ("eyes", "engagement", "", True),
+        ("sound", "engagement", "", True),
+        ("say", "engagement", "", False),
+        ("eyes", "engagement", "a00001", False),
+        ("eyes", "key", "", False),
+    ],
+)
+def test_signals_are_worth_no_line_of_their_own(
+    verb: str, source: str, run: str, passing: bool
+) -> None:
+    command = m.Command(command="c1", run=run, verb=verb, args={}, source=source)
+    assert command.passing is passing
 
 
 def test_what_the_experiment_says_takes_the_place_of_the_default(tmp_path: Path) -> None:

@@ -9,6 +9,9 @@ import msgspec
 
 from woz_tui.core.envelope import Json, Message
 
+#: Verbs with which a robot shows by itself how the engagement model stands.
+SIGNALS = frozenset({"eyes", "screen", "sound"})
+
 
 class ActionRequested(
     Message, frozen=True, kw_only=True, omit_defaults=True, tag="action.requested"
@@ -74,7 +77,11 @@ class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="comma
 
     @property
     def passing(self) -> bool:
-        """A panel's knob on its way: one of many a second, logged, but worth no line of its own."""
+        """A panel's knob on its way, or what a robot shows of the engagement model by itself:
+        logged, but worth no line of its own.
+        """
+        if self.source == "engagement":
+            return not self.run and self.verb in SIGNALS
         return self.source == "midi" and self.verb == "control"
 
 

@@ -16,6 +16,8 @@ from woz_tui.session.variables import MissingError, filled
 
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
+#: The source of what the robot does by itself.
+_ITSELF = "engagement"
 
 
 @dataclass(frozen=True, slots=True)
@@ -79,6 +81,9 @@ class Runner:
         self._commands = 0
         #: What was asked for, oldest first: run or command id, and the action's or verb's name.
         self.played: dict[str, str] = {}
+        #: The last of them that a human asked for: what the robot does by itself is not meant when
+        #: somebody says that the last one was a mistake.
+        self.by_hand = ""
 
     # -- asked for ---------------------------------------------------------------------------
 
@@ -112,20 +117,22 @@ class Runner:
         """Send one command that belongs to no action; with a `refusal` it is only logged."""
         command = self._command(call, origin, when_busy=when_busy)
         if not command.passing:
-            self._remember(command.command, call.verb)
+            self._remember(command.command, call.verb, origin)
         if refusal is not None:
             return self._bus.refuse(command, refusal.code, refusal.reason)
         return self._bus.submit(command, on_end)
 
-    def _remember(self, played: str, name: str) -> None:
+    def _remember(self, played: str, name: str, origin: Origin) -> None:
         self.played[played] = name
+        if origin.source != _ITSELF:
+            self.by_hand = played
         if len(self.played) > REMEMBERED:
             del self.played[next(iter(self.played))]
 
     def _request(self, name: str, panel: str, origin: Origin) -> str:
         self._actions += 1
         run = f"a{self._actions:05d}"
-        self._remember(run, name)
+        self._remember(run, name, origin)
         self._hub.publish(
             m.ActionRequested(
                 run=run,

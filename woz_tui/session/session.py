@@ -324,9 +324,9 @@ class Session:
         self.hub.publish(m.Note(text=text))
 
     def mistake(self, run: str, text: str) -> None:
-        """Label a run or a single command, or with an empty `run` the last one, as a mistake."""
+        """Label a run or a single command as a mistake; an empty `run` is the last by hand."""
         played = self.runner.played
-        wrong = run or next(reversed(played), "")
+        wrong = run or self.runner.by_hand
         if not wrong:
             raise AskError("nothing has been played yet")
         if wrong not in played:

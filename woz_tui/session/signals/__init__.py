@@ -10,6 +10,7 @@ Every robot that offers one of the verbs `eyes`, `screen` and `sound` shows what
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -35,14 +36,14 @@ class Signal:
     screen: str = ""
     sound: str = ""
 
-    def verbs(self) -> Iterator[tuple[str, dict[str, Json]]]:
-        """Verbs with their arguments, files as whole paths."""
+    def verbs(self, folder: Path) -> Iterator[tuple[str, dict[str, Json]]]:
+        """Verbs with their arguments; files as paths that start at `folder`, like all others."""
         if self.eyes:
             yield "eyes", {"color": self.eyes, "animation": self.animation}
         if self.screen:
-            yield "screen", {"file": str(FOLDER / self.screen)}
+            yield "screen", {"file": _from(folder, self.screen)}
         if self.sound:
-            yield "sound", {"file": str(FOLDER / self.sound)}
+            yield "sound", {"file": _from(folder, self.sound)}
 
 
 #: By situation. Where the paper is silent (the screen of strangers), what is near is used.
@@ -74,7 +75,7 @@ def default_signals(experiment: Experiment) -> dict[str, tuple[Call, ...]]:
     return {
         situation: tuple(
             Call(verb.name, fitting, driver, place)
-            for name, args in signal.verbs()
+            for name, args in signal.verbs(experiment.path.parent)
             for driver, verb in _offering(experiment, name)
             if (driver, name) not in _said(experiment, situation)
             for fitting in _fitting(verb, args)
@@ -116,6 +117,11 @@ class Signals:
         return tuple(
             call for call in self._calls.get(self._state, ()) if (call.driver, call.verb) in touched
         )
+
+
+def _from(folder: Path, name: str) -> str:
+    """The way from `folder` to a file of ours: the log need not tell where woz-tui is installed."""
+    return os.path.relpath(FOLDER.resolve() / name, folder.resolve())
 
 
 def _offering(experiment: Experiment, name: str) -> Iterator[tuple[str, Verb]]:

@@ -109,19 +109,29 @@ EYEPI_MOMENT = 30.1
 SHOW: tuple[Step, ...] = tuple((at, space) for at in (1.0, 3.5, 10.0, 17.0, 21.0))
 SHOW_MOMENT = 24.6
 
+#: The guide by itself: a visitor has asked something, the robot thinks.
+GUIDE_MOMENT = 171.4
+WARM = Identity(participant="P07", condition="warm", wizard="W2", seed=7)
+ALONE = Identity(participant="G01", condition="alone", wizard="W2", seed=7)
+
 
 def demo(
     steps: tuple[Step, ...],
     moment: float = MOMENT,
     experiment: str = "demo",
     watch: Callable[[Session], None] = lambda session: None,
+    who: Identity = WARM,
 ) -> Welcome:
     """What a console is told that attaches at `moment`; `watch` gets the session as it begins."""
-    return run_virtual(_demo(steps, moment, EXPERIMENTS / f"{experiment}.yaml", watch))
+    return run_virtual(_demo(steps, moment, EXPERIMENTS / f"{experiment}.yaml", watch, who))
 
 
 async def _demo(
-    steps: tuple[Step, ...], moment: float, file: Path, watch: Callable[[Session], None]
+    steps: tuple[Step, ...],
+    moment: float,
+    file: Path,
+    watch: Callable[[Session], None],
+    who: Identity,
 ) -> Welcome:
     loop = asyncio.get_running_loop()
     clock = LoopClock(loop)
@@ -129,8 +139,7 @@ async def _demo(
     experiment = load(file, drivers)
     with tempfile.TemporaryDirectory() as folder:
         recorder = Recorder(Path(folder), "demo", clock)
-        identity = Identity(participant="P07", condition="warm", wizard="W2", seed=7)
-        session = Session(experiment, drivers, identity, recorder, clock)
+        session = Session(experiment, drivers, who, recorder, clock)
         await session.open()
         watch(session)
         session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))

@@ -60,6 +60,12 @@ def show() -> ScriptedFeed:
     return _told(demo_session.demo(demo_session.SHOW, demo_session.SHOW_MOMENT, "show"))
 
 
+def guide() -> ScriptedFeed:
+    """The guide by itself: it thinks, the visitor waits."""
+    moment, who = demo_session.GUIDE_MOMENT, demo_session.ALONE
+    return _told(demo_session.demo((), moment, "guide", who=who))
+
+
 def _told(first: Welcome) -> ScriptedFeed:
     feed = ScriptedFeed()
     feed.round_trip_us = 23_000
@@ -118,6 +124,9 @@ SHOTS = (
     Shot("eyepi-small", 80, 24, eyepi),
     Shot("eyepi-body", 80, 24, eyepi, keys=(";",)),
     Shot("two-robots", 160, 50, show),
+    Shot("guide", 160, 50, guide),
+    Shot("guide-80x24", 80, 24, guide),
+    Shot("engagement", 100, 36, guide, keys=("=",)),
     Shot("knobs", 80, 24, knobs, keys=("+",)),
     Shot("stop", 80, 24, stopped),
     Shot("help", 80, 24, demo, keys=("?",)),

@@ -22,6 +22,7 @@ TABLES = {
     "blob.py": ("20 x 15 rgb24, a ball", "160 x 120 rgb24, noise", "of a core"),
     "screen_bytes.py": ("calm 80x24", "demo 80x24", "load 80x24"),
     "motion_rate.py": ("robot process", "in the console's process", "bare loop"),
+    "engagement_sample.py": ("bare queues", "the model, joint", "lines, fifo"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
 

@@ -174,17 +174,20 @@ def _found(people: People, name: str) -> Visitor:
 
 
 def _free(people: People, name: str, *, label: bool = False) -> None:
-    what = "the face label" if label else "the name"
     owner = owner_of(people, name)
-    if owner is None:
-        return
+    if owner is not None:
+        raise _taken(name, owner, label=label)
+
+
+def _taken(name: str, owner: Visitor, *, label: bool) -> RefusedError:
+    what = f"{'the face label' if label else 'the name'} {shown(name)} is taken"
     if key_of(owner.name) == key_of(name):
-        raise RefusedError(
-            f"{what} {shown(name)} is taken: there is a visitor {shown(owner.name)}",
+        return RefusedError(
+            f"{what}: there is a visitor {shown(owner.name)}",
             "take another one, or rename or forget that visitor first",
         )
-    raise RefusedError(
-        f"{what} {shown(name)} is taken: it is a face label of {shown(owner.name)}",
+    return RefusedError(
+        f"{what}: it is a face label of {shown(owner.name)}",
         "take another one, or forget that visitor first",
     )
 
@@ -254,13 +257,24 @@ def read(text: str, place: str) -> dict[str, Visitor]:
     except msgspec.ValidationError as error:
         raise _unreadable(f"{place}: {str(error).replace('$.', '')}") from None
     people: dict[str, Visitor] = {}
+    owners: dict[str, Visitor] = {}
     for number, entry in enumerate(file.visitors):
         try:
-            people = added(_visitor(entry))(people)
+            visitor = _visitor(entry)
+            _claim(owners, visitor)
         except (BadNameError, RefusedError, ValueError) as error:
             reason = getattr(error, "reason", str(error))
             raise _unreadable(f"{place}: visitors[{number}]: {reason}") from None
+        people[key_of(visitor.name)] = visitor
     return people
+
+
+def _claim(owners: dict[str, Visitor], visitor: Visitor) -> None:
+    """Note whose the name and the labels are; `RefusedError` if they are somebody else's."""
+    for text in (visitor.name, *visitor.labels):
+        owner = owners.setdefault(key_of(text), visitor)
+        if owner is not visitor:
+            raise _taken(text, owner, label=text != visitor.name)
 
 
 def _check_kind(content: Any, place: str) -> None:

@@ -264,6 +264,12 @@ class Microphone:
             f" (room {room.mean:.4f} + {k:g} x {room.sd:.4f})",
             f"write threshold: {threshold:.4f} into the robot file to keep it",
         )
+        if room.restless:
+            self._outlet.notice(
+                "warning",
+                f"it was not quiet while it listened: {room.loudest:.4f} at the loudest",
+                "play listen_room once more while nobody speaks",
+            )
         return {
             "threshold": threshold,
             "was": was,

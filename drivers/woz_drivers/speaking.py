@@ -6,6 +6,7 @@ Both come from one end-pointing, so the mark on the screen and the segments in t
 from __future__ import annotations
 
 import math
+import statistics
 from collections.abc import Sequence
 from dataclasses import dataclass
 
@@ -21,6 +22,8 @@ _CLIPS = 3
 #: A threshold is never learned lower than this: dither of a 16-bit converter is 1e-5.
 LEAST_THRESHOLD = 0.001
 _MOST_THRESHOLD = 0.9
+#: Noise of a room is never so many times as loud as its median for 20 ms.
+_STANDS_OUT = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -111,6 +114,12 @@ class Room:
     sd: float
     loudest: float
     blocks: int
+    median: float
+
+    @property
+    def restless(self) -> bool:
+        """Whether something stood out: a voice, a door. Steady noise keeps near its median."""
+        return self.loudest > max(_STANDS_OUT * self.median, LEAST_THRESHOLD)
 
     def threshold(self, k: float) -> float:
         """Mean + k standard deviations, kept within what a microphone can tell apart."""
@@ -121,7 +130,7 @@ def learn(levels: Sequence[float]) -> Room:
     """The room behind a series of block levels; at least one."""
     mean = math.fsum(levels) / len(levels)
     variance = math.fsum((level - mean) ** 2 for level in levels) / len(levels)
-    return Room(mean, math.sqrt(variance), max(levels), len(levels))
+    return Room(mean, math.sqrt(variance), max(levels), len(levels), statistics.median(levels))
 
 
 def _blocks(seconds: float) -> int:

@@ -136,6 +136,23 @@ async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedCommand) 
     await heard.state("loudness", "speaking")
 
 
+async def test_whoever_speaks_while_it_listens_is_told_to_be_quiet(
+    begin: Begin, pipe: PipedCommand
+) -> None:
+    microphone, heard = await begin(pipe.command)
+    await until(pipe.connected)
+    pipe.send(square(0.1, 0.01))
+    await heard.state("loudness", "quiet")
+    job = Ordered("listen_room", {"seconds": 0.4})
+    performing = asyncio.ensure_future(microphone.perform(job))
+    await until(lambda: bool(job.announced))
+    pipe.send(square(0.3, 0.01) + square(0.1, 0.3))
+    sent = await performing
+    assert sent["loudest"] == pytest.approx(0.3, rel=1e-3)
+    warning = heard.all(Notice)[-1]
+    assert (warning.level, "not quiet" in warning.text) == ("warning", True)
+
+
 async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedCommand) -> None:
     microphone, heard = await begin(pipe.command)
     await until(pipe.connected)

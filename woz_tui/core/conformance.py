@@ -53,6 +53,7 @@ COMMON_VERBS: Mapping[str, str] = {
     "drive": "x",
     "mode": "mode",
     "volume": "level",
+    "learn_face": "name",
 }
 
 #: Words that mean something else in every action: its own fields, and the session's verbs.

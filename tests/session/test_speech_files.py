@@ -1,0 +1,73 @@
+"""A session with a real microphone driver on a pipe: what is said lies beside its log."""
+
+from __future__ import annotations
+
+import wave
+from pathlib import Path
+
+from woz_drivers.microphone import Microphone
+from woz_drivers.microphone_settings import MicrophoneSettings
+
+from tests.drivers.heard import until
+from tests.fakes.piped_command import PipedCommand
+from tests.fakes.sound import square
+from tests.session.rig import HERE
+from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
+from woz_tui.core.driver import SPEECH
+from woz_tui.experiment.shape import DriverSpec, Experiment
+from woz_tui.record import log
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import Identity
+from woz_tui.session.preflight import preflight
+from woz_tui.session.session import Session
+
+
+def experiment(folder: Path, command: tuple[str, ...]) -> Experiment:
+    settings = MicrophoneSettings(
+        command=command,
+        threshold=0.1,
+        hang_over=0.1,
+        segments=True,
+        transcribe=("sh", "-c", 'echo "{file}" | sed "s/.*ears/heard/"'),
+    )
+    ears = DriverSpec(
+        "ears",
+        "microphone",
+        settings,
+        Microphone.verbs(settings),
+        Microphone.sensors(settings),
+        HERE,
+    )
+    return Experiment("Listening", folder / "made.yaml", "0" * 64, (ears,), ())
+
+
+async def test_the_log_names_the_file_beside_it(tmp_path: Path) -> None:
+    pipe = PipedCommand(tmp_path / "pipe")
+    clock = RealClock()
+    recorder = Recorder(tmp_path / "recordings", "2026-03-01T10-00-00_P07_S01", clock)
+    session = Session(
+        experiment(tmp_path, pipe.command),
+        {"microphone": Microphone},
+        Identity(participant="P07", condition="", wizard="W1", seed=1),
+        recorder,
+        clock,
+    )
+    heard: list[m.AnyMessage] = []
+    session.hub.listen(heard.append)
+    await session.open()
+    await until(pipe.connected)
+    pipe.send(square(0.2, 0.01) + square(0.2, 0.5) + square(0.2, 0.01))
+    await until(lambda: any(isinstance(one, m.SpeechText) for one in heard))
+    assert SPEECH not in {finding.subject for finding in await preflight(session)}
+    await session.close("enough", rest=False)
+
+    written = [line.message for line in log.read(recorder.path)]
+    (started,) = [one for one in written if isinstance(one, m.SpeechStarted)]
+    (ended,) = [one for one in written if isinstance(one, m.SpeechEnded)]
+    (text,) = [one for one in written if isinstance(one, m.SpeechText)]
+    assert (started.driver, ended.driver, text.driver) == ("ears", "ears", "ears")
+    assert ended.file == "2026-03-01T10-00-00_P07_S01.media/ears-0001.wav"
+    assert text.text == "heard-0001.wav"
+    with wave.open(str(recorder.path.parent / ended.file)) as file:
+        assert file.getnframes() / file.getframerate() == (ended.ended - ended.began) / 1e6 == 0.5

@@ -20,6 +20,7 @@ from tests.drivers.body.rig import SteppedBody
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import Driver, Outlet
 from woz_tui.core.requests import PROTOCOL, Welcome
 from woz_tui.experiment.decode import load
@@ -138,7 +139,8 @@ async def _demo(
     drivers = catalogue()
     experiment = load(file, drivers)
     with tempfile.TemporaryDirectory() as folder:
-        recorder = Recorder(Path(folder), "demo", clock)
+        # The disk works in real time: measured in virtual time it would always be too slow.
+        recorder = Recorder(Path(folder), "demo", RealClock())
         session = Session(experiment, drivers, who, recorder, clock)
         await session.open()
         watch(session)

@@ -20,6 +20,7 @@ from pathlib import Path
 from docs.demo_session import EXPERIMENTS, catalogue
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
 from woz_tui.experiment.decode import load
 from woz_tui.record import log
 from woz_tui.record.recorder import Recorder
@@ -41,7 +42,7 @@ async def _played(folder: Path, seconds: float) -> list[m.AnyMessage]:
     loop = asyncio.get_running_loop()
     clock = LoopClock(loop)
     drivers = catalogue()
-    recorder = Recorder(folder, "guide", clock)
+    recorder = Recorder(folder, "guide", RealClock())  # the disk works in real time
     identity = Identity(participant="G01", condition="alone", wizard="W1", seed=1)
     session = Session(load(GUIDE, drivers), drivers, identity, recorder, clock)
     heard: list[m.AnyMessage] = []

@@ -282,6 +282,18 @@ def test_a_visitors_name_lasts_until_they_have_left() -> None:
     assert visit.model.visitor == ""
 
 
+def test_a_name_that_outlives_its_visitor_is_not_the_next_ones() -> None:
+    visit = Visit().engage("Anna")
+    visit.see(3, **GONE, identity="Anna")
+    assert (visit.model.state, visit.model.visitor) == (State.WAIT, "Anna")
+    visit.see(1, **GONE, identity="Unknown")
+    assert visit.model.visitor == ""
+    visit.meet()
+    assert visit.model.visitor == ""
+    visit.see(1, **WITH, identity="Anna")
+    assert visit.model.visitor == "Anna"
+
+
 def test_a_name_that_was_told_is_a_name() -> None:
     visit = Visit().meet()
     visit.model.known_as("P07")
@@ -302,6 +314,19 @@ def test_a_face_that_is_recognised_corrects_the_name() -> None:
     visit.model.known_as("Bert")
     visit.see(1, **WITH, identity="Anna")
     assert visit.model.visitor == "Anna"
+
+
+def test_a_face_that_stays_does_not_take_back_what_the_wizard_says() -> None:
+    visit = Visit().engage("face-3")
+    visit.model.known_as("P07")
+    visit.see(5, **WITH, identity="face-3")
+    visit.see(5, **WITH, identity="Unknown")
+    visit.see(5, **WITH, identity="face-3")
+    assert visit.model.visitor == "P07"
+    visit.see(5, **WITH, identity="face-4")
+    assert visit.model.visitor == "face-4"
+    visit.model.known_as("")
+    assert visit.model.visitor == "face-4"
 
 
 def test_the_visitor_waits_from_the_end_of_their_speech_until_the_answer() -> None:

@@ -71,8 +71,7 @@ class Engagement:
         #: What the robot attends to beside the visitor; only shown.
         self.attention = ""
         self._failed = 0
-        self._told = ""
-        self.visitor = ""
+        self._told = self._face = self.visitor = ""
         self._events: deque[Event] = deque(maxlen=WAITING)
         self._held: deque[Event] = deque(maxlen=WAITING)
         self._engaged = False
@@ -156,7 +155,7 @@ class Engagement:
     def known_as(self, name: str) -> None:
         """The visitor's code, from the handshake or the wizard; forgotten with the visitor."""
         self._told = name
-        self.visitor = name
+        self.visitor = name or self._recognised()
         self._look()
 
     @property
@@ -296,9 +295,11 @@ class Engagement:
         now = self._time.now
         engaged = self.signs.engaged(now)
         recognised = self._recognised()
-        if recognised and recognised != self.visitor:
-            self.visitor = recognised
+        if recognised and recognised != self._face:  # somebody else: what was told is over
+            self._face = self.visitor = recognised
             self._told = ""
+        elif self.state is State.WAIT or not self.visitor:
+            self._face, self.visitor = recognised, self._told or recognised
         if engaged != self._engaged:
             self._engaged = engaged
             self._turned = now

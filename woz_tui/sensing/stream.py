@@ -57,7 +57,8 @@ class Follower:
         self.model = Engagement(settings)
         self.settings = settings
         self.mode = settings.attention.mode
-        self._sensors = _sensors(settings)
+        #: Name of a sensor that counts -> what it is for.
+        self.sensors = _sensors(settings)
         self._participant: str | None = None
         self._asked: dict[str, str] = {}
         self._says: dict[str, m.Command] = {}
@@ -69,7 +70,7 @@ class Follower:
     def reads(self, message: m.AnyMessage) -> bool:
         """Whether it means anything here: most readings of a session do not."""
         if isinstance(message, m.Reading):
-            return message.sensor in self._sensors
+            return message.sensor in self.sensors
         return type(message) in _READ
 
     def take(self, message: m.AnyMessage) -> Changes:
@@ -120,7 +121,7 @@ class Follower:
         """Go on with other settings; state, name and verdicts by hand stay."""
         self.settings = settings
         self.mode = settings.attention.mode
-        self._sensors = _sensors(settings)
+        self.sensors = _sensors(settings)
         self.model.adopt(settings)
 
     # -- steps -------------------------------------------------------------------------------------
@@ -153,7 +154,7 @@ class Follower:
         return _READ[type(message)](self, message)
 
     def _reading(self, reading: m.Reading) -> Change | None:
-        sign = self._sensors[reading.sensor]
+        sign = self.sensors[reading.sensor]
         value = reading.value
         if isinstance(value, float) and not math.isfinite(value):
             value = None

@@ -26,13 +26,6 @@ if TYPE_CHECKING:
 _SAY = "say"
 
 
-def store_of(session: Session, settings: EngagementSettings) -> Path:
-    """The file of visitors: as the experiment says, else beside the logs."""
-    if settings.visitors:
-        return session.experiment.path.parent / Path(settings.visitors).expanduser()
-    return session.recorder.path.parent / FILE
-
-
 class Visiting:
     """See the module's text.
 
@@ -45,16 +38,24 @@ class Visiting:
         self._session = session
         self._settings = settings
         self._loop = asyncio.get_running_loop()
-        self.known = self._acquaintances(store_of(session, settings))
+        # Where the log began: it may move on to another folder, the visitors do not.
+        self._beside = session.recorder.path.parent / FILE
+        self.known = self._acquaintances(self._store(settings))
         self._introduction: Introduction | None = None
         self._verbs: dict[str, m.Command] = {}
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Other settings count from the next handshake on; another file from now on."""
         self._settings = settings
-        path = store_of(self._session, settings)
+        path = self._store(settings)
         if path != self.known.path:
             self.known = self._acquaintances(path)
+
+    def _store(self, settings: EngagementSettings) -> Path:
+        """The file of visitors: as the experiment says, else beside the logs."""
+        if not settings.visitors:
+            return self._beside
+        return self._session.experiment.path.parent / Path(settings.visitors).expanduser()
 
     def _acquaintances(self, path: Path) -> Acquaintances:
         known = Acquaintances(path, self._session.hub.publish, self._later)

@@ -1,0 +1,195 @@
+"""A session's log through the model once more: the same path, or what would have been."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import random
+from pathlib import Path
+
+import pytest
+
+from docs.demo_session import EXPERIMENTS, catalogue
+from tests.fakes.virtual_time import LoopClock, run_virtual
+from woz_tui import cli
+from woz_tui.cli.engagement_compare import MOVED, ONLY_COMPUTED, ONLY_RECORDED, SAME, paired
+from woz_tui.cli.engagement_log import recounted
+from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.plugins import installed
+from woz_tui.record.log import Damage
+from woz_tui.record.recorder import Recorder
+from woz_tui.sensing.model import Change
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.runner import Origin
+from woz_tui.session.session import Session
+
+GUIDE = EXPERIMENTS / "guide.yaml"
+SECONDS = 240.0
+WIZARD = Origin("key", "k", "con1")
+
+Path_ = list[tuple[str, str, str, str, str, str, bool]]
+
+
+def path_of(changes: list[Change]) -> Path_:
+    """All that a transition says but its time."""
+    return [
+        (
+            *(change.was, change.now, change.outcome, change.why),
+            *(json.dumps(change.verdicts), change.visitor, change.forced),
+        )
+        for change in changes
+    ]
+
+
+async def _meddle(session: Session, seed: int) -> None:
+    """A wizard who presses what there is, the stop included."""
+    chance = random.Random(seed)
+    names = [action.name for panel in session.experiment.panels for action in panel.actions]
+    while True:
+        await asyncio.sleep(chance.uniform(0.2, 4.0))
+        press = chance.random()
+        try:
+            if press < 0.06:
+                session.stop("key")
+                await asyncio.sleep(chance.uniform(0.1, 3.0))
+                session.release("key")
+            elif press < 0.1:
+                session.set(participant=f"G{chance.randrange(10, 13)}")
+            elif press < 0.14:
+                session.adopt(load(GUIDE, catalogue()), [])
+            else:
+                session.play(chance.choice(names), WIZARD)
+        except AskError:
+            continue
+
+
+async def _recorded(folder: Path, seed: int | None) -> Path:
+    loop = asyncio.get_running_loop()
+    drivers = catalogue()
+    # The disk's time is real: in virtual time it would seem to stall, and the log would move on.
+    recorder = Recorder(folder, "2026-03-01T10-00-00_G01_S01", RealClock(), spill=folder / "more")
+    identity = Identity(participant="G01", condition="alone", wizard="W1", seed=1)
+    session = Session(load(GUIDE, drivers), drivers, identity, recorder, LoopClock(loop))
+    await session.open()
+    meddling = None if seed is None else loop.create_task(_meddle(session, seed))
+    await asyncio.sleep(SECONDS)
+    if meddling is not None:
+        meddling.cancel()
+    await session.close("enough", rest=False)
+    return recorder.path
+
+
+@pytest.fixture(scope="module")
+def log(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """The guide alone with its visitors for four minutes; the experiment lies beside the logs."""
+    folder = tmp_path_factory.mktemp("museum")
+    return run_virtual(_recorded(folder / "recordings", None))
+
+
+def settings() -> EngagementSettings:
+    engagement = load(GUIDE, installed()).engagement
+    assert engagement is not None
+    return engagement.settings
+
+
+def test_with_the_same_settings_the_path_is_the_same(log: Path) -> None:
+    """E5: what the session has logged comes out again, every reason and verdict included."""
+    found = recounted(log, settings(), Damage())
+    assert len(found.recorded) > 20
+    assert path_of(found.computed) == path_of(found.recorded)
+    assert all(pair.sign == SAME for pair in paired(found.recorded, found.computed))
+
+
+@pytest.mark.parametrize("seed", [1, 2, 3])
+def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int) -> None:
+    """E7: overrides, forced states, the stop, filters set while running, other participants."""
+    path = run_virtual(_recorded(tmp_path, seed))
+    found = recounted(path, settings(), Damage())
+    assert len(found.recorded) > 20
+    assert any(change.forced for change in found.recorded)
+    assert path_of(found.computed) == path_of(found.recorded)
+
+
+def test_lines_have_the_fields_of_rows(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["engagement", str(log), "--experiment", str(GUIDE)]) == 0
+    lines = [json.loads(line) for line in capsys.readouterr().out.splitlines()]
+    assert lines[0]["state"] == "PersonDetected"
+    assert list(lines[0])[:8] == [
+        *("t", "presence", "gaze", "id", "distance", "state", "outcome", "why"),
+    ]
+
+
+def test_another_filter_compared(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--experiment", str(GUIDE), "--samples", "1", "--compare"]
+    assert cli.main(["engagement", str(log), *options]) == 0
+    out = capsys.readouterr().out
+    assert max(map(len, out.splitlines())) <= 80
+    assert "first difference: at" in out
+    assert ONLY_COMPUTED in out
+    assert "as it would be" in out
+    assert cli.main(["engagement", str(log), *options, "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    figures = told["summary"]
+    assert figures["computed"] > figures["recorded"]
+    assert 0 < figures["engaged_recorded"] < 1
+    signs = [row["sign"] for row in told["rows"]]
+    assert set(signs) <= {SAME, MOVED, ONLY_COMPUTED, ONLY_RECORDED}
+    only = sum(sign == ONLY_RECORDED for sign in signs)
+    assert figures["alike"] + figures["moved"] + only == figures["recorded"]
+
+
+def test_without_a_word_the_settings_are_those_of_the_session(
+    log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The file that the session names is taken if it is found and is still the same."""
+    monkeypatch.chdir(EXPERIMENTS)
+    assert cli.main(["engagement", str(log), "--compare"]) == 0
+    captured = capsys.readouterr()
+    assert "no difference" in captured.out
+    assert "defaults" not in captured.err
+
+
+def test_an_experiment_that_is_not_there_or_another_is_told(
+    log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    assert cli.main(["engagement", str(log)]) == 0
+    assert "guide.yaml is not beside the log: these are the defaults" in capsys.readouterr().err
+    (tmp_path / "guide.yaml").write_text("title: [")
+    assert cli.main(["engagement", str(log)]) == 0
+    assert "cannot be read now" in capsys.readouterr().err
+
+
+def test_a_torn_log_is_read_as_far_as_it_goes(log: Path, tmp_path: Path) -> None:
+    torn = tmp_path / log.name
+    whole = log.read_bytes()
+    torn.write_bytes(whole[: len(whole) // 2] + b"\x00\xff{")
+    samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
+    (tmp_path / samples.name).write_bytes(samples.read_bytes())
+    damage = Damage()
+    found = recounted(torn, settings(), damage)
+    assert damage.sentences()
+    assert path_of(found.computed)[:5] == path_of(found.recorded)[:5]
+
+
+def change(t: float, was: str, now: str) -> Change:
+    return Change(round(t * 1e6), was, now, "x", "", {}, "", False)
+
+
+def test_pairs_stand_in_the_order_of_time() -> None:
+    recorded = [change(1, "Wait", "A"), change(2, "A", "B"), change(9, "B", "A")]
+    computed = [change(1.05, "Wait", "A"), change(3, "A", "B"), change(4, "B", "C")]
+    signs = [pair.sign for pair in paired(recorded, computed)]
+    assert signs == [SAME, MOVED, ONLY_COMPUTED, ONLY_RECORDED]
+
+
+def test_the_samples_of_a_log_are_the_log_too(
+    log: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
+    assert cli.main(["engagement", str(samples), "--experiment", str(GUIDE)]) == 0
+    assert capsys.readouterr().out
+    assert m.FORMAT == "woz-session"

@@ -1,0 +1,177 @@
+"""Two paths through the states side by side: as it was recorded, as it would have been."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+from rich.console import Console
+from rich.table import Table
+
+from woz_tui.cli.engagement_log import Recount, line_of
+from woz_tui.core.messages import Json
+from woz_tui.sensing.machine import ENGAGED, State
+from woz_tui.sensing.model import Change
+from woz_tui.sensing.passing import SECOND
+
+#: The same transition within this time is the same; later or earlier by up to the second, moved.
+SAME_US, MOVED_US = 200_000, 10 * SECOND
+#: Columns of a page that goes into a file or a pipe.
+_PAGE = 80
+#: What stands between the two paths.
+SAME, MOVED, ONLY_RECORDED, ONLY_COMPUTED = "=", "~", "<", ">"
+
+
+@dataclass(frozen=True, slots=True)
+class Pair:
+    """One line of the comparison: the recorded transition, the computed one, or both."""
+
+    recorded: Change | None
+    computed: Change | None
+
+    @property
+    def t(self) -> int:
+        """When, in microseconds; the recorded time where there are two."""
+        change = self.recorded or self.computed
+        return change.t if change else 0
+
+    @property
+    def sign(self) -> str:
+        """How they agree."""
+        if self.computed is None:
+            return ONLY_RECORDED
+        if self.recorded is None:
+            return ONLY_COMPUTED
+        return SAME if abs(self.computed.t - self.recorded.t) <= SAME_US else MOVED
+
+
+def paired(recorded: Sequence[Change], computed: Sequence[Change]) -> list[Pair]:
+    """Both paths in the order of time; equal transitions that lie close are one line."""
+    return list(_pairs(recorded, computed))
+
+
+def _pairs(recorded: Sequence[Change], computed: Sequence[Change]) -> Iterator[Pair]:
+    left = right = 0
+    while left < len(recorded) and right < len(computed):
+        one, other = recorded[left], computed[right]
+        if _alike(one, other):
+            yield Pair(one, other)
+            left, right = left + 1, right + 1
+        elif one.t <= other.t:
+            yield Pair(one, None)
+            left += 1
+        else:
+            yield Pair(None, other)
+            right += 1
+    yield from (Pair(one, None) for one in recorded[left:])
+    yield from (Pair(None, other) for other in computed[right:])
+
+
+def _alike(one: Change, other: Change) -> bool:
+    same = (one.was, one.now, one.outcome) == (other.was, other.now, other.outcome)
+    return same and abs(one.t - other.t) <= MOVED_US
+
+
+def engaged_share(path: Sequence[Change], end: int) -> float:
+    """Share of the time from the start to `end` in which somebody was engaged, 0 to 1."""
+    total, since, state = 0, 0, State.WAIT.value
+    for change in [*path, None]:
+        until = end if change is None else change.t
+        if state in ENGAGED:
+            total += until - since
+        if change is not None:
+            since, state = change.t, change.now
+    return total / end if end > 0 else 0.0
+
+
+def summary(recount: Recount, pairs: Sequence[Pair]) -> dict[str, Json]:
+    """Figures of both paths; `first_difference` in seconds, or null where there is none."""
+    different = next((pair for pair in pairs if pair.sign != SAME), None)
+    return {
+        "seconds": recount.end / SECOND,
+        "recorded": len(recount.recorded),
+        "computed": len(recount.computed),
+        "alike": sum(pair.sign == SAME for pair in pairs),
+        "moved": sum(pair.sign == MOVED for pair in pairs),
+        "engaged_recorded": round(engaged_share(recount.recorded, recount.end), 4),
+        "engaged_computed": round(engaged_share(recount.computed, recount.end), 4),
+        "first_difference": None if different is None else different.t / SECOND,
+    }
+
+
+def show(recount: Recount, *, as_json: bool) -> None:
+    """Print the comparison."""
+    pairs = paired(recount.recorded, recount.computed)
+    if as_json:
+        rows: list[Json] = [
+            {
+                "sign": pair.sign,
+                "recorded": line_of(pair.recorded) if pair.recorded else None,
+                "computed": line_of(pair.computed) if pair.computed else None,
+            }
+            for pair in pairs
+        ]
+        print(json.dumps({"rows": rows, "summary": summary(recount, pairs)}, ensure_ascii=False))
+        return
+    console = Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(highlight=False, width=_PAGE)
+    console.print(_table(pairs))
+    for sentence in _sentences(summary(recount, pairs)):
+        console.print(sentence)
+
+
+def _table(pairs: Sequence[Pair]) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0))
+    table.add_column("time", justify="right", no_wrap=True)
+    table.add_column("as it was", overflow="fold")
+    table.add_column("", no_wrap=True)
+    table.add_column("as it would be", overflow="fold")
+    for pair in pairs:
+        style = {ONLY_RECORDED: "red", ONLY_COMPUTED: "green", MOVED: "yellow"}.get(pair.sign, "")
+        table.add_row(
+            _clock(pair.t), _cell(pair.recorded), pair.sign, _second_cell(pair), style=style
+        )
+    return table
+
+
+def _clock(t: int) -> str:
+    """Minutes and seconds, with tenths."""
+    tenths = round(t / (SECOND / 10))
+    return f"{tenths // 600}:{tenths // 10 % 60:02d}.{tenths % 10}"
+
+
+def _cell(change: Change | None) -> str:
+    if change is None:
+        return ""
+    return f"{change.now} ({change.outcome}{', forced' if change.forced else ''})"
+
+
+def _second_cell(pair: Pair) -> str:
+    if pair.sign != MOVED or pair.recorded is None or pair.computed is None:
+        return _cell(pair.computed)
+    later = (pair.computed.t - pair.recorded.t) / SECOND
+    return f"{_cell(pair.computed)} {later:+.1f} s"
+
+
+def _sentences(figures: dict[str, Json]) -> Iterator[str]:
+    yield ""
+    yield (
+        f"transitions: {figures['recorded']} as it was, {figures['computed']} as it would be;"
+        f" {figures['alike']} the same (=), {figures['moved']} at another time (~)"
+    )
+    yield (
+        f"engaged: {_per_cent(figures['engaged_recorded'])} of the time as it was,"
+        f" {_per_cent(figures['engaged_computed'])} as it would be"
+    )
+    first = figures["first_difference"]
+    if isinstance(first, float):
+        yield f"first difference: at {_clock(round(first * SECOND))}"
+    else:
+        yield "no difference"
+
+
+def _per_cent(share: Json) -> str:
+    return f"{share:.1%}" if isinstance(share, float) else "?"

@@ -2,11 +2,12 @@
 
     python benchmarks/screen_bytes.py [--seconds 12] [--quick]
 
-Five scenes at 80 x 24 and 160 x 50: calm (a session in which nothing happens), demo (`woz demo`:
+Seven scenes at 80 x 24 and 160 x 50: calm (a session in which nothing happens), demo (`woz demo`:
 a visitor comes, looks and goes, the robot breathes and plays what is asked of it), breathing and
 moving (`woz demo --robot eyepi`: a body with its face and links, left alone and playing moves),
-load (six readings at 30 Hz and 300 log lines a second). In demo, moving and load a key is pressed
-every second.
+engaged and model (`woz demo --robot guide`: the engagement model among the meters, and on its own
+screen), load (six readings at 30 Hz and 300 log lines a second). In demo, moving and load a key is
+pressed every second.
 Bytes are counted as they leave the pseudo-terminal, uncompressed.
 """
 
@@ -26,11 +27,22 @@ from benchmarks.sessions import Bench, Terminal, bench, woz
 GOAL_CALM, GOAL_BUSY = 4_000, 25_000
 SIZES = ((80, 24), (160, 50))
 #: Keys of the demo that are actions of the robot, and of the bench.
-PRESSED = {"calm": b"", "demo": b"hwynm", "breathing": b"", "moving": b"dnsjl", "load": b"abcde"}
+PRESSED = {
+    "calm": b"",
+    "demo": b"hwynm",
+    "breathing": b"",
+    "moving": b"dnsjl",
+    "engaged": b"",
+    "model": b"",
+    "load": b"abcde",
+}
+#: What is pressed once before anything is counted.
+OPENED = {"model": b"="}
 #: Scenes in which little happens.
 QUIET = ("calm", "breathing")
 #: Scenes of a robot that comes with woz-tui.
 ROBOTS = {"demo": "simulated", "breathing": "eyepi", "moving": "eyepi"}
+ROBOTS |= {"engaged": "guide", "model": "guide"}
 #: The first paintings and the robot process's start are over after this, in seconds.
 WARM_S = 3.0
 
@@ -49,7 +61,10 @@ class Cost:
 def command(name: str, it: Bench) -> Sequence[str]:
     """How a scene is started."""
     robot = ROBOTS.get(name)
-    return woz("demo", "--robot", robot, *it.options()) if robot else it.run_command()
+    if robot is None:
+        return it.run_command()
+    group = ("--participant", "G01") if robot == "guide" else ()
+    return woz("demo", "--robot", robot, *it.options(), *group)
 
 
 def watch(name: str, size: tuple[int, int], seconds: float, warm: float) -> Cost:
@@ -60,6 +75,7 @@ def watch(name: str, size: tuple[int, int], seconds: float, warm: float) -> Cost
         Terminal(command(name, it), it.environ(), rows=rows, columns=columns) as console,
     ):
         console.wait_for(b"REC")
+        console.press(OPENED.get(name, b""))
         time.sleep(warm)
         both = psutil.Process(console.process.pid), console.robot()
         begun, sent, before = time.monotonic(), console.bytes, [_cpu_s(one) for one in both]

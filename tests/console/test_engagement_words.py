@@ -46,7 +46,9 @@ def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
     change = engaged.changed("Wait", "PersonDetected", "human_presence", "present", 0)
     assert line(change) == ("info", "PersonDetected", "present")
     forced = msgspec.structs.replace(change, forced=True)
-    assert line(forced) == ("forced", "PersonDetected", "forced: present")
+    assert line(forced) == ("forced", "PersonDetected", "by hand: present")
+    by_name = msgspec.structs.replace(forced, why="forced by the wizard")
+    assert line(by_name)[2] == "forced by the wizard"
     (event,) = told(forced)
     for glyphs in (UNICODE, ASCII):
         row = event_row(event, Picture(), Frame(60, 1, NOW, glyphs))
@@ -121,6 +123,22 @@ def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: st
         command="c1", verb=verb, args=args, driver="engagement", source="key", t=NOW
     )
     assert told(command)[0].text == words
+
+
+def test_a_toggled_sign_is_told_as_it_is_then() -> None:
+    asked = m.Command(
+        command="c1", verb="toggle", args={"sign": "gaze"}, driver="engagement", source="key", t=NOW
+    )
+    done = m.Done(
+        command="c1",
+        driver="engagement",
+        sent={"sign": "gaze", "value": "off"},
+        latency_us=1,
+        duration_us=2,
+        t=NOW,
+    )
+    (event,) = told(asked, done)
+    assert (event.text, event.mark) == ("gaze no, by hand", "done")
 
 
 @given(

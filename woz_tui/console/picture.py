@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 import msgspec
 
 from woz_tui.console.bodies.outlines import Outline, outlines_of
+from woz_tui.console.engagement.orders import done_words
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.feed import Incoming
 from woz_tui.console.parts import (
@@ -189,6 +190,7 @@ class Picture:
             for event in reversed(self.events):
                 if event.run == outcome.run:
                     event.end(outcome)
+                    event.text = done_words(message) or event.text
                     return
         told = event_of(message, self)
         if told is not None and not (self.events and self.events[-1].again(told)):

@@ -177,7 +177,8 @@ def _sensor(message: m.SensorChanged, picture: Picture) -> Event | None:
 
 def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:
     if message.forced:
-        return Event(message.t, "forced", message.now, f"forced: {message.why}")
+        why = message.why if message.why.startswith("forced") else f"by hand: {message.why}"
+        return Event(message.t, "forced", message.now, why)
     return Event(message.t, "info", message.now, message.why)
 
 

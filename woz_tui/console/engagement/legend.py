@@ -26,7 +26,7 @@ def legend_rows(
             (
                 ("Keys play the robot. ", "muted"),
                 (" tab ", "key"),
-                (" takes the model into your hand: ", "plain"),
+                (" takes the model in hand: ", "plain"),
                 (keys, "muted"),
             )
         ]

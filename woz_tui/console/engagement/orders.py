@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 
 #: The driver of the model's verbs, and the verbs that no other driver has.
@@ -19,6 +20,13 @@ def order_words(verb: str, args: Args) -> str:
     if tell is not None:
         return tell(args)
     return " ".join(str(part) for part in (verb, *args.values()) if part not in ("", None))
+
+
+def done_words(message: m.Message) -> str:
+    """How a sign is after the wizard has turned it the other way; else nothing."""
+    if isinstance(message, m.Done) and message.driver == ENGAGEMENT and "value" in message.sent:
+        return _sense(message.sent)
+    return ""
 
 
 def _text(args: Args, name: str) -> str:

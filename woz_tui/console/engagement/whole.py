@@ -31,7 +31,7 @@ from woz_tui.experiment.engagement import CONDITION
 from woz_tui.sensing.proxemics import zone
 
 #: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
-_NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 27
+_NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 28
 #: Cells from which the filter is named.
 _WITH_FILTER = 70
 #: The bar's cells at the most.

@@ -60,7 +60,7 @@ def _table(rows: Sequence[Sequence[float]], yes: bool) -> tuple[float, ...]:
 
 #: Nothing within reach: that is how it is with nobody there, but of somebody who is there an echo
 #: was rather lost than that they are seen so far away.
-_UNSEEN = 0.25
+_UNSEEN = 0.15
 _BY_WALL = (_YES, _YES, _YES, _YES, _OPEN, _NO)
 _BY_FAR = (_UNSEEN, _UNSEEN, _UNSEEN, _UNSEEN, _OPEN, _YES)
 _BY_NEAR = (_NO, _NO, _NO, _NO, _OPEN, _YES)
@@ -108,6 +108,7 @@ class Joint:
         self._pass(t)
         if sign == "identity":
             self._names.take(str(value))
+            self._names.judge(self._views[sign].needed / PLACES)
         elif isinstance(value, str) or math.isnan(value):
             return
         elif sign == "distance":
@@ -139,12 +140,12 @@ class Joint:
         if sign == "distance":
             near = (sum(self._shares[at : at + CONDITIONS]) for at in _NEAR)
             return min(1.0, sum(near))
-        return self._names.best[1]
+        return self._names.share
 
     @property
     def name(self) -> str:
-        """The likeliest name, or "Unknown" before any."""
-        return self._names.best[0]
+        """The name that is believed, or "Unknown"."""
+        return self._names.given
 
     def _pass(self, t: int) -> None:
         if self._t is None:
@@ -173,7 +174,10 @@ class Joint:
 
 
 class Sign:
-    """What the joint filter says about one sign: `count` per cent are sure, `needed` suffice."""
+    """What the joint filter says about one sign: `count` per cent are sure, `needed` suffice.
+
+    A name that was given stays until another is clearly likelier, also below `needed`.
+    """
 
     kind = "joint"
     places = PLACES
@@ -217,17 +221,17 @@ class Sign:
 
     @property
     def verdict(self) -> int | None:
-        """1 or 0; before the first sample 0, or None under `hold`. Nobody becomes a name."""
+        """1 or 0; before the first sample 0, or None under `hold`."""
         if not self.heard:
             return self._silent
-        if self._sign == "identity" and self._joint.name == UNKNOWN:
-            return 0
+        if self._sign == "identity":
+            return int(self._joint.name != UNKNOWN)
         return int(self.count >= self.needed)
 
     @property
     def name(self) -> str:
-        """For identity: the name if it is sure enough, else "Unknown"."""
-        return self._joint.name if self._sign == "identity" and self.verdict else UNKNOWN
+        """For identity: the name that is believed, else "Unknown"."""
+        return self._joint.name if self._sign == "identity" and self.heard else UNKNOWN
 
 
 def _distances(metres: float, near: float) -> tuple[float, ...]:

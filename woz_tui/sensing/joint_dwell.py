@@ -34,7 +34,7 @@ LOOKS_UP = 40.0
 #: Shares of those who come: already near, already looking; and of those who go: out of reach.
 COME_NEAR = 0.5
 COME_LOOKING = 0.3
-GO_FAR = 0.98
+GO_FAR = 0.99
 
 # What fools the readings: mean time between two, and how long one lasts.
 MISSED = (40.0, 0.3)

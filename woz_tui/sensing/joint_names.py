@@ -3,7 +3,8 @@
 Hypotheses are a stranger and up to eight names; each has three conditions: recognised rightly,
 lapsed (the recogniser says "Unknown" about somebody it knows), mistaken (it says another name). A
 visitor keeps their name while they are there; whoever is lost takes it along. No name has an
-advantage over another: with the names swapped the verdicts are swapped.
+advantage over another: with the names swapped the verdicts are swapped. A name that was given
+stays until another hypothesis is clearly likelier, so that A B A B does not flip.
 """
 
 from __future__ import annotations
@@ -21,11 +22,13 @@ MISTAKES, MISTAKE = 60.0, 0.3
 SWAPS = 300.0
 #: Chance that a stranger's first name is right: below one half, so that one sample never names.
 POOL = 0.02
+#: So many times likelier than the name given is clearly likelier.
+CLEARLY = 3.0
 _YES, _NO = 0.95, 0.02
 
 
 class Names:
-    """Probabilities of who it is; `best` is the likeliest name with its probability."""
+    """Probabilities of who it is. `given` is the name that is believed, or "Unknown"."""
 
     def __init__(self) -> None:
         self._held: dict[str, tuple[float, float, float]] = {}
@@ -34,7 +37,26 @@ class Names:
     def forget(self) -> None:
         """Nobody has been recognised yet."""
         self._held = {UNKNOWN: (1.0, 0.0, 0.0)}
-        self.best = (UNKNOWN, 0.0)
+        self.given = UNKNOWN
+
+    def __len__(self) -> int:
+        """How many names are held."""
+        return len(self._held) - 1
+
+    @property
+    def share(self) -> float:
+        """How likely the name given is, or the likeliest if there is none: 0..1."""
+        return self._best()[1] if self.given == UNKNOWN else self._share(self.given)
+
+    def judge(self, needed: float) -> None:
+        """Give a name that is as likely as `needed`, or take one back."""
+        if self.given != UNKNOWN:
+            rival = max(self._share(name) for name in self._held if name != self.given)
+            if rival > CLEARLY * self._share(self.given):
+                self.given = UNKNOWN
+        if self.given == UNKNOWN:
+            name, share = self._best()
+            self.given = name if share >= needed else UNKNOWN
 
     def passed(self, elapsed: int) -> None:
         """Time goes by, in microseconds: conditions change, and others may stand there."""
@@ -64,7 +86,6 @@ class Names:
             name: (good * scale, lapsed * scale, mistaken * scale)
             for name, (good, lapsed, mistaken) in weighed.items()
         }
-        self.best = self._best()
 
     def _admit(self, name: str) -> None:
         """A new hypothesis takes its share from the stranger."""
@@ -77,11 +98,11 @@ class Names:
         self._held[name] = (good * POOL, 0.0, 0.0)
 
     def _best(self) -> tuple[str, float]:
-        known = [(name, sum(shares)) for name, shares in self._held.items() if name != UNKNOWN]
-        if not known:
-            return UNKNOWN, 0.0
-        name, share = max(known, key=lambda pair: pair[1])
-        return name, min(1.0, share)
+        known = [(name, self._share(name)) for name in self._held if name != UNKNOWN]
+        return max(known, key=lambda pair: pair[1], default=(UNKNOWN, 0.0))
+
+    def _share(self, name: str) -> float:
+        return min(1.0, sum(self._held.get(name, ())))
 
 
 def _weighed(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
+from typing import Any
 
 from woz_tui.experiment.engagement import CONDITION, SIGNS, EngagementSettings
 from woz_tui.sensing.bench.scenes import NAME, Row
@@ -15,25 +16,26 @@ from woz_tui.sensing.joint import Joint, Sign
 Filter = Fifo | IdentityFifo | Sign
 
 
-@dataclass(frozen=True, slots=True)
 class Bank:
     """One filter per sign."""
 
-    filters: Mapping[str, Filter]
+    def __init__(self, filters: Mapping[str, Filter]) -> None:
+        self.filters = filters
+        self._takes: dict[str, Callable[[Any, int], None]] = {
+            sign: taker.take for sign, taker in filters.items()
+        }
+        self._condition = [filters[sign] for sign in CONDITION]
 
     def take(self, row: Row) -> None:
         """The samples of one moment."""
+        t = row.t
         for sign, value in row.samples:
-            taker = self.filters[sign]
-            if isinstance(taker, IdentityFifo):
-                taker.take(str(value), row.t)
-            elif not isinstance(value, str) or isinstance(taker, Sign):
-                taker.take(value, row.t)  # type: ignore[arg-type]
+            self._takes[sign](value, t)
 
     @property
     def engaged(self) -> bool:
         """The condition of engagement."""
-        return all(self.filters[sign].verdict == 1 for sign in CONDITION)
+        return all(taker.verdict == 1 for taker in self._condition)
 
     def says(self, sign: str) -> bool:
         """Whether a sign says yes; identity, whether it is the right name."""
@@ -68,7 +70,7 @@ def queues(
         }
         return Bank(filters)
 
-    return Candidate(key or f"fifo-{samples}", label or f"fifo, n = {samples}", made)
+    return Candidate(key or f"fifo-{samples}", label or f"fifo {samples}", made)
 
 
 def joint(near: float, glance: float, key: str = "joint", label: str = "joint") -> Candidate:
@@ -88,7 +90,7 @@ def configured(settings: EngagementSettings) -> Candidate:
         shared = Joint(settings.social_distance, glance=settings.joint.glance)
         return Bank({sign: _own(settings, sign, shared) for sign in SIGNS})
 
-    return Candidate("experiment", "this experiment", made)
+    return Candidate("experiment", "experiment", made)
 
 
 def _own(settings: EngagementSettings, sign: str, shared: Joint) -> Filter:
@@ -115,12 +117,12 @@ def field_of(settings: EngagementSettings) -> list[Candidate]:
     near = settings.social_distance
     glance = settings.joint.glance
     found = [
-        queues(1, near, key="none", label="no filter"),
+        queues(1, near, key="none", label="none"),
         queues(3, near),
         queues(5, near),
-        queues(8, near, key="published", label="fifo, n = 8 *"),
+        queues(8, near, key="published", label="fifo 8 *"),
         queues(15, near),
-        queues(8, near, key="median", label="median, n = 8", median=True),
+        queues(8, near, key="median", label="median 8", median=True),
         joint(near, glance),
     ]
     return found if _usual(settings) else [*found, configured(settings)]

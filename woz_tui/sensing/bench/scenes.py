@@ -66,7 +66,8 @@ class Scene:
 
     `walks`: the visitor steps back slowly instead of at once; the moment is that of crossing the
     social distance. `glances` are away from the robot for who attends, and at it for who does not.
-    `ghosts`: with nobody there the errors are of another kind (see `_ghost`).
+    `ghosts`: with nobody there the errors are of another kind (see `_ghost`). `named`: faces are
+    recognised, too.
     """
 
     name: str
@@ -75,6 +76,7 @@ class Scene:
     glances: Away | None = None
     walks: bool = False
     ghosts: bool = False
+    named: bool = False
 
     @property
     def lasts(self) -> float:
@@ -82,7 +84,7 @@ class Scene:
         return CALM + WINDOW if self.before == self.after else HAPPENS + WATCHED
 
 
-STAYING = Scene("staying", ENGAGED, ENGAGED)
+STAYING = Scene("staying", ENGAGED, ENGAGED, named=True)
 SCENES = {
     scene.name: scene
     for scene in (
@@ -133,7 +135,8 @@ def played(
     truth = _course(scene, chance, moment, near)
     faults = Faults(errors, chance, scene.lasts, CALM)
     sensors = _Sensors(chance, faults, near, scene.ghosts)
-    phases = [0.0] * 4 if together else [chance.uniform(0.0, period) for _ in range(4)]
+    signs = 4 if scene.named else 3
+    phases = [0.0 if together else chance.uniform(0.0, period) for _ in range(signs)]
     readings = sorted(
         (at + phase, index)
         for at in _ticks(period, scene.lasts - period)
@@ -197,17 +200,17 @@ class _Sensors:
         self._ghosts = ghosts
 
     def read(self, index: int, at: float, truth: Truth) -> tuple[str, float | str]:
-        """The sample of one sign: presence, identity, gaze, distance."""
+        """The sample of one sign: presence, gaze, distance, identity."""
         if self._ghosts:
             truth = self._ghost(at, truth)
         missed = not self._ghosts and self._faults.during("people", at)
         present = truth.present != missed
         if index == 0:
             return "presence", float(present)
-        if index == 1:
+        if index == 3:
             lapsed = missed or not truth.present or self._faults.during("face", at)
             return "identity", "Unknown" if lapsed else NAME
-        if index == 2:
+        if index == 1:
             looks = truth.looks != self._faults.during("gaze", at)
             return "gaze", float(looks and not missed and truth.present)
         if self._faults.during("distance", at):

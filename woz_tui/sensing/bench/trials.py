@@ -51,7 +51,9 @@ def takes(scene: Scene, world: World, runs: int, seed: int) -> list[Take]:
 
 @dataclass(frozen=True, slots=True)
 class Steady:
-    """Runs in which nothing happens: how many stayed right, and how often one turned wrong."""
+    """Runs in which nothing happens: how many stayed right, and how often E turned wrong in how
+    many seconds. Of visitors who stay, only the first wrong turn of a run is counted.
+    """
 
     runs: int
     right: int
@@ -85,6 +87,8 @@ def _turns(candidate: Candidate, film: Take, engaged: bool) -> int:
         if row.t >= CALM * 1e6:
             was, right = right, bank.engaged == engaged
             turns += was and not right
+            if turns and engaged:
+                break
     return turns
 
 

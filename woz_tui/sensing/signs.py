@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from typing import TypedDict
+from typing import Any, TypedDict
 
 from woz_tui.core.engaged import SignShown
 from woz_tui.experiment.engagement import EngagementSettings
@@ -14,11 +14,10 @@ from woz_tui.sensing.joint import Joint
 from woz_tui.sensing.joint import Sign as JointSign
 from woz_tui.sensing.passing import SECOND, microseconds
 from woz_tui.sensing.samples import UNKNOWN
+from woz_tui.sensing.steady import Steady
 
 #: Nobody counts as engaged on samples older than this, whatever the settings say; microseconds.
 FRESH = 2 * SECOND
-#: So many samples of a queue are told to the joint filter when it takes over.
-_CAUGHT_UP = 4
 #: What a verdict is called: no, yes.
 WORDS = {
     "presence": ("nobody is there", "present"),
@@ -35,33 +34,42 @@ class _Filled(TypedDict):
 
 
 class Heard:
-    """When a sensor was heard last. Times are the model's, in microseconds."""
+    """A sensor and its filter: when it was heard last. Times are the model's, in microseconds."""
+
+    _steady: Steady[Any]
 
     def __init__(self, name: str, settings: EngagementSettings, now: int) -> None:
         self.name = name
+        self._start_up = settings.start_up
         self.stale_after = _stale_after(name, settings)
-        self.farthest = settings.farthest
         self.heard_at = now
         #: Whether it was ever heard, and whether that is too long ago.
         self.ever = False
         self.stale = False
 
+    def pass_to(self, now: int) -> None:
+        """Time passes; a sensor that says nothing for too long is stale, and its queue empty."""
+        if not self.stale and now - self.heard_at > self.stale_after:
+            self.stale = True
+            self._steady.forget()
+
+    def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
+        """Another filter, or other numbers for it; None leaves them as they are."""
+        self._steady.configure(kind, count, threshold, self.heard_at)
+
     def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
         """Go on with what is new in the settings."""
-        own = settings.sign(self.name)
-        self.stale_after = microseconds(settings.stale if own.stale is None else own.stale)
-        self.farthest = settings.farthest
+        self.stale_after = _stale_after(self.name, settings)
+        self._start_up = self._steady.queue.start_up = settings.start_up
+        new = numbers(self.name, settings)
+        if new != numbers(self.name, before):
+            self.configure(*new)
 
-    def _heard(self, now: int) -> None:
+    def _takes(self, value: float | str, now: int) -> None:
         self.heard_at = now
         self.ever = True
         self.stale = False
-
-    def _turns_stale(self, now: int) -> bool:
-        if self.stale or now - self.heard_at <= self.stale_after:
-            return False
-        self.stale = True
-        return True
+        self._steady.take(value, now)
 
 
 def _stale_after(name: str, settings: EngagementSettings) -> int:
@@ -80,81 +88,44 @@ def numbers(name: str, settings: EngagementSettings) -> tuple[str, int, float]:
 
 
 class Sign(Heard):
-    """Presence, gaze or distance. `joint` is what all signs share that are filtered jointly.
+    """Presence, gaze or distance. `joint` is what all signs share that are filtered jointly."""
 
-    The queue is always filled, so that it is there when the filter is changed while running.
-    """
+    _steady: Steady[Fifo]
 
     def __init__(self, name: str, settings: EngagementSettings, joint: Joint, now: int) -> None:
         super().__init__(name, settings, now)
         self.near = settings.social_distance
+        self._farthest = settings.farthest
         self.raw: float | None = None
         #: The wizard's verdict, or metres.
         self.forced: float | bool | None = None
-        kind, count, threshold = numbers(name, settings)
-        self._start_up = settings.start_up
-        self._joint = joint.view(name)
-        self._joint.configure(count, threshold)
-        self._queue = self._made(kind, count, threshold)
-        self._jointly = kind == "joint"
+        self._steady = Steady(self._made, joint.view(name), numbers(name, settings))
 
     @property
     def filter(self) -> Filter:
         """What makes the verdict."""
-        return self._joint if self._jointly else self._queue
+        return self._steady.filter
 
     def take(self, value: object, now: int) -> bool:
         """A sample, whatever it is; whether it is one."""
-        meant = (
-            samples.metres(value, self.farthest) if self.name == "distance" else samples.flag(value)
-        )
+        far = self._farthest
+        meant = samples.metres(value, far) if self.name == "distance" else samples.flag(value)
         if meant is None:
             return False
         self.raw = float(value) if isinstance(value, bool) else samples.number(value)
-        self._heard(now)
-        self._queue.take(meant, now)
-        if self._jointly:
-            self._joint.take(meant, now)
+        self._takes(meant, now)
         return True
-
-    def pass_to(self, now: int) -> None:
-        """Time passes; a sensor that says nothing for too long is stale, and its queue empty."""
-        if self._turns_stale(now):
-            self._queue.forget()
-            self._joint.forget()
-
-    def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
-        """Another filter, or other numbers for it; it keeps what it holds as far as it fits."""
-        queue = self._queue
-        count = queue.places if count is None else count
-        threshold = queue.threshold if threshold is None else threshold
-        self._joint.configure(count, threshold)
-        if kind in ("fifo", "median") and kind != queue.kind:
-            self._queue = self._made(kind, count, threshold)
-            self._queue.resume(queue.values)
-        else:
-            queue.configure(count, threshold)
-        if kind == "joint" and not self._jointly:
-            self._joint.forget()
-            for value in self._queue.values[-_CAUGHT_UP:]:
-                self._joint.take(value, self.heard_at)
-        self._jointly = self._jointly if kind is None else kind == "joint"
 
     def near_within(self, metres: float) -> None:
         """Another social distance."""
         self.near = metres
         if self.name == "distance":
-            self._queue.near_within(metres)
+            self._steady.queue.near_within(metres)
 
     def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
         """Go on with what is new in the settings."""
+        self._farthest = settings.farthest
         super().adopt(settings, before)
-        if settings.start_up != before.start_up:
-            self._start_up = settings.start_up
-            self._queue.start_up = settings.start_up
-        kind, count, threshold = numbers(self.name, settings)
-        if (kind, count, threshold) != numbers(self.name, before):
-            self.configure(kind, count, threshold)
 
     def fresh(self, now: int) -> bool:
         """Whether somebody may count as engaged by it."""
@@ -209,21 +180,19 @@ class Sign(Heard):
 class Identity(Heard):
     """Who the visitor is."""
 
+    _steady: Steady[IdentityFifo]
+
     def __init__(self, settings: EngagementSettings, joint: Joint, now: int) -> None:
         super().__init__("identity", settings, now)
         self.raw: str = ""
         #: The name that the wizard gives, which may be "Unknown".
         self.forced: str | None = None
-        kind, count, threshold = numbers("identity", settings)
-        self._joint = joint.view("identity")
-        self._joint.configure(count, threshold)
-        self._queue = IdentityFifo(count, threshold, settings.start_up)
-        self._jointly = kind == "joint"
+        self._steady = Steady(self._made, joint.view("identity"), numbers("identity", settings))
 
     @property
     def filter(self) -> IdentityFifo | JointSign:
         """What makes the verdict."""
-        return self._joint if self._jointly else self._queue
+        return self._steady.filter
 
     def take(self, value: object, text: str, now: int) -> bool:
         """A recognition, whatever it is; whether it is one."""
@@ -231,38 +200,8 @@ class Identity(Heard):
         if name is None:
             return False
         self.raw = name
-        self._heard(now)
-        self._queue.take(name, now)
-        if self._jointly:
-            self._joint.take(name, now)
+        self._takes(name, now)
         return True
-
-    def pass_to(self, now: int) -> None:
-        """Time passes; what has not been heard for too long is forgotten."""
-        if self._turns_stale(now):
-            self._queue.forget()
-            self._joint.forget()
-
-    def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
-        """Another filter, or other numbers for it; it keeps what it holds as far as it fits."""
-        queue = self._queue
-        count = queue.places if count is None else count
-        threshold = queue.threshold if threshold is None else threshold
-        queue.configure(count, threshold)
-        self._joint.configure(count, threshold)
-        if kind == "joint" and not self._jointly:
-            self._joint.forget()
-            for name in queue.values[-_CAUGHT_UP:]:
-                self._joint.take(name, self.heard_at)
-        self._jointly = self._jointly if kind is None else kind == "joint"
-
-    def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
-        """Go on with what is new in the settings."""
-        super().adopt(settings, before)
-        self._queue.start_up = settings.start_up
-        new = numbers(self.name, settings)
-        if new != numbers(self.name, before):
-            self.configure(*new)
 
     @property
     def name_given(self) -> str:
@@ -301,6 +240,9 @@ class Identity(Heard):
             stale=self.stale and self.forced is None,
             forced=self.forced is not None,
         )
+
+    def _made(self, kind: str, count: int, threshold: float) -> IdentityFifo:
+        return IdentityFifo(count, threshold, self._start_up)
 
 
 def _share(filter_: Filter) -> str:

@@ -17,6 +17,7 @@ from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing.machine import State
 from woz_tui.sensing.model import Change
 from woz_tui.sensing.people import FILE
+from woz_tui.session import faces
 from woz_tui.session.acquaintances import Acquaintances
 from woz_tui.session.introducing import Introduction
 
@@ -55,7 +56,7 @@ class Visiting:
         """The file of visitors: as the experiment says, else beside the logs."""
         if not settings.visitors:
             return self._beside
-        return self._session.experiment.path.parent / Path(settings.visitors).expanduser()
+        return self._session.experiment.path.parent / settings.visitors
 
     def _acquaintances(self, path: Path) -> Acquaintances:
         known = Acquaintances(path, self._session.hub.publish, self._later)
@@ -84,6 +85,7 @@ class Visiting:
 
     def entered(self, change: Change) -> None:
         """The machine is in another state."""
+        faces.introduced(self._session, change)
         if change.was == State.HANDSHAKE and self._introduction is not None:
             introduction, self._introduction = self._introduction, None
             introduction.left(change.outcome, self.name(change.visitor))

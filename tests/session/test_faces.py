@@ -1,0 +1,80 @@
+"""Who was introduced is recognised the next time, by a robot that can learn faces."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.engaged import Guide, Room, guided
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Argument, DriverError, Job, Verb
+from woz_tui.core.messages import Json
+from woz_tui.experiment.shape import DriverSpec
+from woz_tui.session.faces import LEARN_FACE
+
+
+class Camera(Guide):
+    """A guide that learns faces, unless nobody shows one."""
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        name = Argument("name", "text", required=True)
+        return (*Guide.verbs(settings), Verb(LEARN_FACE, "", (name,), lane="eye"))
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        if job.args.get("name") == "Nobody":
+            raise DriverError("nobody shows a face", "wait for somebody")
+        return await super().perform(job)
+
+
+def introduced(tmp_path: Path, name: str, kind: type[Guide] = Camera, sees: str = "") -> Room:
+    """A stranger is engaged and the wizard names them; the camera may call them `sees`."""
+
+    async def go() -> Room:
+        made = guided(tmp_path)
+        spec: DriverSpec = replace(made.drivers[0], verbs=kind.verbs(None))
+        room = Room(tmp_path, replace(made, drivers=(spec,)), kind)
+        await room.session.open()
+        await room.visit(6.0)
+        assert room.path[-1] == "Handshake"
+        if sees:
+            await room.visit(6.0, identity=sees)
+        else:
+            room.tell("visitor", name=name)
+        await asyncio.sleep(2.0)
+        await room.session.close("test")
+        return room
+
+    return run_virtual(go())
+
+
+def learnt(room: Room) -> list[Json]:
+    return [args["name"] for verb, args in room.commands if verb == LEARN_FACE]
+
+
+def test_the_face_of_whoever_was_introduced_gets_the_name(tmp_path: Path) -> None:
+    room = introduced(tmp_path, "Kim")
+    assert "eng2know" in room.outcomes
+    assert learnt(room) == ["Kim"]
+    assert [line.driver for line in room.of(m.Command) if line.verb == LEARN_FACE] == ["robot"]
+
+
+def test_a_face_that_was_not_learnt_is_told_of(tmp_path: Path) -> None:
+    room = introduced(tmp_path, "Nobody")
+    assert "robot has not learnt the face of Nobody: nobody shows a face" in room.notices
+
+
+def test_a_face_that_is_recognised_has_its_name_already(tmp_path: Path) -> None:
+    room = introduced(tmp_path, "", sees="V1")
+    assert "eng2know" in room.outcomes
+    assert learnt(room) == []
+
+
+def test_a_robot_that_learns_no_faces_is_not_asked_to(tmp_path: Path) -> None:
+    room = introduced(tmp_path, "Kim", kind=Guide)
+    assert "eng2know" in room.outcomes
+    assert learnt(room) == []

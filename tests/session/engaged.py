@@ -11,6 +11,7 @@ from typing import Any
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import HERE, Puppet, action, call, experiment, together
 from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import Argument, Driver, DriverError, Job, Verb
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
@@ -112,8 +113,9 @@ class Room:
     ) -> None:
         self.lines: list[m.AnyMessage] = []
         clock = LoopClock(asyncio.get_running_loop())
+        # The disk's time is real: in virtual time it would seem to stall.
         self.recorder = Recorder(
-            tmp_path / "recordings", "made", clock, on_state=lambda state: None
+            tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more"
         )
         catalogue: dict[str, type[Driver]] = {spec.type: kind for spec in experiment.drivers}
         self.session = Session(

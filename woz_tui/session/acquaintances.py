@@ -57,7 +57,7 @@ class Acquaintances:
         """Learn from the file who is known; what is wrong with it becomes a notice."""
         try:
             self._remember(self._store.everybody())
-        except (VisitorsError, OSError) as error:
+        except (VisitorsError, OSError, ValueError) as error:
             self._tell(error)
 
     def wait(self, seconds: float) -> None:

@@ -1,0 +1,137 @@
+"""The robot looks at a sound elsewhere, and back to whom it talks with."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.session.engaged import PLAIN, Room, guided, in_room
+from woz_tui.core import messages as m
+from woz_tui.core.messages import Json
+from woz_tui.experiment.engagement import AttentionSettings
+
+LOUD, QUIET = 0.5, 0.01
+AHEAD: dict[str, Json] = {"yaw": 0.0, "pitch": 0.0}
+
+
+def looking(tmp_path: Path, mode: str = "SemiEngaged", look: bool = True) -> Callable[[], Room]:
+    settings = replace(PLAIN, attention=AttentionSettings(mode=mode, look=look, seconds=2.0))
+    experiment = guided(tmp_path, settings)
+
+    async def scenario(room: Room) -> None:
+        await before(room)
+        await sound(room, 50.0, 0.5)
+        await asyncio.sleep(4)
+
+    return lambda: in_room(tmp_path, scenario, experiment)
+
+
+async def before(room: Room) -> None:
+    """A visitor ahead of the robot, who is silent."""
+    room.sense(loudness=QUIET, direction=0.0)
+    room.stands_there()
+    await asyncio.sleep(0.5)
+
+
+async def sound(room: Room, direction: float, seconds: float) -> None:
+    for _ in range(round(seconds / 0.1)):
+        room.sense(loudness=LOUD, direction=direction)
+        await asyncio.sleep(0.1)
+    room.sense(loudness=QUIET)
+
+
+def gazes(room: Room) -> list[dict[str, Json]]:
+    return [dict(args) for verb, args in room.commands if verb == "gaze"]
+
+
+def test_half_engaged_it_looks_and_always_looks_back(tmp_path: Path) -> None:
+    """E8: SemiEngaged."""
+    room = looking(tmp_path)()
+    assert gazes(room) == [{"yaw": 50.0, "pitch": 0.0}, AHEAD]
+    away, back = (line.t for line in room.of(m.Command) if line.verb == "gaze")
+    assert back - away == pytest.approx(2_000_000, abs=20_000)
+    told = {shown.attention for shown in room.of(m.EngagementShown)}
+    assert "a sound 50 degrees to the left" in told
+    assert room.shown.attention == ""
+
+
+def test_fully_engaged_it_does_not_look(tmp_path: Path) -> None:
+    """E8: FullyEngaged."""
+    assert gazes(looking(tmp_path, "FullyEngaged")()) == []
+
+
+def test_without_the_setting_it_does_not_look(tmp_path: Path) -> None:
+    assert gazes(looking(tmp_path, look=False)()) == []
+
+
+def test_the_mode_changes_while_running(tmp_path: Path) -> None:
+    """E8: set by the wizard."""
+    settings = replace(PLAIN, attention=AttentionSettings(look=True))
+
+    async def scenario(room: Room) -> None:
+        await before(room)
+        room.tell("attend", mode="FullyEngaged")
+        await asyncio.sleep(0.1)
+        await sound(room, 50.0, 0.5)
+        room.tell("attend", mode="Unengaged")
+        await asyncio.sleep(4)
+        await sound(room, -40.0, 0.5)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert gazes(room)[0] == {"yaw": -40.0, "pitch": 0.0}
+
+
+@pytest.mark.parametrize("stopping", [True, False])
+def test_whoever_moves_the_head_meanwhile_has_it(tmp_path: Path, stopping: bool) -> None:
+    """It is not turned back against the wizard, nor after a stop."""
+    settings = replace(PLAIN, attention=AttentionSettings(look=True))
+
+    async def scenario(room: Room) -> None:
+        await before(room)
+        await sound(room, 50.0, 0.5)
+        await meddle(room)
+        await asyncio.sleep(4)
+
+    async def turn(room: Room) -> None:
+        room.tell("gaze", yaw=20.0, pitch=-10.0)
+
+    async def stop(room: Room) -> None:
+        room.session.stop("key")
+        await asyncio.sleep(0.5)
+        room.session.release("key")
+
+    meddle: Callable[[Room], Awaitable[None]] = stop if stopping else turn
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert gazes(room) == [{"yaw": 50.0, "pitch": 0.0}]
+
+
+def test_it_looks_back_to_where_the_wizard_had_it(tmp_path: Path) -> None:
+    settings = replace(PLAIN, attention=AttentionSettings(look=True))
+
+    async def scenario(room: Room) -> None:
+        await before(room)
+        room.tell("gaze", yaw=15.0, pitch=5.0)
+        await asyncio.sleep(0.2)
+        await sound(room, 150.0, 0.5)
+        await asyncio.sleep(4)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    # The head turns as far as it can: 60 degrees.
+    assert gazes(room) == [{"yaw": 60.0, "pitch": 0.0}, {"yaw": 15.0, "pitch": 5.0}]
+
+
+def test_its_own_voice_is_no_stimulus(tmp_path: Path) -> None:
+    settings = replace(PLAIN, attention=AttentionSettings(look=True))
+
+    async def scenario(room: Room) -> None:
+        await before(room)
+        room.tell("say", text="A long sentence")
+        await asyncio.sleep(0.1)
+        await sound(room, 50.0, 0.5)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert gazes(room) == []

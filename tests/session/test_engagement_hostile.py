@@ -1,0 +1,123 @@
+"""Whatever is published or asked for: the model goes on, and so does everybody who listens."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+import random
+import tempfile
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.fakes.virtual_time import run_virtual
+from tests.sensing.test_stream import MESSAGES
+from tests.session.engaged import WIZARD, Room, effect, guided, in_room
+from tests.session.rig import call, together
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import EngagementSettings, HandshakeSettings
+from woz_tui.experiment.verbs import ENGAGEMENT_VERBS
+from woz_tui.session.identity import AskError
+
+STEPS = st.lists(st.tuples(MESSAGES, st.floats(0, 3)), max_size=30)
+ASKING = EngagementSettings(handshake=HandshakeSettings(by="robot"))
+
+
+@settings(max_examples=25)
+@given(STEPS)
+def test_no_message_fails_in_the_hub(steps: list[tuple[Any, float]]) -> None:
+    """E9: in a whole session, with effects, handshake and attention."""
+
+    async def go(folder: Path) -> Room:
+        effects = effect("PersonDetected", together(call("say", text="Come near")))
+        room = Room(folder, guided(folder, ASKING, effects))
+        await room.session.open()
+        for message, pause in steps:
+            room.session.hub.publish(message)
+            await asyncio.sleep(pause)
+        await room.session.close("test", rest=False)
+        return room
+
+    with tempfile.TemporaryDirectory() as folder:
+        room = run_virtual(go(Path(folder)))
+    assert not [text for text in room.notices if "the engagement model failed" in text]
+
+
+def test_no_verb_fails_whatever_it_says(tmp_path: Path) -> None:
+    """E7, E9: each verb with each kind of junk ends in one way, and the model lives."""
+    junk: list[Any] = [None, "", "on", "Wait", "done", -1, 1e300, math.nan, True, [], {"a": 1}]
+    names = ["sign", "value", "to", "run", "kind", "samples", "threshold", "metres", "name", "what"]
+
+    async def scenario(room: Room) -> None:
+        chance = random.Random(1)
+        for _ in range(1500):
+            verb = chance.choice([*ENGAGEMENT_VERBS])
+            args = {chance.choice(names): chance.choice(junk) for _ in range(3)}
+            room.tell(verb, **args)
+            await asyncio.sleep(0.001)
+        await room.visit(4, identity="V1")
+
+    room = in_room(tmp_path, scenario)
+    asked = [line for line in room.of(m.Command) if line.driver == "engagement"]
+    ended = [line for line in room.of(m.End) if line.command in {each.command for each in asked}]
+    assert len(asked) == len(ended) >= 1500
+    assert not [text for text in room.notices if "failed" in text]
+    assert not room.of(m.Failed)
+
+
+def test_a_failure_inside_is_told_once_and_the_session_goes_on(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        follower = room.session.engagement._follower
+        assert follower is not None
+        follower.sensors["presence"] = "no sign at all"
+        for _ in range(5):
+            room.sense(presence=1)
+        with_robot = room.session.play("Welcome", WIZARD)
+        assert with_robot
+
+    room = in_room(tmp_path, scenario)
+    told = [text for text in room.notices if "the engagement model failed" in text]
+    assert len(told) == 1
+    assert ("say", {"text": "Welcome"}) in room.robot.calls
+
+
+@pytest.mark.parametrize("place", ["no/such/folder/\0visitors.json", ".", "file/visitors.json"])
+def test_a_place_that_takes_no_file_costs_no_name(tmp_path: Path, place: str) -> None:
+    (tmp_path / "file").touch()
+    settings = EngagementSettings(signals="none", visitors=place)
+
+    async def scenario(room: Room) -> None:
+        room.tell("sense", sign="all", value="on")
+        await asyncio.sleep(0.1)
+        room.tell("visitor", name="Anna")
+        await asyncio.sleep(0.5)
+        visiting = room.session.engagement._visiting
+        assert visiting is not None
+        visiting.known.wait(10)
+        await asyncio.sleep(0.5)
+        assert visiting.known.is_taken("anna")
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert room.path[-1] == "EngagedWithKnown"
+    assert any(text.startswith("visitors: ") for text in room.notices)
+
+
+def test_nothing_comes_after_the_end(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        room.tell("force", to="RobotReplies")
+        await asyncio.sleep(0.1)
+        await room.session.close("early")
+        seen = len(room.lines)
+        room.sense(presence=1)
+        await asyncio.sleep(200)
+        assert len(room.lines) == seen + 1
+        try:
+            room.tell("toggle", sign="gaze")
+        except AskError:
+            return
+        raise AssertionError
+
+    in_room(tmp_path, scenario)

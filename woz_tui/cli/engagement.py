@@ -78,6 +78,10 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--compare", action="store_true", help="a session's log: what it says, and what this says"
     )
+    parser.add_argument(
+        "--trials", action="store_true",
+        help="a session's log: how steady and quick its signs were, by markers `steady` and `now`",
+    )  # fmt: skip
     engagement_bench.add_options(parser)
     parser.set_defaults(run=run)
 
@@ -154,8 +158,9 @@ def _run(arguments: argparse.Namespace) -> int:
                 return engagement_log.run(arguments, settings)
             except ValueError as error:  # it only looked like one
                 raise UnreadableError(str(error)) from error
-        if arguments.compare:
-            raise UsageError("--compare needs a session's log: lines of samples say no verdicts")
+        if arguments.compare or arguments.trials:
+            option = "--compare" if arguments.compare else "--trials"
+            raise UsageError(f"{option} needs a session's log: lines of samples say no verdicts")
         _rows(_Lines(arguments.file, file, first), settings, _live(file))
     return 0
 

@@ -42,10 +42,15 @@ class Recount:
 
 
 def run(arguments: argparse.Namespace, settings: EngagementSettings) -> int:
-    """Print the transitions as lines, or beside those that were recorded."""
+    """Print the transitions as lines, or beside those that were recorded; or how trials went."""
     path = Path(arguments.file)
     if arguments.experiment is None:
         settings = _settings_of_session(arguments, path, settings)
+    if arguments.trials:
+        from woz_tui.cli import engagement_trials  # noqa: PLC0415
+
+        engagement_trials.show(path, settings, as_json=arguments.json)
+        return 0
     damage = Damage()
     lines = not arguments.compare
     recount = recounted(path, settings, damage, _print_change if lines else _keep_quiet)
@@ -79,7 +84,7 @@ def recounted(
         recount.end = max(recount.end, line.t)
         if line.kind == _SAMPLE and line.fields.get("sensor") not in follower.sensors:
             continue
-        message = _message(line)
+        message = message_of(line)
         if message is not None:
             _noted(recount, message)
             follow([*follower.take(message)])
@@ -87,7 +92,7 @@ def recounted(
     return recount
 
 
-def _message(line: Line) -> m.AnyMessage | None:
+def message_of(line: Line) -> m.AnyMessage | None:
     """The line as a message; a truth value counts as the number that it is live."""
     if line.kind == _SAMPLE and isinstance(line.fields.get("value"), bool):
         sensor, value = str(line.fields.get("sensor")), float(line.fields["value"])

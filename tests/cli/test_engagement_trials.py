@@ -1,0 +1,137 @@
+"""E10: delays and false losses are measured on a session with people, as in the paper's Table 1."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterator
+from pathlib import Path
+
+import pytest
+
+from woz_tui import cli
+from woz_tui.cli.engagement_trials import trials
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.experiment.engagement import EngagementSettings
+
+SECOND = 1_000_000
+PERIOD = SECOND // 3
+Signs = tuple[int, int, float, str]
+HERE: Signs = (1, 1, 0.9, "V1")
+
+
+def session(
+    seconds: int, marks: dict[float, str], signs: Callable[[int, float], Signs]
+) -> list[m.AnyMessage]:
+    """Samples three times a second, and markers; `signs` gets number and seconds."""
+    lines: list[m.AnyMessage] = [
+        m.Marker(t=round(at * SECOND), text=text) for at, text in marks.items()
+    ]
+    for number in range(seconds * 3):
+        t = number * PERIOD
+        presence, gaze, distance, name = signs(number, t / SECOND)
+        values = {"presence": presence, "gaze": gaze, "distance": distance}
+        lines += [m.Reading(t=t, sensor=sign, value=value) for sign, value in values.items()]
+        lines.append(m.Reading(t=t, sensor="identity", value=1.0, text=name))
+    lines.sort(key=lambda line: line.t)
+    return lines
+
+
+def shares(lines: list[m.AnyMessage]) -> Iterator[tuple[str, int, int, int, int]]:
+    found = trials(lines, EngagementSettings())
+    for sign in ("presence", "gaze", "distance", "identity", "engaged"):
+        for seconds in (10, 20, 30):
+            yield (sign, seconds, *found.steady(sign, seconds))
+
+
+def test_errors_of_a_sensor_count_without_filter_and_not_with_it() -> None:
+    def signs(number: int, seconds: float) -> Signs:
+        return (1, 0 if number in (51, 75) else 1, 0.9, "V1")
+
+    found = set(shares(session(40, {5.0: "Steady", 37.0: "end"}, signs)))
+    assert ("presence", 30, 1, 1, 1) in found
+    assert {("gaze", 10, 1, 1, 1), ("gaze", 20, 1, 0, 1), ("gaze", 30, 1, 0, 1)} <= found
+    assert ("identity", 30, 1, 1, 1) in found
+    assert ("engaged", 30, 1, 0, 1) in found
+
+
+def test_what_most_samples_say_is_the_truth_of_a_stretch() -> None:
+    def signs(number: int, seconds: float) -> Signs:
+        return (1 if number == 60 else 0, 0, 4.0, "")
+
+    found = set(shares(session(40, {5.0: "steady", 36.0: "steady"}, signs)))
+    assert {("presence", 30, 1, 0, 1), ("engaged", 30, 1, 1, 1)} <= found
+    assert ("presence", 10, 1, 1, 1) in found, "the second stretch is too short to count"
+
+
+def test_a_loss_that_the_filter_lets_through_is_counted() -> None:
+    def signs(number: int, seconds: float) -> Signs:
+        return (1, 0 if 18 <= seconds < 20.4 else 1, 0.9, "V1")
+
+    found = set(shares(session(30, {5.0: "steady"}, signs)))
+    assert {("engaged", 10, 1, 1, 1), ("engaged", 20, 1, 0, 0)} <= found
+
+
+def test_delays_are_those_of_the_filter() -> None:
+    """E1, E10: four samples to come, five to go; the first of them comes up to a period late."""
+
+    def signs(number: int, seconds: float) -> Signs:
+        return HERE if 9.95 <= seconds < 24.95 else (0, 0, 4.0, "")
+
+    lines = session(40, {9.9: "now", 24.9: "now", 35.0: "now"}, signs)
+    [come, gone, nothing] = trials(lines, EngagementSettings()).delays()
+    assert list(come[1:]) == pytest.approx([0.1, 1.1], abs=0.01)
+    assert list(gone[1:]) == pytest.approx([0.1, 1.433], abs=0.01)
+    assert nothing[1:] == (None, None)
+
+
+@pytest.fixture
+def log(tmp_path: Path) -> Path:
+    lines = session(40, {5.0: "steady", 36.0: "now"}, lambda number, seconds: HERE)
+    path = tmp_path / "2026-03-01T10-00-00_P01_S01.jsonl"
+    stamped = [wire.encode(line) for line in numbered(lines)]
+    path.write_bytes(b"".join(stamped))
+    return path
+
+
+def numbered(lines: list[m.AnyMessage]) -> Iterator[m.AnyMessage]:
+    for number, line in enumerate(lines):
+        fields = {**json.loads(wire.encode(line)), "seq": number + 1}
+        yield wire.decode_message(json.dumps(fields).encode())
+
+
+def test_the_command_prints_both_tables(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["engagement", str(log), "--trials"]) == 0
+    out = capsys.readouterr().out
+    assert "Right throughout" in out
+    assert "100 %" in out
+    assert "median" in out
+    assert "never" in out
+
+
+def test_programs_get_figures(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    assert cli.main(["engagement", str(log), "--trials", "--json"]) == 0
+    figures = json.loads(capsys.readouterr().out)
+    assert figures["delays"] == [{"t": 36.0, "unfiltered": None, "filtered": None}]
+    assert {row["sign"] for row in figures["steady"]} == {
+        *("presence", "gaze", "distance", "identity", "engaged")
+    }
+
+
+def test_a_log_without_markers_says_what_to_do(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "2026-03-01T10-00-00_P01_S01.jsonl"
+    lines = numbered(session(2, {}, lambda number, seconds: HERE))
+    path.write_bytes(b"".join(map(wire.encode, lines)))
+    assert cli.main(["engagement", str(path), "--trials"]) == 0
+    assert "put markers called 'steady' and 'now'" in capsys.readouterr().out
+
+
+def test_lines_of_samples_have_no_markers(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = tmp_path / "rows.jsonl"
+    path.write_text('{"presence": 1}\n', encoding="utf-8")
+    assert cli.main(["engagement", str(path), "--trials"]) == 2
+    assert "--trials needs a session's log" in capsys.readouterr().err

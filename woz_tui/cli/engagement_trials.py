@@ -1,0 +1,231 @@
+"""`woz engagement LOG --trials`: how steady and how quick the signs were with people, by markers.
+
+Two marks in a session are enough. From `steady` to the next marker nothing is meant to change:
+somebody stands there and looks at the robot, or nobody is there. At `now` somebody arrives, turns
+away, steps back. What was true in a steady stretch is what most of its samples say. A sign was
+right for its first 10, 20 or 30 seconds if its verdict was that all the time, which is how Table 1
+of the paper counts; the same is counted without filters.
+"""
+
+from __future__ import annotations
+
+import bisect
+import itertools
+import json
+import math
+import os
+import statistics
+from collections import Counter
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from rich.console import Console
+from rich.table import Table
+
+from woz_tui.cli.engagement_log import message_of
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import SIGNS, EngagementSettings
+from woz_tui.record.log import Damage, read
+from woz_tui.sensing.passing import SECOND
+from woz_tui.sensing.stream import Follower
+
+#: What a marker says.
+STEADY, NOW = "steady", "now"
+#: How long the paper's volunteers stood there, in seconds.
+LASTS = (10, 20, 30)
+#: A change that comes later than this after `now`, in seconds, has another reason.
+LATEST = 10
+#: What is judged: the signs, and engagement itself.
+ENGAGED = "engaged"
+JUDGED = (*SIGNS, ENGAGED)
+#: Columns of a page that goes into a file or a pipe.
+_PAGE = 80
+
+
+@dataclass
+class Course:
+    """How the verdicts went: times in microseconds, and all verdicts from each on."""
+
+    times: list[int] = field(default_factory=list)
+    values: list[dict[str, m.Json]] = field(default_factory=list)
+
+    def note(self, t: int, verdicts: dict[str, m.Json]) -> None:
+        """They are so now."""
+        if not self.values or self.values[-1] != verdicts:
+            self.times.append(t)
+            self.values.append(verdicts)
+
+    def at(self, t: int) -> dict[str, m.Json]:
+        """As they were."""
+        place = bisect.bisect_right(self.times, t) - 1
+        return self.values[place] if place >= 0 else {}
+
+    def between(self, begin: int, end: int) -> Iterator[tuple[int, dict[str, m.Json]]]:
+        """Every change in between, and first how they were at `begin`."""
+        yield begin, self.at(begin)
+        first = bisect.bisect_right(self.times, begin)
+        last = bisect.bisect_right(self.times, end)
+        yield from zip(self.times[first:last], self.values[first:last], strict=True)
+
+    def holds(self, name: str, value: m.Json, begin: int, end: int) -> bool:
+        """Whether a verdict is `value` all the time."""
+        return all(verdicts.get(name) == value for _, verdicts in self.between(begin, end))
+
+    def mostly(self, name: str, begin: int, end: int) -> m.Json:
+        """The value that a verdict had for the longest time."""
+        lasted: Counter[str] = Counter()
+        meant: dict[str, m.Json] = {}
+        moments = [*self.between(begin, end), (end, {})]
+        for (since, verdicts), (until, _) in itertools.pairwise(moments):
+            value = verdicts.get(name)
+            lasted[str(value)] += until - since
+            meant[str(value)] = value
+        return meant[max(lasted, key=lambda said: lasted[said])]
+
+    def changed(self, name: str, t: int) -> float | None:
+        """Seconds until a verdict changes after `t`; None if it does not in time."""
+        before = self.at(t).get(name)
+        for moment, verdicts in self.between(t, t + LATEST * SECOND):
+            if verdicts.get(name) != before:
+                return (moment - t) / SECOND
+        return None
+
+
+@dataclass(frozen=True)
+class Trials:
+    """What a session's markers ask for: stretches and moments, in microseconds."""
+
+    stretches: Sequence[tuple[int, int]]
+    moments: Sequence[int]
+    plain: Course
+    filtered: Course
+
+    def steady(self, name: str, seconds: int) -> tuple[int, int, int]:
+        """Stretches of so many seconds at least; in how many of them a sign was right throughout,
+        without filter, with it.
+        """
+        long = [begin for begin, end in self.stretches if end - begin >= seconds * SECOND]
+        right = [0, 0]
+        for begin in long:
+            end = begin + seconds * SECOND
+            truth = self.plain.mostly(name, begin, end)
+            for place, course in enumerate((self.plain, self.filtered)):
+                right[place] += course.holds(name, truth, begin, end)
+        return len(long), right[0], right[1]
+
+    def delays(self) -> list[tuple[int, float | None, float | None]]:
+        """For each moment, seconds until engagement changed: without filter, with it."""
+        return [
+            (at, self.plain.changed(ENGAGED, at), self.filtered.changed(ENGAGED, at))
+            for at in self.moments
+        ]
+
+    def as_json(self) -> dict[str, m.Json]:
+        """All figures for programs."""
+        steady: list[m.Json] = []
+        for name in JUDGED:
+            for seconds in LASTS:
+                count, plain, filtered = self.steady(name, seconds)
+                if count:
+                    steady.append(
+                        {
+                            **{"sign": name, "seconds": seconds, "stretches": count},
+                            **{"right_unfiltered": plain, "right": filtered},
+                        }
+                    )
+        delays: list[m.Json] = [
+            {"t": at / SECOND, "unfiltered": plain, "filtered": filtered}
+            for at, plain, filtered in self.delays()
+        ]
+        return {"steady": steady, "delays": delays}
+
+
+def trials(messages: Iterable[m.AnyMessage], settings: EngagementSettings) -> Trials:
+    """Run a session through the model with and without filters."""
+    signs: dict[str, Any] = {
+        sign: replace(settings.sign(sign), filter=None, samples=None, threshold=None)
+        for sign in SIGNS
+    }
+    without = replace(settings, filter="fifo", samples=1, threshold=1.0, **signs)
+    followers = (Follower(without), Follower(settings))
+    courses = (Course(), Course())
+    marks: list[tuple[int, str]] = []
+    end = 0
+    for message in messages:
+        end = max(end, message.t)
+        if isinstance(message, m.Marker):
+            marks.append((message.t, message.text.strip().casefold()))
+        for follower, course in zip(followers, courses, strict=True):
+            follower.take(message)
+            model = follower.model
+            course.note(message.t, {**model.verdicts, ENGAGED: int(model.engaged)})
+    marks.append((end, ""))
+    stretches = [
+        (begin, until)
+        for (begin, text), (until, _) in itertools.pairwise(marks)
+        if text == STEADY and until > begin
+    ]
+    return Trials(stretches, [at for at, text in marks if text == NOW], *courses)
+
+
+# -- on the screen --------------------------------------------------------------------------------
+
+
+def show(log: Path, settings: EngagementSettings, *, as_json: bool) -> None:
+    """Print the figures of a log; it must be one (`record.log.read` says what it raises)."""
+    lines = (message_of(line) for line in read(log, Damage()))
+    found = trials((message for message in lines if message is not None), settings)
+    if as_json:
+        print(json.dumps(found.as_json()))
+        return
+    console = Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(highlight=False, width=_PAGE)
+    if not found.stretches and not found.moments:
+        console.print(
+            f"no trials: put markers called {STEADY!r} and {NOW!r} into the session's log"
+        )
+        return
+    console.print(_steady(found))
+    console.print(_delays(found))
+
+
+def _table(title: str, *columns: str) -> Table:
+    table = Table(title=title, title_justify="left", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for place, column in enumerate(columns):
+        table.add_column(column, justify="right" if place else "left")
+    return table
+
+
+def _steady(found: Trials) -> Table:
+    table = _table("Right throughout", "sign", "s", "stretches", "no filter", "filtered")
+    for name in JUDGED:
+        for seconds in LASTS:
+            count, plain, filtered = found.steady(name, seconds)
+            if count:
+                shares = (f"{100 * right / count:.0f} %" for right in (plain, filtered))
+                table.add_row(name, str(seconds), str(count), *shares)
+    return table
+
+
+def _delays(found: Trials) -> Table:
+    table = _table("Seconds until engagement changed", "at", "no filter", "filtered")
+    rows = found.delays()
+    for at, plain, filtered in rows:
+        table.add_row(f"{at / SECOND:.1f} s", _seconds(plain), _seconds(filtered))
+    if rows:
+        table.add_row(
+            "median", *(_seconds(_median(row[place] for row in rows)) for place in (1, 2))
+        )
+    return table
+
+
+def _median(delays: Iterable[float | None]) -> float | None:
+    middle = statistics.median(math.inf if delay is None else delay for delay in delays)
+    return middle if math.isfinite(middle) else None
+
+
+def _seconds(delay: float | None) -> str:
+    return "never" if delay is None else f"{delay:.2f}"

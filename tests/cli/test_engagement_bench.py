@@ -1,0 +1,71 @@
+"""`woz engagement --bench`: what it prints and draws."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from xml.etree import ElementTree
+
+import pytest
+
+from woz_tui.cli import main
+
+
+def bench(capsys: pytest.CaptureFixture[str], *options: str) -> tuple[int, str, str]:
+    code = main(["engagement", "--bench", "--runs", "2", *options])
+    said = capsys.readouterr()
+    return code, said.out, said.err
+
+
+def test_the_tables_fit_on_eighty_columns(
+    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    monkeypatch.setenv("NO_COLOR", "1")
+    code, out, _ = bench(capsys, "--seed", "3")
+    assert code == 0
+    assert max(map(len, out.splitlines())) <= 80
+    assert "…" not in out
+    assert "\x1b" not in out
+    for title in ("Table 1", "Stable for 30 s", "Delay until", "circumstances", "goals"):
+        assert title in out
+    assert bench(capsys, "--seed", "3")[1] == out
+
+
+def test_figures_for_programs(capsys: pytest.CaptureFixture[str]) -> None:
+    code, out, _ = bench(capsys, "--json", "--rate", "5", "--samples", "6")
+    found = json.loads(out)
+    assert code == 0
+    assert (found["runs"], found["rate"], found["seed"]) == (2, 5.0, 2022)
+    keys = [each["filter"] for each in found["filters"]]
+    assert keys[0] == "none"
+    assert {"published", "median", "joint", "experiment"} <= set(keys)
+    assert {goal["what"] for goal in found["goals"]} >= {"staying", "nobody", "turning away"}
+
+
+def test_the_plot_is_a_picture(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
+    file = tmp_path / "delay.svg"
+    assert bench(capsys, "--plot", str(file))[0] == 0
+    svg = ElementTree.fromstring(file.read_text("utf-8"))
+    words = [text.text for text in svg.iter("{http://www.w3.org/2000/svg}text")]
+    assert {"Arriving", "Leaving", "Turning away", "joint filter"} <= set(words)
+    box = [float(number) for number in svg.attrib["viewBox"].split()]
+    for circle in svg.iter("{http://www.w3.org/2000/svg}circle"):
+        assert 0 <= float(circle.attrib["cx"]) <= box[2]
+        assert 0 <= float(circle.attrib["cy"]) <= box[3]
+
+
+def test_a_plot_that_cannot_be_written_is_told_at_once(
+    capsys: pytest.CaptureFixture[str], tmp_path: Path
+) -> None:
+    code, out, err = bench(capsys, "--plot", str(tmp_path / "nowhere" / "delay.svg"))
+    assert (code, out) == (1, "")
+    assert "nowhere" in err
+
+
+@pytest.mark.parametrize("runs", ["0", "-1", "x", "1000001"])
+def test_a_number_of_runs_that_is_none(capsys: pytest.CaptureFixture[str], runs: str) -> None:
+    with pytest.raises(SystemExit) as stopped:
+        main(["engagement", "--bench", "--runs", runs])
+    assert stopped.value.code == 2
+    assert "whole number" in capsys.readouterr().err

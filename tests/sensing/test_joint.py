@@ -125,6 +125,8 @@ def test_time_counts_and_not_the_number_of_samples(rate: int) -> None:
 def test_long_glances_are_a_setting() -> None:
     usual, patient = (Robot(glance=glance).see(ENGAGED, 60) for glance in (0.56, 1.5))
     assert patient.samples_until(False, TURNED) >= 2 * usual.samples_until(False, TURNED)
+    patient.see(ENGAGED, 60).joint.glances_last(0.56)
+    assert patient.samples_until(False, TURNED) == 5
 
 
 def test_the_limit_itself_says_nothing() -> None:

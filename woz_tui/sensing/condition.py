@@ -74,6 +74,8 @@ class Signs:
             sign.adopt(settings, before)
         if settings.social_distance != before.social_distance:
             self.near_within(settings.social_distance)
+        if settings.joint != before.joint:
+            self._joint.glances_last(settings.joint.glance)
         self._use(settings)
 
     # -- how they stand -------------------------------------------------------------------------

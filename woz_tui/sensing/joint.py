@@ -103,6 +103,10 @@ class Joint:
         """Another social distance from now on."""
         self.near = metres
 
+    def glances_last(self, seconds: float) -> None:
+        """Another mean length of glances away from now on."""
+        self._dwell = Dwell(seconds)
+
     def take(self, sign: str, value: float | str, t: int) -> None:
         """A valid sample: a flag, metres (infinite: out of reach) or a name, at the time `t`."""
         self._pass(t)

@@ -133,12 +133,12 @@ class Sign(Heard):
 
     @property
     def verdict(self) -> int | None:
-        """1, 0, or None while there is none yet."""
+        """1, 0, or None while there is none yet; 0 for a sign that has fallen silent."""
         if self.forced is not None:
             if self.name == "distance" and not isinstance(self.forced, bool):
                 return int(self.forced <= self.near)
             return int(self.forced)
-        return 0 if self.stale else self.filter.verdict
+        return 0 if self.stale and self.ever else self.filter.verdict
 
     def words(self, now: int) -> str:
         """The verdict as a person says it: `looks (5 of 8)`."""
@@ -213,7 +213,7 @@ class Identity(Heard):
     @property
     def verdict(self) -> int | None:
         """1 if there is an ID, 0 if not, None while there is no verdict yet."""
-        if self.forced is not None or self.stale:
+        if self.forced is not None or (self.stale and self.ever):
             return int(self.known)
         return self.filter.verdict
 

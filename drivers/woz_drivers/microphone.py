@@ -93,6 +93,7 @@ class Microphone:
         """Start the command, and again whenever it ends."""
         self._outlet.health(Health.CONNECTING, "starting the microphone's command")
         self._outlet.reading(THRESHOLD, self._speaking.threshold)
+        self._outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
         settings = self._settings
         command = Command(
             settings.words, self._outlet.folder, "no sound", _CHECK, least=settings.block_bytes

@@ -159,7 +159,7 @@ async def test_the_mark_on_the_screen_and_the_segments_agree(
         for message in heard.messages
         if isinstance(message, SensorChanged | SpeechStarted | SpeechEnded)
     ]
-    assert seen == ["quiet", *(["speaking", SpeechStarted, "quiet", SpeechEnded] * 2)]
+    assert seen == ["ready", "quiet", *(["speaking", SpeechStarted, "quiet", SpeechEnded] * 2)]
 
 
 async def test_whoever_never_pauses_is_cut_and_nothing_of_it_is_lost(

@@ -176,6 +176,18 @@ def test_a_driver_that_cuts_speech_is_the_only_one_who_does() -> None:
     assert log.state == "RobotThinks"
 
 
+@pytest.mark.parametrize("sensor", ["speech", "left.speech", "left.ears.speech"])
+def test_a_driver_that_says_it_cuts_speech_is_believed_before_the_first_word(sensor: str) -> None:
+    log = Log()
+    log.say(m.SensorChanged(sensor=sensor, state="ready", was=""))
+    log.here()
+    for _ in range(5):
+        log.sense("loudness", 0.5, after=0.1)  # a door: the microphone makes no speech of it
+    assert log.state == "EngagedWithKnown"
+    log.say(m.SpeechStarted(driver="mic", segment=1, began=0))
+    assert log.state == "UserSpeaks"
+
+
 def test_only_nothing_that_has_no_excuse_is_an_error_of_speech() -> None:
     log = Log()
     log.here()

@@ -7,8 +7,9 @@ settings if wished, and with the same ones it is the same to the last transition
 How messages are read:
 
 * A reading whose sensor stands for a sign is a sample; `loudness` is end-pointed by the model,
-  unless a driver cuts speech into segments itself: from its first `speech.started` on, only these
-  count. Numbers that are not finite are missing, as they are in the log.
+  unless a driver cuts speech into segments itself: from the moment its sensor `speech` has a state,
+  or from its first `speech.started` on, only these count. Numbers that are not finite are
+  missing, as they are in the log.
 * A `say` that begins (`command.dispatched`) is the robot's initiative in EngagedWithKnown and the
   answer in RobotThinks; its end, whatever kind of end, also by the stop, is the end of both. One
   that takes the place of another goes on with it. An answer that the wizard has begun before the
@@ -25,6 +26,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from typing import Any
 
 from woz_tui.core import messages as m
+from woz_tui.core.driver import SPEECH as SEGMENTS
 from woz_tui.experiment.engagement import SIGNS, UNKNOWN, EngagementSettings
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing import orders
@@ -164,6 +166,11 @@ class Follower:
         self.model.sample(sign, value, reading.text)
         return self._step()
 
+    def _sensor(self, message: m.SensorChanged) -> Change | None:
+        """A driver that cuts speech itself is there: its first segment may be long to come."""
+        self.model.cuts = self.model.cuts or message.sensor.rpartition(".")[2] == SEGMENTS
+        return None
+
     def _speech_started(self, message: m.SpeechStarted) -> Change | None:
         self.model.cuts = True
         return self.model.step(Event.SPEECH_START)
@@ -251,6 +258,7 @@ _THRESHOLD = "loudness.threshold"
 #: How each kind of message is read; others pass by.
 _READ: Mapping[type, Callable[[Follower, Any], Change | None]] = {
     m.Reading: Follower._reading,
+    m.SensorChanged: Follower._sensor,
     m.SpeechStarted: Follower._speech_started,
     m.SpeechEnded: Follower._speech_ended,
     m.SpeechText: Follower._speech_text,

@@ -19,6 +19,7 @@ from woz_drivers.simulated.senses import THRESHOLD
 from woz_drivers.simulated.telling import Teller
 from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
+    SPEECH,
     DriverError,
     Finding,
     Health,
@@ -140,6 +141,7 @@ class SimulatedRobot:
         self._tell_health(now)
         if self._visitor is not None:
             self._outlet.reading("loudness.threshold", THRESHOLD)
+            self._outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
         self._life = asyncio.create_task(self._live(), name=f"{self._name} simulated")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:

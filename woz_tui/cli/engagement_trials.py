@@ -84,11 +84,10 @@ class Course:
             meant[str(value)] = value
         return meant[max(lasted, key=lambda said: lasted[said])]
 
-    def changed(self, name: str, t: int) -> float | None:
-        """Seconds until a verdict changes after `t`; None if it does not in time."""
-        before = self.at(t).get(name)
+    def becomes(self, name: str, value: m.Json, t: int) -> float | None:
+        """Seconds after `t` until a verdict is `value`; None if that does not happen in time."""
         for moment, verdicts in self.between(t, t + LATEST * SECOND):
-            if verdicts.get(name) != before:
+            if verdicts.get(name) == value:
                 return (moment - t) / SECOND
         return None
 
@@ -116,11 +115,22 @@ class Trials:
         return len(long), right[0], right[1]
 
     def delays(self) -> list[tuple[int, float | None, float | None]]:
-        """For each moment, seconds until engagement changed: without filter, with it."""
-        return [
-            (at, self.plain.changed(ENGAGED, at), self.filtered.changed(ENGAGED, at))
-            for at in self.moments
-        ]
+        """For each moment, seconds until engagement was what it was to be: without filter, with it.
+
+        It was to be what most samples say some seconds later; None if they said so before as well.
+        """
+        return [(at, *self._delay(at)) for at in self.moments]
+
+    def _delay(self, at: int) -> tuple[float | None, float | None]:
+        half = LATEST * SECOND // 2
+        before = self.plain.mostly(ENGAGED, max(0, at - half), at)
+        after = self.plain.mostly(ENGAGED, at + half, at + 2 * half)
+        if before == after:
+            return None, None
+        plain, filtered = (
+            course.becomes(ENGAGED, after, at) for course in (self.plain, self.filtered)
+        )
+        return plain, filtered
 
     def as_json(self) -> dict[str, m.Json]:
         """All figures for programs."""
@@ -188,19 +198,23 @@ def show(log: Path, settings: EngagementSettings, *, as_json: bool) -> None:
             f"no trials: put markers called {STEADY!r} and {NOW!r} into the session's log"
         )
         return
-    console.print(_steady(found))
-    console.print(_delays(found))
+    if found.stretches:
+        console.print("Right throughout", style="bold")
+        console.print(_steady(found))
+    if found.moments:
+        console.print("Seconds until engagement changed", style="bold")
+        console.print(_delays(found))
 
 
-def _table(title: str, *columns: str) -> Table:
-    table = Table(title=title, title_justify="left", box=None, pad_edge=False, padding=(0, 2, 0, 0))
+def _table(*columns: str) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for place, column in enumerate(columns):
         table.add_column(column, justify="right" if place else "left")
     return table
 
 
 def _steady(found: Trials) -> Table:
-    table = _table("Right throughout", "sign", "s", "stretches", "no filter", "filtered")
+    table = _table("sign", "s", "stretches", "no filter", "filtered")
     for name in JUDGED:
         for seconds in LASTS:
             count, plain, filtered = found.steady(name, seconds)
@@ -211,7 +225,7 @@ def _steady(found: Trials) -> Table:
 
 
 def _delays(found: Trials) -> Table:
-    table = _table("Seconds until engagement changed", "at", "no filter", "filtered")
+    table = _table("at", "no filter", "filtered")
     rows = found.delays()
     for at, plain, filtered in rows:
         table.add_row(f"{at / SECOND:.1f} s", _seconds(plain), _seconds(filtered))

@@ -17,7 +17,7 @@ from woz_tui.sensing.model import Change
 from woz_tui.sensing.passing import SECOND
 
 #: The same transition within this time is the same; later or earlier by up to the second, moved.
-SAME_US, MOVED_US = 200_000, 10 * SECOND
+SAME_US, MOVED_US = 200_000, 2 * SECOND
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80
 #: What stands between the two paths.
@@ -159,8 +159,8 @@ def _second_cell(pair: Pair) -> str:
 def _sentences(figures: dict[str, Json]) -> Iterator[str]:
     yield ""
     yield (
-        f"transitions: {figures['recorded']} as it was, {figures['computed']} as it would be;"
-        f" {figures['alike']} the same (=), {figures['moved']} at another time (~)"
+        f"transitions: {figures['recorded']} as it was, {figures['computed']} as it would be:"
+        f" {figures['alike']} alike (=), {figures['moved']} moved (~)"
     )
     yield (
         f"engaged: {_per_cent(figures['engaged_recorded'])} of the time as it was,"

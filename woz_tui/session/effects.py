@@ -95,7 +95,8 @@ class Effects:
         engagement = self._session.experiment.engagement
         action = engagement.effects.get(self._state) if engagement else None
         calls = [*self._signals.entered(self._state), *(_calls(action) if action else ())]
-        self._signal(call for call in calls if call.verb in LASTING)
+        if not self._session.ended:
+            self._signal(call for call in calls if call.verb in LASTING)
 
     def ended(self, end: m.ActionEnd) -> None:
         """A run has ended; if it was one of these and has not worked, the wizard is told."""

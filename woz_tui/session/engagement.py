@@ -79,7 +79,9 @@ class LiveEngagement:
         self._wind()
 
     def close(self) -> None:
-        """The session ends: nothing more comes of what is heard."""
+        """The session has ended: nothing is heard any more. Until here its last moments are, too,
+        so that the log has all that the model has seen; only nothing is done about it.
+        """
         self._follower = None
         for timer in (self._timer, self._look):
             if timer is not None:

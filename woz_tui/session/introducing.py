@@ -116,7 +116,7 @@ class Introduction:
         self._wind()
 
     def _say(self, text: str) -> None:
-        if text:
+        if text and not self._session.ended:
             self._saying += 1
             call = Call("say", {"text": text}, self._voice, _NOWHERE)
             self._session.runner.send(call, ORIGIN, "queue", None, self._said)
@@ -127,6 +127,8 @@ class Introduction:
         self._wind()
 
     def _command(self, verb: str, **args: m.Json) -> None:
+        if self._session.ended:
+            return
         self._session.runner.send(Call(verb, args, ENGAGEMENT, _NOWHERE), ORIGIN)
 
     def _wind(self) -> None:

@@ -163,12 +163,12 @@ class Session:
         self.ended = True
         for timer in self._timers.values():
             timer.cancel()
-        self.engagement.close()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
             await self._crew.rest()
         await self._crew.close()
+        self.engagement.close()
         digest, _ = self.recorder.digest()
         self.hub.publish(m.SessionEnd(reason=reason, sha256=digest))
         self.recorder.close()

@@ -122,6 +122,8 @@ class Visiting:
 
     def _introduce(self) -> None:
         self._end_introduction()
+        if self._session.ended:
+            return
         settings = self._settings.handshake
         voice = self._voice()
         if settings.by == "robot" and not voice:

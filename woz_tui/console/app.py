@@ -29,7 +29,7 @@ from woz_tui.console.screens.dialog import Dialog, give_keys
 from woz_tui.console.status import Line
 from woz_tui.console.stopbar import HINTS, Bar, News
 from woz_tui.console.surface import Surface
-from woz_tui.console.thrift import tight
+from woz_tui.console.thrift import ThriftyScreen, tight
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.messages import StopPressed
 from woz_tui.core.requests import AskRelease, Reply, Welcome
@@ -119,6 +119,10 @@ class Console(App[str]):
     def compose(self) -> ComposeResult:
         """The main screen."""
         yield from self._surface.compose()
+
+    def get_default_screen(self) -> Screen[object]:
+        """The main screen."""
+        return ThriftyScreen(id="_default")
 
     def on_mount(self) -> None:
         """Begin to listen and to paint."""

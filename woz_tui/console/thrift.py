@@ -2,6 +2,9 @@
 
 Textual 8 knows exactly which cells of a line are to be painted, but writes that part of the line
 from the left edge of its widget on. Over a slow line that is most of what a moving robot costs.
+
+A screen beneath another one hands on what has changed, and takes the same for a new change of its
+own: once it has been painted whole, it is painted whole for ever, and the dialog on top with it.
 """
 
 from __future__ import annotations
@@ -9,6 +12,7 @@ from __future__ import annotations
 from rich.console import Console, RenderableType
 from rich.control import Control
 from textual._compositor import ChopsUpdate
+from textual.screen import Screen, ScreenResultType
 
 
 class TightUpdate(ChopsUpdate):
@@ -32,3 +36,13 @@ def tight(update: RenderableType | None) -> RenderableType | None:
     if type(update) is ChopsUpdate:
         return TightUpdate(update.chops, update.spans, update.chop_ends)
     return update
+
+
+class ThriftyScreen(Screen[ScreenResultType]):
+    """A screen that hands on a change once while another one lies over it."""
+
+    def _compositor_refresh(self) -> None:
+        super()._compositor_refresh()
+        if self is not self.app.screen:
+            self._exchange_repaint_regions()
+            self._repaint_required = False

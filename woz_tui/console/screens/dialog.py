@@ -17,6 +17,7 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean
+from woz_tui.console.thrift import ThriftyScreen
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
@@ -50,7 +51,7 @@ def content(rows: Iterable[Row]) -> Content:
     return Content.assemble(*pieces)
 
 
-class Dialog(ModalScreen[None]):
+class Dialog(ThriftyScreen[None], ModalScreen[None]):
     """A framed dialog. Subclasses give `heading`, `hint` and `body`."""
 
     heading: ClassVar[str] = ""

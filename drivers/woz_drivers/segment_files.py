@@ -28,10 +28,8 @@ T = TypeVar("T")
 def write(path: Path, pcm: bytes, rate: int) -> Path:
     """Write one channel of 16-bit samples to `path`, all of it or nothing; for threads.
 
-    Makes the folder, for its owner only. Raises `OSError`: disk full, the folder is none, the file
-    is there already.
+    Raises `OSError`: disk full, the folder is none, the file is there already.
     """
-    path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
     part = path.with_name(f".{path.name}.part")
     try:
         with os.fdopen(os.open(part, _FLAGS, 0o600), "wb") as file:  # a person's voice
@@ -52,10 +50,16 @@ class SegmentFiles:
         self._busy = 0
         self._scratch: tempfile.TemporaryDirectory[str] | None = None
         self._scratch_lock = threading.Lock()
+        self._closed = False
 
     def keep(self, path: Path, pcm: bytes) -> asyncio.Future[Path]:
-        """Write a file that stays."""
-        return self._start(lambda: write(path, pcm, self._rate))
+        """Write a file that stays; makes its folder, for its owner only."""
+
+        def work() -> Path:
+            path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            return write(path, pcm, self._rate)
+
+        return self._start(work)
 
     def lend(self, name: str, pcm: bytes) -> asyncio.Future[Path]:
         """Write a file for a program to read, out of everybody's way; give it back afterwards."""
@@ -68,12 +72,15 @@ class SegmentFiles:
     def close(self) -> None:
         """Delete whatever was lent."""
         with self._scratch_lock:
+            self._closed = True
             scratch, self._scratch = self._scratch, None
         if scratch is not None:
             scratch.cleanup()
 
     def _scratch_folder(self) -> Path:
         with self._scratch_lock:
+            if self._closed:
+                raise OSError(errno.ESHUTDOWN, "the session has ended")
             if self._scratch is None:
                 self._scratch = tempfile.TemporaryDirectory(
                     prefix="woz-speech-", ignore_cleanup_errors=True

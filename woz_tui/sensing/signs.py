@@ -22,7 +22,7 @@ FRESH = 2 * SECOND
 WORDS = {
     "presence": ("nobody is there", "present"),
     "gaze": ("looks away", "looks"),
-    "distance": ("too far", "near"),
+    "distance": ("not near", "near"),
 }
 
 

@@ -46,11 +46,27 @@ class Robot:
         return all(self.joint.view(sign).verdict == 1 for sign in SIGNS[:3])
 
     def samples_until(self, engaged: bool, row: Row) -> int:
-        """How many rows it takes until the condition is as it should be; 50 at most."""
+        """How many rows it takes until the condition is as it should be; 51: more than 50."""
+        return next((count for count in range(1, 51) if self.see(row).engaged == engaged), 51)
+
+    def samples_until_signs(self, signs: Sequence[str], verdict: int, row: Row) -> int:
+        """The same for some signs only, which are all to say `verdict`."""
         for count in range(1, 51):
-            if self.see(row).engaged == engaged:
+            self.see(row)
+            if all(self.joint.view(sign).verdict == verdict for sign in signs):
                 return count
-        return math.inf  # type: ignore[return-value]
+        return 51
+
+
+def only(signs: Sequence[str], row: Row) -> Row:
+    """The row of a lab that has sensors for these signs."""
+    presence, gaze, metres, _ = row
+    return (
+        presence if "presence" in signs else None,
+        gaze if "gaze" in signs else None,
+        metres if "distance" in signs else None,
+        None,
+    )
 
 
 @pytest.mark.parametrize(
@@ -110,6 +126,24 @@ def test_ghosts_and_bystanders_are_no_engagement(ghost: list[Row]) -> None:
     robot = Robot().see(NOBODY, 30)
     for row in ghost:
         assert not robot.see(row).engaged
+
+
+@pytest.mark.parametrize(
+    ("signs", "on", "off"),
+    [
+        (("presence",), 2, 2),
+        (("distance",), 2, 2),
+        (("gaze",), 3, 4),
+        (("presence", "distance"), 2, 2),
+        (("presence", "gaze"), 2, 2),
+    ],
+)
+def test_a_lab_may_have_fewer_sensors(signs: tuple[str, ...], on: int, off: int) -> None:
+    """One sample of whatever there is never changes a verdict, and few do."""
+    robot = Robot().see(only(signs, NOBODY), 30)
+    assert robot.samples_until_signs(signs, 1, only(signs, ENGAGED)) == on
+    robot.see(only(signs, ENGAGED), 30)
+    assert robot.samples_until_signs(signs, 0, only(signs, NOBODY)) == off
 
 
 @pytest.mark.parametrize("rate", [2, 3, 5, 10, 30])

@@ -33,7 +33,7 @@ ATTENDS = 120.0
 LOOKS_UP = 40.0
 #: Shares of those who come: already near, already looking; and of those who go: out of reach.
 COME_NEAR = 0.5
-COME_LOOKING = 0.3
+COME_LOOKING = 0.5
 GO_FAR = 0.99
 
 # What fools the readings: mean time between two, and how long one lasts.
@@ -45,7 +45,7 @@ PEEKS = 8.0
 GHOST_LOOKS = (60.0, 0.3)
 STRAY = (20.0, 0.25)
 BLIND = (20.0, 0.25)
-PHANTOM = (200.0, 0.25)  # nobody is there, and everything says that somebody attends
+PHANTOM = (70.0, 0.25)  # nobody is there, and everything says that somebody attends
 
 
 @dataclass(frozen=True, slots=True)

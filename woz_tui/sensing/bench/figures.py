@@ -129,7 +129,7 @@ def measure(settings: EngagementSettings, runs: int = RUNS, seed: int = SEED) ->
         table=tuple(_table(near, glance, runs, seed)),
         filters=tuple(measured(each, films) for each in field_of(settings)),
         variations=tuple(
-            Variation(label, tuple(_two(other, glance, max(1, runs // 2), seed)))
+            Variation(label, tuple(_two(other, glance, max(1, runs // 3), seed)))
             for label, other in _others(world)
         ),
     )

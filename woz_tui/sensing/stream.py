@@ -121,8 +121,9 @@ class Follower:
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Go on with other settings; state, name and verdicts by hand stay."""
-        self.settings = settings
-        self.mode = settings.attention.mode
+        before, self.settings = self.settings, settings
+        if settings.attention.mode != before.attention.mode:
+            self.mode = settings.attention.mode
         self.sensors = _sensors(settings)
         self.model.adopt(settings)
 

@@ -180,6 +180,10 @@ class Acquaintances:
 
     def _saved(self, people: list[Visitor]) -> None:
         self._told = ""
+        with self._lock:
+            waiting = bool(self._jobs)
+        if not waiting:  # what others have forgotten or renamed is forgotten here too
+            self._known.clear()
         self._remember(people)
 
     def _remember(self, people: list[Visitor]) -> None:

@@ -49,6 +49,7 @@ class Attending:
     ) -> None:
         self._session = session
         self._follower = follower
+        self._settings = settings.attention
         self._attention = Attention(settings.attention)
         self._news = news
         self._loop = asyncio.get_running_loop()
@@ -58,6 +59,10 @@ class Attending:
         self._direction: float | None = None
         self._before: dict[str, m.Json] = {}
         self._overruled = False
+
+    def fits(self, settings: EngagementSettings) -> bool:
+        """Whether it goes on with these settings as it is."""
+        return settings.attention == self._settings
 
     def hear(self, message: m.AnyMessage) -> None:
         """Directions, and what the wizard does with the head."""
@@ -69,7 +74,7 @@ class Attending:
             case m.Command(verb="gaze", source=source) if source != ORIGIN.source:
                 self._before = dict(message.args)
                 self._overruled = self._attention.away
-            case m.StopPressed():
+            case m.StopPressed(scope="all"):
                 self._overruled = self._attention.away
 
     def entered(self, state: str) -> None:

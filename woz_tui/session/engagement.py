@@ -73,9 +73,12 @@ class LiveEngagement:
     # -- what the session asks ---------------------------------------------------------------------
 
     def begin(self) -> None:
-        """The session is open: show how things stand."""
+        """The session is open: show how things stand, the robots too."""
         self._opened = True
         self._show()
+        for message in self._session.standing.state():
+            if isinstance(message, m.DriverConnected):
+                self._connected(message.driver)
         self._wind()
 
     def close(self) -> None:
@@ -168,9 +171,15 @@ class LiveEngagement:
                 attending.attend(follower.mode)
             case m.ActionEnd():
                 self._effects.ended(message)
+            case m.DriverConnected(driver=driver):
+                self._connected(driver)
             case m.StopReleased():
                 self._effects.released()
                 visiting.resume(follower.model.state)
+
+    def _connected(self, driver: str) -> None:
+        if self._opened and self._follower is not None and self._follower.model.run != "off":
+            self._effects.connected(driver)
 
     def _adopt(self, experiment: Experiment) -> None:
         """Take the section as it is now in the file."""
@@ -193,10 +202,15 @@ class LiveEngagement:
         else:
             self._follower.adopt(settings)
             self._visiting.adopt(settings)
+        if self._attending is None or not self._attending.fits(settings):
+            self._attend(self._follower, settings)
+
+    def _attend(self, follower: Follower, settings: EngagementSettings) -> None:
         if self._attending is not None:
             self._attending.close()
-        self._attending = Attending(self._session, self._follower, settings, self._show_later)
-        self._attending.entered(self._follower.model.state)
+        self._attending = Attending(self._session, follower, settings, self._show_later)
+        self._attending.entered(follower.model.state)
+        self._attending.attend(follower.mode)
 
     # -- what comes of it --------------------------------------------------------------------------
 
@@ -213,7 +227,11 @@ class LiveEngagement:
                     forced=change.forced,
                 )
             )
-            self._entered(change)
+            try:
+                self._entered(change)
+            except Exception as error:  # the next change belongs into the log all the same
+                log.exception("the effects of %s failed", change.now)
+                self._tell_failure(f"{type(error).__name__}: {error}")
         if changes:
             self._show()
         else:

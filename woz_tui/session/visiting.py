@@ -85,7 +85,8 @@ class Visiting:
 
     def entered(self, change: Change) -> None:
         """The machine is in another state."""
-        faces.introduced(self._session, change)
+        if not self._session.ended:
+            faces.introduced(self._session, change)
         if change.was == State.HANDSHAKE and self._introduction is not None:
             introduction, self._introduction = self._introduction, None
             introduction.left(change.outcome, self.name(change.visitor))

@@ -25,6 +25,7 @@ from woz_tui.core.driver import Driver, Outlet
 from woz_tui.core.requests import PROTOCOL, Welcome
 from woz_tui.experiment.decode import load
 from woz_tui.host.views import (
+    engagement_limits,
     joint_limits,
     outlines,
     panel_views,
@@ -179,6 +180,7 @@ def welcome(session: Session) -> Welcome:
             "participant_pattern": experiment.participant_pattern,
             "joints": joint_limits(session),
             "outlines": outlines(session),
+            "engagement": engagement_limits(experiment),
         },
     )
 

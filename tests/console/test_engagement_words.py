@@ -55,6 +55,15 @@ def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
         assert glyphs.forced in "".join(piece for piece, _ in row)
 
 
+def test_what_a_state_brings_with_it_is_no_line_unless_it_fails() -> None:
+    name = "on RobotThinks"
+    assert told(*scenes.played("r1", name, NOW, 0.1)) == []
+    assert told(*scenes.played("r2", name, NOW, 0.1, how="stopped")) == []
+    (failed,) = told(*scenes.played("r3", name, NOW, 0.1, how="failed", reason="no eyes"))
+    assert (failed.mark, failed.text, failed.detail) == ("failed", name, "no eyes")
+    assert len(told(*scenes.played("r4", "Hello", NOW, 0.1))) == 1
+
+
 def test_what_was_heard_is_a_line_and_so_is_what_was_not_understood() -> None:
     heard = m.SpeechText(driver="mic", segment=1, text="hello robot", t=NOW)
     assert line(heard) == ("heard", "“hello robot”", "heard")

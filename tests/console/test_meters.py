@@ -139,6 +139,7 @@ def test_unknown_sensors_get_a_line() -> None:
     assert " temperat… 42 C " in shown
     assert "no sensor" in meters()
     assert "tick" not in meters(scenes.reading(NOW, "joy.tick", 0.4, unit="ms"))
+    assert "speech" not in meters(scenes.reading(NOW, "mic.speech", None))
 
 
 def test_the_order_is_fixed_whatever_speaks_first() -> None:

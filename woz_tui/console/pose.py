@@ -21,8 +21,8 @@ _THRESHOLD = re.compile(r"(.*\.)?loudness\..+")
 _DIGITS = {"m": 2, "ms": 1, "deg": 0, "C": 0, "V": 1, "%": 0}
 #: Half of a joint's range where nobody has told its limits, in degrees.
 _HALF, _WHOLE = 90.0, 180.0
-#: For the log and its readers, not for a wizard: how punctual a body's ticks are.
-_FOR_THE_LOG = re.compile(r"(.*\.)?tick")
+#: For programs, not for a wizard: how punctual a body's ticks are; that a driver cuts speech.
+_FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech)")
 #: Said last: where the robot stands, and from where it hears.
 _LAST = ("direction", "base")
 

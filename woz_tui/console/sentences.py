@@ -77,7 +77,9 @@ def event_of(message: m.Message, picture: Picture) -> Event | None:
     return tell(message, picture) if tell is not None else None
 
 
-def _requested(message: m.ActionRequested, picture: Picture) -> Event:
+def _requested(message: m.ActionRequested, picture: Picture) -> Event | None:
+    if _is_effect(message.action, picture):
+        return None  # the state's own line tells of it
     source = _SOURCES.get(message.source, "")
     action = picture.action(message.action)
     return Event(
@@ -91,6 +93,11 @@ def _requested(message: m.ActionRequested, picture: Picture) -> Event:
     )
 
 
+def _is_effect(action: str, picture: Picture) -> bool:
+    """Whether it is what a state of the engagement model brings with it: `on RobotThinks`."""
+    return action.startswith("on ") and picture.action(action) is None
+
+
 def _command(message: m.Command, picture: Picture) -> Event | None:
     if message.run or message.passing:
         return None  # its action has a line, or the panel's picture shows it
@@ -98,8 +105,9 @@ def _command(message: m.Command, picture: Picture) -> Event | None:
 
 
 def _action_end(message: m.ActionEnd, picture: Picture) -> Event | None:
-    """Only reached if the beginning is not on the list any more."""
-    if isinstance(message, m.ActionDone):
+    """Only reached if the beginning is not on the list, or not any more."""
+    left = isinstance(message, m.ActionStopped) and _is_effect(message.action, picture)
+    if isinstance(message, m.ActionDone) or left:
         return None
     how = str(message.__struct_config__.tag).removeprefix("action.")
     return Event(message.t, how, picture.label(message.action), message.reason, run=message.run)

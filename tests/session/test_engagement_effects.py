@@ -11,6 +11,7 @@ import pytest
 from tests.session.engaged import PLAIN, WIZARD, Room, effect, guided, in_room
 from tests.session.rig import call, together
 from woz_tui.core import messages as m
+from woz_tui.core.driver import Health
 from woz_tui.experiment.engagement import STATES, EngagementSettings
 from woz_tui.experiment.shape import Profile, Wait
 from woz_tui.session.signals import SIGNALS
@@ -79,7 +80,7 @@ def test_effects_of_the_file_are_played_as_actions_of_the_model(tmp_path: Path) 
     assert [line.action for line in requested].count("Greet") == 1
     assert [line.reason for line in room.of(m.ActionEnd)].count("") >= 1
     seen = [args["color"] for verb, args in room.commands if verb == "eyes"]
-    assert seen[0] == "red"
+    assert seen[:2] == ["off", "red"]
     assert ("say", {"text": "Hello V1"}) in room.robot.calls
     # What the model says by itself in EngagedWithKnown is the robot's initiative like any other.
     assert room.path[1:4] == [KNOWN, "RobotSpeaks", KNOWN]
@@ -152,6 +153,8 @@ def test_while_stopped_nothing_is_played_and_then_what_lasts_is_shown_again(
     )
 
     async def scenario(room: Room) -> None:
+        await asyncio.sleep(1)
+        room.robot.calls.clear()
         room.session.stop("key")
         room.tell("force", to="PersonDetected")
         await asyncio.sleep(1)
@@ -208,7 +211,40 @@ def test_somebody_who_is_nearly_engaged_sees_it(tmp_path: Path) -> None:
 
     room = in_room(tmp_path, scenario, guided(tmp_path, SHOWING))
     eyes = [args["color"] for verb, args in room.commands if verb == "eyes"]
-    assert eyes[:2] == ["white", "green"]
+    assert eyes[:3] == ["off", "white", "green"]
+
+
+def test_a_robot_that_connects_shows_how_things_stand(tmp_path: Path) -> None:
+    """E6: at the beginning, and when a cable was plugged in again."""
+
+    async def scenario(room: Room) -> None:
+        await asyncio.sleep(1)
+        assert [verb for verb, _ in room.robot.calls] == ["eyes", "screen"]
+        room.tell("force", to="RobotThinks")
+        await asyncio.sleep(1)
+        room.robot.calls.clear()
+        room.robot.outlet.health(Health.LOST, "the cable")
+        await asyncio.sleep(1)
+        assert room.robot.calls == []
+        room.robot.outlet.health(Health.CONNECTED, "a puppet")
+        await asyncio.sleep(1)
+        assert [verb for verb, _ in room.robot.calls] == ["eyes", "screen"]
+        assert room.robot.calls[0] == ("eyes", {"color": "white"})
+
+    in_room(tmp_path, scenario, guided(tmp_path, SHOWING))
+
+
+@pytest.mark.parametrize(
+    "settings", [EngagementSettings(signals="none"), EngagementSettings(start="off")]
+)
+def test_a_robot_that_shall_show_nothing_shows_nothing(
+    tmp_path: Path, settings: EngagementSettings
+) -> None:
+    async def scenario(room: Room) -> None:
+        await asyncio.sleep(1)
+        assert room.robot.calls == []
+
+    in_room(tmp_path, scenario, guided(tmp_path, settings))
 
 
 def test_a_profile_of_the_wizard_does_not_bind_the_robot(tmp_path: Path) -> None:

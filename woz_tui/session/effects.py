@@ -5,8 +5,8 @@ Rules:
 * What a state has begun is finished; its steps that still wait when the state is left are dropped.
 * A greeting is not repeated: whoever comes back to EngagedWithKnown from their own or the robot's
   turn gets that state's effects without what is said there.
-* While the stop is pressed nothing is played. At its release the lasting signals of the state
-  (eyes, screen, emotion) are given again; what is heard is not.
+* While the stop is pressed nothing is played. At its release, and when a driver has connected, the
+  lasting signals of the state (eyes, screen, emotion) are given again; what is heard is not.
 * A signal overtakes an older one of its kind that is still on its way.
 * What does not work is in the log, and the wizard is told of each reason once.
 """
@@ -92,11 +92,21 @@ class Effects:
 
     def released(self) -> None:
         """The stop was released: what lasts is shown again."""
+        self._signal(self._lasting())
+
+    def connected(self, driver: str) -> None:
+        """A driver is there, for the first time or again: it shows what lasts."""
+        if not self._session.bus.latched:
+            self._signal(call for call in self._lasting() if call.driver == driver)
+
+    def _lasting(self) -> list[Call]:
+        """What is to be seen in the present state, and stays to be seen."""
+        if self._session.ended:
+            return []
         engagement = self._session.experiment.engagement
         action = engagement.effects.get(self._state) if engagement else None
         calls = [*self._signals.entered(self._state), *(_calls(action) if action else ())]
-        if not self._session.ended:
-            self._signal(call for call in calls if call.verb in LASTING)
+        return [call for call in calls if call.verb in LASTING]
 
     def ended(self, end: m.ActionEnd) -> None:
         """A run has ended; if it was one of these and has not worked, the wizard is told."""

@@ -8,18 +8,17 @@ from pathlib import Path
 
 import pytest
 
-from tests.session.engaged import PLAIN, WIZARD, Room, guided, in_room
+from tests.session.engaged import PLAIN, WIZARD, Guide, Room, guided, in_room
 from woz_tui.core import messages as m
+from woz_tui.core.driver import Ask
 from woz_tui.experiment.engagement import (
     EngagementSettings,
-    HandshakeSettings,
     SignSettings,
     Timeouts,
 )
 from woz_tui.session.identity import AskError
 
 KNOWN_STATE = "EngagedWithKnown"
-NOBODY_ASKS = replace(PLAIN, handshake=HandshakeSettings(by="nobody"))
 
 
 async def engaged(room: Room) -> None:
@@ -330,3 +329,20 @@ def test_a_visitor_greeted_by_name(tmp_path: Path) -> None:
 
     room = in_room(tmp_path, scenario)
     assert ("say", {"text": "Hello V1"}) in room.robot.calls
+
+
+def test_a_panel_of_one_of_two_robots_may_tell_the_model(tmp_path: Path) -> None:
+    one = guided(tmp_path)
+    (spec,) = one.drivers
+    two = replace(
+        one, drivers=(replace(spec, name="left.robot"), replace(spec, name="right.robot"))
+    )
+
+    async def scenario(room: Room) -> None:
+        driver = room.session.drivers["left.robot"]
+        assert isinstance(driver, Guide)
+        driver.outlet.ask(Ask("verb", "toggle", {"sign": "presence"}, source="midi"))
+        await asyncio.sleep(0.5)
+
+    room = in_room(tmp_path, scenario, two)
+    assert room.path == ["PersonDetected"]

@@ -31,7 +31,7 @@ from woz_tui.session.profiles import Profiles
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.standing import Standing
 from woz_tui.session.utterances import utterances
-from woz_tui.session.verbs import ENGAGEMENT, SESSION, VERBS, SessionVerbs
+from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
 
 #: Seconds between two lines that tie the session's clock to the calendar.
 CLOCK_TIE_S = 30.0
@@ -262,7 +262,7 @@ class Session:
     def _driver_for(self, verb: str, on: str) -> str:
         offering = [name for name, verbs in self._by_name.items() if verb in verbs]
         if on:
-            offering = [name for name in offering if name == on or name.startswith(f"{on}.")]
+            offering = [n for n in offering if n in (on, *PERFORMERS) or n.startswith(f"{on}.")]
         if len(offering) == 1:
             return offering[0]
         if offering:

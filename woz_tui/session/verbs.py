@@ -10,10 +10,10 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.core.driver import Argument, Job, Rejected, Scope, Verb
 from woz_tui.core.messages import Json
-from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
+from woz_tui.experiment.verbs import ENGAGEMENT, PERFORMERS, SESSION
 
 #: The names under which the bus knows the session and its engagement model.
-__all__ = ["ENGAGEMENT", "SESSION", "VERBS", "SessionVerbs"]
+__all__ = ["ENGAGEMENT", "PERFORMERS", "SESSION", "VERBS", "SessionVerbs"]
 
 VERBS: tuple[Verb, ...] = (
     Verb("mark", "put a marker into the log", (Argument("text", "text", "what it marks"),)),

@@ -182,8 +182,17 @@ def change(t: float, was: str, now: str) -> Change:
 def test_pairs_stand_in_the_order_of_time() -> None:
     recorded = [change(1, "Wait", "A"), change(2, "A", "B"), change(9, "B", "A")]
     computed = [change(1.05, "Wait", "A"), change(3, "A", "B"), change(4, "B", "C")]
+    assert paired([], []) == []
     signs = [pair.sign for pair in paired(recorded, computed)]
     assert signs == [SAME, MOVED, ONLY_COMPUTED, ONLY_RECORDED]
+
+
+def test_what_moved_over_something_else_is_two_lines() -> None:
+    recorded = [change(2, "Wait", "A")]
+    computed = [change(1, "Wait", "A"), change(1.5, "A", "B")]
+    pairs = paired(recorded, computed)
+    assert [pair.sign for pair in pairs] == [ONLY_COMPUTED, ONLY_COMPUTED, ONLY_RECORDED]
+    assert [pair.t for pair in pairs] == sorted(pair.t for pair in pairs)
 
 
 def test_the_samples_of_a_log_are_the_log_too(

@@ -56,7 +56,10 @@ def _pairs(recorded: Sequence[Change], computed: Sequence[Change]) -> Iterator[P
     left = right = 0
     while left < len(recorded) and right < len(computed):
         one, other = recorded[left], computed[right]
-        if _alike(one, other):
+        earlier = (
+            recorded[left + 1 : left + 2] if one.t <= other.t else computed[right + 1 : right + 2]
+        )
+        if _alike(one, other, before=earlier[0].t if earlier else None):
             yield Pair(one, other)
             left, right = left + 1, right + 1
         elif one.t <= other.t:
@@ -69,9 +72,14 @@ def _pairs(recorded: Sequence[Change], computed: Sequence[Change]) -> Iterator[P
     yield from (Pair(None, other) for other in computed[right:])
 
 
-def _alike(one: Change, other: Change) -> bool:
+def _alike(one: Change, other: Change, before: int | None) -> bool:
+    """Whether two transitions are the same one; `before`: what follows the earlier one must not
+    come before the later one, or the lines would not stand in the order of time.
+    """
+    apart = abs(one.t - other.t)
     same = (one.was, one.now, one.outcome) == (other.was, other.now, other.outcome)
-    return same and abs(one.t - other.t) <= MOVED_US
+    near = apart <= SAME_US or before is None or before >= max(one.t, other.t)
+    return same and near and apart <= MOVED_US
 
 
 def engaged_share(path: Sequence[Change], end: int) -> float:
@@ -153,7 +161,7 @@ def _second_cell(pair: Pair) -> str:
     if pair.sign != MOVED or pair.recorded is None or pair.computed is None:
         return _cell(pair.computed)
     later = (pair.computed.t - pair.recorded.t) / SECOND
-    return f"{_cell(pair.computed)} {later:+.1f} s"
+    return f"{pair.computed.now} {later:+.1f} s"
 
 
 def _sentences(figures: dict[str, Json]) -> Iterator[str]:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import functools
 import itertools
 import json
+import math
 import random
 
 import pytest
@@ -25,6 +26,7 @@ from woz_tui.sensing.bench.errors import (
     Errors,
     fitted,
     interval,
+    likelihood,
 )
 from woz_tui.sensing.bench.figures import SOON, STABLE, Goal, measure, plain
 from woz_tui.sensing.bench.scenes import CALM, SCENES, STAYING, Take, played
@@ -49,12 +51,25 @@ def test_the_rates_are_those_that_fit_the_paper_best() -> None:
     assert fitted() == pytest.approx(VISIBLE, abs=0.0001)
 
 
+@pytest.mark.parametrize("shape", [0.3, 1.0])
 @pytest.mark.parametrize("row", TABLE_1)
-def test_the_model_lies_within_what_the_papers_trials_leave_open(row: str) -> None:
+def test_the_model_lies_within_what_the_papers_trials_leave_open(row: str, shape: float) -> None:
     """E10: every figure of Table 1 without filters."""
+    errors = Errors(visible=fitted(shape), shape=shape)
     for seconds, paper in zip(WINDOWS, TABLE_1[row], strict=True):
         low, high = interval(paper)
-        assert low <= 100 * Errors().right(row, seconds) <= high
+        assert low <= 100 * errors.right(row, seconds) <= high
+
+
+def test_the_paper_hardly_tells_how_trials_differ() -> None:
+    """What the page says of other distributions of the factor."""
+
+    def fit(shape: float) -> float:
+        rates = fitted(shape)
+        return sum(likelihood(rates[row], shares, shape) for row, shares in TABLE_1.items())
+
+    assert math.exp(fit(1.0) - fit(1e6)) == pytest.approx(1.8, abs=0.1)
+    assert math.exp(fit(0.3) - fit(1.0)) == pytest.approx(1.6, abs=0.1)
 
 
 def test_played_trials_have_the_models_figures() -> None:

@@ -100,8 +100,9 @@ _ABOUT_DELAYS = (
 )
 _ABOUT_VARIATIONS = (
     "Per cent of 30 s, and seconds for 95 % of the runs, as above (glances of 0.56 s); a third of"
-    " the runs. Errors are halved and doubled in number, and last 0.4 s instead of 0.25 s; signs"
-    " are sampled apart instead of together; at 10 Hz, eight places cover 0.8 s."
+    " the runs. Errors are halved and doubled in number, or last 0.4 s instead of 0.25 s; trials"
+    " differ more (gamma distribution of shape 0.3, fitted to the paper as well); signs are"
+    " sampled apart instead of together; at 10 Hz, eight places cover 0.8 s."
 )
 
 

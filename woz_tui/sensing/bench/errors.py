@@ -7,8 +7,8 @@ this one has few parts:
 * Errors are episodes. In a trial they begin at random moments at a rate per sign, and each lasts
   an exponentially distributed time of the same mean for all signs.
 * Trials differ: people, light and glasses multiply all rates of a trial by one factor, which is
-  exponentially distributed with mean 1. Without it the model would say 81/66/54 per cent for gaze
-  where the table has 74/68/58; with it 79/65/56.
+  exponentially distributed with mean 1 (a gamma distribution of shape 1). Without it the model
+  would say 81/66/54 per cent for gaze where the table has 74/68/58; with it 79/65/56.
 * Signs of one camera fail together: who is not detected has neither gaze nor name meanwhile. Gaze
   and face have episodes of their own besides.
 
@@ -47,16 +47,18 @@ VISIBLE = {"people": 0.0036, "face": 0.0061, "gaze": 0.0266, "distance": 0.0014}
 @dataclass(frozen=True, slots=True)
 class Errors:
     """The model: visible episodes per second at 3 Hz by row of the table; their mean length in
-    seconds; `times` multiplies all rates.
+    seconds; `times` multiplies all rates. `shape` is that of the gamma distribution of the factor
+    by which trials differ, with mean 1: the smaller, the more a few trials have most of the errors.
     """
 
     visible: Mapping[str, float] = field(default_factory=lambda: dict(VISIBLE))
     episode: float = EPISODE
     times: float = 1.0
+    shape: float = 1.0
 
     def right(self, row: str, seconds: float) -> float:
         """Chance that an unfiltered sign stays right for so long, sampled at 3 Hz."""
-        return 1.0 / (1.0 + self.times * self.visible[row] * seconds)
+        return _right(self.times * self.visible[row] * seconds, self.shape)
 
     def rate(self, row: str) -> float:
         """Real episodes per second that are a sign's own, for an average trial."""
@@ -74,7 +76,7 @@ class Faults:
 
     def __init__(self, errors: Errors, chance: random.Random, until: float, calm: float) -> None:
         """Before `calm` seconds nothing errs, so that every trial begins alike."""
-        self.factor = chance.expovariate(1.0)
+        self.factor = chance.gammavariate(errors.shape, 1.0 / errors.shape)
         self._episodes = {
             row: list(
                 _episodes(chance, self.factor * errors.rate(row), errors.episode, calm, until)
@@ -87,11 +89,11 @@ class Faults:
         return any(begin <= at < end for begin, end in self._episodes[row])
 
 
-def fitted(table: Mapping[str, tuple[int, ...]] = TABLE_1) -> dict[str, float]:
+def fitted(shape: float = 1.0) -> dict[str, float]:
     """The rates of visible episodes that make the table likeliest, rows taken by themselves and
     windows as if they were independent trials.
     """
-    return {row: _likeliest(shares) for row, shares in table.items()}
+    return {row: _likeliest(shares, shape) for row, shares in TABLE_1.items()}
 
 
 def interval(per_cent: float, trials: int = TRIALS, deviations: float = 1.96) -> tuple[int, int]:
@@ -115,21 +117,30 @@ def _episodes(
         yield at, at + chance.expovariate(1.0 / mean)
 
 
-def _likeliest(shares: tuple[int, ...]) -> float:
+def _right(expected: float, shape: float) -> float:
+    """Chance of no episode where so many are expected of an average trial."""
+    return math.exp(-shape * math.log1p(expected / shape))
+
+
+def _likeliest(shares: tuple[int, ...], shape: float) -> float:
     """The rate at which the binomial likelihood is greatest, by thirds of its logarithm."""
     low, high = math.log(1e-5), math.log(1.0)
     for _ in range(60):
         third = (high - low) / 3.0
-        if _likelihood(math.exp(low + third), shares) < _likelihood(math.exp(high - third), shares):
+        one, other = (
+            likelihood(math.exp(low + part * third), shares, shape) for part in (1.0, 2.0)
+        )
+        if one < other:
             low += third
         else:
             high -= third
     return math.exp((low + high) / 2.0)
 
 
-def _likelihood(rate: float, shares: tuple[int, ...]) -> float:
+def likelihood(rate: float, shares: tuple[int, ...], shape: float = 1.0) -> float:
+    """Logarithm of the likelihood of a row of the table, up to a constant."""
     total = 0.0
     for seconds, share in zip(WINDOWS, shares, strict=True):
-        right = 1.0 / (1.0 + rate * seconds)
-        total += share * math.log(right) + (100 - share) * math.log1p(-right)
+        right = _right(rate * seconds, shape)
+        total += TRIALS / 100 * (share * math.log(right) + (100 - share) * math.log1p(-right))
     return total

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing.bench.candidates import Candidate, field_of, joint, queues
-from woz_tui.sensing.bench.errors import TABLE_1, WINDOWS, Errors, interval
+from woz_tui.sensing.bench.errors import TABLE_1, WINDOWS, Errors, fitted, interval
 from woz_tui.sensing.bench.scenes import SCENES, STAYING, Take
 from woz_tui.sensing.bench.trials import Delays, Steady, World, delays, steady, takes, windows
 
@@ -179,6 +179,7 @@ def _others(world: World) -> list[tuple[str, World]]:
         ("errors x 0.5", replace(world, errors=replace(errors, times=0.5))),
         ("errors x 2", replace(world, errors=replace(errors, times=2.0))),
         ("errors 0.4 s", replace(world, errors=replace(errors, episode=0.4))),
+        ("trials differ", replace(world, errors=replace(errors, visible=fitted(0.3), shape=0.3))),
         ("signs apart", replace(world, together=False)),
         ("10 Hz", replace(world, rate=10.0)),
     ]

@@ -125,7 +125,6 @@ SHOTS = (
     Shot("eyepi-body", 80, 24, eyepi, keys=(";",)),
     Shot("two-robots", 160, 50, show),
     Shot("guide", 160, 50, guide),
-    Shot("guide-80x24", 80, 24, guide),
     Shot("engagement", 100, 36, guide, keys=("=",)),
     Shot("knobs", 80, 24, knobs, keys=("+",)),
     Shot("stop", 80, 24, stopped),

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import re
 from collections import Counter
+from pathlib import Path
 from xml.etree import ElementTree
 
+import pytest
+
 from docs import engagement_diagram as diagram
+from woz_tui import cli
 from woz_tui.sensing.machine import EDGES, State
 
 
@@ -36,3 +40,23 @@ def test_every_state_and_every_edge_is_drawn() -> None:
         assert words[label] >= 1
     lines = len(re.findall(r"marker-end", diagram.svg()))
     assert lines == len({(edge.source, edge.target) for edge in EDGES})
+
+
+def test_the_pages_lines_of_samples_come_out_as_it_says(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    text = diagram.PAGE.read_text("utf-8")
+    rows = text.partition("<<END\n")[2].partition("END\n")[0]
+    told = text.partition("```json\n")[2].partition("```")[0]
+    file = tmp_path / "visit.jsonl"
+    file.write_text(rows, encoding="utf-8")
+    assert cli.main(["engagement", str(file)]) == 0
+    assert capsys.readouterr().out == told
+    assert len(told.splitlines()) == 6
+
+
+def test_the_pages_pictures_and_links_are_there() -> None:
+    links = re.findall(r"\]\(([^)#]+)[^)]*\)", diagram.PAGE.read_text("utf-8"))
+    files = [link for link in links if "://" not in link]
+    assert len(files) > 10
+    assert not [link for link in files if not (diagram.HERE / link).is_file()]

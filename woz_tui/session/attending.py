@@ -7,7 +7,6 @@ and hears directions. A wizard who turns the head meanwhile has it: it is not tu
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
@@ -19,6 +18,7 @@ from woz_tui.experiment.shape import Call, DriverSpec, Experiment, Place
 from woz_tui.sensing.attention import Attention, Look, Order, Return, Stimulus
 from woz_tui.sensing.machine import ENGAGED
 from woz_tui.sensing.stream import Follower
+from woz_tui.session.alarm import Alarm
 from woz_tui.session.effects import ORIGIN
 
 if TYPE_CHECKING:
@@ -26,8 +26,6 @@ if TYPE_CHECKING:
 
 GAZE, DIRECTION = "gaze", "direction"
 _NOWHERE = Place("", 0, 0)
-#: The least that a timer waits, in seconds.
-_SOON_S = 0.001
 
 
 class Attending:
@@ -52,8 +50,7 @@ class Attending:
         self._settings = settings.attention
         self._attention = Attention(settings.attention)
         self._news = news
-        self._loop = asyncio.get_running_loop()
-        self._timer: asyncio.TimerHandle | None = None
+        self._alarm = Alarm(session.hub, self._ring)
         self._head = head_of(session.experiment) if settings.attention.look else None
         self._sensor = _direction_beside(session.experiment, self._head) if self._head else ""
         self._direction: float | None = None
@@ -90,9 +87,7 @@ class Attending:
     def close(self) -> None:
         """Turn no further."""
         self._head = None
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._alarm.cancel()
 
     # -- inside ------------------------------------------------------------------------------------
 
@@ -115,7 +110,7 @@ class Attending:
                 self._look({"yaw": direction, "pitch": 0.0})
             case Return(direction=direction) if not self._overruled:
                 self._look(self._before or {"yaw": direction or 0.0, "pitch": 0.0})
-        self._wind()
+        self._alarm.set(self._attention.due())
         if self._follower.model.attention != self._attention.shown:
             self._follower.model.attention = self._attention.shown
             self._news()
@@ -128,17 +123,7 @@ class Attending:
         fitting = {name: _within(verb, name, args[name]) for name in args if name in known}
         self._session.runner.send(Call(GAZE, fitting, spec.name, _NOWHERE), ORIGIN)
 
-    def _wind(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-        due = self._attention.due()
-        if due is not None:
-            seconds = max((due - self._now) / 1_000_000, _SOON_S)
-            self._timer = self._loop.call_later(seconds, self._ring)
-
     def _ring(self) -> None:
-        self._timer = None
         self._carry_out(self._attention.advance(self._now))
 
 

@@ -25,6 +25,7 @@ from woz_tui.experiment.verbs import ENGAGEMENT, engagement_verbs
 from woz_tui.sensing import orders
 from woz_tui.sensing.model import Change
 from woz_tui.sensing.stream import Follower
+from woz_tui.session.alarm import Alarm
 from woz_tui.session.attending import Attending
 from woz_tui.session.effects import Effects
 from woz_tui.session.visiting import Visiting
@@ -34,8 +35,6 @@ if TYPE_CHECKING:
 
 #: Microseconds between two looks at the signs, while no state changes.
 SHOWN_EVERY_US = 200_000
-#: The least that a timer waits, in seconds.
-_SOON_S = 0.001
 
 log = logging.getLogger(__name__)
 
@@ -55,7 +54,7 @@ class LiveEngagement:
         self._effects = Effects(session)
         self._visiting: Visiting | None = None
         self._attending: Attending | None = None
-        self._timer: asyncio.TimerHandle | None = None
+        self._alarm = Alarm(session.hub, self._ring)
         self._look: asyncio.TimerHandle | None = None
         self._shown: m.EngagementShown | None = None
         self._shown_us = -SHOWN_EVERY_US
@@ -86,9 +85,10 @@ class LiveEngagement:
         so that the log has all that the model has seen; only nothing is done about it.
         """
         self._follower = None
-        for timer in (self._timer, self._look):
-            if timer is not None:
-                timer.cancel()
+        self._alarm.cancel()
+        if self._look is not None:
+            self._look.cancel()
+            self._look = None
         for part in (self._visiting, self._attending):
             if part is not None:
                 part.close()
@@ -247,16 +247,9 @@ class LiveEngagement:
 
     def _wind(self) -> None:
         """Wake up when something happens by itself."""
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-        due = self._follower.due() if self._follower else None
-        if due is not None:
-            seconds = max((due - self._hub.now()) / 1_000_000, _SOON_S)
-            self._timer = self._loop.call_later(seconds, self._ring)
+        self._alarm.set(self._follower.due() if self._follower else None)
 
     def _ring(self) -> None:
-        self._timer = None
         if self._follower is None:
             return
         try:

@@ -6,7 +6,6 @@ reaches the model as commands, `visitor` or `handshake: fail`, so that the log h
 
 from __future__ import annotations
 
-import asyncio
 from collections.abc import Callable
 from typing import TYPE_CHECKING
 
@@ -15,14 +14,13 @@ from woz_tui.experiment.engagement import HandshakeSettings
 from woz_tui.experiment.shape import Call, Place
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing.handshake import Done, Failed, Handshake, Learn, Order, Say
+from woz_tui.session.alarm import Alarm
 from woz_tui.session.effects import ORIGIN
 
 if TYPE_CHECKING:
     from woz_tui.session.session import Session
 
 _NOWHERE = Place("", 0, 0)
-#: The least that a timer waits, in seconds.
-_SOON_S = 0.001
 
 
 class Introduction:
@@ -48,8 +46,7 @@ class Introduction:
         self._settings = settings
         self._voice = voice
         self._procedure = Handshake(settings, is_taken)
-        self._loop = asyncio.get_running_loop()
-        self._timer: asyncio.TimerHandle | None = None
+        self._alarm = Alarm(session.hub, self._ring)
         self._saying = 0
         self._own: set[tuple[str, int]] = set()
 
@@ -76,7 +73,7 @@ class Introduction:
                 self._procedure.spoke(self._now)
             case m.SpeechText(text=text):
                 self._carry_out(self._procedure.heard(text, self._now))
-        self._wind()
+        self._alarm.set(self._procedure.due())
 
     def left(self, outcome: str, visitor: str) -> None:
         """The machine has left the handshake, for whatever reason."""
@@ -89,9 +86,7 @@ class Introduction:
     def stop(self) -> None:
         """Ask nothing more."""
         self._procedure.abandon("stopped", self._now)
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
+        self._alarm.cancel()
 
     # -- inside ------------------------------------------------------------------------------------
 
@@ -113,7 +108,7 @@ class Introduction:
             case Failed(say=say):
                 self._command("handshake", what="fail")
                 self._say(say)
-        self._wind()
+        self._alarm.set(self._procedure.due())
 
     def _say(self, text: str) -> None:
         if text and not self._session.ended:
@@ -124,22 +119,12 @@ class Introduction:
     def _said(self, end: m.End) -> None:
         self._saying -= 1
         self._procedure.said(self._now)
-        self._wind()
+        self._alarm.set(self._procedure.due())
 
     def _command(self, verb: str, **args: m.Json) -> None:
         if self._session.ended:
             return
         self._session.runner.send(Call(verb, args, ENGAGEMENT, _NOWHERE), ORIGIN)
 
-    def _wind(self) -> None:
-        if self._timer is not None:
-            self._timer.cancel()
-            self._timer = None
-        due = self._procedure.due()
-        if due is not None:
-            seconds = max((due - self._now) / 1_000_000, _SOON_S)
-            self._timer = self._loop.call_later(seconds, self._ring)
-
     def _ring(self) -> None:
-        self._timer = None
         self._carry_out(self._procedure.advance(self._now))

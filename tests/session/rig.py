@@ -10,6 +10,7 @@ from typing import Any, ClassVar
 
 from tests.fakes.virtual_time import LoopClock
 from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import (
     Argument,
     Driver,
@@ -159,8 +160,9 @@ class Stage:
         self.lines: list[m.AnyMessage] = []
         puppets: dict[str, type[Driver]] = {"puppet": Puppet}
         clock = LoopClock(asyncio.get_running_loop())
+        # The disk's time is real: in virtual time it would seem to stall, and the log would move on.
         self.recorder = Recorder(
-            tmp_path / "recordings", "made", clock, on_state=lambda state: None
+            tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more"
         )
         self.session = Session(
             experiment(tmp_path, drivers),

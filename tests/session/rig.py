@@ -160,7 +160,7 @@ class Stage:
         self.lines: list[m.AnyMessage] = []
         puppets: dict[str, type[Driver]] = {"puppet": Puppet}
         clock = LoopClock(asyncio.get_running_loop())
-        # The disk's time is real: in virtual time it would seem to stall, and the log would move on.
+        # The disk's time is real: in virtual time it would seem to stall.
         self.recorder = Recorder(
             tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more"
         )

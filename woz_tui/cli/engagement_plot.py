@@ -117,7 +117,7 @@ def _legend(y: float, report: Report) -> Iterator[str]:
     yield _text(
         LEFT + 16,
         y,
-        "fifo of so many places, half of them decide (1: no filter, 8: published program)",
+        "fifo of so many places (1: no filter, 8: the published program)",
     )
     yield from _star(LEFT + 482, y - 4)
     yield _text(LEFT + 494, y, "joint filter")

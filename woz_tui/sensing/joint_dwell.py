@@ -85,12 +85,12 @@ class Dwell:
         return found
 
     def _solve(self, seconds: float) -> Steps:
-        nearer, away = _two(1.0 / COMES_NEAR, 1.0 / STANDS_NEAR, seconds)
-        up, turned = _two(1.0 / LOOKS_UP, 1.0 / ATTENDS, seconds)
-        come, gone = _two(1.0 / EMPTY, 1.0 / STAYS, seconds)
-        placed, _ = _two(1.0 / FURNITURE, 1.0 / FURNITURE, seconds)
+        nearer, away = between(1.0 / COMES_NEAR, 1.0 / STANDS_NEAR, seconds)
+        up, turned = between(1.0 / LOOKS_UP, 1.0 / ATTENDS, seconds)
+        come, gone = between(1.0 / EMPTY, 1.0 / STAYS, seconds)
+        placed, _ = between(1.0 / FURNITURE, 1.0 / FURNITURE, seconds)
         pairs = [
-            [_two(1.0 / apart, 1.0 / lasts, seconds) for apart, lasts in faults]
+            [between(1.0 / apart, 1.0 / lasts, seconds) for apart, lasts in faults]
             for faults in self._faults
         ]
         return Steps(
@@ -119,8 +119,8 @@ def passed(shares: Sequence[float], dwell: Dwell, elapsed: int) -> list[float]:
 _World = tuple[float, ...]
 
 
-def _two(there: float, back: float, seconds: float) -> tuple[float, float]:
-    """What goes there and back between two states with these rates."""
+def between(there: float, back: float, seconds: float) -> tuple[float, float]:
+    """The shares that go there and back between two states with these rates (per second)."""
     both = there + back
     moved = -math.expm1(-both * seconds) / both
     return there * moved, back * moved

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 
+from woz_tui.sensing.joint_dwell import between
 from woz_tui.sensing.samples import UNKNOWN
 
 #: Names that are held at the same time; the least likely one makes room.
@@ -61,8 +62,8 @@ class Names:
     def passed(self, elapsed: int) -> None:
         """Time goes by, in microseconds: conditions change, and others may stand there."""
         seconds = min(elapsed / 1e6, 3600.0)
-        lapse, over = _two(1.0 / LAPSES, 1.0 / LAPSE, seconds)
-        wrong, right = _two(1.0 / MISTAKES, 1.0 / MISTAKE, seconds)
+        lapse, over = between(1.0 / LAPSES, 1.0 / LAPSE, seconds)
+        wrong, right = between(1.0 / MISTAKES, 1.0 / MISTAKE, seconds)
         swap = -math.expm1(-seconds / SWAPS)
         moved = 0.0
         for name, (good, lapsed, mistaken) in self._held.items():
@@ -115,9 +116,3 @@ def _weighed(
         lapsed * (_YES if seen == UNKNOWN else _NO),
         mistaken * (_YES if seen not in (UNKNOWN, name) else _NO),
     )
-
-
-def _two(there: float, back: float, seconds: float) -> tuple[float, float]:
-    both = there + back
-    moved = -math.expm1(-both * seconds) / both
-    return there * moved, back * moved

@@ -6,14 +6,13 @@ import re
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from rich.console import Console, RenderableType
+from rich.console import Console
 from rich.segment import Segment
 from rich.style import Style
 from textual._compositor import ChopsUpdate
-from textual.screen import Screen
 from textual.strip import Strip
 
-from tests.console import bodies, engaged, scenes
+from tests.console import bodies
 from tests.console.driving import sitting
 from woz_tui.console.cells import Cells, Row, differences, length
 from woz_tui.console.thrift import tight
@@ -108,30 +107,3 @@ async def test_a_breath_repaints_few_cells() -> None:
             if old != new
         )
         assert 0 < painted < 80
-
-
-@pytest.mark.parametrize("opening", [("equals_sign",), ("equals_sign", "tab", "f"), ("comma",)])
-async def test_a_change_beneath_a_dialog_repaints_few_cells(
-    opening: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    async with sitting(engaged.welcome(engaged.shown())) as seat:
-        await seat.press(*opening)
-        await seat.pilot.pause(0.1)
-        sent: list[object] = []
-        display = seat.console._display
-
-        def watched(screen: Screen[object], update: RenderableType | None) -> None:
-            sent.append(update)
-            display(screen, update)
-
-        monkeypatch.setattr(seat.console, "_display", watched)
-        for level in (0.1, 0.02, 0.2):
-            await seat.tell(scenes.reading(scenes.NOW, "loudness", level))
-            await seat.pilot.pause(0.05)
-        updates = [update for update in sent if update is not None]
-        assert updates
-        painted = 0
-        for update in updates:
-            assert isinstance(update, ChopsUpdate), "not the whole screen"
-            painted += sum(end - begin for _, begin, end in update.spans)
-        assert 0 < painted < 400

@@ -39,10 +39,18 @@ def tight(update: RenderableType | None) -> RenderableType | None:
 
 
 class ThriftyScreen(Screen[ScreenResultType]):
-    """A screen that hands on a change once while another one lies over it."""
+    """A screen that hands on a change once while another one lies over it, and paints what it is
+    handed beside what its own widgets have to paint.
+    """
 
     def _compositor_refresh(self) -> None:
         super()._compositor_refresh()
         if self is not self.app.screen:
             self._exchange_repaint_regions()
             self._repaint_required = False
+
+    def _on_timer_update(self) -> None:
+        if self._repaint_required:  # Textual would forget the widgets: as if all were painted
+            self._repaint_required = False
+            self._dirty_widgets.add(self)
+        super()._on_timer_update()

@@ -1,0 +1,90 @@
+"""What is painted while a dialog lies over the living screen: all that changes, and little else."""
+
+from __future__ import annotations
+
+import asyncio
+
+import pytest
+from rich.console import Console, RenderableType
+from textual._compositor import ChopsUpdate
+from textual.screen import Screen
+
+from tests.console import engaged, scenes
+from tests.console.driving import Sitting, sitting
+from tests.console.test_thrift import shown
+from woz_tui.console.thrift import tight
+from woz_tui.core import messages as m
+
+NOW, SECOND = scenes.NOW, scenes.SECOND
+
+
+def lines(screen: Screen[object]) -> list[str]:
+    """All cells of a screen and of those beneath it."""
+    strips = screen._compositor.render_strips()
+    return ["".join(segment.text for segment in strip) for strip in strips]
+
+
+class Glass:
+    """Looks on as a terminal would: keeps what has been sent to it."""
+
+    def __init__(self, seat: Sitting, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.rows: list[str] = []
+        self.updates: list[RenderableType] = []
+        self._terminal = Console(force_terminal=True, color_system="truecolor")
+        display = seat.console._display
+
+        def watched(screen: Screen[object], update: RenderableType | None) -> None:
+            if update is not None:
+                self._take(screen, tight(update))
+            display(screen, update)
+
+        monkeypatch.setattr(seat.console, "_display", watched)
+
+    def _take(self, screen: Screen[object], update: RenderableType | None) -> None:
+        assert update is not None
+        self.updates.append(update)
+        if isinstance(update, ChopsUpdate) and self.rows:
+            self.rows = shown(update.render_segments(self._terminal), self.rows)
+        else:
+            self.rows = lines(screen)
+
+
+@pytest.mark.parametrize("opening", [("equals_sign",), ("equals_sign", "tab", "f"), ("comma",)])
+async def test_a_change_beneath_a_dialog_repaints_few_cells(
+    opening: tuple[str, ...], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async with sitting(engaged.welcome(engaged.shown())) as seat:
+        await seat.press(*opening)
+        await seat.pilot.pause(0.1)
+        glass = Glass(seat, monkeypatch)
+        for level in (0.1, 0.02, 0.2):
+            await seat.tell(scenes.reading(NOW, "loudness", level))
+            await seat.pilot.pause(0.05)
+        painted = 0
+        for update in glass.updates:
+            assert isinstance(update, ChopsUpdate), "not the whole screen"
+            painted += sum(end - begin for _, begin, end in update.spans)
+        assert 0 < painted < 400
+
+
+async def test_nothing_is_left_unpainted_when_both_screens_change_at_once(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async with sitting(engaged.welcome(engaged.shown()), size=(100, 36)) as seat:
+        glass = Glass(seat, monkeypatch)
+        await seat.press("equals_sign")
+        states = [*engaged.TALK, "RobotReplies", "EngagedWithKnown"]
+        for number in range(30):
+            t = NOW + number * SECOND // 2
+            was, now = states[number % 9 - 1], states[number % 9]
+            why = f"{number} times {'present ' * (number % 3)}"
+            ago = -number / 2
+            told: list[m.AnyMessage] = [
+                scenes.reading(t, "loudness", 0.01 * number),
+                engaged.shown(now, since=t, t=t),
+                engaged.changed(was, now, "done" if number % 2 else "error", why, ago),
+            ]
+            await seat.tell_quietly(*told)
+            seat.clock.advance(0.13)
+            await asyncio.sleep(0.02 * (number % 6))  # in every phase of both screens' timers
+        await seat.until(lambda: glass.rows == lines(seat.console.screen), "every cell painted")

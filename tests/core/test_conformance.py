@@ -9,7 +9,7 @@ from typing import Any, ClassVar
 
 import pytest
 
-from woz_tui.core.conformance import RESERVED, check
+from woz_tui.core.conformance import MODEL_VERBS, RESERVED, check
 from woz_tui.core.driver import (
     Argument,
     Finding,
@@ -25,7 +25,7 @@ from woz_tui.core.driver import (
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import ACTION_FIELDS
-from woz_tui.experiment.verbs import WAIT, session_verbs
+from woz_tui.experiment.verbs import ENGAGEMENT_VERBS, WAIT, session_verbs
 
 
 @dataclass(frozen=True)
@@ -97,6 +97,7 @@ def offering(*verbs: Verb) -> type[Right]:
         ((Verb("Go", "a"),), "verb Go: a name is made of a-z, 0-9, - and _"),
         ((Verb("label", "a"),), "verb label: means something else in every action"),
         ((Verb("mark", "a"),), "verb mark: means something else in every action"),
+        ((Verb("filter", "a"),), "verb filter: is a verb of the engagement model"),
         ((Verb("go", ""),), "verb go: needs a summary"),
         ((Verb("go", "a", limit_s=0),), "verb go: limit_s must be more than 0, not 0"),
         ((Verb("say", "a", (Argument("what", "text"),)),), "verb say: its main argument is 'what'"),
@@ -188,6 +189,7 @@ async def test_wrong_behaviour_is_found(driver: type[Right], complaint: str) -> 
     assert complaint in await complaints(driver)
 
 
-def test_the_words_it_reserves_are_those_of_actions_and_of_the_session() -> None:
+def test_the_words_it_reserves_are_those_of_actions_session_and_model() -> None:
     session = [verb.name for verb in session_verbs()]
     assert set(RESERVED) == {*ACTION_FIELDS, WAIT.name, *session}
+    assert set(MODEL_VERBS) == set(ENGAGEMENT_VERBS)

@@ -61,6 +61,11 @@ RESERVED = (
     *("key", "label", "name", "help", "locked", "when_busy", "on", "steps"),
     *("wait", "mark", "note", "set", "lock", "unlock"),
 )
+#: Verbs of the engagement model: in an experiment that has it a driver's could not be called.
+MODEL_VERBS = (
+    *("toggle", "sense", "force", "engagement", "filter", "social_distance"),
+    *("attend", "handshake", "visitor"),
+)
 
 _NAME = re.compile(r"[a-z][a-z0-9_-]*")
 _LEVELS = ("ok", "info", "warning", "error")
@@ -210,6 +215,8 @@ def _verb(verb: Verb) -> Iterable[Finding]:
         yield _error(subject, "a name is made of a-z, 0-9, - and _")
     if verb.name in RESERVED:
         yield _error(subject, "means something else in every action", "choose another name")
+    if verb.name in MODEL_VERBS:
+        yield _error(subject, "is a verb of the engagement model", "choose another name")
     if not verb.summary:
         yield _error(subject, "needs a summary")
     if not verb.lane:

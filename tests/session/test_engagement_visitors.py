@@ -226,8 +226,7 @@ def test_whom_others_forget_is_forgotten_with_the_next_change(tmp_path: Path) ->
 
 
 def test_the_store_may_lie_elsewhere(tmp_path: Path) -> None:
-    settings = replace(PLAIN, visitors="people/known.json")
-    (tmp_path / "people").mkdir()
+    settings = replace(PLAIN, visitors=str(tmp_path / "people" / "known.json"))
 
     async def scenario(room: Room) -> None:
         room.tell("visitor", name="Anna")

@@ -65,7 +65,7 @@ _Stamp = tuple[int, int, int] | None
 
 
 def store_at(named: str, logs: Path) -> Path:
-    """The store's file: the one that an experiment names, or that beside the logs."""
+    """The store's file: the one that an experiment names, or that in the folder `logs`."""
     return Path(named) if named else logs / FILE
 
 

@@ -16,7 +16,7 @@ from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing.machine import State
 from woz_tui.sensing.model import Change
-from woz_tui.sensing.people import FILE
+from woz_tui.sensing.people import store_at
 from woz_tui.session import faces
 from woz_tui.session.acquaintances import Acquaintances
 from woz_tui.session.introducing import Introduction
@@ -40,23 +40,17 @@ class Visiting:
         self._settings = settings
         self._loop = asyncio.get_running_loop()
         # Where the log began: it may move on to another folder, the visitors do not.
-        self._beside = session.recorder.path.parent / FILE
-        self.known = self._acquaintances(self._store(settings))
+        self._logs = session.recorder.path.parent
+        self.known = self._acquaintances(store_at(settings.visitors, self._logs))
         self._introduction: Introduction | None = None
         self._verbs: dict[str, m.Command] = {}
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Other settings count from the next handshake on; another file from now on."""
         self._settings = settings
-        path = self._store(settings)
+        path = store_at(settings.visitors, self._logs)
         if path != self.known.path:
             self.known = self._acquaintances(path)
-
-    def _store(self, settings: EngagementSettings) -> Path:
-        """The file of visitors: as the experiment says, else beside the logs."""
-        if not settings.visitors:
-            return self._beside
-        return self._session.experiment.path.parent / settings.visitors
 
     def _acquaintances(self, path: Path) -> Acquaintances:
         known = Acquaintances(path, self._session.hub.publish, self._later)

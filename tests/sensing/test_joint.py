@@ -77,6 +77,7 @@ def only(signs: Sequence[str], row: Row) -> Row:
         (ENGAGED, (0.0, 0.0, math.inf, "Unknown"), False, 2),
         (ENGAGED, (0.0, 0.0, None, None), False, 2),
         (ENGAGED, BACK, False, 2),
+        (ENGAGED, (1.0, 1.0, math.inf, None), False, 3),  # out of reach, or an echo was lost
         (ENGAGED, TURNED, False, 5),
         (TURNED, ENGAGED, True, 4),
         (ENGAGED, (0.0, 0.0, 0.9, "Unknown"), False, 5),  # something near stays there
@@ -100,6 +101,7 @@ def test_the_first_two_samples_of_all_engage() -> None:
         [(0.0, 0.0, 3.0, "Unknown")],  # everything fails at once
         [(0.0, 0.0, 0.9, "Unknown")] * 3,  # the camera fails
         [(1.0, 1.0, math.inf, "Ada")] * 2,  # no echo
+        [(1.0, 1.0, math.inf, "Ada"), (1.0, 1.0, 2.5, "Ada")],
         [(1.0, 1.0, 2.5, "Ada")],
         [TURNED] * 4,
         [TURNED, TURNED, ENGAGED, ENGAGED, ENGAGED] * 5,  # glances, again and again
@@ -154,6 +156,8 @@ def test_time_counts_and_not_the_number_of_samples(rate: int) -> None:
     assert 1.0 < seconds < 2.1
     robot = Robot(period).see(ENGAGED, 10 * rate)
     assert robot.samples_until(False, NOBODY) / rate <= max(0.67, 2 / rate)
+    robot = Robot(period).see(ENGAGED, 10 * rate)
+    assert robot.samples_until(False, (1.0, 1.0, math.inf, None)) / rate <= 1.5
 
 
 def test_long_glances_are_a_setting() -> None:

@@ -37,6 +37,8 @@ _YES, _NO, _OPEN = 1.0 - FLOOR, FLOOR, 0.5
 
 #: A face that is missed takes the gaze along, mostly.
 _LOST = 0.2
+#: A stray distance is mostly one from farther off: an echo from behind, or none.
+_ASTRAY = 0.7
 
 #: How likely each condition (right, missed, away, still away, stray, blind) makes a reading of
 #: "yes", for nobody, somebody, somebody who attends.
@@ -58,12 +60,13 @@ def _table(rows: Sequence[Sequence[float]], yes: bool) -> tuple[float, ...]:
     return tuple(share if yes else 1.0 - share for row in twice for share in row)
 
 
-#: Nothing within reach: that is how it is with nobody there, but of somebody who is there an echo
-#: was rather lost than that they are seen so far away.
+#: Nothing within reach any more: that is how it is with nobody there, but of somebody who is there
+#: an echo was rather lost than that they are seen so far away. It is said once: readings without an
+#: echo that follow each other have one cause.
 _UNSEEN = 0.15
-_BY_WALL = (_YES, _YES, _YES, _YES, _OPEN, _NO)
-_BY_FAR = (_UNSEEN, _UNSEEN, _UNSEEN, _UNSEEN, _OPEN, _YES)
-_BY_NEAR = (_NO, _NO, _NO, _NO, _OPEN, _YES)
+_BY_WALL = (_YES, _YES, _YES, _YES, _ASTRAY, _NO)
+_BY_FAR = (_UNSEEN, _UNSEEN, _UNSEEN, _UNSEEN, _ASTRAY, _YES)
+_BY_NEAR = (_NO, _NO, _NO, _NO, _ASTRAY, _YES)
 _NO_ECHO = (*_BY_WALL, *_BY_NEAR[:5], _NO, *(*_BY_FAR, *_BY_NEAR) * 2)
 #: Where the near worlds begin.
 _NEAR = range(CONDITIONS, WORLDS * CONDITIONS, 2 * CONDITIONS)
@@ -89,6 +92,7 @@ class Joint:
         self._names = Names()
         self._shares = self._nobody()
         self._there = False
+        self._echo = True
         self._t: int | None = None
         self._views = {
             sign: Sign(self, sign, threshold, start_up)
@@ -116,7 +120,7 @@ class Joint:
         elif isinstance(value, str) or math.isnan(value):
             return
         elif sign == "distance":
-            self._weigh(_distances(value, self.near))
+            self._weigh(self._distances(value))
         else:
             self._weigh(_FLAGS[sign][bool(value)])
         self._views[sign].heard = True
@@ -130,6 +134,8 @@ class Joint:
         self._views[sign].heard = False
         if sign == "identity":
             self._names.forget()
+        if sign == "distance":
+            self._echo = True
         if not any(view.heard for view in self._views.values()):
             self._shares = self._nobody()
             self._there = False
@@ -164,6 +170,18 @@ class Joint:
         weighed = [share * likely for share, likely in zip(self._shares, likelihoods, strict=True)]
         scale = 1.0 / sum(weighed)  # no likelihood is below the floor, so the sum is not zero
         self._shares = [share * scale for share in weighed]
+
+    def _distances(self, metres: float) -> tuple[float, ...]:
+        """Likelihoods of a distance: sure well inside and outside of the limit, open on it."""
+        before, self._echo = self._echo, math.isfinite(metres)
+        if before and not self._echo:
+            return _NO_ECHO
+        beyond = max(-50.0, min(50.0, (metres - self.near) / BORDER))
+        close = FLOOR + (1.0 - 2.0 * FLOOR) / (1.0 + math.exp(beyond))
+        far = 1.0 - close
+        stray = _ASTRAY * far + (1.0 - _ASTRAY) * close
+        by_far, by_near = (far, far, far, far, stray), (close, close, close, close, stray)
+        return (*by_far, close, *by_near, close, *(*by_far, far, *by_near, far) * 2)
 
     def _nobody(self) -> list[float]:
         """Nobody was there a moment ago, and a moment is long enough for somebody to come."""
@@ -236,14 +254,3 @@ class Sign:
     def name(self) -> str:
         """For identity: the name that is believed, else "Unknown"."""
         return self._joint.name if self._sign == "identity" and self.heard else UNKNOWN
-
-
-def _distances(metres: float, near: float) -> tuple[float, ...]:
-    """Likelihoods of a distance: sure well inside and outside of the limit, open on it."""
-    if math.isinf(metres):
-        return _NO_ECHO
-    beyond = max(-50.0, min(50.0, (metres - near) / BORDER))
-    close = FLOOR + (1.0 - 2.0 * FLOOR) / (1.0 + math.exp(beyond))
-    far = 1.0 - close
-    by_far, by_near = (far, far, far, far, _OPEN), (close, close, close, close, _OPEN)
-    return (*by_far, close, *by_near, close, *(*by_far, far, *by_near, far) * 2)

@@ -103,9 +103,9 @@ class Transcriber:
         self._complained = bool(trouble.what)
 
     def _answer(self, heard: Heard, text: str, detail: str) -> None:
-        took = max(0, self._outlet.clock.now_us() - heard.ended_us)
+        took_us = max(0, self._outlet.clock.now_us() - heard.ended_us)
         told = SpeechText(
-            driver=self._driver, segment=heard.segment, text=text, took=took, detail=detail
+            driver=self._driver, segment=heard.segment, text=text, took_us=took_us, detail=detail
         )
         self._outlet.tell(told)
 

@@ -98,7 +98,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         file="2026-03-01T10-00-00_P07_S01.media/speech-0001.wav",
         loudest=0.41,
     ),
-    m.SpeechText(driver="ears", segment=1, text="Was ist das für ein Bild?", took=840_000),
+    m.SpeechText(driver="ears", segment=1, text="Was ist das für ein Bild?", took_us=840_000),
     m.SpeechEnded(
         driver="ears", segment=2, began=9_400_000, ended=9_900_000, detail="the disk is full"
     ),

@@ -211,7 +211,7 @@ async def test_speech_goes_out_as_messages_with_times_of_the_log(it: Rig) -> Non
     assert ended.began == started.began
     assert 1_800_000 < ended.ended - ended.began < 6_000_000
     assert (ended.file, ended.detail) == ("", "")
-    assert text.took == UNDERSTOOD_AFTER * 100_000
+    assert text.took_us == UNDERSTOOD_AFTER * 100_000
     states = [state for sensor, state, _ in it.outlet.states if sensor == "loudness"]
     assert [state for state, _ in groupby(states)][:3] == ["quiet", "speaking", "quiet"]
 

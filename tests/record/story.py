@@ -110,7 +110,7 @@ def _morning() -> list[m.AnyMessage]:
             file="S01.media/speech-0001.wav",
             loudest=0.31,
         ),
-        m.SpeechText(driver="microphone", segment=1, text="my name is not told", took=700_000),
+        m.SpeechText(driver="microphone", segment=1, text="my name is not told", took_us=700_000),
         m.ActionRequested(run="r1", action="Hello", panel="Speech", source="key", key="h"),
         m.Command(
             command="c1",

@@ -101,14 +101,14 @@ class SpeechEnded(Message, frozen=True, kw_only=True, omit_defaults=True, tag="s
 
 
 class SpeechText(Message, frozen=True, kw_only=True, omit_defaults=True, tag="speech.text"):
-    """What a segment says, as a program understood it after `took` microseconds. An empty text
-    means that nothing was understood, or that it failed: then `detail` says why.
+    """What a segment says, as a program understood it. An empty text means that nothing
+    was understood, or that it failed: then `detail` says why. `took_us`: from the end of speech.
     """
 
     driver: str
     segment: int
     text: str
-    took: int = 0
+    took_us: int = 0
     detail: str = ""
 
 

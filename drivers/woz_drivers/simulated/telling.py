@@ -32,9 +32,11 @@ class Teller:
                 self._understood.add(one.segment)
             elif one.what == "text" and one.segment in self._understood:
                 self._understood.discard(one.segment)
-                took = self._clock_us(one.t) - self._clock_us(one.ended)
+                took_us = self._clock_us(one.t) - self._clock_us(one.ended)
                 self._outlet.tell(
-                    SpeechText(driver=self._driver, segment=one.segment, text=one.text, took=took)
+                    SpeechText(
+                        driver=self._driver, segment=one.segment, text=one.text, took_us=took_us
+                    )
                 )
 
     def break_off(self, t: float, why: str) -> None:

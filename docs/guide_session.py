@@ -29,8 +29,10 @@ from woz_tui.session.session import Session
 
 GUIDE = EXPERIMENTS / "guide.yaml"
 MINUTES = 10.0
-#: How long a robot process may take to begin, and to end, in seconds.
-BEGINS_S, ENDS_S = 20.0, 30.0
+#: When a robot process that has not begun is noticed, and how long it may take to end, in seconds.
+BEGINS_S, ENDS_S = 5.0, 30.0
+#: Where a robot process says what went wrong.
+ERRORS = "errors.txt"
 
 
 def played(folder: Path, seconds: float) -> list[m.AnyMessage]:
@@ -66,7 +68,11 @@ def hosted(folders: Sequence[Path], seconds: float) -> list[list[m.AnyMessage]]:
     """The logs of sessions that run side by side for `seconds`, one for each folder."""
     with contextlib.ExitStack() as stack:
         hosts = [stack.enter_context(_host(folder)) for folder in folders]
-        time.sleep(seconds)
+        time.sleep(BEGINS_S)
+        for host, folder in zip(hosts, folders, strict=True):
+            if host.poll() is not None:
+                raise RuntimeError((folder / ERRORS).read_text(encoding="utf-8"))
+        time.sleep(max(0.0, seconds - BEGINS_S))
         for host in hosts:
             host.send_signal(signal.SIGTERM)
         for host in hosts:
@@ -76,9 +82,10 @@ def hosted(folders: Sequence[Path], seconds: float) -> list[list[m.AnyMessage]]:
 
 def _host(folder: Path) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "woz_tui", "host", str(GUIDE)]
-    command += ["--recordings", str(folder), "--name", f"guide-{folder.name}", "--session", "S01"]
+    command += ["--recordings", str(folder), "--session", "S01"]
     command += ["--participant", "G01", "--condition", "alone"]
-    with (folder / "errors.txt").open("wb") as errors:
+    command += ["--name", f"{folder.parent.name}-{folder.name}"]
+    with (folder / ERRORS).open("wb") as errors:
         return subprocess.Popen(command, stderr=errors, stdin=subprocess.DEVNULL)
 
 

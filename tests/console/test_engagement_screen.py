@@ -20,6 +20,7 @@ from woz_tui.console.screens.orders import ForceDialog, IdentityDialog, VisitorD
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.experiment.engagement import STATES
+from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS
 from woz_tui.sensing.machine import EDGES, State
 
 NOW = scenes.NOW
@@ -43,9 +44,15 @@ def drawn(*state: m.AnyMessage, frame: Frame = WHOLE, **more: object) -> str:
 
 
 def verbs(seat: Sitting) -> list[tuple[str, dict[str, m.Json]]]:
-    """What was asked of the model."""
+    """What was asked of the model: verbs that it has, with arguments that they take."""
     found = [asked for asked in seat.feed.asked if isinstance(asked, r.AskVerb)]
-    assert all(asked.on == "engagement" for asked in found)
+    for asked in found:
+        assert asked.on == ENGAGEMENT
+        taken = {argument.name: argument for argument in ENGAGEMENT_VERBS[asked.verb].arguments}
+        assert set(asked.args) <= set(taken)
+        for name, value in asked.args.items():
+            choices = taken[name].choices
+            assert not choices or value in choices
     return [(asked.verb, asked.args) for asked in found]
 
 
@@ -290,7 +297,7 @@ async def test_a_visitor_is_named(size: tuple[int, int]) -> None:
         await seat.press("tab")
         await seat.type("child")
         await seat.press("enter")
-        assert verbs(seat) == [("visitor", {"name": "v31", "age_group": "child"})]
+        assert verbs(seat) == [("visitor", {"code": "v31", "age_group": "child"})]
         assert isinstance(seat.console.dialog, EngagementDialog)
 
 

@@ -11,7 +11,7 @@ from tests.console import engaged, scenes
 from tests.console.dialogs import opened
 from tests.console.driving import sitting
 from woz_tui.console.cells import length
-from woz_tui.console.engagement.orders import VERBS, order_words
+from woz_tui.console.engagement.orders import is_order, order_words
 from woz_tui.console.engagement.words import SHORT, path, short
 from woz_tui.console.events import event_row
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
@@ -21,6 +21,7 @@ from woz_tui.console.sentences import Event
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.experiment.engagement import STATES
+from woz_tui.experiment.verbs import ENGAGEMENT_VERBS
 
 NOW = scenes.NOW
 
@@ -122,8 +123,8 @@ def test_the_store_is_followed_through_renames_and_oblivion() -> None:
          "filter of gaze joint 0.7"),
         ("social_distance", {"metres": 1.0}, "near: up to 1 m"),
         ("attend", {"mode": "Unengaged"}, "attention Unengaged"),
-        ("handshake", {"what": "ok", "name": "v3"}, "handshake ok v3"),
-        ("visitor", {"name": "v3", "age_group": "child"}, "visitor v3, child"),
+        ("handshake", {"what": "ok", "code": "v3"}, "handshake ok v3"),
+        ("visitor", {"code": "v3", "age_group": "child"}, "visitor v3, child"),
     ],
 )  # fmt: skip
 def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: str) -> None:
@@ -132,6 +133,15 @@ def test_an_order_is_told_in_words(verb: str, args: dict[str, m.Json], words: st
         command="c1", verb=verb, args=args, driver="engagement", source="key", t=NOW
     )
     assert told(command)[0].text == words
+
+
+def test_a_verb_of_another_driver_keeps_its_own_words() -> None:
+    for verb in ENGAGEMENT_VERBS:
+        ours = m.Command(command="c1", verb=verb, args={}, source="key", t=NOW)
+        assert is_order(ours)
+        assert not is_order(msgspec.structs.replace(ours, driver="gripper"))
+    force = m.Command(command="c1", verb="force", args={"n": 2}, driver="gripper", source="key")
+    assert told(force)[0].text == "force n 2"
 
 
 def test_a_toggled_sign_is_told_as_it_is_then() -> None:
@@ -151,9 +161,9 @@ def test_a_toggled_sign_is_told_as_it_is_then() -> None:
 
 
 @given(
-    st.sampled_from([*sorted(VERBS), "odd"]),
+    st.sampled_from([*sorted(ENGAGEMENT_VERBS), "odd"]),
     st.dictionaries(
-        st.sampled_from(["sign", "value", "to", "run", "name", "what", "metres", "kind"]),
+        st.sampled_from(["sign", "value", "to", "run", "code", "what", "metres", "kind"]),
         st.one_of(st.none(), st.booleans(), st.integers(), st.floats(), st.text(), st.just([1])),
     ),
 )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field, replace
 
-from woz_tui.console.engagement.orders import ENGAGEMENT, VERBS, order_words
+from woz_tui.console.engagement.orders import is_order, order_words
 from woz_tui.core import messages as m
 
 #: More runs than this are never under way; the oldest are forgotten if ends never come.
@@ -114,7 +114,7 @@ def words(command: m.Command) -> str:
     text = command.args.get("text")
     if isinstance(text, str) and text:
         return f"“{text}”"
-    if command.driver == ENGAGEMENT or command.verb in VERBS:
+    if is_order(command):
         return order_words(command.verb, command.args)
     parts = [command.verb]
     for name, value in command.args.items():

@@ -9,10 +9,9 @@ from woz_tui.console.engagement.seen import HOLD, OFF, Engaged
 from woz_tui.core.messages import EngagementShown, Json
 from woz_tui.core.requests import AskVerb
 from woz_tui.experiment.engagement import STATES
+from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing.machine import State, edges_from
 
-#: The driver that offers the model's verbs.
-ON = "engagement"
 RUN, STEP, SENSOR = "run", "step", "sensor"
 
 
@@ -50,13 +49,13 @@ KEYS = frozenset(BY_KEY)
 
 def is_offered(engaged: Engaged, verbs: dict[str, list[str]]) -> bool:
     """Whether this session has a model that can be told anything."""
-    return engaged.shown is not None or ON in verbs
+    return engaged.shown is not None or ENGAGEMENT in verbs
 
 
 def verb(name: str, args: dict[str, Json], key: str = "") -> AskVerb:
     """The request for one of the model's verbs."""
     source = "key" if key else "palette"
-    return AskVerb(verb=name, args=args, on=ON, source=source, key=key)
+    return AskVerb(verb=name, args=args, on=ENGAGEMENT, source=source, key=key)
 
 
 def request(order: Order, engaged: Engaged, key: str = "") -> AskVerb:

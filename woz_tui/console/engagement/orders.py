@@ -6,9 +6,8 @@ from collections.abc import Callable, Mapping
 
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
+from woz_tui.experiment.verbs import ENGAGEMENT
 
-#: The driver of the model's verbs, and the verbs that no other driver has.
-ENGAGEMENT = "engagement"
 _RUNS = {"run": "runs", "hold": "held", "off": "off", "step": "one step"}
 _FLAGS = {"on": "yes", "off": "no", "sensor": "back to its sensor"}
 Args = Mapping[str, Json]
@@ -49,7 +48,7 @@ def _filter(args: Args) -> str:
 
 def _visitor(args: Args) -> str:
     about = [_text(args, name) for name in ("age_group", "address")]
-    return ", ".join([f"visitor {_text(args, 'name')}", *(part for part in about if part)])
+    return ", ".join([f"visitor {_text(args, 'code')}", *(part for part in about if part)])
 
 
 _TELL: Mapping[str, Callable[[Args], str]] = {
@@ -60,7 +59,11 @@ _TELL: Mapping[str, Callable[[Args], str]] = {
     "filter": _filter,
     "social_distance": lambda args: f"near: up to {_text(args, 'metres')} m",
     "attend": lambda args: f"attention {_text(args, 'mode')}",
-    "handshake": lambda args: f"handshake {_text(args, 'what')} {_text(args, 'name')}".rstrip(),
+    "handshake": lambda args: f"handshake {_text(args, 'what')} {_text(args, 'code')}".rstrip(),
     "visitor": _visitor,
 }
-VERBS = frozenset(_TELL)
+
+
+def is_order(command: m.Command) -> bool:
+    """Whether it is for the model, as far as it says for whom it is."""
+    return command.driver == ENGAGEMENT or (not command.driver and command.verb in _TELL)

@@ -11,13 +11,14 @@ from dataclasses import replace
 from textual import events
 
 from woz_tui.console.cells import Row
-from woz_tui.console.engagement.hand import BY_KEY, KEYS, ON
+from woz_tui.console.engagement.hand import BY_KEY, KEYS
 from woz_tui.console.engagement.legend import legend_rows
 from woz_tui.console.engagement.whole import whole_rows
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.screens.dialog import give_keys
 from woz_tui.console.screens.drawing import Drawing
 from woz_tui.experiment.textual_names import from_textual
+from woz_tui.experiment.verbs import ENGAGEMENT
 
 _TAKE = frozenset(("tab", "shift+tab"))
 _HINTS = {
@@ -61,7 +62,7 @@ class EngagementDialog(Drawing):
 
     def nothing(self) -> str:
         """What stands there in a session without a model."""
-        if ON in self.picture.verbs:
+        if ENGAGEMENT in self.picture.verbs:
             return "The engagement model has not said anything yet."
         return (
             "This session has no engagement model.\n"

@@ -109,7 +109,7 @@ class VisitorDialog(Dialog):
         name = shown.visitor if shown is not None else ""
         about = self.picture.engaged.visitors.get(name, {})
         yield Static("Code of the visitor (never a name)", classes="caption")
-        yield Input(clean(name), id="name")
+        yield Input(clean(name), id="code")
         yield Static("Age group, such as child or adult (may stay empty)", classes="caption")
         yield Input(clean(about.get("age_group", "")), id="age_group")
         yield Static("Form of address (may stay empty)", classes="caption")
@@ -121,9 +121,9 @@ class VisitorDialog(Dialog):
         event.stop()
         told = {
             field: self.query_one(f"#{field}", Input).value.strip()
-            for field in ("name", "age_group", "address")
+            for field in ("code", "age_group", "address")
         }
-        if not told["name"]:
+        if not told["code"]:
             self._complain("A visitor needs a code.")
             return
         args = {name: value for name, value in told.items() if value}

@@ -13,6 +13,7 @@ from tests.experiment.catalogue import CATALOGUE, Voice, VoiceSettings
 from tests.experiment.reading import HEAD, ROBOT, errors, panel, read
 from woz_tui.core.driver import Verb
 from woz_tui.experiment import engagement as shapes
+from woz_tui.experiment.actions import ACTION_FIELDS
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.given import settings_of
@@ -191,7 +192,13 @@ def test_the_verbs_go_to_the_model(everything: Experiment) -> None:
         "filter",
         {"sign": "gaze", "kind": "joint", "samples": 12, "threshold": 0.7},
     )
-    assert _plain(calls["Met"]) == ("handshake", {"what": "ok", "name": "V07"})
+    assert _plain(calls["Met"]) == ("handshake", {"what": "ok", "code": "V07"})
+
+
+def test_what_stands_beside_a_verb_is_never_the_actions_own() -> None:
+    """`{handshake: ok, name: V07}` would call the action so, and nobody would be introduced."""
+    for verb in engagement_verbs():
+        assert not {argument.name for argument in verb.arguments} & set(ACTION_FIELDS), verb.name
 
 
 def _plain(call: Call) -> tuple[str, dict[str, object]]:

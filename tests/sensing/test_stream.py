@@ -264,7 +264,7 @@ JUNK = st.one_of(
     st.lists(st.integers(), max_size=2),
 )
 SENT = st.dictionaries(
-    st.sampled_from(["sign", "value", "to", "run", "kind", "samples", "threshold", "name", "x"])
+    st.sampled_from(["sign", "value", "to", "run", "kind", "samples", "threshold", "code", "x"])
     | st.sampled_from(["metres", "mode", "what"]),
     JUNK,
     max_size=4,

@@ -256,7 +256,7 @@ def test_a_timeout_comes_without_any_message(tmp_path: Path) -> None:
 def test_another_participant_begins_anew(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
         room.tell("sense", sign="all", value="on")
-        room.tell("visitor", name="Anna")
+        room.tell("visitor", code="Anna")
         await asyncio.sleep(0.5)
         room.session.set(trial=2)
         await asyncio.sleep(0.5)

@@ -25,7 +25,7 @@ async def through_all_states(room: Room) -> None:
     await asyncio.sleep(1)
     room.tell("sense", sign="all", value="on")
     await asyncio.sleep(1)
-    room.tell("visitor", name="Anna")
+    room.tell("visitor", code="Anna")
     await asyncio.sleep(1)
     await room.hears(1)
     await asyncio.sleep(1)

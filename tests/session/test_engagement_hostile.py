@@ -49,7 +49,7 @@ def test_no_message_fails_in_the_hub(steps: list[tuple[Any, float]]) -> None:
 def test_no_verb_fails_whatever_it_says(tmp_path: Path) -> None:
     """E7, E9: each verb with each kind of junk ends in one way, and the model lives."""
     junk: list[Any] = [None, "", "on", "Wait", "done", -1, 1e300, math.nan, True, [], {"a": 1}]
-    names = ["sign", "value", "to", "run", "kind", "samples", "threshold", "metres", "name", "what"]
+    names = ["sign", "value", "to", "run", "kind", "samples", "threshold", "metres", "code", "what"]
 
     async def scenario(room: Room) -> None:
         chance = random.Random(1)
@@ -87,12 +87,12 @@ def test_a_failure_inside_is_told_once_and_the_session_goes_on(tmp_path: Path) -
 @pytest.mark.parametrize("place", ["no/such/folder/\0visitors.json", ".", "file/visitors.json"])
 def test_a_place_that_takes_no_file_costs_no_name(tmp_path: Path, place: str) -> None:
     (tmp_path / "file").touch()
-    settings = EngagementSettings(signals="none", visitors=place)
+    settings = EngagementSettings(signals="none", visitors=str(tmp_path / place))
 
     async def scenario(room: Room) -> None:
         room.tell("sense", sign="all", value="on")
         await asyncio.sleep(0.1)
-        room.tell("visitor", name="Anna")
+        room.tell("visitor", code="Anna")
         await asyncio.sleep(0.5)
         visiting = room.session.engagement._visiting
         assert visiting is not None

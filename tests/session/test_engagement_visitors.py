@@ -54,7 +54,7 @@ def test_the_wizard_is_told_and_gives_a_name(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
         assert room.shown.state == "Handshake"
         assert any("who is it" in text for text in room.notices)
-        room.tell("visitor", name="Anna", age_group="adult")
+        room.tell("visitor", code="Anna", age_group="adult")
         await asyncio.sleep(0.5)
         saves(room)
 
@@ -73,7 +73,7 @@ def test_a_name_that_is_known_is_that_visitor_and_nothing_is_overwritten(tmp_pat
     store.add("Anna", on=date(2026, 1, 1), age_group="adult")
 
     async def scenario(room: Room) -> None:
-        room.tell("visitor", name="anna", age_group="child", address="formal")
+        room.tell("visitor", code="anna", age_group="child", address="formal")
         await asyncio.sleep(0.5)
         saves(room)
 
@@ -105,7 +105,7 @@ def test_the_wizard_goes_on_without_a_name(tmp_path: Path) -> None:
 def test_bad_names_are_refused_with_a_reason(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
         for name in ("", " \t", "x" * 500, "a\x1bb", "Unknown"):
-            room.tell("visitor", name=name)
+            room.tell("visitor", code=name)
         await asyncio.sleep(0.3)
 
     room = in_room(tmp_path, stranger(scenario))
@@ -138,7 +138,7 @@ def test_the_robot_asks_repeats_and_learns(tmp_path: Path) -> None:
     ]
     assert "eng2know" in room.outcomes
     assert stored(tmp_path) == ["Bruno"]
-    assert ("visitor", {"name": "Bruno"}) in room.commands
+    assert ("visitor", {"code": "Bruno"}) in room.commands
 
 
 def test_silence_is_asked_again_and_then_left_alone(tmp_path: Path) -> None:
@@ -177,7 +177,7 @@ def test_the_stop_silences_the_question_and_its_release_asks_anew(tmp_path: Path
         await asyncio.sleep(10)
         room.session.release("key")
         await asyncio.sleep(2)
-        room.tell("visitor", name="Carla")
+        room.tell("visitor", code="Carla")
         await asyncio.sleep(2)
 
     room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING), linger=0.1)
@@ -191,7 +191,7 @@ def test_a_store_that_cannot_be_read_costs_a_notice_and_no_name(tmp_path: Path) 
     path.write_text("{ this is no store")
 
     async def scenario(room: Room) -> None:
-        room.tell("visitor", name="Anna")
+        room.tell("visitor", code="Anna")
         await asyncio.sleep(0.3)
         saves(room)
         await asyncio.sleep(0.3)
@@ -215,7 +215,7 @@ def test_whom_others_forget_is_forgotten_with_the_next_change(tmp_path: Path) ->
         assert visiting is not None
         assert visiting.known.is_taken("Anna")
         store.forget("Anna")
-        room.tell("visitor", name="Bruno")
+        room.tell("visitor", code="Bruno")
         await asyncio.sleep(0.3)
         saves(room)
         await asyncio.sleep(0.3)
@@ -229,7 +229,7 @@ def test_the_store_may_lie_elsewhere(tmp_path: Path) -> None:
     settings = replace(PLAIN, visitors=str(tmp_path / "people" / "known.json"))
 
     async def scenario(room: Room) -> None:
-        room.tell("visitor", name="Anna")
+        room.tell("visitor", code="Anna")
         await asyncio.sleep(0.3)
         saves(room)
 

@@ -44,7 +44,7 @@ def introduced(tmp_path: Path, name: str, kind: type[Guide] = Camera, sees: str 
         if sees:
             await room.visit(6.0, identity=sees)
         else:
-            room.tell("visitor", name=name)
+            room.tell("visitor", code=name)
         await asyncio.sleep(2.0)
         await room.session.close("test")
         return room

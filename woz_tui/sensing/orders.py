@@ -99,17 +99,17 @@ def _attend(model: Engagement, args: Args) -> dict[str, Json]:
 
 def _handshake(model: Engagement, args: Args) -> dict[str, Json]:
     what = _word(args, "what", ("begin", "ok", "fail"))
-    name = name_of(str(args["name"])) if args.get("name") else ""
+    code = name_of(str(args["code"])) if args.get("code") else ""
     if what != "begin" and model.state is not State.HANDSHAKE:
         raise ValueError(f"there is no handshake to end: the state is {model.state}")
-    if what == "ok" and not name and not _known(model):
-        raise ValueError("nobody has a name yet: give it with `name`, or with `visitor`")
-    return {"what": what, "name": name} if name else {"what": what}
+    if what == "ok" and not code and not _known(model):
+        raise ValueError("nobody has a name yet: give it with `code`, or with `visitor`")
+    return {"what": what, "code": code} if code else {"what": what}
 
 
 def _visitor(model: Engagement, args: Args) -> dict[str, Json]:
-    name = name_of(str(args.get("name", "")))
-    return {key: value for key, value in {**args, "name": name}.items() if value != ""}
+    code = name_of(str(args.get("code", "")))
+    return {key: value for key, value in {**args, "code": code}.items() if value != ""}
 
 
 _UNDERSTAND: Mapping[str, Callable[[Engagement, Args], dict[str, Json]]] = {
@@ -178,9 +178,9 @@ def _introduced(model: Engagement, verb: str, args: Args) -> Change | None:
     what = "ok" if verb == "visitor" else args["what"]
     if what == "begin":
         return None if model.state is State.HANDSHAKE else model.force(State.HANDSHAKE)
-    name = args.get("name")
-    if what == "ok" and isinstance(name, str) and name:
-        model.known_as(name)
+    code = args.get("code")
+    if what == "ok" and isinstance(code, str) and code:
+        model.known_as(code)
     if model.state is not State.HANDSHAKE:
         return model.step()
     if model.run != "run":  # the wizard says so: nothing is left to decide

@@ -119,8 +119,8 @@ class LiveEngagement:
             said = orders.understood(self._follower.model, job.verb, job.args)
         except ValueError as error:
             raise Rejected(str(error)) from error
-        if isinstance(name := said.get("name"), str):
-            said["name"] = self._visiting.name(name)
+        if isinstance(name := said.get("code"), str):
+            said["code"] = self._visiting.name(name)
         self._named[job.command] = job.verb
         return said
 

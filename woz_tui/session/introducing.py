@@ -103,7 +103,7 @@ class Introduction:
                 self._carry_out(self._procedure.learnt(True, self._now))
             case Done(name=name, say=say):
                 if tell:
-                    self._command("visitor", name=name)
+                    self._command("visitor", code=name)
                 self._say(say)
             case Failed(say=say):
                 self._command("handshake", what="fail")

@@ -102,7 +102,7 @@ class Visiting:
 
     def introduced(self, verb: str, args: dict[str, m.Json]) -> None:
         """A verb that names the visitor was carried out."""
-        name = args.get("name")
+        name = args.get("code")
         named = verb == "visitor" or (verb == "handshake" and args.get("what") == "ok")
         if named and isinstance(name, str) and name:
             facts = {fact: str(args[fact]) for fact in ("age_group", "address") if args.get(fact)}

@@ -12,8 +12,7 @@ from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.engagement.hand import Order, needs_name, verb, ways
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.screens.choice import Choice
-from woz_tui.console.screens.dialog import Dialog, Entry, content
-from woz_tui.core.requests import Reply
+from woz_tui.console.screens.dialog import Dialog, Entry, Form, content
 
 #: Cells of an outcome in the list.
 _OUTCOME = 16
@@ -93,7 +92,7 @@ class IdentityDialog(Entry):
         self.sent()
 
 
-class VisitorDialog(Dialog):
+class VisitorDialog(Form):
     """Who stands there, from now on in the store; during a handshake that ends it well."""
 
     heading = "Visitor"
@@ -124,17 +123,7 @@ class VisitorDialog(Dialog):
             for field in ("code", "age_group", "address")
         }
         if not told["code"]:
-            self._complain("A visitor needs a code.")
+            self.complain("A visitor needs a code.")
             return
         args = {name: value for name, value in told.items() if value}
-        self.desk.ask(verb("visitor", {**args}, self._key), self._answered)
-
-    def _answered(self, reply: Reply) -> None:
-        if reply.ok:
-            self.leave()
-        else:
-            self._complain(f"{reply.reason} {reply.hint}".strip())
-
-    def _complain(self, wrong: str) -> None:
-        for place in self.query("#wrong").results(Static):
-            place.update(Content(wrong))
+        self.desk.ask(verb("visitor", {**args}, self._key), self.answered)

@@ -99,6 +99,7 @@ def test_a_state_that_nobody_knows_is_drawn_without_a_place() -> None:
 
 
 def test_everything_is_in_the_picture() -> None:
+    """E4: raw values are shown beside the filtered ones; E5: changes with time, outcome, reason."""
     gaze = m.SignShown(raw=0.0, verdict=0, count=2, needed=4, places=8, filter="fifo")
     shown = drawn(
         engaged.waits(signs=engaged.signs(gaze=gaze), engaged=False),
@@ -236,6 +237,7 @@ ASKED: dict[str, tuple[str, dict[str, m.Json]]] = {
 
 
 async def test_each_key_of_the_hand_asks_the_model() -> None:
+    """E7: the wizard can force every sign."""
     async with sitting(engaged.welcome()) as seat:
         await seat.press(*HAND, *ASKED)
         assert verbs(seat) == list(ASKED.values())
@@ -253,6 +255,7 @@ async def test_hold_and_off_are_their_own_way_back() -> None:
 
 
 async def test_a_state_is_forced_from_the_list() -> None:
+    """E7: the wizard can force every transition."""
     async with sitting(engaged.welcome()) as seat:
         await seat.press(*HAND, "f")
         assert isinstance(seat.console.dialog, ForceDialog)

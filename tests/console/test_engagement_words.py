@@ -44,6 +44,7 @@ def line(message: m.AnyMessage) -> tuple[str, str, str]:
 
 
 def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
+    """E7: what the wizard forced is marked."""
     change = engaged.changed("Wait", "PersonDetected", "human_presence", "present", 0)
     assert line(change) == ("info", "PersonDetected", "present")
     forced = msgspec.structs.replace(change, forced=True)

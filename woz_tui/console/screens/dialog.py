@@ -18,6 +18,7 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.thrift import ThriftyScreen
+from woz_tui.core.requests import Reply
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
@@ -174,3 +175,19 @@ class Entry(Dialog):
         """The text did its work: forget it and close."""
         self.entry.value = ""
         self.leave()
+
+
+class Form(Dialog):
+    """A dialog of several fields that stays open until what stands in them is accepted."""
+
+    def answered(self, reply: Reply) -> None:
+        """Close, or say why not."""
+        if reply.ok:
+            self.leave()
+        else:
+            self.complain(f"{reply.reason} {reply.hint}".strip())
+
+    def complain(self, wrong: str) -> None:
+        """Say what is wrong in the field `#wrong`; nothing, if nothing is."""
+        for place in self.query("#wrong").results(Static):
+            place.update(Content(wrong))

@@ -10,8 +10,8 @@ from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.screens.dialog import Dialog
-from woz_tui.core.requests import AskSet, Reply
+from woz_tui.console.screens.dialog import Form
+from woz_tui.core.requests import AskSet
 
 #: What a code may look like if the experiment file does not say.
 PATTERN = "[A-Za-z0-9]{1,16}"
@@ -52,7 +52,7 @@ class Choice(RadioButton):
         super().watch_value()
 
 
-class StartDialog(Dialog):
+class StartDialog(Form):
     """Participant, condition, trial; enter in a field accepts all."""
 
     heading = "Participant"
@@ -82,14 +82,14 @@ class StartDialog(Dialog):
         code = self.query_one("#participant", Input).value.strip()
         trial = self.query_one("#trial", Input).value.strip()
         wrong = wrong_code(code, self._pattern()) or self._no_condition() or wrong_trial(trial)
-        self._complain(wrong)
+        self.complain(wrong)
         if not wrong:
             request = AskSet(
                 participant=code,
                 condition=self._condition(),
                 trial=int(trial) if trial else None,
             )
-            self.desk.ask(request, self._answered)
+            self.desk.ask(request, self.answered)
 
     def _condition(self) -> str | None:
         if not self.picture.conditions:
@@ -101,13 +101,3 @@ class StartDialog(Dialog):
         if self.picture.conditions and self._condition() is None:
             return "Choose a condition."
         return ""
-
-    def _answered(self, reply: Reply) -> None:
-        if reply.ok:
-            self.leave()
-        else:
-            self._complain(f"{reply.reason} {reply.hint}".strip())
-
-    def _complain(self, wrong: str) -> None:
-        for place in self.query("#wrong").results(Static):
-            place.update(Content(wrong))

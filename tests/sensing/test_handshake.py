@@ -278,3 +278,23 @@ def _happens(handshake: Handshake, event: str, text: str, t: int) -> Order | Non
             return handshake.learnt(event == "ok", t)
     getattr(handshake, event)(t)
     return None
+
+
+def test_the_sentences_are_worded_as_the_check_of_the_file_wants_them() -> None:
+    """Doubled braces stand for braces, as in all utterances."""
+    settings = replace(
+        SETTINGS, ask="{{Who}}?", confirm="{{{name}}}?", welcome="{{hi}} {name} {{name}}"
+    )
+    visit = Visit(settings)
+    assert said(visit.first) == "{Who}?"
+    assert said(visit.say("My name is Kim")) == "{Kim}?"
+    visit.say("yes")
+    done = visit.learnt()
+    assert isinstance(done, Done)
+    assert done.say == "{hi} Kim {name}"
+
+
+def test_a_name_with_braces_is_said_as_it_is() -> None:
+    handshake = Handshake(SETTINGS, lambda name: False)
+    handshake.name = "{name}"
+    assert handshake.worded("The {name}.") == "The {name}."

@@ -1,12 +1,12 @@
-"""Variables in utterances, as far as a file can be checked for them: `Hello {participant}`.
+"""Variables in utterances: `Hello {participant}`, where `{{` and `}}` stand for braces.
 
-`{{` and `}}` stand for braces. The values are filled in when an action is played.
+A file is checked for them when it is read; the values are filled in when an action is played.
 """
 
 from __future__ import annotations
 
 import re
-from collections.abc import Collection
+from collections.abc import Callable, Collection
 
 from woz_tui.experiment.spot import Spot
 
@@ -28,6 +28,21 @@ def names(text: str) -> list[str]:
         for match in _PART.finditer(text)
         if match["name"] is not None and NAME.fullmatch(match["name"])
     ]
+
+
+def fill(text: str, value_of: Callable[[str], str]) -> str:
+    """`text` with every variable replaced by `value_of` its name, which may raise.
+
+    Braces without a partner, and those around something that is no name, stay as they are.
+    """
+
+    def part(match: re.Match[str]) -> str:
+        name = match["name"]
+        if name is None:
+            return match[0][0]
+        return value_of(name) if NAME.fullmatch(name) else match[0]
+
+    return _PART.sub(part, text)
 
 
 def check(spot: Spot, text: str, known: Collection[str]) -> None:

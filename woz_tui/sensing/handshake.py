@@ -29,12 +29,15 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from woz_tui.experiment.engagement import HandshakeSettings
+from woz_tui.experiment.template import fill
 from woz_tui.sensing.answers import Answer, Answers
 from woz_tui.sensing.names import BadNameError, name_of, shown
 
 _SECOND = 1_000_000
 #: So many words in a row of the robot's own are an echo.
 _ECHO = 3
+#: The only variable that the sentences know.
+_NAME = "name"
 
 
 @dataclass(frozen=True, slots=True)
@@ -196,6 +199,10 @@ class Handshake:
         self._end()
         return Failed("", why)
 
+    def worded(self, sentence: str) -> str:
+        """A sentence of the settings as the robot says it: `{name}` is the name in question."""
+        return fill(sentence, lambda variable: self.name if variable == _NAME else "")
+
     # -- answers --------------------------------------------------------------------------------
 
     def _named(self, answer: Answer) -> Order:
@@ -277,7 +284,7 @@ class Handshake:
     def _say(self, template: str, why: str) -> Say:
         self._talks = True
         self._question = template
-        text = template.replace("{name}", self.name)
+        text = self.worded(template)
         self._sentence = text.casefold()
         return Say(text, why)
 
@@ -289,12 +296,11 @@ class Handshake:
 
     def _done(self, why: str) -> Done:
         self._end()
-        welcome = self._settings.welcome.replace("{name}", self.name)
-        return Done(self.name, self._known, welcome, why)
+        return Done(self.name, self._known, self.worded(self._settings.welcome), why)
 
     def _fail(self, why: str) -> Failed:
         self._end()
-        return Failed(self._settings.give_up, why)
+        return Failed(self.worded(self._settings.give_up), why)
 
     def _end(self) -> None:
         self.stage = Stage.OVER

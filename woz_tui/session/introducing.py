@@ -80,7 +80,7 @@ class Introduction:
         if outcome == "eng2know" and visitor:
             self._carry_out(self._procedure.recognised(visitor, self._now), tell=False)
         elif self._procedure.abandon(outcome, self._now) and outcome == "eng2unknow":
-            self._say(self._settings.give_up)
+            self._say(self._procedure.worded(self._settings.give_up))
         self.stop()
 
     def stop(self) -> None:

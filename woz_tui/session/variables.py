@@ -2,13 +2,10 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping
 
 from woz_tui.core.messages import Json
-from woz_tui.experiment.template import NAME
-
-_TOKEN = re.compile(rf"\{{\{{|\}}\}}|\{{({NAME.pattern})\}}")
+from woz_tui.experiment.template import fill
 
 
 class MissingError(ValueError):
@@ -21,7 +18,7 @@ def filled(value: Json, values: Mapping[str, str]) -> Json:
     Raises `MissingError` for a variable that is unknown or empty.
     """
     if isinstance(value, str):
-        return _TOKEN.sub(lambda match: _token(match, values), value)
+        return fill(value, lambda name: _value(name, values))
     if isinstance(value, list):
         return [filled(item, values) for item in value]
     if isinstance(value, dict):
@@ -29,10 +26,7 @@ def filled(value: Json, values: Mapping[str, str]) -> Json:
     return value
 
 
-def _token(match: re.Match[str], values: Mapping[str, str]) -> str:
-    name = match.group(1)
-    if name is None:
-        return match.group(0)[0]
+def _value(name: str, values: Mapping[str, str]) -> str:
     text = values.get(name, "")
     if not text:
         raise MissingError(f"{{{name}}} has no value yet")

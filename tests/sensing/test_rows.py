@@ -146,6 +146,30 @@ def test_lines_without_a_time_are_a_period_apart() -> None:
     assert stamps == [2, 2.25, 2.5, 2.75, 3.25]
 
 
+def test_a_sign_that_misses_two_lines_is_not_stale() -> None:
+    """Three periods of 3 Hz are a second, not more, whether the lines say so or not."""
+    gaps = [ALL, *[{**ALL, "gaze": None}] * 2] * 20
+    settings = EngagementSettings(samples=2, threshold=1)
+    said, unnamed = run(gaps, settings), Rows(settings)
+    assert [unnamed.take(row) | {"t": line["t"]} for row, line in zip(gaps, said, strict=True)] == (
+        said
+    )
+    assert [row["gaze"] for row in said[3:]] == [1] * 57
+    assert not any("stale" in row for row in said)
+
+
+def test_lines_without_a_time_do_not_drift() -> None:
+    model = Rows(EngagementSettings())
+    assert [model.take({})["t"] for _ in range(3001)][::3] == [float(t) for t in range(1001)]
+
+
+def test_a_clock_that_goes_back_twice_leaves_nobody_stale() -> None:
+    model = Rows(EngagementSettings(samples=1))
+    for t in (10.0, 9.0, 8.0, 7.0):
+        row = model.take({"t": t, "presence": 1 if t == 10.0 else None})
+    assert (row["presence"], row.get("stale")) == (1, None)
+
+
 @pytest.mark.parametrize("t", [math.nan, math.inf, "1.0", True, [], 1e300, 10**400])
 def test_a_time_that_is_none_is_noted(t: object) -> None:
     model = Rows(QUICK)

@@ -15,7 +15,7 @@ from woz_tui.core.envelope import Json
 from woz_tui.experiment.engagement import RUNS, EngagementSettings
 from woz_tui.sensing.condition import Signs
 from woz_tui.sensing.machine import Edge, Event, State, View, by_signs, edge_to, edges_from
-from woz_tui.sensing.passing import SECOND, Passing, microseconds
+from woz_tui.sensing.passing import SECOND, Passing, microseconds, periods
 from woz_tui.sensing.voice import Voice
 
 #: States of the trail.
@@ -59,7 +59,7 @@ class Engagement:
     def __init__(self, settings: EngagementSettings, t: int = 0, *, cuts: bool = False) -> None:
         self.settings = settings
         self.cuts = cuts
-        self._time = Passing(t, microseconds(1 / settings.rate))
+        self._time = Passing(t, periods(1, settings.rate))
         self.signs = Signs(settings, t)
         self.voice = Voice(settings.sound)
         self.state = State.WAIT
@@ -147,7 +147,7 @@ class Engagement:
         configured by hand, where the settings say what they said before.
         """
         before, self.settings = self.settings, settings
-        self._time.period = microseconds(1 / settings.rate)
+        self._time.period = periods(1, settings.rate)
         self.signs.adopt(settings, before)
         self.voice.adopt(settings.sound)
         self._look()

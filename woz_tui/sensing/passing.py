@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from fractions import Fraction
+
 #: A second, in microseconds.
 SECOND = 1_000_000
 #: The longest pause that one step of the stamps can mean, in microseconds.
@@ -35,3 +37,11 @@ def microseconds(seconds: float) -> int:
     """Finite seconds as the least whole microseconds that are no less."""
     whole = round(seconds * SECOND)
     return whole if whole / SECOND >= seconds else whole + 1
+
+
+def periods(count: int, rate: float) -> int:
+    """So many periods at `rate` samples a second, in whole microseconds that are no more.
+
+    Three at 3 Hz are a second and not 2 us longer: a sign that misses two samples is not stale.
+    """
+    return int(count * SECOND / Fraction(str(rate)))

@@ -15,7 +15,7 @@ from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing import samples
 from woz_tui.sensing.machine import Event
 from woz_tui.sensing.model import Change, Engagement
-from woz_tui.sensing.passing import SECOND, microseconds
+from woz_tui.sensing.passing import SECOND, periods
 
 #: Key of a line -> the sign that it gives, in the order in which they are taken.
 KEYS = {
@@ -41,9 +41,11 @@ class Rows:
 
     def __init__(self, settings: EngagementSettings) -> None:
         self._settings = settings
-        self._period = microseconds(1 / settings.rate)
         self._model: Engagement | None = None
         self._stamp = 0
+        #: The last stamp that a row named, and how many rows without one came since.
+        self._named_stamp = 0
+        self._unnamed = 0
         self.given: set[str] = set()
         #: Values of loudness above full scale, where full scale is 1.
         self.over = 0
@@ -78,10 +80,12 @@ class Rows:
         if t is None or not abs(t) <= _LONGEST:
             if given is not None:
                 bad.append("t")
-            if self._model is not None:
-                self._stamp += self._period
+            self._unnamed += self._model is not None
+            since = periods(self._unnamed, self._settings.rate)
+            self._stamp = self._named_stamp + since
             return _seconds(self._stamp)
-        self._stamp = round(t * SECOND)
+        self._stamp = self._named_stamp = round(t * SECOND)
+        self._unnamed = 0
         return given if isinstance(given, int | float) else t
 
     def _sampled(self, key: str, sign: str, value: object, bad: list[str]) -> None:

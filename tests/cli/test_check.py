@@ -217,6 +217,10 @@ def test_the_engagement_model_in_a_few_lines(
         ("presence", "timeouts: {listening: null, talking: null}", "timeouts none"),
         ("presence", "start: off", "switched off"),
         ("presence", "signs: [gaze]", "engaged who looks"),
+        (
+            *("presence", "presence: {rate: 3}"),
+            "fifo 4 of 8, at most 3 samples a second, from presence (eye)",
+        ),
     ],
 )
 def test_other_models(
@@ -241,6 +245,7 @@ def test_the_engagement_model_for_programs(
         "filter": "fifo",
         "needed": 7,
         "places": 10,
+        "rate": None,
         "sensors": ["presence (eye)"],
         "actions": [],
     }

@@ -73,6 +73,7 @@ def test_settings_are_those_of_the_file(settled: Engagement) -> None:
     )
     assert (settings.rate, settings.samples, settings.threshold) == (5.0, 10, 0.7)
     assert (settings.stale, settings.gaze.stale, settings.presence.stale) == (0.9, 2.0, None)
+    assert (settings.gaze.rate, settings.presence.rate) == (3.0, None)
     assert settings.distance.sensor == "joint.pan"
     assert settings.timeouts.listening is None
     assert settings.timeouts.lost == 0.5

@@ -26,7 +26,8 @@ def lines(
     yield "engaged", _condition(settings)
     shown = Model(settings).shown().signs
     for sign in SIGNS:
-        yield sign, f"{_filter(shown[sign])}, {_given(experiment, settings, sign)}"
+        counted = _filter(shown[sign]) + _rate(settings.sign(sign).rate)
+        yield sign, f"{counted}, {_given(experiment, settings, sign)}"
     yield "speech", _speech(experiment, settings)
     limits = [f"{name} {seconds:g} s" for name, seconds in _limits(settings.timeouts)]
     yield "timeouts", ", ".join(limits) or "none"
@@ -48,6 +49,7 @@ def as_json(
             "filter": shown[sign].filter,
             "needed": shown[sign].needed,
             "places": shown[sign].places,
+            "rate": settings.sign(sign).rate,
             "sensors": [*_sensors(experiment, settings, sign)],
             "actions": [*_actions(experiment, sign)],
         }
@@ -80,6 +82,10 @@ def _filter(shown: SignShown) -> str:
             return f"median of {shown.places}"
         case kind:
             return f"{kind} {shown.needed} of {shown.places}"
+
+
+def _rate(rate: float | None) -> str:
+    return "" if rate is None else f", at most {rate:g} samples a second"
 
 
 def _given(experiment: Experiment, settings: EngagementSettings, sign: str) -> str:

@@ -50,6 +50,11 @@ class SignSettings:
     samples: _Places | None = None
     threshold: _Share | None = None
     stale: _Stale | None = None
+    rate: Annotated[
+        float | None,
+        Range(0.1, 1000, "Hz"),
+        Doc("at most so many samples a second count, for a sensor that is quicker; default: all"),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -207,7 +207,7 @@ class Sign:
     def __init__(self, joint: Joint, sign: str, threshold: float, start_up: str) -> None:
         self._joint = joint
         self._sign = sign
-        self._silent = None if start_up == "hold" else 0
+        self.start_up = start_up
         self.heard = False
         self.configure(PLACES, threshold)
 
@@ -245,7 +245,7 @@ class Sign:
     def verdict(self) -> int | None:
         """1 or 0; before the first sample 0, or None under `hold`."""
         if not self.heard:
-            return self._silent
+            return None if self.start_up == "hold" else 0
         if self._sign == "identity":
             return int(self._joint.name != UNKNOWN)
         return int(self.count >= self.needed)

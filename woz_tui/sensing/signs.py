@@ -15,6 +15,7 @@ from woz_tui.sensing.joint import Sign as JointSign
 from woz_tui.sensing.passing import SECOND, microseconds
 from woz_tui.sensing.samples import UNKNOWN
 from woz_tui.sensing.steady import Steady
+from woz_tui.sensing.thinning import Thinning
 
 #: Nobody counts as engaged on samples older than this, whatever the settings say; microseconds.
 FRESH = 2 * SECOND
@@ -42,6 +43,7 @@ class Heard:
         self.name = name
         self._start_up = settings.start_up
         self.stale_after = _stale_after(name, settings)
+        self._thinning = Thinning(settings.sign(name).rate)
         self.heard_at = now
         #: Whether it was ever heard, and whether that is too long ago.
         self.ever = False
@@ -52,6 +54,7 @@ class Heard:
         if not self.stale and now - self.heard_at > self.stale_after:
             self.stale = True
             self._steady.forget()
+            self._thinning.restart()
 
     def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
         """Another filter, or other numbers for it; None leaves them as they are."""
@@ -60,7 +63,9 @@ class Heard:
     def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
         """Go on with what is new in the settings."""
         self.stale_after = _stale_after(self.name, settings)
-        self._start_up = self._steady.queue.start_up = settings.start_up
+        self._start_up = settings.start_up
+        self._steady.start_as(settings.start_up)
+        self._thinning.beats(settings.sign(self.name).rate)
         new = numbers(self.name, settings)
         if new != numbers(self.name, before):
             self.configure(*new)
@@ -69,7 +74,8 @@ class Heard:
         self.heard_at = now
         self.ever = True
         self.stale = False
-        self._steady.take(value, now)
+        if self._thinning.counts(now):
+            self._steady.take(value, now)
 
 
 def _stale_after(name: str, settings: EngagementSettings) -> int:

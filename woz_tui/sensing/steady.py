@@ -73,6 +73,10 @@ class Steady(Generic[Q]):
         if self._jointly:
             self._joint.take(value, t)
 
+    def start_as(self, start_up: str) -> None:
+        """Another policy for what is not full, or has not begun."""
+        self.queue.start_up = self._joint.start_up = start_up
+
     def forget(self) -> None:
         """As before the first sample."""
         self.queue.forget()

@@ -205,26 +205,6 @@ def test_a_store_that_cannot_be_read_costs_a_notice_and_no_name(tmp_path: Path) 
     assert room.path[-1] == KNOWN
 
 
-def test_whom_others_forget_is_forgotten_with_the_next_change(tmp_path: Path) -> None:
-    store = Visitors(tmp_path / "recordings" / "visitors.json")
-    store.path.parent.mkdir()
-    store.add("Anna", on=date(2026, 1, 1))
-
-    async def scenario(room: Room) -> None:
-        visiting = room.session.engagement._visiting
-        assert visiting is not None
-        assert visiting.known.is_taken("Anna")
-        store.forget("Anna")
-        room.tell("visitor", code="Bruno")
-        await asyncio.sleep(0.3)
-        saves(room)
-        await asyncio.sleep(0.3)
-        assert not visiting.known.is_taken("Anna")
-        assert visiting.known.is_taken("Bruno")
-
-    in_room(tmp_path, stranger(scenario))
-
-
 def test_the_store_may_lie_elsewhere(tmp_path: Path) -> None:
     settings = replace(PLAIN, visitors=str(tmp_path / "people" / "known.json"))
 

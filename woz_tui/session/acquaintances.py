@@ -1,30 +1,24 @@
 """The visitors whom the robot knows, for a session that must never wait for a disk.
 
-What is known is in memory; the file (`woz_tui.sensing.people`) is read once at the beginning, and
-changed by a thread of its own. A file that cannot be read or written costs a notice and nothing
-else: names stay in memory, and go into the file with the next change that it takes.
+What is known is in memory; the file (`woz_tui.sensing.people`) is read at the beginning, then
+looked at and changed by a thread of its own. Whom others forget or rename meanwhile is forgotten
+or renamed here too. A file that cannot be read or written costs a notice and nothing else: names
+stay in memory, and go into the file with the next change that it takes.
 """
 
 from __future__ import annotations
 
-import functools
-import logging
-import threading
-from collections import deque
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from datetime import date
 from pathlib import Path
 
 from woz_tui.core import messages as m
-from woz_tui.sensing.names import BadNameError, key_of
+from woz_tui.sensing.names import key_of
 from woz_tui.sensing.people import RefusedError, Visitor, Visitors, VisitorsError
+from woz_tui.session.clerk import Clerk, Job, Outcome
 
 _FACTS = ("age_group", "address")
-
-log = logging.getLogger(__name__)
-
-#: Makes one change in the file; may raise `VisitorsError`.
-Job = Callable[[Visitors], object]
+_LOOK = "look at it with `woz visitors`"
 
 
 class Acquaintances:
@@ -44,27 +38,52 @@ class Acquaintances:
     ) -> None:
         self.path = path
         self._publish = publish
-        self._later = later
         self._store = Visitors(path)
+        self._clerk = Clerk(self._store, lambda: later(self._catch_up))
         self._known: dict[str, Visitor] = {}
-        self._jobs: deque[Job] = deque()
-        self._lock = threading.Lock()
-        self._thread: threading.Thread | None = None
-        self._told = ""
+        #: Jobs of which it is not known yet what becomes; those of them that must be tried again.
+        self._open: list[Job] = []
+        self._unmade: list[Job] = []
+        self._unsaved = 0
+        #: Who was named in the log, by key.
+        self._named: dict[str, str] = {}
+        self._complaint = ""
         self._here = ""
 
     def read(self) -> None:
         """Learn from the file who is known; what is wrong with it becomes a notice."""
         try:
-            self._remember(self._store.everybody())
+            self._know(self._store.everybody())
         except (VisitorsError, OSError, ValueError) as error:
-            self._tell(error)
+            self._complain(error)
+
+    def look(self) -> None:
+        """Learn soon what others have changed, and try again to save what is not in the file."""
+        if len(self._open) == len(self._unmade):
+            self._do(Job(Visitors.save))
+
+    def finish(self, seconds: float) -> None:
+        """The session ends: try once more to save everything, for at most so long, and tell what
+        could not be saved.
+        """
+        if self.lacks:
+            self.look()
+        self.wait(seconds)
+        self._catch_up()
+        if self.lacks:
+            changes = f"{self.lacks} change{'s' if self.lacks > 1 else ''}"
+            text = f"visitors: {changes} of this session could not be saved in {self.path}"
+            remedy = "the log has them (`visitor.changed`); enter them with `woz visitors`"
+            self._publish(m.Notice(level="error", text=text, remedy=remedy))
 
     def wait(self, seconds: float) -> None:
         """Wait until all changes have been tried, at most so long."""
-        thread = self._thread
-        if thread is not None:
-            thread.join(seconds)
+        self._clerk.wait(seconds)
+
+    @property
+    def lacks(self) -> int:
+        """How many changes are not in the file as far as it is known here."""
+        return self._unsaved + sum(1 for job in self._open if job.name)
 
     # -- asked -------------------------------------------------------------------------------------
 
@@ -86,8 +105,8 @@ class Acquaintances:
         if visitor is None or visitor.name == self._here:
             return
         self._here = visitor.name
-        self._publish(m.VisitorChanged(visitor=visitor.name, what="met", about=visitor.about))
-        self._do(lambda store: store.met(visitor.name, on=today))
+        self._log(visitor, "met")
+        self._do(Job(lambda store: store.met(visitor.name, on=today), visitor.name))
 
     def gone(self) -> None:
         """Nobody is here any more."""
@@ -111,8 +130,10 @@ class Acquaintances:
         visitor = Visitor(name, group, address, (), day, day, 1)
         self._known[key_of(name)] = visitor
         self._here = name
-        self._publish(m.VisitorChanged(visitor=name, what="learnt", about=visitor.about))
-        self._do(lambda store: store.add(name, on=today, age_group=group, address=address))
+        self._log(visitor, "learnt")
+        self._do(
+            Job(lambda store: store.add(name, on=today, age_group=group, address=address), name)
+        )
 
     def _tell_more(self, visitor: Visitor, facts: dict[str, str]) -> None:
         about = visitor.about
@@ -136,65 +157,65 @@ class Acquaintances:
                 *(visitor.first_met, visitor.last_met, visitor.meetings),
             )
             self._known[key_of(visitor.name)] = more
-            self._publish(m.VisitorChanged(visitor=visitor.name, what="profile", about=more.about))
+            self._log(more, "profile")
             group, address = new.get("age_group"), new.get("address")
-            self._do(lambda store: store.profile(visitor.name, age_group=group, address=address))
+            self._do(
+                Job(
+                    lambda store: store.profile(visitor.name, age_group=group, address=address),
+                    visitor.name,
+                )
+            )
 
-    # -- the thread --------------------------------------------------------------------------------
+    def _log(self, visitor: Visitor, what: str) -> None:
+        self._named[key_of(visitor.name)] = visitor.name
+        self._publish(m.VisitorChanged(visitor=visitor.name, what=what, about=visitor.about))
+
+    # -- the store ---------------------------------------------------------------------------------
 
     def _do(self, job: Job) -> None:
-        """Have a change made. The thread lives for as long as there are changes, so that the
-        process neither ends before they are made nor stays for a thread that has nothing to do.
-        """
-        with self._lock:
-            self._jobs.append(job)
-            if self._thread is None:
-                self._thread = threading.Thread(target=self._work, name="visitors")
-                self._thread.start()
+        """Have a job done, after those that could not be done before."""
+        again, self._unmade = self._unmade, []
+        self._open.append(job)
+        self._clerk.do(*again, job)
 
-    def _next(self) -> Job | None:
-        with self._lock:
-            if self._jobs:
-                return self._jobs.popleft()
-            self._thread = None
-            return None
-
-    def _work(self) -> None:
-        while (job := self._next()) is not None:
-            try:
-                job(self._store)
-                people = self._store.everybody()
-            except (VisitorsError, BadNameError, OSError) as error:
-                self._hand_over(functools.partial(self._tell, error))
-            except Exception as error:
-                log.exception("the store of visitors failed")
-                self._hand_over(functools.partial(self._tell, error))
+    def _catch_up(self) -> None:
+        """Hear what has become of jobs."""
+        for outcome in self._clerk.outcomes():
+            if outcome.unmade and outcome.job.name:
+                self._unmade.append(outcome.job)
             else:
-                self._hand_over(functools.partial(self._saved, people))
+                self._open.remove(outcome.job)
+            self._unsaved = outcome.unsaved
+            if outcome.people is not None:
+                self._know(outcome.people)
+            self._tell(outcome)
 
-    def _hand_over(self, call: Callable[[], object]) -> None:
-        try:
-            self._later(call)
-        except RuntimeError:  # the loop has closed: the session is over
-            log.warning("nobody hears any more what became of the store of visitors")
+    def _know(self, people: Iterable[Visitor]) -> None:
+        """Those of the store, and whoever is not there only because a job still waits."""
+        before, self._known = self._known, {key_of(visitor.name): visitor for visitor in people}
+        for key in {key_of(job.name) for job in self._open if job.name}:
+            if key in before:
+                self._known[key] = before[key]
+        for key in self._named.keys() - self._known.keys():
+            self._publish(m.VisitorChanged(visitor=self._named.pop(key), what="forgotten"))
 
-    def _saved(self, people: list[Visitor]) -> None:
-        self._told = ""
-        with self._lock:
-            waiting = bool(self._jobs)
-        if not waiting:  # what others have forgotten or renamed is forgotten here too
-            self._known.clear()
-        self._remember(people)
+    # -- told --------------------------------------------------------------------------------------
 
-    def _remember(self, people: list[Visitor]) -> None:
-        self._known.update({key_of(visitor.name): visitor for visitor in people})
+    def _tell(self, outcome: Outcome) -> None:
+        if outcome.given_up:
+            text = f"visitors: {'; '.join(outcome.given_up)}"
+            self._publish(m.Notice(level="warning", text=text, remedy=_LOOK))
+        if outcome.error is not None:
+            self._complain(outcome.error)
+        elif not outcome.unsaved:
+            self._complaint = ""
 
-    def _tell(self, error: Exception) -> None:
+    def _complain(self, error: Exception) -> None:
         """A notice, once as long as it is the same."""
         text = f"visitors: {getattr(error, 'reason', '') or error}"
-        if text == self._told:
+        if text == self._complaint:
             return
-        self._told = text
+        self._complaint = text
         level = "warning" if isinstance(error, RefusedError) else "error"
         remedy = getattr(error, "remedy", "")
         self._publish(m.Notice(level=level, text=text, remedy=remedy))

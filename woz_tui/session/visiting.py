@@ -25,6 +25,10 @@ if TYPE_CHECKING:
     from woz_tui.session.session import Session
 
 _SAY = "say"
+#: Who comes into one of these may be somebody whom another process has named meanwhile.
+_NEW = (State.DETECTED, State.HANDSHAKE)
+#: At the end of a session the disk gets so long for what it has refused before, in seconds.
+SAVE_S = 2.5
 
 
 class Visiting:
@@ -50,6 +54,7 @@ class Visiting:
         self._settings = settings
         path = store_at(settings.visitors, self._logs)
         if path != self.known.path:
+            self.known.look()
             self.known = self._acquaintances(path)
 
     def _acquaintances(self, path: Path) -> Acquaintances:
@@ -62,8 +67,12 @@ class Visiting:
         self._loop.call_soon_threadsafe(lambda: None if self._session.ended else call())
 
     def close(self) -> None:
-        """The session ends."""
+        """The session ends, or goes on without the section."""
         self._end_introduction()
+        if self._session.ended:
+            self.known.finish(SAVE_S)
+        else:
+            self.known.look()
 
     @property
     def attempt(self) -> int:
@@ -90,6 +99,8 @@ class Visiting:
             self.known.meet(change.visitor, self._session.clock.wall().date())
         elif change.now == State.WAIT:
             self.known.gone()
+        if change.now in _NEW:
+            self.known.look()
 
     def hear(self, message: m.AnyMessage) -> None:
         """Speech, the stop, and verbs that say who it is."""

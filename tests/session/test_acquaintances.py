@@ -1,0 +1,226 @@
+"""The session's view of the store of visitors, on which others work too and disks fill up."""
+
+from __future__ import annotations
+
+import asyncio
+import stat
+from collections.abc import Callable, Iterator
+from dataclasses import replace
+from datetime import date
+from pathlib import Path
+
+import pytest
+
+from tests.session.engaged import PLAIN, Room, guided, in_room
+from woz_tui.core import messages as m
+from woz_tui.sensing.people import Visitors
+from woz_tui.session.acquaintances import Acquaintances
+
+TODAY = date(2026, 3, 2)
+
+
+class Desk:
+    """Acquaintances whose reports are heard when `hear` is called; what they published."""
+
+    def __init__(self, path: Path) -> None:
+        self.lines: list[m.Message] = []
+        self._calls: list[Callable[[], object]] = []
+        self.known = Acquaintances(path, self.lines.append, self._calls.append)
+        self.known.read()
+
+    def hear(self) -> None:
+        """All changes have been tried, and this is heard."""
+        self.known.wait(20)
+        while self._calls:
+            self._calls.pop(0)()
+
+    @property
+    def notices(self) -> list[str]:
+        return [line.text for line in self.lines if isinstance(line, m.Notice)]
+
+    @property
+    def changes(self) -> list[tuple[str, str]]:
+        changed = [line for line in self.lines if isinstance(line, m.VisitorChanged)]
+        return [(line.visitor, line.what) for line in changed]
+
+
+@pytest.fixture
+def path(tmp_path: Path) -> Path:
+    folder = tmp_path / "store"
+    folder.mkdir()
+    return folder / "visitors.json"
+
+
+@pytest.fixture
+def refusing(path: Path) -> Iterator[Path]:
+    """Its place takes no lock file: a folder stands where it would be."""
+    lock = path.parent / ".visitors.json.lock"
+    lock.unlink(missing_ok=True)
+    lock.mkdir()
+    yield lock
+
+
+def names(path: Path) -> list[str]:
+    return [visitor.name for visitor in Visitors(path).everybody()]
+
+
+def test_whom_others_forget_or_rename_is_so_here_too_without_a_change_of_our_own(
+    path: Path,
+) -> None:
+    other = Visitors(path)
+    for name in ("Anna", "Bob", "Cy"):
+        other.add(name, on=TODAY)
+    desk = Desk(path)
+    desk.known.meet("Anna", TODAY)
+    desk.hear()
+    other.forget("Anna")
+    other.rename("Bob", "B01")
+    other.add("Dora", on=None, label="face-9")
+    desk.known.look()
+    desk.hear()
+    assert not desk.known.is_taken("Anna") and not desk.known.is_taken("Bob")
+    assert desk.known.is_taken("b01") and desk.known.is_taken("Cy")
+    dora = desk.known.called("face-9")
+    assert dora is not None and dora.name == "Dora"
+    assert desk.changes == [("Anna", "met"), ("Anna", "forgotten")]
+    assert not desk.notices
+
+
+def test_a_name_that_is_not_in_the_file_yet_is_known_nevertheless(path: Path) -> None:
+    """What is known is replaced as a whole while two introductions wait for the disk."""
+    desk = Desk(path)
+    desk.known.introduce("Anna", {}, TODAY)
+    desk.known.gone()
+    desk.known.introduce("Bob", {"age_group": "child"}, TODAY)
+    assert desk.known.is_taken("anna") and desk.known.is_taken("bob")
+    desk.hear()
+    assert desk.known.is_taken("anna") and desk.known.is_taken("bob")
+    assert names(path) == ["Anna", "Bob"]
+    assert desk.known.lacks == 0
+
+
+def test_what_the_disk_refused_is_saved_at_the_end(path: Path, refusing: Path) -> None:
+    desk = Desk(path)
+    desk.known.introduce("Anna", {}, TODAY)
+    desk.hear()
+    desk.known.gone()
+    desk.known.introduce("Bob", {}, TODAY)
+    desk.hear()
+    assert len(desk.notices) == 1 and "cannot be written" in desk.notices[0]
+    assert desk.known.lacks == 2
+    refusing.rmdir()
+    desk.known.finish(20)
+    assert names(path) == ["Anna", "Bob"]
+    assert len(desk.notices) == 1
+
+
+def test_what_is_lost_with_the_session_is_told(path: Path, refusing: Path) -> None:
+    desk = Desk(path)
+    desk.known.introduce("Anna", {}, TODAY)
+    desk.known.finish(20)
+    first, last = desk.notices
+    assert "cannot be written" in first
+    assert last == f"visitors: 1 change of this session could not be saved in {path}"
+    assert not path.exists()
+
+
+def test_a_new_visitor_is_an_occasion_to_save_what_the_disk_refused(
+    path: Path, refusing: Path
+) -> None:
+    desk = Desk(path)
+    desk.known.introduce("Anna", {}, TODAY)
+    desk.hear()
+    refusing.rmdir()
+    desk.known.look()
+    desk.hear()
+    assert (names(path), desk.known.lacks) == (["Anna"], 0)
+
+
+def test_what_was_given_up_is_told_once(path: Path, refusing: Path) -> None:
+    desk = Desk(path)
+    desk.known.introduce("Anna", {}, TODAY)
+    desk.hear()
+    refusing.rmdir()
+    Visitors(path).add("anna", on=TODAY, age_group="adult")
+    desk.known.look()
+    desk.hear()
+    desk.known.look()
+    desk.hear()
+    (told,) = [text for text in desk.notices if "given up" in text]
+    assert "anna" in told
+    anna = desk.known.called("Anna")
+    assert anna is not None and anna.about == {"age_group": "adult"}
+
+
+def test_names_given_while_the_file_is_damaged_go_into_the_mended_one(path: Path) -> None:
+    path.write_text("{ this is no store")
+    desk = Desk(path)
+    desk.known.introduce("Anna", {}, TODAY)
+    desk.hear()
+    desk.known.look()
+    desk.hear()
+    assert desk.known.is_taken("Anna")
+    assert desk.known.lacks == 1
+    assert len(desk.notices) == 1
+    path.unlink()
+    Visitors(path).add("Bob", on=TODAY)
+    desk.known.look()
+    desk.hear()
+    assert names(path) == ["Anna", "Bob"]
+    assert desk.known.is_taken("Anna") and desk.known.is_taken("Bob")
+    assert desk.known.lacks == 0
+
+
+def test_a_session_hears_of_others_changes_when_somebody_comes(tmp_path: Path) -> None:
+    """Renamed and forgotten by `woz visitors` meanwhile, and nobody was introduced in between."""
+    store = Visitors(tmp_path / "recordings" / "visitors.json")
+    store.path.parent.mkdir()
+    store.add("Anna", on=TODAY)
+
+    async def scenario(room: Room) -> None:
+        visiting = room.session.engagement._visiting
+        assert visiting is not None
+        assert visiting.known.is_taken("Anna")
+        store.rename("Anna", "V12")
+        await room.visit(3)
+        visiting.known.wait(20)
+        await asyncio.sleep(0.5)
+        assert not visiting.known.is_taken("Anna")
+        assert visiting.known.is_taken("V12")
+
+    in_room(tmp_path, scenario)
+
+
+def test_a_session_saves_at_its_end_what_a_full_disk_refused(tmp_path: Path) -> None:
+    lock = tmp_path / "people" / ".visitors.json.lock"
+    lock.mkdir(parents=True)
+    path = lock.with_name("visitors.json")
+    room = ended(tmp_path, path, lock.rmdir)
+    assert names(path) == ["Anna"]
+    assert stat.S_IMODE(path.stat().st_mode) == 0o600
+    assert not [text for text in room.notices if "could not be saved" in text]
+
+
+def test_the_log_has_what_was_lost_before_its_last_line(tmp_path: Path) -> None:
+    lock = tmp_path / "people" / ".visitors.json.lock"
+    lock.mkdir(parents=True)
+    room = ended(tmp_path, lock.with_name("visitors.json"), lambda: None)
+    (told,) = [i for i, line in enumerate(room.lines) if "could not be saved" in str(line)]
+    assert isinstance(room.lines[-1], m.SessionEnd)
+    assert told < len(room.lines) - 1
+
+
+def ended(tmp_path: Path, path: Path, before_the_end: Callable[[], object]) -> Room:
+    """A session in which Anna was introduced, with a store at `path`."""
+
+    async def scenario(room: Room) -> None:
+        room.tell("visitor", code="Anna")
+        await asyncio.sleep(0.5)
+        visiting = room.session.engagement._visiting
+        assert visiting is not None
+        visiting.known.wait(20)
+        await asyncio.sleep(0.5)
+        assert any("cannot be written" in text for text in room.notices)
+        before_the_end()
+
+    return in_room(tmp_path, scenario, guided(tmp_path, replace(PLAIN, visitors=str(path))))

@@ -1,12 +1,15 @@
 """WAV files of what was said, written beside everything else: nobody waits for a disk.
 
 Each file is written by a thread of its own under another name and gets its own when it is whole.
-A disk that hangs costs one thread and the files until it wakes up, nothing else.
+The same thread sees to it that a file which stays outlives a power cut, after it was told that it
+is there: a card in a robot may take a second for that, and the robot is to answer. A disk that
+hangs costs one thread and the files until it wakes up, nothing else.
 """
 
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import errno
 import os
 import tempfile
@@ -42,11 +45,31 @@ def write(path: Path, pcm: bytes, rate: int) -> Path:
     return path
 
 
-class SegmentFiles:
-    """Writes, and forgets what was written for a moment only."""
+def secure(path: Path) -> None:
+    """Have a file on the disk itself, with its name; for threads. Raises `OSError`: the file may
+    be empty, or lack a part, after a power cut.
+    """
+    _sync(path)
+    with contextlib.suppress(OSError):  # some file systems cannot do that for a folder
+        _sync(path.parent)
 
-    def __init__(self, rate: int) -> None:
+
+def _sync(path: Path) -> None:
+    fd = os.open(path, os.O_RDONLY | os.O_CLOEXEC)
+    try:
+        os.fsync(fd)
+    finally:
+        os.close(fd)
+
+
+class SegmentFiles:
+    """Writes, and forgets what was written for a moment only. `on_unsafe` hears of a file that was
+    written and may not be there after a power cut.
+    """
+
+    def __init__(self, rate: int, on_unsafe: Callable[[OSError], None]) -> None:
         self._rate = rate
+        self._on_unsafe = on_unsafe
         self._busy = 0
         self._scratch: tempfile.TemporaryDirectory[str] | None = None
         self._scratch_lock = threading.Lock()
@@ -59,7 +82,7 @@ class SegmentFiles:
             path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
             return write(path, pcm, self._rate)
 
-        return self._start(work)
+        return self._start(work, secure)
 
     def lend(self, name: str, pcm: bytes) -> asyncio.Future[Path]:
         """Write a file for a program to read, out of everybody's way; give it back afterwards."""
@@ -87,8 +110,12 @@ class SegmentFiles:
                 )
             return Path(self._scratch.name)
 
-    def _start(self, work: Callable[[], T]) -> asyncio.Future[T]:
-        """Have a thread do it; the future fails with EBUSY if too much is under way."""
+    def _start(
+        self, work: Callable[[], T], afterwards: Callable[[T], None] | None = None
+    ) -> asyncio.Future[T]:
+        """Have a thread do it; the future fails with EBUSY if too much is under way. `afterwards`
+        the thread goes on with the result, and nobody waits for that.
+        """
         loop = asyncio.get_running_loop()
         done: asyncio.Future[T] = loop.create_future()
         done.add_done_callback(lambda over: over.cancelled() or over.exception())
@@ -97,25 +124,38 @@ class SegmentFiles:
             return done
         self._busy += 1
 
-        def settle(result: T | None, error: OSError | None) -> None:
-            self._busy -= 1
-            if done.done():
-                return
-            if error is not None:
-                done.set_exception(error)
-            else:
-                done.set_result(result)  # type: ignore[arg-type]
-
         def run() -> None:
-            result, error = None, None
             try:
                 result = work()
             except OSError as trouble:
-                error = trouble
-            try:
-                loop.call_soon_threadsafe(settle, result, error)
-            except RuntimeError:  # the loop has closed: the session is over
-                return
+                _tell(loop, _fail, done, trouble)
+            else:
+                _tell(loop, _succeed, done, result)
+                try:
+                    if afterwards is not None:
+                        afterwards(result)
+                except OSError as trouble:
+                    _tell(loop, self._on_unsafe, trouble)
+            _tell(loop, self._free)
 
         threading.Thread(target=run, name="speech file", daemon=True).start()
         return done
+
+    def _free(self) -> None:
+        self._busy -= 1
+
+
+def _succeed(done: asyncio.Future[T], result: T) -> None:
+    if not done.done():
+        done.set_result(result)
+
+
+def _fail(done: asyncio.Future[T], error: OSError) -> None:
+    if not done.done():
+        done.set_exception(error)
+
+
+def _tell(loop: asyncio.AbstractEventLoop, call: Callable[..., None], *args: object) -> None:
+    """From a thread to the loop, unless that has closed: then the session is over."""
+    with contextlib.suppress(RuntimeError):
+        loop.call_soon_threadsafe(call, *args)

@@ -57,13 +57,14 @@ class Segments:
         self._outlet = outlet
         self._keep = keep
         self._transcriber = transcriber
-        self._files = SegmentFiles(rate)
+        self._files = SegmentFiles(rate, self._unsafe)
         self._time = SoundTime()
         self._tape: deque[_Block] = deque()
         self._first = 0
         self._segment = 0
         self._began = 0
         self._complained = False
+        self._unsafe_told = False
         self._untold: deque[SpeechStarted | _Ending] = deque()
 
     def forget(self) -> None:
@@ -191,6 +192,16 @@ class Segments:
                 "make room beside the log; everything else goes on",
             )
         self._complained = error is not None
+
+    def _unsafe(self, error: OSError) -> None:
+        """Tell the wizard once that the disk has not taken what it was given."""
+        if not self._unsafe_told:
+            self._outlet.notice(
+                "warning",
+                f"a file of speech may be lost in a power cut: {_reason(error)}",
+                "the disk may be failing: copy the recordings soon; everything else goes on",
+            )
+        self._unsafe_told = True
 
 
 def _written(ending: _Ending) -> bool:

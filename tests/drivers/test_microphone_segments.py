@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import errno
 import os
+import threading
 import wave
 from collections.abc import AsyncIterator, Callable
 from pathlib import Path
@@ -14,7 +16,7 @@ from woz_drivers import sound
 from woz_drivers.microphone import Microphone
 from woz_drivers.microphone_settings import MicrophoneSettings
 
-from tests.drivers.heard import Heard, until
+from tests.drivers.heard import PATIENCE_S, Heard, until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
 from woz_tui.core.clock import ManualClock
@@ -282,3 +284,67 @@ async def test_a_disk_that_hangs_holds_up_nobody(begin: Begin, pipe: PipedComman
     assert second.file == "session.media/ears-0002.wav"
     assert [message.segment for message in heard.all(SpeechStarted)] == [1, 2]
     os.close(os.open(stuck, os.O_RDONLY | os.O_NONBLOCK))
+
+
+class Disk:
+    """fsync as a disk may do it: watched, held up, or failing."""
+
+    def __init__(self) -> None:
+        self.synced: dict[int, str] = {}
+        self.goes_on = threading.Event()
+        self.goes_on.set()
+        self.error: OSError | None = None
+
+    def fsync(self, fd: int) -> None:
+        self.goes_on.wait(PATIENCE_S)
+        if self.error is not None:
+            raise self.error
+        self.synced[os.fstat(fd).st_ino] = threading.current_thread().name
+
+
+@pytest.fixture
+def disk(monkeypatch: pytest.MonkeyPatch) -> Disk:
+    found = Disk()
+    monkeypatch.setattr(os, "fsync", found.fsync)
+    return found
+
+
+async def test_a_file_and_its_name_outlive_a_power_cut(
+    begin: Begin, pipe: PipedCommand, disk: Disk
+) -> None:
+    """Both are on the disk itself in the end; the session's own thread never waits for that."""
+    _, heard = await begin(pipe, segments=True)
+    pipe.send(utterance())
+    ended = await heard.first(SpeechEnded)
+    path = heard.outlet.folder / ended.file
+    wanted = {path.stat().st_ino, path.parent.stat().st_ino}
+    await until(lambda: wanted <= disk.synced.keys())
+    assert {disk.synced[inode] for inode in wanted} == {"speech file"}
+
+
+async def test_nobody_waits_until_a_slow_card_has_it(
+    begin: Begin, pipe: PipedCommand, disk: Disk
+) -> None:
+    _, heard = await begin(pipe, segments=True)
+    disk.goes_on.clear()
+    pipe.send(utterance())
+    ended = await heard.first(SpeechEnded)
+    assert (ended.file, ended.detail) == ("session.media/ears-0001.wav", "")
+    assert disk.synced == {}
+    disk.goes_on.set()
+
+
+async def test_a_disk_that_loses_what_it_was_given_is_told_once(
+    begin: Begin, pipe: PipedCommand, disk: Disk
+) -> None:
+    _, heard = await begin(pipe, segments=True)
+    disk.error = OSError(errno.EIO, "Input/output error")
+    pipe.send(utterance() + utterance())
+    assert (await heard.first(SpeechEnded, after=1)).file == "session.media/ears-0002.wav"
+    notice = await heard.first(Notice)
+    assert notice.text == "it: a file of speech may be lost in a power cut: Input/output error"
+    disk.error = None
+    pipe.send(utterance())
+    await heard.first(SpeechEnded, after=2)
+    await until(lambda: bool(disk.synced))
+    assert len(heard.all(Notice)) == 1

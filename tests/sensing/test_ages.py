@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.sensing.visiting import PERIOD, WITH, Visit
+from tests.sensing.visiting import GONE, PERIOD, WITH, Visit
 from woz_tui.experiment.engagement import FILTERS, START_UPS, SignSettings
 from woz_tui.sensing.machine import State
 from woz_tui.sensing.passing import LONGEST_PAUSE, SECOND, Passing, microseconds
@@ -98,7 +98,7 @@ def test_a_sign_that_never_came_is_not_called_stale() -> None:
     visit = Visit()
     visit.see(9, presence=1)
     assert visit.model.signs.stale == []
-    assert "gaze not sensed" in visit.model.reason
+    assert "no gaze sensor" in visit.model.reason
 
 
 def test_after_a_silence_a_held_verdict_starts_anew() -> None:
@@ -197,3 +197,47 @@ def test_stamps_in_order_are_the_models_time(stamps: list[int]) -> None:
 def test_a_limit_is_reached_at_its_microsecond(seconds: float) -> None:
     whole = microseconds(seconds)
     assert whole / SECOND >= seconds > (whole - 1) / SECOND - 1e-9
+
+
+def left(visit: Visit, after: dict[str, Any]) -> str:
+    """Why somebody is not there any more, who stood far away before."""
+    visit.see(presence=1, gaze=1, distance=3.0)
+    assert visit.model.state is State.DETECTED
+    (change,) = visit.see(6, **after)
+    assert change.outcome == "human_absence"
+    return change.why
+
+
+def test_why_nobody_is_there_is_said_once() -> None:
+    assert left(Visit(), GONE) == "nobody is there"
+    assert left(Visit(), {"presence": 0}) == "nobody is there"
+
+
+def test_a_silent_sensor_is_no_visitor_who_looks_away() -> None:
+    assert left(Visit(), {"gaze": 0}) == "nobody is there: presence stale"
+    two = Visit(signs=("gaze", "distance"))
+    assert left(two, GONE) == "nobody is there: looks away, not near 3.0 m"
+    two = Visit(signs=("gaze", "distance"))
+    assert left(two, {"distance": 3.0}) == "nobody is there: gaze stale, not near 3.0 m"
+
+
+def test_a_sensor_that_never_spoke_says_nothing_about_the_visitor() -> None:
+    visit = Visit(signs=("presence", "gaze"))
+    (change,) = visit.see(presence=1)
+    assert change.why == "present, gaze not known yet, no name"
+    visit.wait(3, presence=1)
+    assert visit.model.reason == "present, no gaze sensor, no name"
+    visit.see(presence=1, gaze=0)
+    assert visit.model.reason == "present, looks away, no name"
+    visit.wait(3, presence=1)
+    assert visit.model.reason == "present, gaze stale, no name"
+    visit.model.override("gaze", False)
+    assert visit.model.reason == "present, looks away (wizard), no name"
+
+
+def test_the_wizard_may_say_that_nobody_is_there() -> None:
+    visit = Visit()
+    visit.see(presence=1)
+    visit.model.override("presence", False)
+    change = visit.model.step()
+    assert change is not None and change.why == "nobody is there (wizard)"

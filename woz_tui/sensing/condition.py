@@ -13,7 +13,7 @@ from woz_tui.core.envelope import Json
 from woz_tui.experiment.engagement import CONDITION, FILTERS, SIGNS, EngagementSettings
 from woz_tui.sensing import samples
 from woz_tui.sensing.joint import Joint
-from woz_tui.sensing.signs import FRESH, Identity, Sign
+from woz_tui.sensing.signs import FRESH, WORDS, Identity, Sign
 
 #: Social distances that may be set, in metres.
 NEAREST, FARTHEST = 0.1, 10.0
@@ -109,6 +109,15 @@ class Signs:
     def reason(self, now: int) -> str:
         """What they say, in words."""
         return ", ".join([*(sign.words(now) for sign in self.uses), self.identity.words()])
+
+    def explained(self, why: str, now: int) -> str:
+        """`why`, with `{reason}` as what all say and `{absence}` as why nobody is there."""
+        return why.format(reason=self.reason(now), absence=self._absence(now))
+
+    def _absence(self, now: int) -> str:
+        said = ", ".join(sign.words(now) for sign in self._there)
+        nobody = WORDS["presence"][0]
+        return said if said.startswith(nobody) else ": ".join(filter(None, (nobody, said)))
 
     def shown(self) -> dict[str, SignShown]:
         """All of them for the screen."""

@@ -69,7 +69,8 @@ class View:
 
 @dataclass(frozen=True, slots=True)
 class Edge:
-    """One arrow. `when` decides; `why` says it in words, with `{reason}` for what the signs say.
+    """One arrow. `when` decides; `why` says it in words, with `{reason}` for what the signs say
+    and `{absence}` for those by which nobody is there.
 
     `letter` is the figure's; an edge without one comes from the published program (`listing`) or
     is an extension of this one, which only a setting switches on.
@@ -116,7 +117,7 @@ EDGES: tuple[Edge, ...] = (
     Edge(State.WAIT, State.DETECTED, "human_presence", lambda view: view.presence, "{reason}", "a"),
     Edge(
         *(State.DETECTED, State.WAIT, "human_absence"),
-        *(lambda view: not view.presence, "nobody is there: {reason}", "b"),
+        *(lambda view: not view.presence, "{absence}", "b"),
     ),
     Edge(
         *(State.DETECTED, State.KNOWN, "recognized"),

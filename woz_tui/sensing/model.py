@@ -343,7 +343,7 @@ class Engagement:
 
     def _take(self, edge: Edge, event: Event | None, by_hand: str = "") -> Change:
         forced = bool(by_hand) or self._rests_on_wizard(edge, event)
-        why = self.reason if by_hand.startswith("forced") else edge.why.format(reason=self.reason)
+        why = "{reason}" if by_hand.startswith("forced") else edge.why
         self.state = edge.target
         self.since = self._time.now
         self._trail.append(edge.target.value)
@@ -354,7 +354,7 @@ class Engagement:
             was=edge.source.value,
             now=edge.target.value,
             outcome=edge.outcome,
-            why=by_hand + why,
+            why=by_hand + self.signs.explained(why, self.since),
             verdicts=self.verdicts,
             visitor=self.visitor,
             forced=forced,

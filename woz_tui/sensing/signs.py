@@ -150,8 +150,8 @@ class Sign(Heard):
         """The verdict as a person says it: `looks (5 of 8)`."""
         verdict = self.verdict
         if self.forced is None and (self.stale or not self.fresh(now)):
-            return f"{self.name} {'stale' if self.ever else 'not sensed'}"
-        if verdict is None:
+            return f"{self.name} stale" if self.ever else f"no {self.name} sensor"
+        if verdict is None or (self.forced is None and not self.ever):
             return f"{self.name} not known yet"
         said = WORDS[self.name][verdict]
         metres = self.metres

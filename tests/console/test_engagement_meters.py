@@ -194,6 +194,20 @@ def test_yes_no_none_stale_and_by_hand_are_told_apart_without_colour(
     assert "no sensor" in seen[4]
 
 
+@pytest.mark.parametrize("name", ["", "Unknown"])
+def test_a_name_that_nobody_gave_is_not_called_stale(name: str) -> None:
+    never = sign(stale=True, raw=None, verdict=0, count=0, name=name)
+    seen = meters(engaged.shown(signs=engaged.signs(identity=never)))
+    assert "no sensor" in seen
+    assert "stale" not in seen
+
+
+def test_nobody_waits_for_a_model_that_is_off() -> None:
+    waits = engaged.waits()
+    assert "waits" in meters(waits)
+    assert "waits" not in meters(msgspec.structs.replace(waits, run="off"))
+
+
 def test_a_stale_distance_looks_old() -> None:
     far = msgspec.structs.replace(engaged.signs()["distance"], stale=True, verdict=0)
     found = looks(engaged.shown(signs=engaged.signs(distance=far)))

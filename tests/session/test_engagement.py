@@ -59,10 +59,17 @@ def test_without_the_section_nothing_is_said_and_its_verbs_are_unknown(tmp_path:
     assert room.of(m.EngagementShown) == []
 
 
-def test_while_it_is_off_nothing_is_published(tmp_path: Path) -> None:
+def test_while_it_is_off_the_signs_are_shown_and_no_state(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
         await engaged(room)
-        assert room.of(m.EngagementShown) == []
+        room.tell("sense", sign="gaze", value="off")
+        await asyncio.sleep(0.5)
+        seen = room.of(m.EngagementShown)
+        assert {look.run for look in seen} == {"off"}
+        assert [seen[0].signs["presence"].verdict, seen[-1].signs["presence"].verdict] == [0, 1]
+        assert seen[-1].signs["gaze"].forced
+        assert not room.of(m.EngagementChanged)
+        room.tell("sense", sign="gaze", value="sensor")
         room.tell("engagement", run="run")
         await keeps_looking(room, 1)
 
@@ -322,8 +329,9 @@ def test_loudness_is_end_pointed_where_no_driver_does_it(tmp_path: Path) -> None
 
 def test_a_visitor_greeted_by_name(tmp_path: Path) -> None:
     async def scenario(room: Room) -> None:
-        with pytest.raises(AskError, match=r"\{visitor\} has no value yet"):
+        with pytest.raises(AskError, match=r"\{visitor\} has no value yet") as refused:
             room.session.play("Greet", WIZARD)
+        assert "say who stands there" in refused.value.hint
         await engaged(room)
         room.session.play("Greet", WIZARD)
 

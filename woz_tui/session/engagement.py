@@ -278,14 +278,10 @@ class LiveEngagement:
         if self._visiting.attempt:
             self._follower.model.attempt = self._visiting.attempt
         shown = self._follower.shown()
-        if shown == self._shown or (shown.run == "off" and not self._on):
+        if shown == self._shown:
             return
         self._shown = shown
         self._shown_us = self._hub.now()
         self._hub.publish(shown)
-        self._effects.noticed(shown)
-
-    @property
-    def _on(self) -> bool:
-        """Whether a console has been told that the model runs."""
-        return self._shown is not None and self._shown.run != "off"
+        if shown.run != "off":  # the signs are shown all the same, and the robot shows nothing
+            self._effects.noticed(shown)

@@ -30,7 +30,7 @@ from woz_tui.session.outlet import DriverOutlet
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.standing import Standing
-from woz_tui.session.utterances import utterances
+from woz_tui.session.utterances import remedy, utterances
 from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
 
 #: Seconds between two lines that tie the session's clock to the calendar.
@@ -212,7 +212,7 @@ class Session:
             raise AskError(reason)
         run, refused = self.runner.play(action, origin, when_busy)
         if refused:
-            raise AskError(refused, "set it with the start dialog")
+            raise AskError(refused, remedy(refused))
         return run
 
     def _why_not(self, name: str) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 
 from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import Experiment, Together
+from woz_tui.experiment.template import VISITOR
 from woz_tui.session.variables import MissingError, filled
 
 #: The verb and its argument that hold an utterance.
@@ -34,3 +35,10 @@ def _text(value: Json, values: Mapping[str, str]) -> str:
     except MissingError:
         return ""
     return text if isinstance(text, str) else ""
+
+
+def remedy(refused: str) -> str:
+    """Where the value comes from that `refused`, a variable's refusal, says is missing."""
+    if refused.startswith(f"{{{VISITOR}}}"):
+        return "nobody is known: say who stands there, or wait for a face or a handshake"
+    return "set it with the start dialog"

@@ -57,8 +57,10 @@ class Engaged:
         return self.shown is not None and self.shown.run == OFF
 
     def waited(self, now: int) -> int | None:
-        """For how long the visitor has been waiting for an answer (us); None: nobody waits."""
-        if self.shown is None or self.shown.waits_since < 0:
+        """For how long the visitor has been waiting for an answer (us); None: nobody waits, or
+        nobody tells, as the model is off.
+        """
+        if self.shown is None or self.off or self.shown.waits_since < 0:
             return None
         return max(0, now - self.shown.waits_since)
 

@@ -182,7 +182,7 @@ def _sign(
 def _sensed(name: str, sign: m.SignShown) -> str:
     """The last sample, without any filter."""
     if name not in CONDITION:
-        return clean(sign.raw_name) or "nobody"
+        return clean(sign.raw_name) or "nothing"
     if sign.raw is None:
         return "nothing"
     if name == "distance":

@@ -69,7 +69,8 @@ def is_used(name: str, shown: m.EngagementShown) -> bool:
 
 def unsensed(sign: m.SignShown) -> bool:
     """Whether nobody has ever given it, neither a sensor nor the wizard."""
-    return sign.raw is None and not sign.raw_name and not sign.name and not sign.forced
+    named = bool(sign.raw_name) or sign.name not in _UNKNOWN
+    return sign.raw is None and not named and not sign.forced
 
 
 def mark(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> Mark:

@@ -84,5 +84,6 @@ def bench(folder: Path, memory: tuple[int, int] = MEMORY) -> Iterator[Bench]:
         yield it
     finally:
         it.disk.gate.set()
+        it.disk.looks.set()
         it.disk.faults.clear()
         it.recorder.close()

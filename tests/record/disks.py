@@ -18,14 +18,17 @@ class FaultyDisk(RealDisk):
 
     full: a real ENOSPC, from /dev/full; readonly: EROFS for everything; io: EIO on writing;
     short: half of a line gets in; sync: fdatasync and fsync report EIO; no samples: no file of
-    samples can be made. While `gate` is cleared,
-    syncing hangs.
+    samples can be made. While `gate` is cleared, syncing hangs; while `looks` is, looking whether a
+    file is still there does.
     """
 
     def __init__(self) -> None:
         self.faults: dict[Path, str] = {}
         self.gate = threading.Event()
         self.gate.set()
+        self.looks = threading.Event()
+        self.looks.set()
+        self.looked = threading.Event()
         self.syncs_after_failure = 0
         self._folders: dict[int, Path] = {}
         self._failed: set[int] = set()
@@ -58,6 +61,11 @@ class FaultyDisk(RealDisk):
             case "short":
                 return super().write(fd, data[: len(data) // 2])
         return super().write(fd, data)
+
+    def links(self, fd: int) -> int:
+        self.looked.set()
+        self.looks.wait(60)
+        return super().links(fd)
 
     def fdatasync(self, fd: int) -> None:
         self._sync(fd)

@@ -274,11 +274,14 @@ class OpenSegment:
 
     def _finish(self) -> None:
         for which, file in self.files:
-            with suppress(OSError):
+            try:
                 if self.current:
                     self._sync(which, file)
                 else:
                     file.sync()
+            except OSError as error:
+                if self.current:  # nobody has its lines elsewhere yet
+                    self._trouble(self, in_words(error))
         if self._after is not None:
             self._after(self)
         for _, file in self.files:

@@ -6,15 +6,14 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any, ClassVar
 
-from woz_drivers import microphone_check, sound
+from woz_drivers import microphone_check, room, sound
 from woz_drivers.byte_stream import ByteStream, Command, Listener
 from woz_drivers.microphone_settings import MicrophoneSettings
 from woz_drivers.segments import Segments
-from woz_drivers.speaking import BLOCK_S, Speaking, learn
+from woz_drivers.speaking import BLOCK_S, Speaking
 from woz_drivers.transcriber import Transcriber
 from woz_tui.core.driver import (
     SPEECH,
-    Argument,
     DriverError,
     Finding,
     Health,
@@ -26,13 +25,10 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.sensing.endpoint import Ended
 
 SENSOR = "loudness"
-#: RMS above which sound counts as speech, published at the start and when it is learned anew.
-THRESHOLD = "loudness.threshold"
 
 #: Sound may come this much faster than real time before it is slowed down, in seconds. A device
 #: never gets there; a file played back as a microphone would flood the log.
@@ -74,14 +70,12 @@ class Microphone:
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """It can learn the room's noise."""
-        seconds = Argument("seconds", "seconds", "how long", default=10.0, range=Range(0.1, 120))
-        summary = "learn the threshold of speech from the room's noise, while nobody speaks"
-        return (Verb("listen_room", summary, (seconds,), lane="listen", limit_s=150.0),)
+        return (room.verb(),)
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
         """The loudness, the threshold of speech on the same scale, and segments of speech."""
-        return (SENSOR, THRESHOLD, SPEECH)
+        return (SENSOR, room.THRESHOLD, SPEECH)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -92,7 +86,7 @@ class Microphone:
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
         self._outlet.health(Health.CONNECTING, "starting the microphone's command")
-        self._outlet.reading(THRESHOLD, self._speaking.threshold)
+        self._outlet.reading(room.THRESHOLD, self._speaking.threshold)
         self._outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
         settings = self._settings
         command = Command(
@@ -106,12 +100,11 @@ class Microphone:
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Learn the room."""
-        if job.verb != "listen_room":
+        if job.verb != room.NAME:
             raise Rejected(f"{self.name} is a microphone; it cannot {job.verb}")
         if self._source is None or not self._source.running or not self._heard:
             raise Lost(f"{self.name} delivers no sound", "see the driver's health for the reason")
-        seconds = job.args.get("seconds")
-        learning = _Learning(float(seconds) if isinstance(seconds, int | float) else 10.0)
+        learning = _Learning(room.seconds(job.args))
         self._learning = learning
         job.expects(learning.seconds)
         try:
@@ -248,38 +241,12 @@ class Microphone:
     # -- learning the room ---------------------------------------------------------------------
 
     def _adopt(self, levels: list[float]) -> Mapping[str, Json]:
-        room = learn(levels)
-        if room.loudest == 0:
-            raise DriverError(
-                f"{self.name} hears only zeros: the threshold stays",
-                "switch the microphone on, or choose another device",
-            )
-        was = self._speaking.threshold
-        k = self._settings.sensitivity
-        threshold = room.threshold(k)
-        self._speaking.threshold = threshold
-        self._outlet.reading(THRESHOLD, threshold)
-        self._outlet.notice(
-            "info",
-            f"speech is now louder than {threshold:.4f}"
-            f" (room {room.mean:.4f} + {k:g} x {room.sd:.4f})",
-            f"write threshold: {threshold:.4f} into the robot file to keep it",
-        )
-        if room.restless:
-            self._outlet.notice(
-                "warning",
-                f"it was not quiet while it listened: {room.loudest:.4f} at the loudest",
-                "play listen_room once more while nobody speaks",
-            )
-        return {
-            "threshold": threshold,
-            "was": was,
-            "mean": room.mean,
-            "sd": room.sd,
-            "k": k,
-            "loudest": room.loudest,
-            "seconds": room.blocks * BLOCK_S,
-        }
+        keeping = "write threshold: {threshold} into the robot file to keep it"
+        heard = room.learn(levels)
+        lesson = room.Lesson(self.name, heard, self._settings.sensitivity, BLOCK_S, keeping)
+        told = lesson.tell(self._outlet, self._speaking.threshold)
+        self._speaking.threshold = lesson.threshold
+        return told
 
 
 class _Learning:

@@ -5,9 +5,6 @@ Both come from one end-pointing, so the mark on the screen and the segments in t
 
 from __future__ import annotations
 
-import math
-import statistics
-from collections.abc import Sequence
 from dataclasses import dataclass
 
 from woz_drivers.sound import Samples, clipped, rms
@@ -19,11 +16,6 @@ BLOCK_S = 0.02
 _SHOWN_S = 1.0
 #: So many samples of a block at full scale are clipping; a lone peak may just touch it.
 _CLIPS = 3
-#: A threshold is never learned lower than this: dither of a 16-bit converter is 1e-5.
-LEAST_THRESHOLD = 0.001
-_MOST_THRESHOLD = 0.9
-#: Noise of a room is never so many times as loud as its median for 20 ms.
-_STANDS_OUT = 4.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,33 +96,6 @@ class Speaking:
         if not self._speaks:
             return "quiet"
         return "clipping" if self._since_clipping < _blocks(_SHOWN_S) else "speaking"
-
-
-@dataclass(frozen=True, slots=True)
-class Room:
-    """What a room sounds like while nobody speaks: levels are RMS, 0 to 1 of full scale."""
-
-    mean: float
-    sd: float
-    loudest: float
-    blocks: int
-    median: float
-
-    @property
-    def restless(self) -> bool:
-        """Whether something stood out: a voice, a door. Steady noise keeps near its median."""
-        return self.loudest > max(_STANDS_OUT * self.median, LEAST_THRESHOLD)
-
-    def threshold(self, k: float) -> float:
-        """Mean + k standard deviations, kept within what a microphone can tell apart."""
-        return min(max(self.mean + k * self.sd, LEAST_THRESHOLD), _MOST_THRESHOLD)
-
-
-def learn(levels: Sequence[float]) -> Room:
-    """The room behind a series of block levels; at least one."""
-    mean = math.fsum(levels) / len(levels)
-    variance = math.fsum((level - mean) ** 2 for level in levels) / len(levels)
-    return Room(mean, math.sqrt(variance), max(levels), len(levels), statistics.median(levels))
 
 
 def _blocks(seconds: float) -> int:

@@ -160,7 +160,7 @@ def test_whoever_has_answered_enough_thanks_and_goes() -> None:
     visitor.speech()  # whatever others have said
     said: list[str] = []
     while visitor.present:
-        if not visitor.speaks:
+        if not visitor.hearing.speaks:
             visitor.hear(now, 1.0, "And that is the whale.")
         now += 6.0
         visitor.step(now)

@@ -54,6 +54,7 @@ COMMON_VERBS: Mapping[str, str] = {
     "mode": "mode",
     "volume": "level",
     "learn_face": "name",
+    "listen_room": "seconds",
 }
 
 #: Words that mean something else in every action: its own fields, and the session's verbs.

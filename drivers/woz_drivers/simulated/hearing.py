@@ -46,6 +46,15 @@ class Hearing:
         """Whether a segment is open."""
         return self._ends.speaks
 
+    @property
+    def threshold(self) -> float:
+        """RMS above which sound is taken for speech."""
+        return self._ends.threshold
+
+    @threshold.setter
+    def threshold(self, rms: float) -> None:
+        self._ends.threshold = rms
+
     def words(self, text: str) -> None:
         """The visitor begins to say this."""
         self._words.append(text)

@@ -43,6 +43,10 @@ class Stage(Protocol):
         """The present visitor is called `name`. Raises `DriverError` if that cannot be."""
         ...
 
+    async def learn_room(self, job: Job) -> Sent:
+        """Learn the threshold of speech. Raises `DriverError` if that cannot be."""
+        ...
+
     def mode_changed(self, mode: str) -> None:
         """The robot is now in `mode`."""
         ...
@@ -79,6 +83,7 @@ class Performance:
             "drive": self._drive,
             "mode": self._mode,
             "learn_face": self._learn_face,
+            "listen_room": stage.learn_room,
         }
 
     async def act(self, job: Job) -> Sent:

@@ -50,15 +50,21 @@ class Publisher:
         for one in samples:
             self._say(one.sensor, one.value, now, text=one.text, unit=UNITS.get(one.sensor, ""))
 
+    def silent(self, sensor: str, now: float) -> bool:
+        """Whether a sensor says nothing at all."""
+        return self._faults.holding("silent", sensor, now) is not None
+
+    def broken(self, sensor: str, value: float | None, now: float) -> float | None:
+        """What a sensor says for `value`: something else while it is broken."""
+        if self._faults.holding("nan", sensor, now):
+            return math.nan
+        if self._faults.holding("stuck", sensor, now):
+            return self._last.get(sensor, value)
+        self._last[sensor] = value
+        return value
+
     def _say(
         self, sensor: str, value: float | None, now: float, *, text: str = "", unit: str = ""
     ) -> None:
-        if self._faults.holding("silent", sensor, now):
-            return
-        if self._faults.holding("nan", sensor, now):
-            value = math.nan
-        elif self._faults.holding("stuck", sensor, now):
-            value = self._last.get(sensor, value)
-        else:
-            self._last[sensor] = value
-        self._outlet.reading(sensor, value, text=text, unit=unit)
+        if not self.silent(sensor, now):
+            self._outlet.reading(sensor, self.broken(sensor, value, now), text=text, unit=unit)

@@ -7,15 +7,16 @@ import contextlib
 from collections.abc import Callable, Mapping
 from typing import ClassVar
 
+from woz_drivers import room
 from woz_drivers.simulated import settings as _settings
 from woz_drivers.simulated import values, verbs
 from woz_drivers.simulated.body import Body
+from woz_drivers.simulated.ears import Ears
 from woz_drivers.simulated.faults import MEANING, SLOWNESS, Fault, Faults
 from woz_drivers.simulated.moves import roles
 from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.performance import Performance
 from woz_drivers.simulated.publishing import Publisher
-from woz_drivers.simulated.senses import THRESHOLD
 from woz_drivers.simulated.telling import Teller
 from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
@@ -70,6 +71,8 @@ class SimulatedRobot:
         self._visitor = Visitor(settings.seed) if settings.visitor else None
         self._publisher = Publisher(outlet, self._faults)
         self._teller = Teller(name, outlet, self._clock_us)
+        visitor = self._visitor
+        self._ears = Ears(name, outlet, self._publisher, visitor.hearing) if visitor else None
         self._performance = Performance(settings, self._body, outlet.folder, self)
         self._opened = self._looked = self._pace.now()
         self._stops = {Scope.ALL: 0, Scope.DRIVE: 0}
@@ -139,8 +142,8 @@ class SimulatedRobot:
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
         self._outlet.health(Health.CONNECTING, "simulated hardware")
         self._tell_health(now)
-        if self._visitor is not None:
-            self._outlet.reading("loudness.threshold", THRESHOLD)
+        if self._ears is not None:
+            self._ears.tell_threshold()
             self._outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
         self._life = asyncio.create_task(self._live(), name=f"{self._name} simulated")
 
@@ -209,6 +212,8 @@ class SimulatedRobot:
             if not self._settings.voice_only:
                 self._publisher.body(self._body, now)
             self._publisher.samples(samples, now)
+            if self._ears is not None:
+                self._ears.hear(samples, now)
         if self._visitor is not None:
             self._listen(self._visitor, now)
 
@@ -218,7 +223,7 @@ class SimulatedRobot:
         if gone is not None:
             self._teller.break_off(self._world(now), gone)
             return
-        self._outlet.sensor("loudness", "speaking" if visitor.speaks else "quiet")
+        self._outlet.sensor("loudness", "speaking" if visitor.hearing.speaks else "quiet")
         self._teller.tell(speech)
 
     def _tell_health(self, now: float) -> None:
@@ -273,6 +278,16 @@ class SimulatedRobot:
             raise Rejected(f"{name} is somebody else's face", "choose another name")
         if not visitor.learn_face(name):
             raise DriverError("nobody shows a face", "wait until somebody stands before the robot")
+
+    async def learn_room(self, job: Job) -> Mapping[str, Json]:
+        """Learn the room's noise, in ticks of the simulated world."""
+        if self._ears is None:
+            raise Rejected("a robot without a visitor has no microphone")
+        self._tick()  # what was heard before does not count
+        with self._ears.lesson(room.seconds(job.args)) as lesson:
+            await self.spend(job, lesson.seconds, lesson.done)
+            self._tick()
+            return self._ears.adopt(lesson)
 
     def _advance(self) -> float:
         """Move the body on to now, and return that in seconds of the pace."""

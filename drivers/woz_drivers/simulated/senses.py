@@ -25,8 +25,9 @@ ROOM_NOISE, ROOM_SPREAD = 0.012, 0.003
 #: RMS of speech one metre away; it falls with the distance.
 VOICE = 0.16
 
-#: RMS above which the simulated microphone takes sound for speech: five spreads above the noise.
-THRESHOLD = ROOM_NOISE + 5 * ROOM_SPREAD
+#: RMS above which the simulated microphone takes sound for speech: so many spreads above the noise.
+SENSITIVITY = 5.0
+THRESHOLD = ROOM_NOISE + SENSITIVITY * ROOM_SPREAD
 
 #: Syllables a second; a syllable of spontaneous speech lasts about 0.2 s (Greenberg et al.,
 #: Journal of Phonetics 31, 2003).

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from woz_drivers import room
 from woz_drivers.simulated.faults import MEANING
 from woz_drivers.simulated.moves import known, roles
 from woz_drivers.simulated.senses import SENSORS
@@ -19,17 +20,17 @@ _METRES = Range(-5, 5, "m")
 
 def offered(settings: Settings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
-    eye = (_learn_face(),) if settings.visitor else ()
+    senses = (room.verb(), _learn_face()) if settings.visitor else ()
     if settings.voice_only:
-        return (*_voice(), *eye)
+        return (*_voice(), *senses)
     rest = (*_body(settings), *_face(settings), _drive(), *_control(settings))
-    return (*_voice(), *rest, *eye)
+    return (*_voice(), *rest, *senses)
 
 
 def sensors(settings: Settings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
-    seen = (*SENSORS, "loudness.threshold", SPEECH) if settings.visitor else ()
+    seen = (*SENSORS, room.THRESHOLD, SPEECH) if settings.visitor else ()
     if settings.voice_only:
         return seen
     return (*joints, "base.x", "base.y", "base.heading", *seen)

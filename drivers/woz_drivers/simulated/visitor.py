@@ -55,7 +55,8 @@ class Visitor:
     def __init__(self, seed: int) -> None:
         self._seed = seed
         self._senses = Senses(seed)
-        self._hearing = Hearing(THRESHOLD, TICK)
+        #: The microphone that hears them.
+        self.hearing = Hearing(THRESHOLD, TICK)
         self._speech: list[Speech] = []
         self._faces = {person: person for person in PEOPLE}
         self._tick = 0
@@ -84,11 +85,6 @@ class Visitor:
     def talking(self) -> bool:
         """Whether the person is saying something now."""
         return self._talk_begins <= self._tick < self._talk_ends
-
-    @property
-    def speaks(self) -> bool:
-        """Whether the microphone hears a voice, the pauses in it included."""
-        return self._hearing.speaks
 
     def step(self, t: float) -> list[Sample]:
         """All samples after the last step up to `t` seconds, oldest first."""
@@ -157,7 +153,7 @@ class Visitor:
         if self.phase in (Phase.STAYING, Phase.DOUBTING):
             self._attend()
         if self._tick == self._talk_begins:
-            self._hearing.words(self._words)
+            self.hearing.words(self._words)
         if not (self.present and self.looking and self.distance < FACE_RANGE):
             self._near_since = _NEVER
         elif self._near_since == _NEVER:
@@ -246,7 +242,7 @@ class Visitor:
             ),
         )
         loudness = next(sample.value for sample in samples if sample.sensor == "loudness")
-        self._speech += self._hearing.take(loudness or 0.0)
+        self._speech += self.hearing.take(loudness or 0.0)
         return samples
 
 

@@ -1,0 +1,150 @@
+"""The simulated robot learns a room: `listen_room` as a microphone has it, in simulated ticks."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from woz_drivers import room
+from woz_drivers.microphone import Microphone
+from woz_drivers.simulated import Settings
+from woz_drivers.simulated.senses import ROOM_NOISE, ROOM_SPREAD, THRESHOLD
+from woz_drivers.simulated.verbs import offered
+from woz_drivers.simulated.visitor import Visitor
+
+from tests.fakes.simulated_rig import Rig, rig
+from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.messages import Json, Reading, SpeechEnded, SpeechStarted
+
+VISITED = Settings(visitor=True, seed=7)
+#: What a microphone's answer holds, and the simulated one's.
+TOLD = {"threshold", "was", "mean", "sd", "k", "loudest", "seconds"}
+
+
+@pytest.fixture
+async def it(tmp_path: Path) -> AsyncIterator[Rig]:
+    async with rig(tmp_path, VISITED) as made:
+        yield made
+
+
+def levels(it: Rig) -> list[Reading]:
+    return it.outlet.of("loudness")
+
+
+def thresholds(it: Rig) -> list[float | None]:
+    return [reading.value for reading in it.outlet.of(room.THRESHOLD)]
+
+
+def number(sent: Json) -> float:
+    assert isinstance(sent, int | float)
+    return float(sent)
+
+
+def test_it_is_the_microphones_verb() -> None:
+    assert [verb for verb in offered(VISITED) if verb.lane == "listen"] == [*Microphone.verbs(None)]
+    assert room.NAME not in {verb.name for verb in offered(Settings())}
+    assert room.NAME in {verb.name for verb in offered(Settings(visitor=True, voice_only=True))}
+
+
+async def test_a_quiet_room_is_learnt_from_its_own_loudness(it: Rig) -> None:
+    """Two seconds are twenty ticks: just those that were published meanwhile count."""
+    await it.pace.advance(0.25)
+    before = len(levels(it))
+    sent = await it.do(room.NAME, seconds=2.0)
+    heard = [number(reading.value) for reading in levels(it)[before : before + 20]]
+    assert sent.keys() == TOLD
+    assert (sent["was"], sent["seconds"], sent["k"]) == (THRESHOLD, 2.0, 5.0)
+    assert sent["mean"] == pytest.approx(sum(heard) / 20)
+    assert sent["loudest"] == max(heard)
+    assert abs(number(sent["mean"]) - ROOM_NOISE) < ROOM_SPREAD
+    assert thresholds(it) == [THRESHOLD, sent["threshold"]]
+    assert [level for level, _, _ in it.outlet.notices] == ["info"]
+
+
+async def test_the_same_seed_teaches_the_same(tmp_path: Path) -> None:
+    """Whatever the pace of the world, and whenever the robot looks at its clock."""
+    found = []
+    for speed, early in ((1.0, 0.31), (1.0, 0.39), (4.0, 0.39 / 4)):
+        async with rig(tmp_path, Settings(visitor=True, seed=7, speed=speed)) as it:
+            await it.pace.advance(early)
+            found.append((await it.do(room.NAME, seconds=1.5))["threshold"])
+    assert found[0] == found[1] == found[2]
+
+
+async def test_ten_seconds_are_usual(it: Rig) -> None:
+    sent = it.begin(room.NAME)
+    await it.pace.advance(10.3)
+    assert sent.done()
+    assert (await sent)["seconds"] == 10.0
+
+
+async def test_whoever_speaks_meanwhile_is_told_to_be_quiet(it: Rig) -> None:
+    while not it.outlet.told:
+        await it.pace.advance(0.1)
+    sent = await it.do(room.NAME, seconds=3.0)
+    level, text, remedy = it.outlet.notices[-1]
+    assert (level, "not quiet" in text) == ("warning", True)
+    assert "once more" in remedy
+    assert number(sent["threshold"]) > 3 * THRESHOLD
+
+
+async def test_what_was_learnt_decides_what_is_speech(it: Rig) -> None:
+    """Learnt from a voice the threshold lies above every voice; learnt anew it is as it was."""
+    while not it.outlet.told:
+        await it.pace.advance(0.1)
+    await it.do(room.NAME, seconds=3.0)
+    await it.pace.advance(60.0)
+    assert [type(one) for one in it.outlet.told[:2]] == [SpeechStarted, SpeechEnded]
+    few = sum(isinstance(one, SpeechStarted) for one in it.outlet.told)
+    as_usual = Visitor(7)
+    as_usual.step(it.pace.now())
+    assert few < sum(one.what == "started" for one in as_usual.speech())
+
+
+def test_visits_do_not_hang_on_what_is_taken_for_speech() -> None:
+    deaf, usual = Visitor(3), Visitor(3)
+    deaf.hearing.threshold = 0.9
+    assert deaf.step(120.0) == usual.step(120.0)
+
+
+# -- trouble -----------------------------------------------------------------------------------
+
+
+async def test_a_muted_microphone_teaches_nothing(it: Rig) -> None:
+    await it.do("fault", kind="silent", part="loudness", seconds=30.0)
+    with pytest.raises(Lost, match="delivers no sound"):
+        await it.do(room.NAME, seconds=1.0)
+    assert thresholds(it) == [THRESHOLD]
+
+
+async def test_samples_that_are_no_numbers_do_not_count(it: Rig) -> None:
+    await it.do("fault", kind="nan", part="loudness", seconds=0.5)
+    with pytest.raises(Lost, match="delivers no sound"):
+        await it.do(room.NAME, seconds=1.0)
+
+
+async def test_a_cable_pulled_meanwhile_ends_it(it: Rig) -> None:
+    learning = it.begin(room.NAME, seconds=5.0)
+    await it.pace.advance(1.0)
+    await it.do("fault", kind="disconnect", seconds=3.0)
+    await it.pace.advance(0.2)
+    with pytest.raises(Lost, match="unplugged"):
+        await learning
+    assert thresholds(it) == [THRESHOLD]
+
+
+async def test_the_stop_ends_it_and_it_can_be_done_again(it: Rig) -> None:
+    learning = it.begin(room.NAME, seconds=5.0)
+    await it.pace.advance(1.0)
+    await it.robot.stop(Scope.ALL)
+    await it.pace.advance(0.2)
+    with pytest.raises(DriverError, match="stop"):
+        await learning
+    assert (await it.do(room.NAME, seconds=0.5))["seconds"] == 0.5
+
+
+async def test_without_a_visitor_there_is_no_microphone(tmp_path: Path) -> None:
+    async with rig(tmp_path) as alone:
+        with pytest.raises(Rejected, match="does not know"):
+            await alone.do(room.NAME)

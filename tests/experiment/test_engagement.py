@@ -335,6 +335,17 @@ def test_signs_that_are_not_used_need_nobody(tmp_path: Path) -> None:
     assert not warned(tmp_path, "{signs: [presence]}", sees="presence")
 
 
+def test_a_robot_that_asks_for_names_needs_a_voice_and_an_ear(tmp_path: Path) -> None:
+    asks = "{signs: [gaze], handshake: {by: robot}}"
+    path, yourself = "engagement.handshake.by: ", "; lead it yourself with by: wizard"
+    deaf = warned(tmp_path, asks, sees="gaze")
+    assert deaf == [f"{path}nobody hears the answer: no microphone gives speech{yourself}"]
+    assert not warned(tmp_path, asks, sees="gaze, loudness")
+    head = "title: T\nrobot: {drivers: {eye: {type: camera, sees: [gaze, loudness]}}}\n"
+    mute = warned(tmp_path, asks, "{label: A, mark: x}", head=head)
+    assert mute == [f"{path}the robot cannot ask anybody: no driver offers 'say'{yourself}"]
+
+
 def test_two_robots_with_one_sign_each_need_a_choice(tmp_path: Path) -> None:
     camera = "{drivers: {eye: {type: camera, sees: [gaze, loudness]}, voice: {type: voice}}}"
     head = f"title: T\nrobots: {{left: {camera}, right: {camera}}}\n"

@@ -36,6 +36,7 @@ def check_engagement(
     given = {*published, *_given(drafts), *_asked(robots)}
     _signs(engagement.settings, given, published, report)
     _choices(engagement.settings, published, report)
+    _handshake(engagement.settings, robots, published, report)
 
 
 def _names(engagement: Engagement, drafts: Sequence[Drafted], report: Report) -> None:
@@ -118,6 +119,23 @@ def _choices(settings: EngagementSettings, published: list[str], report: Report)
                 f"{' and '.join(several)} give {name}; say which one counts:"
                 f" {part}: {{sensor: {several[0]}}}",
             )
+
+
+def _handshake(
+    settings: EngagementSettings, robots: Robots, published: list[str], report: Report
+) -> None:
+    """A robot that asks for names must be able to ask, and to hear the answer."""
+    path = f"{SECTION}.handshake.by"
+    heard = {*published, *(name.rpartition(".")[2] for name in published)}
+    if settings.handshake.by != "robot":
+        return
+    if "say" not in robots.offers:
+        said = "the robot cannot ask anybody: no driver offers 'say'"
+    elif not heard & {SPEECH, settings.sound.sensor}:
+        said = "nobody hears the answer: no microphone gives speech"
+    else:
+        return
+    report.warning(report.place(path), path, f"{said}; lead it yourself with by: wizard")
 
 
 def _several(name: str, published: list[str]) -> list[str]:

@@ -141,7 +141,8 @@ async def _demo(
     experiment = load(file, drivers)
     with tempfile.TemporaryDirectory() as folder:
         # The disk works in real time: measured in virtual time it would always be too slow.
-        recorder = Recorder(Path(folder), "demo", RealClock())
+        log = Path(folder)
+        recorder = Recorder(log, "demo", RealClock(), spill=log / "more")
         session = Session(experiment, drivers, who, recorder, clock)
         await session.open()
         watch(session)

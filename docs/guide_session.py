@@ -33,6 +33,8 @@ MINUTES = 10.0
 BEGINS_S, ENDS_S = 5.0, 30.0
 #: Where a robot process says what went wrong.
 ERRORS = "errors.txt"
+#: Where its log goes on if the disk hangs.
+SPILL = "more"
 
 
 def played(folder: Path, seconds: float) -> list[m.AnyMessage]:
@@ -44,7 +46,8 @@ async def _played(folder: Path, seconds: float) -> list[m.AnyMessage]:
     loop = asyncio.get_running_loop()
     clock = LoopClock(loop)
     drivers = catalogue()
-    recorder = Recorder(folder, "guide", RealClock())  # the disk works in real time
+    # The disk works in real time.
+    recorder = Recorder(folder, "guide", RealClock(), spill=folder / SPILL)
     identity = Identity(participant="G01", condition="alone", wizard="W1", seed=1)
     session = Session(load(GUIDE, drivers), drivers, identity, recorder, clock)
     heard: list[m.AnyMessage] = []
@@ -83,7 +86,7 @@ def hosted(folders: Sequence[Path], seconds: float) -> list[list[m.AnyMessage]]:
 def _host(folder: Path) -> subprocess.Popen[bytes]:
     command = [sys.executable, "-m", "woz_tui", "host", str(GUIDE)]
     command += ["--recordings", str(folder), "--session", "S01"]
-    command += ["--participant", "G01", "--condition", "alone"]
+    command += ["--participant", "G01", "--condition", "alone", "--spill", str(folder / SPILL)]
     command += ["--name", f"{folder.parent.name}-{folder.name}"]
     with (folder / ERRORS).open("wb") as errors:
         return subprocess.Popen(command, stderr=errors, stdin=subprocess.DEVNULL)
@@ -91,7 +94,7 @@ def _host(folder: Path) -> subprocess.Popen[bytes]:
 
 def _read(folder: Path) -> list[m.AnyMessage]:
     [first] = sorted(folder.glob("*_S01.jsonl"))
-    lines = log.read(first)
+    lines = log.read(first, places=[folder, folder / SPILL])
     return [line.message for line in lines if line.message is not None]
 
 

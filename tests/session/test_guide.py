@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from pathlib import Path
 
 import pytest
 
@@ -34,6 +35,13 @@ def test_ten_minutes_are_the_same_twice(twice: list[list[m.AnyMessage]]) -> None
     ]
     assert guide_session.path(twice[0]) == guide_session.path(twice[1])
     assert len(first) > 50
+
+
+def test_its_log_stays_where_it_began(tmp_path: Path) -> None:
+    """Minutes pass at once, which is not the disk's fault."""
+    guide_session.played(tmp_path, 120.0)
+    logs = {path.relative_to(tmp_path) for path in tmp_path.rglob("*.jsonl")}
+    assert logs == {Path("guide.jsonl"), Path("guide.samples.jsonl")}
 
 
 def test_every_state_is_entered_by_edges_of_the_table(twice: list[list[m.AnyMessage]]) -> None:

@@ -11,6 +11,7 @@ from tests.drivers.body.rig import SteppedBody
 from tests.drivers.body.test_body_session import KEY, LoopRobot
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import Driver, Rereads
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import ExperimentError
@@ -53,7 +54,7 @@ def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
             load(file, CATALOGUE),
             CATALOGUE,
             Identity(),
-            Recorder(tmp_path, "made", clock, on_state=lambda state: None),
+            Recorder(tmp_path, "made", RealClock(), spill=tmp_path / "more"),
             clock,
         )
         lines: list[m.AnyMessage] = []

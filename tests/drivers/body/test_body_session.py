@@ -14,6 +14,7 @@ from woz_drivers.simulated.pace import Pace
 from tests.drivers.body.rig import SteppedBody, within
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import Ask, Driver, Outlet
 from woz_tui.experiment.decode import load
 from woz_tui.record.recorder import Recorder
@@ -52,7 +53,7 @@ class Stage:
             experiment,
             catalogue,
             Identity(participant="P01", condition=next(iter(experiment.conditions), "")),
-            Recorder(tmp_path, "made", clock, on_state=lambda state: None),
+            Recorder(tmp_path, "made", RealClock(), spill=tmp_path / "more"),
             clock,
         )
         self.session.hub.listen(self.lines.append)

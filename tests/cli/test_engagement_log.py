@@ -141,11 +141,12 @@ def test_another_filter_compared(log: Path, capsys: pytest.CaptureFixture[str]) 
     assert figures["alike"] + figures["moved"] + only == figures["recorded"]
 
 
+@pytest.mark.parametrize("folder", [EXPERIMENTS, EXPERIMENTS.parent], ids=["it", "above it"])
 def test_without_a_word_the_settings_are_those_of_the_session(
-    log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    log: Path, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The file that the session names is taken if it is found and is still the same."""
-    monkeypatch.chdir(EXPERIMENTS)
+    monkeypatch.chdir(folder)
     assert cli.main(["engagement", str(log), "--compare"]) == 0
     captured = capsys.readouterr()
     assert "no difference" in captured.out

@@ -22,6 +22,8 @@ from woz_tui.sensing.passing import SECOND
 from woz_tui.sensing.stream import Follower
 
 _SAMPLE = "sample"
+#: The folder in which a project keeps its experiments, beside the one of its logs.
+_EXPERIMENTS = "experiments"
 
 
 @dataclass
@@ -182,7 +184,8 @@ def _experiment_of(log: Path, start: m.SessionStart) -> tuple[Path | None, str]:
     """The experiment's file, or why it is not taken."""
     name = Path(start.experiment).name
     why = f"{name} is not beside the log"
-    folders = dict.fromkeys((log.resolve().parent, log.resolve().parent.parent, Path.cwd()))
+    near = (log.resolve().parent, log.resolve().parent.parent, Path.cwd())
+    folders = dict.fromkeys(folder / sub for sub in ("", _EXPERIMENTS) for folder in near)
     for folder in folders:
         file = folder / name
         if not name or not file.is_file():

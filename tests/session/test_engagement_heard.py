@@ -1,0 +1,170 @@
+"""A visitor whom no camera sees and whom a microphone hears: from the file to the log."""
+
+from __future__ import annotations
+
+import asyncio
+import wave
+from collections.abc import Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.microphone import Microphone
+
+from tests.drivers.heard import until
+from tests.fakes.piped_command import PipedCommand
+from tests.fakes.sound import square
+from tests.session.engaged import WIZARD, Guide
+from woz_tui.cli.engagement_log import recounted
+from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock
+from woz_tui.core.driver import Driver, Job, Outlet
+from woz_tui.core.messages import Json
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Experiment
+from woz_tui.record import log
+from woz_tui.record.recorder import Recorder
+from woz_tui.session.identity import Identity
+from woz_tui.session.session import Session
+
+STEM = "2026-03-01T10-00-00_P07_S01"
+FILE = """
+title: Heard, not seen
+robot:
+  drivers:
+    robot: {{type: guide}}
+    ears:
+      type: microphone
+      command: [cat, "{pipe}"]
+      threshold: 0.1
+      hang_over: 0.1
+      segments: true
+      transcribe: [sh, -c, 'test -s "$0" && echo Where are the whales', "{{file}}"]
+engagement:
+  signs: [presence, gaze]
+panels:
+  - title: Visitor
+    actions:
+      - {{key: p, label: There, toggle: presence}}
+      - {{key: g, label: Looks, toggle: gaze}}
+      - {{key: "1", label: It is V7, visitor: V7}}
+      - {{key: a, label: Answer, say: "Behind you, {{visitor}}."}}
+"""
+
+
+class Host(Guide):
+    """A robot that senses nothing, and speaks until it is told that it has."""
+
+    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
+        super().__init__(name, settings, outlet)
+        self.said = asyncio.Event()
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        return ()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        self.calls.append((job.verb, dict(job.args)))
+        if job.verb == "say":
+            await self.said.wait()
+        return dict(job.args)
+
+
+CATALOGUE: dict[str, type[Driver]] = {"guide": Host, "microphone": Microphone}
+
+
+class Evening:
+    """A session in real time (a program and a disk take part), and its log."""
+
+    def __init__(self, tmp_path: Path) -> None:
+        self.pipe = PipedCommand(tmp_path / "pipe")
+        path = tmp_path / "heard.yaml"
+        path.write_text(FILE.format(pipe=self.pipe.path), encoding="utf-8")
+        self.experiment: Experiment = load(path, CATALOGUE)
+        clock = RealClock()
+        recorder = Recorder(tmp_path / "recordings", STEM, clock)
+        identity = Identity(participant="P07", condition="", wizard="W1", seed=1)
+        self.session = Session(self.experiment, CATALOGUE, identity, recorder, clock)
+        self.log = recorder.path
+        self.lines: list[m.AnyMessage] = []
+        self.session.hub.listen(self.lines.append)
+
+    @property
+    def path(self) -> list[str]:
+        return [line.now for line in self.lines if isinstance(line, m.EngagementChanged)]
+
+    async def press(self, action: str, then: str) -> None:
+        """The wizard's key, and the state that it leads to."""
+        self.session.play(action, WIZARD)
+        await self.comes(then)
+
+    async def comes(self, state: str) -> None:
+        await until(lambda: self.path[-1:] == [state])
+
+    async def has(self, kind: type[m.Message]) -> None:
+        await until(lambda: any(isinstance(line, kind) for line in self.lines))
+
+
+async def play(evening: Evening) -> None:
+    """Seen by the wizard, heard by the microphone, answered by the wizard."""
+    await until(evening.pipe.connected)
+    evening.pipe.send(square(0.2, 0.01))
+    evening.session.play("It is V7", WIZARD)
+    await evening.press("There", "PersonDetected")
+    await evening.press("Looks", "EngagedWithKnown")
+    evening.pipe.send(square(0.4, 0.5))
+    await evening.comes("UserSpeaks")
+    evening.pipe.send(square(0.2, 0.01))
+    await evening.comes("RobotThinks")
+    await evening.has(m.SpeechText)
+    await evening.press("Answer", "RobotReplies")
+    host = evening.session.drivers["robot"]
+    assert isinstance(host, Host)
+    host.said.set()
+    await evening.comes("EngagedWithKnown")
+
+
+async def test_a_conversation_by_keys_and_ears(tmp_path: Path) -> None:
+    """E4, E5, E6, E7: verdicts by hand where no camera is; speech moves the machine, beeps once,
+    and leaves a file and a text in the log.
+    """
+    evening = Evening(tmp_path)
+    await evening.session.open()
+    try:
+        await play(evening)
+    finally:
+        await evening.session.close("enough", rest=False)
+    written = [line.message for line in log.read(evening.log)]
+
+    def of(kind: type[Any]) -> list[Any]:
+        return [line for line in written if isinstance(line, kind)]
+
+    changes = of(m.EngagementChanged)
+    assert [change.now for change in changes] == [
+        *("PersonDetected", "EngagedWithKnown", "UserSpeaks"),
+        *("RobotThinks", "RobotReplies", "EngagedWithKnown"),
+    ]
+    assert [change.forced for change in changes] == [True, True, False, False, False, False]
+    assert {change.visitor for change in changes[1:]} == {"V7"}
+
+    (ended,), (text,) = of(m.SpeechEnded), of(m.SpeechText)
+    assert ended.file == f"{STEM}.media/ears-0001.wav"
+    with wave.open(str(evening.log.parent / ended.file)) as file:
+        seconds = file.getnframes() / file.getframerate()
+    assert seconds == (ended.ended - ended.began) / 1e6 == 0.7, "0.2 s before, and 0.1 s after"
+    assert (text.text, text.segment) == ("Where are the whales", ended.segment)
+
+    sounds = [line for line in of(m.Command) if line.verb == "sound"]
+    assert [(beep.source, Path(beep.args["file"]).name) for beep in sounds] == [
+        ("engagement", "beep.wav")
+    ]
+    thinks = next(change for change in changes if change.now == "RobotThinks")
+    assert ended.seq < thinks.seq < sounds[0].seq
+    (said,) = [line for line in of(m.Command) if line.verb == "say"]
+    assert said.args == {"text": "Behind you, V7."}
+
+    assert evening.experiment.engagement is not None
+    again = recounted(evening.log, evening.experiment.engagement.settings, log.Damage())
+    assert len(again.computed) == len(changes)
+    for computed, recorded in zip(again.computed, again.recorded, strict=True):
+        assert replace(computed, t=recorded.t) == recorded, "the log tells it all once more"

@@ -135,3 +135,18 @@ def test_its_own_voice_is_no_stimulus(tmp_path: Path) -> None:
 
     room = in_room(tmp_path, scenario, guided(tmp_path, settings))
     assert gazes(room) == []
+
+
+def test_a_sound_while_stopped_moves_nothing_after_the_release(tmp_path: Path) -> None:
+    """It did not look there, so it does not look back either."""
+    settings = replace(PLAIN, attention=AttentionSettings(look=True))
+
+    async def scenario(room: Room) -> None:
+        await before(room)
+        room.session.stop("key")
+        await sound(room, 50.0, 0.5)
+        room.session.release("key")
+        await asyncio.sleep(4)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    assert gazes(room) == []

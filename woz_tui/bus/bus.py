@@ -46,6 +46,7 @@ class Bus:
         drivers: Mapping[str, Performer],
         verbs: Mapping[str, tuple[Verb, ...]],
         capacity: int = CAPACITY,
+        *,
         motionless: frozenset[str] = frozenset(),
         unstopped: frozenset[str] = frozenset(),
     ) -> None:
@@ -122,6 +123,12 @@ class Bus:
         """End every command of the run `run`, or the command of that id; says whether any was."""
         found = [lane.cancel(run, reason) for lane in self._lanes.values()]
         return any(found)
+
+    def withdraw(self, run: str, reason: str) -> bool:
+        """End every command of the run `run`, unless one of them is being carried out."""
+        if any(lane.performs(run) for lane in self._lanes.values()):
+            return False
+        return self.cancel(run, reason)
 
     # -- the stop ----------------------------------------------------------------------------
 

@@ -169,6 +169,10 @@ class Lane:
         """Whether a job is running, or has been cancelled and has not ended yet."""
         return self._task is not None
 
+    def performs(self, run: str) -> bool:
+        """Whether the job is a command of the run `run`, or that command."""
+        return self._current is not None and self._current.belongs_to(run)
+
     # -- coming in ---------------------------------------------------------------------------
 
     def take(self, ticket: Ticket, args: Mapping[str, Json], when_busy: str) -> None:

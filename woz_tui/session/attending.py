@@ -106,7 +106,7 @@ class Attending:
     def _carry_out(self, order: Order | None) -> None:
         match order:
             case Look(direction=direction):
-                self._overruled = False
+                self._overruled = self._session.bus.latched  # it does not turn, so not back either
                 self._look({"yaw": direction, "pitch": 0.0})
             case Return(direction=direction) if not self._overruled:
                 self._look(self._before or {"yaw": direction or 0.0, "pitch": 0.0})

@@ -2,7 +2,8 @@
 
 Rules:
 
-* What a state has begun is finished; its steps that still wait when the state is left are dropped.
+* What a state has begun is finished; its steps that still wait when the state is left are dropped,
+  for a pause, or for a robot that is busy.
 * A greeting is not repeated: whoever comes back to EngagedWithKnown from their own or the robot's
   turn gets that state's effects without what is said there.
 * While the stop is pressed nothing is played. At its release, and when a driver has connected, the
@@ -23,6 +24,7 @@ from woz_tui.experiment.shape import Action, Call, Step, Together
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing.machine import State
 from woz_tui.sensing.model import Change
+from woz_tui.sensing.passing import SECOND
 from woz_tui.sensing.stream import SPEECH
 from woz_tui.session.runner import Origin
 from woz_tui.session.signals import Signals, nearly
@@ -36,6 +38,8 @@ ORIGIN = Origin(ENGAGEMENT)
 LASTING = frozenset({"eyes", "screen", "emotion"})
 #: Where somebody has had a turn: the greeting has been said.
 _TURNS = frozenset({State.USER_SPEAKS, State.THINKS, State.REPLIES, State.ROBOT_SPEAKS})
+#: So many states in a second drive each other round by what is played on entering them.
+CHASE = 30
 #: A sound that comes too late says something wrong: it is not kept waiting.
 _AT_ONCE = "refuse"
 
@@ -56,6 +60,7 @@ class Effects:
         #: Ends of runs that nobody has claimed yet: they may end while they begin.
         self._early: deque[m.ActionEnd] = deque(maxlen=8)
         self._shown: dict[tuple[str, str], str] = {}
+        self._times: deque[int] = deque(maxlen=CHASE)
         self.adopt()
 
     def adopt(self) -> None:
@@ -63,11 +68,18 @@ class Effects:
         self._signals = Signals(self._session.experiment)
         self._signals.entered(self._state)
 
+    def gone(self) -> None:
+        """There is no model any more. What waits is dropped, and another one begins anew."""
+        self._leave("the engagement model is gone")
+        self._runs.clear()
+        self._left.clear()
+        self._state = State.WAIT
+
     # -- when --------------------------------------------------------------------------------------
 
     def entered(self, change: Change) -> None:
         """A state was entered."""
-        self._leave(change.now)
+        self._leave(f"{self._state} was left for {change.now}")
         self._state = change.now
         calls = self._signals.entered(change.now)
         if self._session.bus.latched or self._session.ended:
@@ -75,6 +87,9 @@ class Effects:
         self._signal(calls)
         engagement = self._session.experiment.engagement
         if engagement is None:
+            return
+        if self._chased(change.t):
+            self._tell("states chase each other; what is played on entering them is left out")
             return
         again = change.now == State.KNOWN and change.was in _TURNS
         action = engagement.effects.get(change.now)
@@ -120,10 +135,15 @@ class Effects:
 
     # -- what --------------------------------------------------------------------------------------
 
-    def _leave(self, now: str) -> None:
+    def _leave(self, why: str) -> None:
         for run in list(self._runs - self._left):
             self._left.add(run)
-            self._session.runner.leave(run, f"{self._state} was left for {now}")
+            self._session.runner.leave(run, why)
+
+    def _chased(self, t: int) -> bool:
+        """Whether states follow each other as only their own effects can make them."""
+        self._times.append(t)
+        return len(self._times) == CHASE and t - self._times[0] < SECOND
 
     def _play(self, action: Action, again: bool) -> None:
         action = _silent(action) if again else action

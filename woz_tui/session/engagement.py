@@ -75,9 +75,7 @@ class LiveEngagement:
         """The session is open: show how things stand, the robots too."""
         self._opened = True
         self._show()
-        for message in self._session.standing.state():
-            if isinstance(message, m.DriverConnected):
-                self._connected(message.driver)
+        self._show_robots()
         self._wind()
 
     def close(self) -> None:
@@ -150,8 +148,7 @@ class LiveEngagement:
 
     def _listen(self, message: m.AnyMessage) -> None:
         if isinstance(message, m.ExperimentReloaded):
-            self._adopt(self._session.experiment)
-            self._show()
+            self._reloaded()
         follower, visiting, attending = self._follower, self._visiting, self._attending
         if follower is None or visiting is None or attending is None:
             return
@@ -159,6 +156,7 @@ class LiveEngagement:
             verb = self._named.pop(message.command, "")
             if isinstance(message, m.Done):
                 visiting.introduced(verb, message.sent)
+        was = follower.model.run
         if follower.reads(message):
             self._moved(follower.take(message))
         elif isinstance(message, m.Reading):
@@ -169,17 +167,48 @@ class LiveEngagement:
         match message:
             case m.Done():
                 attending.attend(follower.mode)
+                if was == "off":
+                    self._show_robots()
             case m.ActionEnd():
                 self._effects.ended(message)
             case m.DriverConnected(driver=driver):
                 self._connected(driver)
             case m.StopReleased():
-                self._effects.released()
+                if follower.model.run != "off":
+                    self._effects.released()
                 visiting.resume(follower.model.state)
 
     def _connected(self, driver: str) -> None:
         if self._opened and self._follower is not None and self._follower.model.run != "off":
             self._effects.connected(driver)
+
+    def _show_robots(self) -> None:
+        """Robots that are there show how things stand."""
+        for message in self._session.standing.state():
+            if isinstance(message, m.DriverConnected):
+                self._connected(message.driver)
+
+    def _reloaded(self) -> None:
+        had_one = self._follower is not None
+        self._adopt(self._session.experiment)
+        if self._follower is None:
+            self._effects.gone()
+            self._shown = None
+            self._session.standing.forget(m.EngagementChanged, m.EngagementShown)
+        elif not had_one:
+            self._catch_up(self._follower)
+            self._show_robots()
+        self._show()
+        self._wind()
+
+    def _catch_up(self, follower: Follower) -> None:
+        """Tell a model that begins in mid-session what holds: whose session it is, who cuts speech,
+        what the robot says. Not what sensors said last: they say it again.
+        """
+        for message in self._session.standing.state():
+            if not isinstance(message, m.Reading):
+                follower.take(message)
+        follower.until(self._hub.now())
 
     def _adopt(self, experiment: Experiment) -> None:
         """Take the section as it is now in the file."""

@@ -39,7 +39,9 @@ class Refusal:
 
 @dataclass
 class Run:
-    """One action being played; `pending` are the commands of the present step."""
+    """One action being played; `pending` are the commands of the present step, of `together`
+    in all.
+    """
 
     id: str
     action: Action
@@ -48,6 +50,7 @@ class Run:
     when_busy: str
     at: int = -1
     pending: set[str] = field(default_factory=set)
+    together: int = 0
     timer: asyncio.TimerHandle | None = None
     problem: m.ActionEnd | None = None
 
@@ -178,6 +181,7 @@ class Runner:
         ]
         # All are pending before the first is submitted: a refusal ends within `submit`.
         run.pending = {command.command for command in commands}
+        run.together = len(commands)
         for command in commands:
             self._bus.submit(command, functools.partial(self._ended, run))
 
@@ -236,13 +240,17 @@ class Runner:
         return found or run is not None
 
     def leave(self, run_id: str, reason: str) -> None:
-        """Finish what one run has begun, and drop its steps after that."""
+        """Finish the step that one run has begun, and drop those after it; one whose commands all
+        wait behind others has not begun.
+        """
         run = self._runs.get(run_id)
         if run is None:
             return
         left = m.ActionStopped(run=run.id, action=run.action.name, reason=reason)
         if not run.pending:
             self._finish(run, left)
+        elif len(run.pending) == run.together and self._bus.withdraw(run.id, reason):
+            return
         elif run.problem is None and run.at + 1 < len(run.steps):
             run.problem = left
 

@@ -82,6 +82,12 @@ class Standing:
             moved = msgspec.structs.replace(moved, values={**known.values, **moved.values})
         self._single[slot] = moved
 
+    def forget(self, *kinds: type[m.Message]) -> None:
+        """Messages of these kinds hold no more."""
+        for kind in kinds:
+            for slot in [slot for slot, held in self._single.items() if isinstance(held, kind)]:
+                del self._single[slot]
+
     def state(self) -> list[m.AnyMessage]:
         """What holds now, in the order in which it came about."""
         held = list(self._single.values())

@@ -1,0 +1,169 @@
+"""The section `engagement` comes, goes and changes while a session runs."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from pathlib import Path
+
+from tests.session.engaged import PLAIN, Room, effect, guided, in_room
+from tests.session.rig import call, together
+from woz_tui.core import messages as m
+from woz_tui.core.driver import SPEECH, Health
+from woz_tui.core.messages import Json
+from woz_tui.experiment.engagement import EngagementSettings, Timeouts
+from woz_tui.experiment.shape import Experiment, Wait
+
+SHOWING = EngagementSettings()
+
+
+def reload(room: Room, experiment: Experiment) -> None:
+    room.robot.calls.clear()
+    room.session.adopt(experiment, ["the section"])
+
+
+def eyes(room: Room) -> list[Json]:
+    """Colours that the robot was told since the last look."""
+    colors = [args["color"] for verb, args in room.robot.calls if verb == "eyes"]
+    room.robot.calls.clear()
+    return colors
+
+
+def test_a_model_that_comes_back_begins_anew(tmp_path: Path) -> None:
+    experiment = guided(tmp_path, SHOWING)
+
+    async def scenario(room: Room) -> None:
+        room.tell("force", to="RobotReplies")
+        await asyncio.sleep(1)
+        assert eyes(room) == ["off", "blue"]
+        reload(room, replace(experiment, engagement=None))
+        held = {type(message) for message in room.session.standing.state()}
+        assert not held & {m.EngagementChanged, m.EngagementShown}
+        await asyncio.sleep(1)
+        reload(room, experiment)
+        await asyncio.sleep(1)
+        assert room.shown.state == "Wait"
+        assert eyes(room) == ["off"]
+        room.session.stop("key")
+        room.session.release("key")
+        await asyncio.sleep(1)
+        assert eyes(room) == ["off"]
+
+    in_room(tmp_path, scenario, experiment)
+
+
+def test_what_the_model_had_begun_ends_with_it(tmp_path: Path) -> None:
+    effects = effect("RobotThinks", Wait(2.0), together(call("say", text="That is a long story")))
+    experiment = guided(tmp_path, PLAIN, effects)
+
+    async def scenario(room: Room) -> None:
+        room.tell("force", to="RobotThinks")
+        await asyncio.sleep(1)
+        reload(room, replace(experiment, engagement=None))
+        await asyncio.sleep(5)
+        assert room.robot.calls == []
+        assert room.of(m.ActionStopped)[-1].reason == "the engagement model is gone"
+
+    in_room(tmp_path, scenario, experiment)
+
+
+def test_a_model_that_comes_later_knows_who_cuts_speech(tmp_path: Path) -> None:
+    """A microphone's driver has said so long ago: loudness is no speech."""
+    experiment = guided(tmp_path)
+
+    async def scenario(room: Room) -> None:
+        room.robot.outlet.sensor(SPEECH, "ready")
+        await asyncio.sleep(1)
+        reload(room, experiment)
+        room.stands_there()
+        await asyncio.sleep(1)
+        room.sense(loudness=0.9)
+        await asyncio.sleep(0.1)
+        assert room.shown.state == "EngagedWithKnown"
+        assert room.shown.since >= 1_000_000
+
+    in_room(tmp_path, scenario, replace(experiment, engagement=None))
+
+
+def test_a_time_limit_that_is_new_counts_though_no_sensor_says_anything(tmp_path: Path) -> None:
+    settings = replace(PLAIN, timeouts=Timeouts(approach=5.0))
+
+    async def scenario(room: Room) -> None:
+        room.tell("sense", sign="presence", value="on")
+        await asyncio.sleep(2)
+        reload(room, guided(tmp_path, settings))
+        await asyncio.sleep(4)
+        assert room.path[:2] == ["PersonDetected", "Wait"]
+
+    in_room(tmp_path, scenario, guided(tmp_path))
+
+
+def test_a_model_that_is_off_shows_nothing_and_shows_all_once_it_runs(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        await asyncio.sleep(1)
+        room.session.stop("key")
+        await asyncio.sleep(1)
+        room.session.release("key")
+        room.robot.outlet.health(Health.CONNECTED, "once more")
+        await asyncio.sleep(1)
+        assert eyes(room) == []
+        room.tell("engagement", run="run")
+        await asyncio.sleep(1)
+        assert eyes(room) == ["off"]
+        room.tell("engagement", run="hold")
+        await asyncio.sleep(1)
+        assert eyes(room) == []
+
+    in_room(tmp_path, scenario, guided(tmp_path, replace(SHOWING, start="off")), linger=0)
+
+
+def test_what_waits_for_a_busy_robot_is_dropped_when_the_state_is_left(tmp_path: Path) -> None:
+    effects = {
+        **effect("PersonDetected", together(call("say", text="Hello"), call("play", move="wave"))),
+        **effect("Wait", together(call("say", text="Bye"))),
+    }
+
+    async def scenario(room: Room) -> None:
+        for _ in range(21):
+            room.tell("toggle", sign="presence")
+            await asyncio.sleep(0.2)
+        assert room.path[-1] == "PersonDetected"
+        began = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+        room.robot.calls.clear()
+        await asyncio.sleep(10)
+        late = [args["text"] for verb, args in room.robot.calls if verb == "say"]
+        assert len(began) + len(late) <= 6
+        assert late in ([], ["Hello"])
+        reasons = {end.reason for end in room.of(m.ActionStopped)}
+        assert "Wait was left for PersonDetected" in reasons
+
+    in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
+
+
+def test_a_step_that_has_begun_in_part_is_finished(tmp_path: Path) -> None:
+    """The robot waves still, because something else moves it, and speaks already."""
+    effects = effect("PersonDetected", together(call("say", text="Hi"), call("play", move="wave")))
+
+    async def scenario(room: Room) -> None:
+        room.tell("play", move="bow")
+        room.tell("force", to="PersonDetected")
+        await asyncio.sleep(0.5)
+        room.tell("force", to="Wait")
+        await asyncio.sleep(5)
+        moves = [args["move"] for verb, args in room.robot.calls if verb == "play"]
+        assert moves == ["bow", "wave"]
+
+    in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
+
+
+def test_states_that_chase_each_other_are_left_in_peace(tmp_path: Path) -> None:
+    flip = together(call("toggle", "engagement", sign="presence"))
+    effects = {**effect("PersonDetected", flip), **effect("Wait", flip)}
+
+    async def scenario(room: Room) -> None:
+        room.tell("toggle", sign="presence")
+        await asyncio.sleep(10)
+        assert 10 < len(room.path) <= 40
+        assert [text for text in room.notices if "chase each other" in text]
+
+    in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))

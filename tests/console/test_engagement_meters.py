@@ -208,6 +208,21 @@ def test_nobody_waits_for_a_model_that_is_off() -> None:
     assert "waits" not in meters(msgspec.structs.replace(waits, run="off"))
 
 
+def test_who_waits_and_is_not_seen_any_more_is_said_to_be_so() -> None:
+    gone = msgspec.structs.replace(engaged.signs()["presence"], verdict=0, count=0)
+    assert "not seen" not in meters(engaged.waits())
+    for frame in (LOW, MIDDLE, HIGH):
+        assert "waits 3.2 s, not seen" in meters(
+            engaged.waits(signs=engaged.signs(presence=gone)), frame=frame
+        )
+
+
+def test_a_count_is_told_whole_or_not_at_all() -> None:
+    nobody = msgspec.structs.replace(engaged.signs()["identity"], name="Unknown", count=0)
+    found = looks(engaged.shown(signs=engaged.signs(identity=nobody)))
+    assert "○ unknown" in found
+
+
 def test_a_stale_distance_looks_old() -> None:
     far = msgspec.structs.replace(engaged.signs()["distance"], stale=True, verdict=0)
     found = looks(engaged.shown(signs=engaged.signs(distance=far)))

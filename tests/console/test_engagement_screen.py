@@ -156,6 +156,12 @@ def test_by_hand_and_stale_are_said_in_words() -> None:
     assert "near stale" in shown
 
 
+def test_a_sign_that_nobody_senses_says_so_in_full() -> None:
+    never = msgspec.structs.replace(engaged.signs()["gaze"], stale=True, raw=None, verdict=0)
+    shown = drawn(engaged.shown(signs=engaged.signs(gaze=never)))
+    assert "~ no sensor" in shown
+
+
 def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
     picture = Picture()
     picture.take([engaged.welcome(settings=engaged.told())], 0)

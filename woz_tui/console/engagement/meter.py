@@ -9,6 +9,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import replace
 
+from rich.cells import cell_len
+
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length
 from woz_tui.console.engagement.bars import LEAST, distance_bar, queue_bar
 from woz_tui.console.engagement.seen import Segment
@@ -28,7 +30,7 @@ from woz_tui.console.engagement.words import (
 from woz_tui.console.figures import age, elapsed, seconds
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
-from woz_tui.console.rows import NAME, labelled, named, track
+from woz_tui.console.rows import NAME, VALUE, labelled, named, track
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import zone
 
@@ -210,8 +212,11 @@ def _single(
         return labelled(WORD[name], bar, "not used", "faint")
     if sign.forced:
         return labelled(WORD[name], bar, f"{found.sign} {found.word} {glyphs.forced} hand", "wait")
-    count = "" if found.look == "stale" else f" {share(sign)}"
-    return labelled(WORD[name], bar, f"{found.sign} {found.word}{count}", found.look)
+    value = f"{found.sign} {found.word}"
+    counted = f"{value} {share(sign)}"
+    if found.look != "stale" and cell_len(counted) <= VALUE - 2:
+        value = counted
+    return labelled(WORD[name], bar, value, found.look)
 
 
 def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:

@@ -20,6 +20,7 @@ from woz_tui.console.engagement.words import (
     run_piece,
     share,
     signs_of,
+    unsensed,
     waiting,
 )
 from woz_tui.console.figures import elapsed, seconds
@@ -172,6 +173,8 @@ def _sign(
     )
     if not used:
         return (*row, (" not used", "muted"))
+    if found.look == "stale" and unsensed(sign):
+        return (*row, (f" {found.piece[0]}", found.look))
     row += ((f" {fit(found.piece[0], 9, glyphs.ellipsis)}", found.look),)
     if sign.forced:
         return (*row, (f" {glyphs.forced} by hand", "wait"))

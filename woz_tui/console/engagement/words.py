@@ -117,12 +117,18 @@ def waiting(engaged: Engaged, now: int, glyphs: Glyphs, *, terse: bool = False) 
     waited = engaged.waited(now)
     if waited is None:
         return None
-    text = f"{'' if terse else 'visitor '}waits {seconds(waited)}"
+    text = f"{'' if terse else 'visitor '}waits {seconds(waited)}{_unseen(engaged)}"
     if waited >= LONG_US:
         return (f"{glyphs.error} {text}", "bad")
     if waited >= SLOW_US:
         return (f"{glyphs.warning} {text}", "warn")
     return (f"{glyphs.waits} {text}", "plain")
+
+
+def _unseen(engaged: Engaged) -> str:
+    """Nobody is lost while the robot thinks, so they may have gone."""
+    presence = engaged.shown.signs.get("presence") if engaged.shown else None
+    return ", not seen" if presence is not None and presence.verdict == 0 else ""
 
 
 def run_piece(shown: m.EngagementShown, glyphs: Glyphs, *, terse: bool = False) -> Piece | None:

@@ -15,6 +15,7 @@ from woz_drivers.guard import guard
 from woz_drivers.microphone import Microphone
 from woz_drivers.microphone_settings import MicrophoneSettings
 
+from tests.drivers.ears import ears, learning
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.offspring import offspring
 from tests.fakes.piped_command import PipedCommand
@@ -38,22 +39,14 @@ def clock() -> ManualClock:
 
 @pytest.fixture
 async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
-    microphones: list[Microphone] = []
+    async with ears(tmp_path) as some:
 
-    async def started(
-        command: tuple[str, ...] | str, real: bool = False, **settings: Any
-    ) -> tuple[Microphone, Heard]:
-        heard = Heard(tmp_path, RealClock() if real else clock)
-        made = MicrophoneSettings(command=command, **settings)
-        assert made.problems() == []
-        microphone = Microphone("it", made, heard.outlet)
-        microphones.append(microphone)
-        await microphone.open()
-        return microphone, heard
+        async def started(
+            command: tuple[str, ...] | str, real: bool = False, **settings: Any
+        ) -> tuple[Microphone, Heard]:
+            return await some.open(RealClock() if real else clock, command=command, **settings)
 
-    yield started
-    for microphone in microphones:
-        await microphone.close()
+        yield started
 
 
 async def test_loudness_of_the_loudest_block_ten_times_a_second(
@@ -114,9 +107,8 @@ async def test_a_room_is_learned_and_reported(begin: Begin, pipe: PipedCommand) 
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
     await heard.state("loudness", "speaking")
-    job = Ordered("listen_room", {"seconds": 0.4})
-    performing = asyncio.ensure_future(microphone.perform(job))
-    await until(lambda: job.announced == [0.4])
+    job, performing = await learning(microphone, 0.4)
+    assert job.announced == [0.4]
     pipe.send(square(0.2, 0.05) + square(0.2, 0.07))
     sent = await performing
     assert sent == {
@@ -143,9 +135,7 @@ async def test_whoever_speaks_while_it_listens_is_told_to_be_quiet(
     await until(pipe.connected)
     pipe.send(square(0.1, 0.01))
     await heard.state("loudness", "quiet")
-    job = Ordered("listen_room", {"seconds": 0.4})
-    performing = asyncio.ensure_future(microphone.perform(job))
-    await until(lambda: bool(job.announced))
+    _, performing = await learning(microphone, 0.4)
     pipe.send(square(0.3, 0.01) + square(0.1, 0.3))
     sent = await performing
     assert sent["loudest"] == pytest.approx(0.3, rel=1e-3)
@@ -158,9 +148,7 @@ async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedComma
     await until(pipe.connected)
     pipe.send(square(0.1, 0.0))
     await heard.state("loudness", "quiet")
-    job = Ordered("listen_room", {"seconds": 0.1})
-    performing = asyncio.ensure_future(microphone.perform(job))
-    await until(lambda: bool(job.announced))
+    _, performing = await learning(microphone, 0.1)
     pipe.send(square(0.2, 0.0))
     with pytest.raises(DriverError, match="only zeros"):
         await performing
@@ -173,9 +161,7 @@ async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedCommand) 
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
     await heard.state("loudness", "speaking")
-    job = Ordered("listen_room", {"seconds": 1.0})
-    performing = asyncio.ensure_future(microphone.perform(job))
-    await until(lambda: bool(job.announced))
+    _, performing = await learning(microphone, 1.0)
     pipe.unplug()
     with pytest.raises(Lost, match="cat ended"):
         await performing
@@ -186,9 +172,7 @@ async def test_learning_can_be_cancelled(begin: Begin, pipe: PipedCommand) -> No
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
     await heard.state("loudness", "speaking")
-    job = Ordered("listen_room", {"seconds": 1.0})
-    performing = asyncio.ensure_future(microphone.perform(job))
-    await until(lambda: bool(job.announced))
+    _, performing = await learning(microphone, 1.0)
     performing.cancel()
     with pytest.raises(asyncio.CancelledError):
         await performing

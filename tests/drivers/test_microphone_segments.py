@@ -14,8 +14,8 @@ import numpy as np
 import pytest
 from woz_drivers import sound
 from woz_drivers.microphone import Microphone
-from woz_drivers.microphone_settings import MicrophoneSettings
 
+from tests.drivers.ears import ears
 from tests.drivers.heard import PATIENCE_S, Heard, until
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
@@ -36,21 +36,15 @@ def pipe(tmp_path: Path) -> PipedCommand:
 
 @pytest.fixture
 async def begin(tmp_path: Path) -> AsyncIterator[Begin]:
-    microphones: list[Microphone] = []
+    async with ears(tmp_path) as some:
 
-    async def started(pipe: PipedCommand, **settings: Any) -> tuple[Microphone, Heard]:
-        heard = Heard(tmp_path, ManualClock())
-        made = MicrophoneSettings(command=pipe.command, **{**EAR, **settings})
-        assert made.problems() == []
-        microphone = Microphone("ears", made, heard.outlet)
-        microphones.append(microphone)
-        await microphone.open()
-        await until(pipe.connected)
-        return microphone, heard
+        async def started(pipe: PipedCommand, **settings: Any) -> tuple[Microphone, Heard]:
+            settings = {"command": pipe.command, **EAR, **settings}
+            opened = await some.open(ManualClock(), "ears", **settings)
+            await until(pipe.connected)
+            return opened
 
-    yield started
-    for microphone in microphones:
-        await microphone.close()
+        yield started
 
 
 def ramp(blocks: int, level: float) -> bytes:

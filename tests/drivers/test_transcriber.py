@@ -13,6 +13,7 @@ from woz_drivers.microphone import Microphone
 from woz_drivers.microphone_settings import MicrophoneSettings
 from woz_drivers.transcriber import LONGEST, WAITING, one_line
 
+from tests.drivers.ears import ears
 from tests.drivers.heard import Heard, until
 from tests.fakes.offspring import offspring
 from tests.fakes.piped_command import PipedCommand
@@ -42,28 +43,23 @@ def scratch(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
 
 @pytest.fixture
 async def begin(tmp_path: Path, pipe: PipedCommand) -> AsyncIterator[Begin]:
-    microphones: list[Microphone] = []
+    async with ears(tmp_path) as some:
 
-    async def started(script: str, **settings: Any) -> tuple[Microphone, Heard]:
-        """A microphone whose transcriber is a shell script; `$1` is the file."""
-        program = tmp_path / "transcriber"
-        program.write_text(f"#!/bin/sh\n{script}\n")
-        program.chmod(0o700)
-        settings = {"hang_over": 0.04, "onset": 0.02, "pre_roll": 0.0} | settings
-        heard = Heard(tmp_path, RealClock())
-        made = MicrophoneSettings(
-            command=pipe.command, threshold=0.1, transcribe="./transcriber {file}", **settings
-        )
-        assert made.problems() == []
-        microphone = Microphone("it", made, heard.outlet)
-        microphones.append(microphone)
-        await microphone.open()
-        await until(pipe.connected)
-        return microphone, heard
+        async def started(script: str, **settings: Any) -> tuple[Microphone, Heard]:
+            """A microphone whose transcriber is a shell script; `$1` is the file."""
+            program = tmp_path / "transcriber"
+            program.write_text(f"#!/bin/sh\n{script}\n")
+            program.chmod(0o700)
+            settings = {
+                **{"command": pipe.command, "transcribe": "./transcriber {file}"},
+                **{"threshold": 0.1, "hang_over": 0.04, "onset": 0.02, "pre_roll": 0.0},
+                **settings,
+            }
+            opened = await some.open(RealClock(), **settings)
+            await until(pipe.connected)
+            return opened
 
-    yield started
-    for microphone in microphones:
-        await microphone.close()
+        yield started
 
 
 def names(folder: Path) -> list[str]:

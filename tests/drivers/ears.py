@@ -1,0 +1,52 @@
+"""Microphones for tests: opened on whatever a test sends, and closed at its end."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator, Mapping
+from contextlib import AsyncExitStack, asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+from woz_drivers import room
+from woz_drivers.microphone import Microphone
+from woz_drivers.microphone_settings import MicrophoneSettings
+
+from tests.drivers.heard import Heard, Ordered, until
+from woz_tui.core.clock import Clock
+from woz_tui.core.messages import Json
+
+
+class Ears:
+    """Opens microphones that tell what they hear to a hub of their own."""
+
+    def __init__(self, folder: Path, stack: AsyncExitStack) -> None:
+        self._folder = folder
+        self._stack = stack
+
+    async def open(
+        self, clock: Clock, name: str = "it", **settings: Any
+    ) -> tuple[Microphone, Heard]:
+        heard = Heard(self._folder, clock)
+        made = MicrophoneSettings(**settings)
+        assert made.problems() == []
+        microphone = Microphone(name, made, heard.outlet)
+        self._stack.push_async_callback(microphone.close)
+        await microphone.open()
+        return microphone, heard
+
+
+@asynccontextmanager
+async def ears(folder: Path) -> AsyncIterator[Ears]:
+    async with AsyncExitStack() as stack:
+        yield Ears(folder, stack)
+
+
+async def learning(
+    microphone: Microphone, seconds: float
+) -> tuple[Ordered, asyncio.Future[Mapping[str, Json]]]:
+    """It has begun to listen to the room."""
+    job = Ordered(room.NAME, {"seconds": seconds})
+    performing = asyncio.ensure_future(microphone.perform(job))
+    await until(lambda: bool(job.announced))
+    return job, performing

@@ -99,9 +99,11 @@ def test_steps(everything: Experiment) -> None:
     ]
 
 
-def test_missing_files_and_shared_lanes_are_warnings(everything: Experiment) -> None:
+def test_missing_files_and_parts_that_nobody_plays_are_warnings(everything: Experiment) -> None:
     said = [f"{problem.path}: {problem.message}" for problem in everything.warnings]
     assert said == [
+        "engagement.handshake.by: nobody hears the answer: no microphone gives speech; lead it"
+        " yourself with by: wizard",
         "panels[1].actions[0].steps[6].sound: there is no file 'none.wav'",
     ]
 

@@ -327,7 +327,7 @@ def test_a_failure_with_an_unspeakable_name_still_ends_its_command() -> None:
 
 
 def test_a_run_is_withdrawn_only_if_none_of_it_has_begun() -> None:
-    withdrawn = []
+    withdrawn: list[bool] = []
 
     async def scenario(rig: Rig) -> None:
         rig.send("say", seconds=2)

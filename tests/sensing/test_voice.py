@@ -89,3 +89,12 @@ def test_speech_while_the_robot_talks_is_not_heard() -> None:
     assert visit.see(9, **WITH, loudness=0.5) == []
     assert visit.event(Event.SAY_DONE) is not None
     assert visit.see(9, **WITH, loudness=0.0) == []
+
+
+def test_sound_that_stays_away_ends_speech_after_a_second_at_the_earliest() -> None:
+    """A sensor that speaks once in a second is no silence, however brief the hang-over."""
+    voice = Voice(SoundSettings(threshold=0.1, hang_over=0.3))
+    assert voice.take(0.5, 0)[1] is START
+    assert voice.pass_to(SECOND) is None
+    assert voice.ends_at() == SECOND + 1
+    assert voice.pass_to(SECOND + 1) is END

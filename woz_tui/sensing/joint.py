@@ -16,6 +16,7 @@ any rate and in any order of signs, because only elapsed time matters, not their
 from __future__ import annotations
 
 import math
+from collections import deque
 from collections.abc import Sequence
 
 from woz_tui.sensing.filters import least
@@ -30,6 +31,8 @@ PLACES = 100
 BORDER = 0.04
 #: How long before the first sample nobody was there, in microseconds.
 MOMENT = 333_333
+#: So many samples of each sign are remembered for a sign that comes to be filtered jointly.
+RECENT = 12
 #: No reading says more than this against a state, so that no state ever becomes impossible.
 FLOOR = 0.02
 #: A reading that agrees, one that does not, and one that says nothing about the state.
@@ -76,6 +79,10 @@ _FLAGS = {
 }
 
 
+#: A sample: its time, its number among all of them, its sign, its value.
+_Sample = tuple[int, int, str, float | str]
+
+
 class Joint:
     """All signs of one visitor. `view(sign)` is a filter like any other; times in microseconds.
 
@@ -98,6 +105,8 @@ class Joint:
             sign: Sign(self, sign, threshold, start_up)
             for sign in ("presence", "gaze", "distance", "identity")
         }
+        self._recent = {sign: deque[_Sample](maxlen=RECENT) for sign in self._views}
+        self._heard = 0
 
     def view(self, sign: str) -> Sign:
         """The filter of one sign."""
@@ -113,6 +122,31 @@ class Joint:
 
     def take(self, sign: str, value: float | str, t: int) -> None:
         """A valid sample: a flag, metres (infinite: out of reach) or a name, at the time `t`."""
+        self.overhear(sign, value, t)
+        self._take(sign, value, t)
+
+    def overhear(self, sign: str, value: float | str, t: int) -> None:
+        """A sample of a sign that another filter has: only remembered, for `catch_up`."""
+        self._heard += 1
+        self._recent[sign].append((t, self._heard, sign, value))
+
+    def catch_up(self, sign: str) -> None:
+        """A sign is filtered jointly from now on: as if its last samples had been, too.
+
+        All signs begin again with what is remembered, in the order and at the times in which it
+        came; the same readings all at once would rather be one phantom.
+        """
+        self._views[sign].heard = True
+        joint = [each for each, view in self._views.items() if view.heard]
+        self._begin()
+        self._names.forget()
+        for each in joint:
+            self._views[each].heard = bool(self._recent[each])
+        samples = sorted(sample for each in joint for sample in self._recent[each])
+        for t, _, heard, value in samples:
+            self._take(heard, value, t)
+
+    def _take(self, sign: str, value: float | str, t: int) -> None:
         self._pass(t)
         if sign == "identity":
             self._names.take(str(value))
@@ -131,15 +165,18 @@ class Joint:
 
         Without any sign that is left, everything starts again with nobody.
         """
+        self._recent[sign].clear()
+        self.leave(sign)
+
+    def leave(self, sign: str) -> None:
+        """The sign has another filter from now on, or none: it has no part in this one."""
         self._views[sign].heard = False
         if sign == "identity":
             self._names.forget()
         if sign == "distance":
             self._echo = True
         if not any(view.heard for view in self._views.values()):
-            self._shares = self._nobody()
-            self._there = False
-            self._t = None
+            self._begin()
 
     def probability(self, sign: str) -> float:
         """How likely it is that somebody is there, attends, is near, or is who they seem: 0..1."""
@@ -156,6 +193,12 @@ class Joint:
     def name(self) -> str:
         """The name that is believed, or "Unknown"."""
         return self._names.given
+
+    def _begin(self) -> None:
+        self._shares = self._nobody()
+        self._there = False
+        self._echo = True
+        self._t = None
 
     def _pass(self, t: int) -> None:
         if self._t is None:
@@ -231,6 +274,18 @@ class Sign:
     def take(self, value: float | str, t: int) -> None:
         """One more valid sample of this sign."""
         self._joint.take(self._sign, value, t)
+
+    def overhear(self, value: float | str, t: int) -> None:
+        """One more valid sample, while another filter has this sign."""
+        self._joint.overhear(self._sign, value, t)
+
+    def catch_up(self) -> None:
+        """This sign is filtered jointly from now on, its last samples included."""
+        self._joint.catch_up(self._sign)
+
+    def leave(self) -> None:
+        """Another filter has this sign from now on."""
+        self._joint.leave(self._sign)
 
     def forget(self) -> None:
         """As before the first sample of this sign."""

@@ -58,7 +58,7 @@ class Heard:
 
     def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
         """Another filter, or other numbers for it; None leaves them as they are."""
-        self._steady.configure(kind, count, threshold, self.heard_at)
+        self._steady.configure(kind, count, threshold)
 
     def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
         """Go on with what is new in the settings."""

@@ -8,9 +8,6 @@ from typing import Any, Generic, Protocol, TypeVar
 from woz_tui.sensing.filters import Filter
 from woz_tui.sensing.joint import Sign as JointSign
 
-#: So many samples of a queue are told to the joint filter when it takes over.
-_CAUGHT_UP = 4
-
 
 class Queue(Filter, Protocol):
     """A filter that remembers its last samples: metres, flags or names."""
@@ -72,6 +69,8 @@ class Steady(Generic[Q]):
         self.queue.take(value, t)
         if self._jointly:
             self._joint.take(value, t)
+        else:
+            self._joint.overhear(value, t)
 
     def start_as(self, start_up: str) -> None:
         """Another policy for what is not full, or has not begun."""
@@ -82,11 +81,9 @@ class Steady(Generic[Q]):
         self.queue.forget()
         self._joint.forget()
 
-    def configure(
-        self, kind: str | None, count: int | None, threshold: float | None, t: int
-    ) -> None:
-        """Another filter, or other numbers for it; it keeps what it holds as far as it fits. `t`
-        is when the newest sample came. None leaves a number as it is.
+    def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
+        """Another filter, or other numbers for it; it keeps what it holds as far as it fits. None
+        leaves a number as it is.
         """
         before = self.queue
         count = before.places if count is None else count
@@ -99,7 +96,7 @@ class Steady(Generic[Q]):
             self.queue = self._made(kind, count, threshold)
             self.queue.resume(before.values)
         if kind == "joint" and not self._jointly:
-            self._joint.forget()
-            for value in before.values[-_CAUGHT_UP:]:
-                self._joint.take(value, t)
+            self._joint.catch_up()
+        if kind != "joint" and self._jointly:
+            self._joint.leave()
         self._jointly = kind == "joint"

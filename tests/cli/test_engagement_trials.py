@@ -85,6 +85,25 @@ def test_delays_are_those_of_the_filter() -> None:
     assert nothing[1:] == (None, None)
 
 
+def test_a_filter_that_the_wizard_sets_counts_for_the_filtered_ones_alone() -> None:
+    """Without filter stays without, whatever keys were pressed."""
+
+    def signs(number: int, seconds: float) -> Signs:
+        return (1, 0 if number in (51, 75) else 1, 0.9, "V1")
+
+    args: dict[str, m.Json] = {"sign": "all", "kind": "joint"}
+    order: list[m.AnyMessage] = [
+        m.Command(
+            t=4 * SECOND, command="c1", verb="filter", args=args, driver="engagement", source="key"
+        ),
+        m.Done(t=4 * SECOND, command="c1", sent=args, latency_us=9, duration_us=9),
+    ]
+    lines = session(40, {5.0: "steady", 37.0: "end"}, signs)
+    at = next(place for place, line in enumerate(lines) if line.t >= 4 * SECOND)
+    found = set(shares([*lines[:at], *order, *lines[at:]]))
+    assert {("presence", 30, 1, 1, 1), ("gaze", 30, 1, 0, 1), ("engaged", 30, 1, 0, 1)} <= found
+
+
 @pytest.fixture
 def log(tmp_path: Path) -> Path:
     lines = session(40, {5.0: "steady", 36.0: "now"}, lambda number, seconds: HERE)

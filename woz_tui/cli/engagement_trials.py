@@ -27,6 +27,7 @@ from rich.table import Table
 from woz_tui.cli.engagement_log import message_of
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import SIGNS, EngagementSettings
+from woz_tui.experiment.verbs import ENGAGEMENT as DRIVER
 from woz_tui.record.log import Damage, read
 from woz_tui.sensing.passing import SECOND
 from woz_tui.sensing.stream import Follower
@@ -168,7 +169,8 @@ def trials(messages: Iterable[m.AnyMessage], settings: EngagementSettings) -> Tr
         if isinstance(message, m.Marker):
             marks.append((message.t, message.text.strip().casefold()))
         for follower, course in zip(followers, courses, strict=True):
-            follower.take(message)
+            if course is courses[1] or not _changes_filter(message):
+                follower.take(message)
             model = follower.model
             course.note(message.t, {**model.verdicts, ENGAGED: int(model.engaged)})
     marks.append((end, ""))
@@ -178,6 +180,13 @@ def trials(messages: Iterable[m.AnyMessage], settings: EngagementSettings) -> Tr
         if text == STEADY and until > begin
     ]
     return Trials(stretches, [at for at, text in marks if text == NOW], *courses)
+
+
+def _changes_filter(message: m.AnyMessage) -> bool:
+    """Whether the wizard asks for another filter; what is without filter stays without."""
+    if not isinstance(message, m.Command):
+        return False
+    return (message.driver, message.verb) == (DRIVER, "filter")
 
 
 # -- on the screen --------------------------------------------------------------------------------

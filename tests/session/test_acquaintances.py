@@ -114,6 +114,17 @@ def test_what_the_disk_refused_is_saved_at_the_end(path: Path, refusing: Path) -
     assert len(desk.notices) == 1
 
 
+def test_a_refusal_that_nobody_has_heard_of_yet_is_tried_again_at_the_end(
+    path: Path, refusing: Path
+) -> None:
+    desk = Desk(path)
+    desk.known.introduce("Anna", {}, TODAY)
+    desk.known.wait(20)
+    refusing.rmdir()
+    desk.known.finish(20)
+    assert names(path) == ["Anna"]
+
+
 def test_what_is_lost_with_the_session_is_told(path: Path, refusing: Path) -> None:
     desk = Desk(path)
     desk.known.introduce("Anna", {}, TODAY)

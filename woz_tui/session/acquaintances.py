@@ -66,6 +66,7 @@ class Acquaintances:
         """The session ends: try once more to save everything, for at most so long, and tell what
         could not be saved.
         """
+        self._catch_up()
         if self.lacks:
             self.look()
         self.wait(seconds)

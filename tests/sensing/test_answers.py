@@ -60,6 +60,8 @@ def test_a_name_is_taken_out_of_what_is_said(said: str, name: str) -> None:
         *("hello", "uh", "sorry?", "what did you say?", "Was?", "come?", "I am fine", "it's me"),
         *("my name is", "my name is not important", "Das ist mein Name", "ich bin müde und hier"),
         *("the quick brown fox jumps over", "nice to meet you too", "x " * LONGEST),
+        *("Thank you, goodbye!", "Bye bye", "Tschüss!", "Auf Wiedersehen", "Arrivederci"),
+        *("Au revoir", "Adiós, hasta luego"),
     ],
 )
 def test_what_holds_no_name(said: str) -> None:

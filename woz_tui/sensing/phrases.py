@@ -57,6 +57,7 @@ LANGUAGES: dict[str, Phrases] = {
             *("when", "where", "who", "the", "name", "sure", "quite", "really", "here", "other"),
             *("know", "hear", "say", "said", "again", "pardon", "wait", "moment", "nobody"),
             *("hello", "hi", "thanks", "please", "old", "years", "sorry", "afraid", "fine"),
+            *("goodbye", "bye", "farewell", "cheers", "welcome"),
             *(
                 "good",
                 "happy",
@@ -104,7 +105,7 @@ LANGUAGES: dict[str, Phrases] = {
             *("ich", "du", "sie", "es", "wir", "mich", "mir", "mein", "dein", "ist", "bin"),
             *("bist", "sind", "hat", "habe", "das", "der", "die", "was", "wie", "wer", "warum"),
             *("bitte", "danke", "nochmal", "verstehe", "jahre", "ein", "eine", "hier", "gut"),
-            *("auch", "hallo", "moment", "anders", "müde"),
+            *("auch", "hallo", "moment", "anders", "müde", "tschüss", "wiedersehen", "ciao"),
         ),
         ends=("und", "aber", "aus", "danke", "bitte", "wie", "wer"),
         declines=("das sage ich nicht", "möchte ich nicht", "will ich nicht", "das geht dich"),
@@ -124,7 +125,7 @@ LANGUAGES: dict[str, Phrases] = {
         never=(
             *("lui", "noi", "voi", "ti", "sono", "sei", "è", "il", "un", "una", "qui", "bene"),
             *("che", "cosa", "come", "chi", "perché", "nome", "grazie", "prego", "capito", "anni"),
-            *("ciao", "stanco", "stanca"),
+            *("ciao", "stanco", "stanca", "arrivederci", "arrivederla", "addio"),
         ),
         ends=("e", "ma", "grazie", "piacere", "vengo"),
         declines=("non voglio", "preferisco di no", "non lo dico", "preferirei di no"),
@@ -144,6 +145,7 @@ LANGUAGES: dict[str, Phrases] = {
         never=(
             *("je", "nous", "vous", "moi", "est", "suis", "mon", "nom", "bonjour", "une", "ici"),
             *("que", "quoi", "comment", "qui", "pourquoi", "merci", "ça", "c'est", "ans"),
+            *("revoir", "adieu", "salut"),
         ),
         ends=("et", "mais", "merci", "enchanté", "enchantée"),
         declines=("je ne veux pas", "je préfère pas", "je préfère ne pas", "je ne dis pas"),
@@ -159,7 +161,7 @@ LANGUAGES: dict[str, Phrases] = {
         fillers=("hola", "buenos días", "buenas tardes", "eh", "pues", "bueno"),
         never=(
             *("yo", "él", "te", "soy", "eres", "nombre", "qué", "cómo", "quién", "por", "gracias"),
-            *("entiendo", "años", "hola", "aquí", "bien"),
+            *("entiendo", "años", "hola", "aquí", "bien", "adiós", "hasta", "luego"),
         ),
         ends=("y", "pero", "gracias", "encantado", "encantada"),
         declines=("no quiero", "prefiero no", "no lo digo"),

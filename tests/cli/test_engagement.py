@@ -218,6 +218,10 @@ def test_an_experiments_settings_and_options_above_them(woz: Woz, tmp_path: Path
         (["--signs", "gaze,identity"], "is not some of presence,gaze,distance"),
         (["--loud", "x"], "is not 0 to"),
         (["--compare"], "needs a session's log"),
+        (["--compare", "--trials"], "take one of them"),
+        (["--bench"], "it does not read"),
+        (["--runs", "5"], "--runs is for --bench"),
+        (["--plot", "x.svg"], "--plot is for --bench"),
     ],
 )
 def test_options_out_of_range_are_refused(

@@ -140,6 +140,7 @@ def run(arguments: argparse.Namespace) -> int:
 
 
 def _run(arguments: argparse.Namespace) -> int:
+    _together(arguments)
     settings = settings_of(arguments)
     if arguments.bench:
         from woz_tui.cli import engagement_bench  # noqa: PLC0415
@@ -163,6 +164,21 @@ def _run(arguments: argparse.Namespace) -> int:
             raise UsageError(f"{option} needs a session's log: lines of samples say no verdicts")
         _rows(_Lines(arguments.file, file, first), settings, _live(file))
     return 0
+
+
+def _together(arguments: argparse.Namespace) -> None:
+    """Refuse what would be ignored: `UsageError` for options that do not go together."""
+    wholes = ("bench", "compare", "trials")
+    chosen = [f"--{name}" for name in wholes if getattr(arguments, name)]
+    if len(chosen) > 1:
+        raise UsageError(f"{' and '.join(chosen)}: take one of them")
+    if arguments.bench:
+        if arguments.file is not None:
+            raise UsageError(f"--bench makes its visitors up: it does not read {arguments.file}")
+        return
+    for name in ("runs", "seed", "plot"):
+        if getattr(arguments, name) is not None:
+            raise UsageError(f"--{name} is for --bench")
 
 
 # -- settings -----------------------------------------------------------------------------------

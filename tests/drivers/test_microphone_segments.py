@@ -193,8 +193,12 @@ async def test_a_cable_pulled_in_mid_utterance_ends_the_segment(
     assert ended.detail == "the sound broke off: cat ended: exit status 0"
     assert kept(heard, ended) == data[2 * BLOCK :]
     await until(pipe.connected)
+    clock = heard.clock
+    assert isinstance(clock, ManualClock)
+    clock.advance(100)
     pipe.send(utterance())
     again = await heard.first(SpeechEnded, after=1)
+    assert again.began > 99_000_000, "the new stream has a time of its own"
     assert (again.segment, again.ended - again.began) == (2, 13 * 20_000)
 
 
@@ -240,6 +244,12 @@ async def test_a_folder_that_is_none_costs_the_file_and_nothing_else(
     pipe.send(utterance())
     third = await heard.first(SpeechEnded, after=2)
     assert third.file == "session.media/ears-0003.wav"
+    heard.outlet.media.rename(heard.outlet.folder / "elsewhere")
+    heard.outlet.media.write_text("in the way again")
+    pipe.send(utterance())
+    await heard.first(SpeechEnded, after=3)
+    said = [notice.text for notice in heard.all(Notice) if "not kept" in notice.text]
+    assert len(said) == 2, "said again after it worked in between"
 
 
 async def test_a_full_disk_is_said_once(begin: Begin, pipe: PipedCommand, tmp_path: Path) -> None:

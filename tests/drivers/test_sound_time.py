@@ -40,3 +40,12 @@ def test_after_a_gap_time_is_tied_anew() -> None:
 def test_nothing_is_known_before_the_first_block() -> None:
     with pytest.raises(ValueError, match="no block"):
         SoundTime().begins(0)
+
+
+def test_a_prompt_block_is_remembered_while_those_after_it_are_late() -> None:
+    """A busy machine holds everything back for a while: at least five seconds do no harm."""
+    time = SoundTime()
+    for block in range(2 * 250):
+        late = 300_000 if block >= 200 else 0
+        time.arrived(block, (block + 1) * BLOCK_US + late)
+        assert time.begins(block) == block * BLOCK_US

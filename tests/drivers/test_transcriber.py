@@ -135,7 +135,7 @@ async def test_a_missing_program_says_so(begin: Begin, pipe: PipedCommand, tmp_p
 
 
 async def test_a_slow_program_gets_one_at_a_time_and_what_waits_too_long_is_left_out(
-    begin: Begin, pipe: PipedCommand, tmp_path: Path
+    begin: Begin, pipe: PipedCommand, tmp_path: Path, scratch: Path
 ) -> None:
     gate = tmp_path / "gate"
     _, heard = await begin(
@@ -153,6 +153,7 @@ async def test_a_slow_program_gets_one_at_a_time_and_what_waits_too_long_is_left
     assert sorted(texts) == list(range(1, WAITING + 4)), "each segment has one answer"
     assert [n for n, text in sorted(texts.items()) if text.detail == left_out] == [2, 3]
     assert {text.text for text in texts.values()} == {""}, "never two at once"
+    await until(lambda: not any(scratch.rglob("*.wav")))
 
 
 async def test_it_leaves_the_processor_to_the_robot(begin: Begin, pipe: PipedCommand) -> None:

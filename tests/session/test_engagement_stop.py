@@ -139,9 +139,12 @@ def test_a_mode_by_hand_outlasts_other_numbers_of_attention(tmp_path: Path) -> N
 
     async def scenario(room: Room) -> None:
         room.tell("attend", mode="FullyEngaged")
+        room.stands_there()
         await asyncio.sleep(0.1)
         room.session.adopt(guided(tmp_path, other), ["seconds"])
-        await no_sound(room)
+        room.sense(loudness=0.5)
+        room.sense(direction=50.0)
+        await asyncio.sleep(5)
 
     room = in_room(tmp_path, scenario, guided(tmp_path, settings))
     assert [verb for verb, _ in room.commands] == []

@@ -203,3 +203,17 @@ def test_the_samples_of_a_log_are_the_log_too(
     assert cli.main(["engagement", str(samples), "--experiment", str(GUIDE)]) == 0
     assert capsys.readouterr().out
     assert m.FORMAT == "woz-session"
+
+
+@pytest.mark.parametrize("start", [b"", b"\n", b'{"kind":"session.st\n', b"\x00\xff\n[]\n"])
+def test_a_log_is_one_whatever_has_become_of_its_first_line(
+    log: Path, tmp_path: Path, start: bytes, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, rest = log.read_bytes().split(b"\n", 1)
+    (tmp_path / log.name).write_bytes(start + rest)
+    samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
+    (tmp_path / samples.name).write_bytes(samples.read_bytes())
+    words = ["engagement", str(tmp_path / log.name), "--experiment", str(GUIDE), "--compare"]
+    assert cli.main(words) == 0
+    assert "no difference" in capsys.readouterr().out
+    assert b"session.start" in first

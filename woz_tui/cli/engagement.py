@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 
 #: The longest line that is read, in bytes; the rest of a longer one is thrown away.
 LONGEST = 1 << 20
+#: So many lines after a damaged first one may tell that a file is a session's log.
+_LOOKED_AT = 20
 #: What a blank line may consist of, the mark at the beginning of some files included.
 _BLANK = b"\xef\xbb\xbf \t\r\n"
 #: So many wrong lines are told one by one, the others as a number at the end.
@@ -150,7 +152,7 @@ def _run(arguments: argparse.Namespace) -> int:
         raise UsageError("name a file with lines of samples, a session's log, or - (or --bench)")
     with _opened(arguments.file) as file:
         first = file.readline(LONGEST)
-        if _is_log(arguments.file, first):
+        if _is_log(arguments.file, file, first):
             if arguments.file == "-":
                 raise UsageError("a session's log is two files: name the log instead of -")
             from woz_tui.cli import engagement_log  # noqa: PLC0415
@@ -355,13 +357,29 @@ def _live(file: BinaryIO) -> bool:
         return True
 
 
-def _is_log(name: str, first: bytes) -> bool:
-    """Whether it is a session's log, or the samples beside one: messages name their kind."""
-    try:
-        line = json.loads(first)
-    except (ValueError, RecursionError):
+def _is_log(name: str, file: BinaryIO, first: bytes) -> bool:
+    """Whether it is a session's log, or the samples beside one: messages name their kind.
+
+    The first line that is an object tells; of a file on disk some more are looked at, because the
+    beginning of a log may be damaged.
+    """
+    line = _object(first)
+    if line is None and not _live(file):
+        place = file.tell()
+        more = (_object(file.readline(LONGEST)) for _ in range(_LOOKED_AT))
+        line = next((found for found in more if found is not None), None)
+        file.seek(place)
+    if line is None:
         return name.endswith(".samples.jsonl") and bool(first)
-    return isinstance(line, dict) and isinstance(line.get("kind"), str)
+    return isinstance(line.get("kind"), str)
+
+
+def _object(text: bytes) -> dict[str, object] | None:
+    try:
+        line = json.loads(text)
+    except (ValueError, RecursionError):
+        return None
+    return line if isinstance(line, dict) else None
 
 
 def _tell(text: str) -> None:

@@ -9,12 +9,13 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import functools
 import signal
 import subprocess
 import sys
 import tempfile
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 from docs.demo_session import EXPERIMENTS, catalogue
@@ -37,12 +38,19 @@ ERRORS = "errors.txt"
 SPILL = "more"
 
 
-def played(folder: Path, seconds: float) -> list[m.AnyMessage]:
-    """All messages of a session in virtual time; its log and its visitors go into `folder`."""
-    return run_virtual(_played(folder, seconds))
+def played(
+    folder: Path, seconds: float, hand: Callable[[Session, m.AnyMessage], None] | None = None
+) -> list[m.AnyMessage]:
+    """All messages of a session in virtual time; its log and its visitors go into `folder`.
+
+    A `hand` is told each message and may do something about it, as a wizard does.
+    """
+    return run_virtual(_played(folder, seconds, hand))
 
 
-async def _played(folder: Path, seconds: float) -> list[m.AnyMessage]:
+async def _played(
+    folder: Path, seconds: float, hand: Callable[[Session, m.AnyMessage], None] | None
+) -> list[m.AnyMessage]:
     loop = asyncio.get_running_loop()
     clock = LoopClock(loop)
     drivers = catalogue()
@@ -52,6 +60,8 @@ async def _played(folder: Path, seconds: float) -> list[m.AnyMessage]:
     session = Session(load(GUIDE, drivers), drivers, identity, recorder, clock)
     heard: list[m.AnyMessage] = []
     session.hub.listen(heard.append)
+    if hand is not None:
+        session.hub.listen(functools.partial(hand, session))
     await session.open()
     await asyncio.sleep(seconds - loop.time())
     await session.close("enough", rest=False)

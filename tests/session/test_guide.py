@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -13,6 +14,7 @@ from woz_tui.experiment.decode import load
 from woz_tui.plugins import installed
 from woz_tui.sensing.machine import EDGES
 from woz_tui.sensing.stream import Follower
+from woz_tui.session.session import Session
 
 TEN_MINUTES = 600.0
 
@@ -96,3 +98,17 @@ def test_whoever_reads_the_log_comes_to_the_same(twice: list[list[m.AnyMessage]]
     assert [(each.t, each.was, each.now, each.outcome, each.why) for each in found] == [
         (each.t, each.was, each.now, each.outcome, each.why) for each in changes(twice[0])
     ]
+
+
+def test_it_goes_on_by_itself_after_a_stop_in_the_middle_of_thinking(tmp_path: Path) -> None:
+    def pressing(session: Session, message: m.AnyMessage) -> None:
+        thinks = isinstance(message, m.EngagementChanged) and message.now == "RobotThinks"
+        if thinks and not session.bus.latched:
+            loop = asyncio.get_running_loop()
+            loop.call_later(1, session.stop, "wizard")
+            loop.call_later(3, session.release, "wizard")
+
+    seen = list(changes(guide_session.played(tmp_path, 200.0, pressing)))
+    ways = [(each.was, each.outcome) for each in seen]
+    assert ("RobotThinks", "done") not in ways
+    assert ways.count(("RobotThinks", "error")) > 1

@@ -68,7 +68,6 @@ class SoundSettings:
         Doc("louder than this RMS is speech; default: what the microphone publishes"),
     ] = None
     hang_over: Annotated[float, Seconds(0.05, 10), Doc("quiet for so long ends speech")] = 1.0
-    pre_roll: Annotated[float, Seconds(0, 10), Doc("speech begins so long before it is loud")] = 0.5
 
 
 @dataclass(frozen=True, slots=True)

@@ -335,6 +335,12 @@ def test_signs_that_are_not_used_need_nobody(tmp_path: Path) -> None:
     assert not warned(tmp_path, "{signs: [presence]}", sees="presence")
 
 
+def test_never_is_null(tmp_path: Path) -> None:
+    found = section(tmp_path, "{timeouts: {approach: null, listening: null, talking: null}}")
+    limits = found.settings.timeouts
+    assert (limits.approach, limits.listening, limits.talking) == (None, None, None)
+
+
 def test_a_robot_that_asks_for_names_needs_a_voice_and_an_ear(tmp_path: Path) -> None:
     asks = "{signs: [gaze], handshake: {by: robot}}"
     path, yourself = "engagement.handshake.by: ", "; lead it yourself with by: wizard"

@@ -68,19 +68,22 @@ def test_no_verb_fails_whatever_it_says(tmp_path: Path) -> None:
     assert not room.of(m.Failed)
 
 
-def test_a_failure_inside_is_told_once_and_the_session_goes_on(tmp_path: Path) -> None:
+def test_a_failure_inside_is_told_once_and_the_session_goes_on(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     async def scenario(room: Room) -> None:
         follower = room.session.engagement._follower
         assert follower is not None
-        follower.sensors["presence"] = "no sign at all"
+        follower.sensors.update(presence="no sign at all", gaze="none either")
         for _ in range(5):
-            room.sense(presence=1)
+            room.sense(presence=1, gaze=1)
         with_robot = room.session.play("Welcome", WIZARD)
         assert with_robot
 
     room = in_room(tmp_path, scenario)
     told = [text for text in room.notices if "the engagement model failed" in text]
-    assert len(told) == 1
+    assert len(told) == len(set(told)) == 2
+    assert len([record for record in caplog.records if record.exc_info]) == 2
     assert ("say", {"text": "Welcome"}) in room.robot.calls
 
 

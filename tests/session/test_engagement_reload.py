@@ -90,9 +90,9 @@ def test_a_time_limit_that_is_new_counts_though_no_sensor_says_anything(tmp_path
 
     async def scenario(room: Room) -> None:
         room.tell("sense", sign="presence", value="on")
-        await asyncio.sleep(2)
+        await asyncio.sleep(4)  # signs have grown old: nothing else is due
         reload(room, guided(tmp_path, settings))
-        await asyncio.sleep(4)
+        await asyncio.sleep(2)
         assert room.path[:2] == ["PersonDetected", "Wait"]
 
     in_room(tmp_path, scenario, guided(tmp_path))

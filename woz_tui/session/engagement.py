@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 
 #: Microseconds between two looks at the signs, while no state changes.
 SHOWN_EVERY_US = 200_000
+#: So many different failures are told; who has more has a bug that these show already.
+FAILURES = 20
 
 log = logging.getLogger(__name__)
 
@@ -58,7 +60,7 @@ class LiveEngagement:
         self._look: asyncio.TimerHandle | None = None
         self._shown: m.EngagementShown | None = None
         self._shown_us = -SHOWN_EVERY_US
-        self._failed = ""
+        self._failed: set[str] = set()
         self._opened = False
         #: Verbs under way, by command.
         self._named: dict[str, str] = {}
@@ -132,19 +134,23 @@ class LiveEngagement:
         try:
             self._listen(message)
         except Exception as error:
-            log.exception("the engagement model failed at %s", type(message).__name__)
-            self._tell_failure(f"{type(error).__name__}: {error}")
+            if self._tell_failure(error):
+                log.exception("the engagement model failed at %s", type(message).__name__)
 
-    def _tell_failure(self, reason: str) -> None:
-        if reason != self._failed:
-            self._failed = reason
-            self._hub.publish(
-                m.Notice(
-                    level="error",
-                    text=f"the engagement model failed: {reason}",
-                    remedy="the robot process's own log has the traceback",
-                )
+    def _tell_failure(self, error: Exception) -> bool:
+        """Whether it is news: a sensor may bring the same failure fifty times a second."""
+        reason = f"{type(error).__name__}: {error}"
+        if reason in self._failed or len(self._failed) >= FAILURES:
+            return False
+        self._failed.add(reason)
+        self._hub.publish(
+            m.Notice(
+                level="error",
+                text=f"the engagement model failed: {reason}",
+                remedy="the robot process's own log has the traceback",
             )
+        )
+        return True
 
     def _listen(self, message: m.AnyMessage) -> None:
         if isinstance(message, m.ExperimentReloaded):
@@ -259,8 +265,8 @@ class LiveEngagement:
             try:
                 self._entered(change)
             except Exception as error:  # the next change belongs into the log all the same
-                log.exception("the effects of %s failed", change.now)
-                self._tell_failure(f"{type(error).__name__}: {error}")
+                if self._tell_failure(error):
+                    log.exception("the effects of %s failed", change.now)
         if changes:
             self._show()
         else:
@@ -284,8 +290,8 @@ class LiveEngagement:
         try:
             self._moved(self._follower.until(self._hub.now()))
         except Exception as error:
-            log.exception("the engagement model failed by itself")
-            self._tell_failure(f"{type(error).__name__}: {error}")
+            if self._tell_failure(error):
+                log.exception("the engagement model failed by itself")
 
     # -- what is shown -----------------------------------------------------------------------------
 

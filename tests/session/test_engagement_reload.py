@@ -6,6 +6,8 @@ import asyncio
 from dataclasses import replace
 from pathlib import Path
 
+import pytest
+
 from tests.session.engaged import PLAIN, Room, effect, guided, in_room
 from tests.session.rig import call, together
 from woz_tui.core import messages as m
@@ -140,18 +142,20 @@ def test_what_waits_for_a_busy_robot_is_dropped_when_the_state_is_left(tmp_path:
     in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
 
 
-def test_a_step_that_has_begun_in_part_is_finished(tmp_path: Path) -> None:
-    """The robot waves still, because something else moves it, and speaks already."""
+@pytest.mark.parametrize("spoken", [0.5, 1.5])
+def test_a_step_that_has_begun_in_part_is_finished(tmp_path: Path, spoken: float) -> None:
+    """The robot speaks, or has spoken, and waves once it has bowed."""
     effects = effect("PersonDetected", together(call("say", text="Hi"), call("play", move="wave")))
 
     async def scenario(room: Room) -> None:
         room.tell("play", move="bow")
+        room.tell("play", move="bow")
         room.tell("force", to="PersonDetected")
-        await asyncio.sleep(0.5)
+        await asyncio.sleep(spoken)
         room.tell("force", to="Wait")
         await asyncio.sleep(5)
         moves = [args["move"] for verb, args in room.robot.calls if verb == "play"]
-        assert moves == ["bow", "wave"]
+        assert moves == ["bow", "bow", "wave"]
 
     in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects))
 

@@ -69,3 +69,21 @@ def test_a_number_of_runs_that_is_none(capsys: pytest.CaptureFixture[str], runs:
         main(["engagement", "--bench", "--runs", runs])
     assert stopped.value.code == 2
     assert "whole number" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("words", "told"),
+    [
+        (["--social-distance", "0.5"], "1 to 2.1 m, not 0.5 m"),
+        (["--social-distance", "3"], "1 to 2.1 m, not 3 m"),
+        (["--signs", "presence,gaze"], "--signs presence,gaze,distance"),
+        (["--samples", "30"], "30 places is not full after 6 s at 3 Hz"),
+        (["--rate", "2"], "15 places is not full after 6 s at 2 Hz"),
+    ],
+)
+def test_what_the_scenes_cannot_measure_is_refused(
+    capsys: pytest.CaptureFixture[str], words: list[str], told: str
+) -> None:
+    assert main(["engagement", "--bench", "--runs", "1", *words]) == 2
+    said = capsys.readouterr()
+    assert (said.out, told in said.err) == ("", True)

@@ -5,12 +5,13 @@ from __future__ import annotations
 import argparse
 import json
 import math
+import sys
 from collections.abc import Iterator
 from contextlib import AbstractContextManager
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.engagement import CONDITION, SIGNS, EngagementSettings
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -20,6 +21,10 @@ if TYPE_CHECKING:
 
 #: Most runs of a scene that may be asked for.
 MOST_RUNS = 100_000
+#: Metres that the social distance keeps from where visitors stand: more than readings stray.
+_APART = 0.1
+#: Places of the longest queue that takes part anyway.
+_MOST = 15
 
 
 def add_options(parser: argparse.ArgumentParser) -> None:
@@ -33,9 +38,15 @@ def add_options(parser: argparse.ArgumentParser) -> None:
 
 
 def run(arguments: argparse.Namespace, settings: EngagementSettings) -> int:
-    """Measure and show it; 0 whatever comes out, 1 if the plot cannot be written."""
+    """Measure and show it; 0 whatever comes out, 1 if the plot cannot be written, 2 for settings
+    that its scenes cannot measure.
+    """
     from woz_tui.sensing.bench.figures import RUNS, SEED, measure, plain  # noqa: PLC0415
 
+    unfit = _unfit(settings)
+    if unfit:
+        print(f"woz engagement: --bench: {unfit}", file=sys.stderr)
+        return 2
     runs = RUNS if arguments.runs is None else arguments.runs
     seed = SEED if arguments.seed is None else arguments.seed
     if arguments.plot is not None:
@@ -51,6 +62,29 @@ def run(arguments: argparse.Namespace, settings: EngagementSettings) -> int:
     else:
         _show(report)
     return 0
+
+
+def _unfit(settings: EngagementSettings) -> str:
+    """Why the scenes say nothing about these settings; empty: they do."""
+    from woz_tui.sensing.bench.scenes import BACK, CALM, TALKS  # noqa: PLC0415
+
+    near, most = settings.social_distance, int(CALM * settings.rate)
+    if not TALKS + _APART <= near <= BACK - _APART:
+        return (
+            f"visitors talk at {TALKS:g} m and step back to {BACK:g} m, so the social distance is"
+            f" {TALKS + _APART:g} to {BACK - _APART:g} m, not {near:g} m"
+        )
+    if set(settings.signs) != set(CONDITION):
+        return f"visitors are sensed by all signs (--signs {','.join(CONDITION)})"
+    own = [settings.sign(sign) for sign in SIGNS]
+    queues = [sign for sign in own if (sign.filter or settings.filter) != "joint"]
+    places = max(_MOST, *(sign.samples or settings.samples for sign in queues), 0)
+    if places > most:
+        return (
+            f"a queue of {places} places is not full after {CALM:g} s at {settings.rate:g} Hz,"
+            " when the scenes begin"
+        )
+    return ""
 
 
 def _runs(text: str) -> int:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.session.engaged import PLAIN, Room, guided, in_room
+from tests.session.engaged import PLAIN, WIZARD, Room, guided, in_room
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import AttentionSettings
@@ -150,3 +150,31 @@ def test_a_sound_while_stopped_moves_nothing_after_the_release(tmp_path: Path) -
 
     room = in_room(tmp_path, scenario, guided(tmp_path, settings))
     assert gazes(room) == []
+
+
+def test_the_head_of_another_robot_is_its_own(tmp_path: Path) -> None:
+    """Whoever turns that one has not taken this one."""
+    settings = replace(PLAIN, attention=AttentionSettings(look=True))
+    one = guided(tmp_path, settings)
+    (spec,) = one.drivers
+    names = ("left.robot", "right.robot")
+    two = replace(one, drivers=tuple(replace(spec, name=name) for name in names))
+
+    async def scenario(room: Room) -> None:
+        room.stands_there()
+        hear = room.session.hub.publish
+        hear(m.reading("loudness", QUIET))
+        hear(m.reading("left.direction", 0.0))
+        await asyncio.sleep(0.5)
+        room.session.send("gaze", {"yaw": 30.0}, "right", WIZARD)
+        hear(m.reading("loudness", LOUD))
+        hear(m.reading("left.direction", 50.0))
+        await asyncio.sleep(0.5)
+        room.session.send("gaze", {"yaw": -30.0}, "right", WIZARD)
+        await asyncio.sleep(4)
+
+    room = in_room(tmp_path, scenario, two)
+    assert gazes(room) == [{"yaw": 50.0, "pitch": 0.0}, AHEAD]
+    assert {line.driver for line in room.of(m.Command) if line.source == "engagement"} == {
+        "left.robot"
+    }

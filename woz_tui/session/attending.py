@@ -65,10 +65,13 @@ class Attending:
         """Directions, and what the wizard does with the head."""
         if self._head is None:
             return
+        head = self._head[0].name
         match message:
             case m.Reading(sensor=sensor, value=float() | int()) if sensor == self._sensor:
                 self._heard(message.value)
-            case m.Command(verb="gaze", source=source) if source != ORIGIN.source:
+            case m.Command(driver=driver, verb="gaze", source=source) if (
+                driver == head and source != ORIGIN.source
+            ):
                 self._before = dict(message.args)
                 self._overruled = self._attention.away
             case m.StopPressed(scope="all"):

@@ -12,12 +12,11 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Verb
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Action, Call, Together, Wait
+from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.session.variables import MissingError, filled
 
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
-#: The source of what the robot does by itself.
-_ITSELF = "engagement"
 
 
 @dataclass(frozen=True, slots=True)
@@ -127,7 +126,7 @@ class Runner:
 
     def _remember(self, played: str, name: str, origin: Origin) -> None:
         self.played[played] = name
-        if origin.source != _ITSELF:
+        if origin.source != ENGAGEMENT:
             self.by_hand = played
         if len(self.played) > REMEMBERED:
             del self.played[next(iter(self.played))]

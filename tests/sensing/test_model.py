@@ -303,6 +303,7 @@ def test_a_name_that_was_told_is_a_name() -> None:
     lost = visit.see(1, **{**WITH, "gaze": 0})
     back = visit.see(1, **WITH)
     assert [c.outcome for c in lost + back] == ["error", "recognized"]
+    assert back[0].why.endswith("known as P07")
     visit.see(9, **GONE)
     visit.see(3, **WITH)
     assert visit.model.state is State.HANDSHAKE

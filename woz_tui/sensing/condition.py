@@ -106,13 +106,13 @@ class Signs:
         everyone = (*self._by_name.values(), self.identity)
         return [sign.name for sign in everyone if sign.stale and sign.ever]
 
-    def reason(self, now: int) -> str:
-        """What they say, in words."""
-        return ", ".join([*(sign.words(now) for sign in self.uses), self.identity.words()])
+    def reason(self, now: int, told: str) -> str:
+        """What they say, in words; `told` is the name that somebody has given."""
+        return ", ".join([*(sign.words(now) for sign in self.uses), self.identity.words(told)])
 
-    def explained(self, why: str, now: int) -> str:
+    def explained(self, why: str, now: int, told: str) -> str:
         """`why`, with `{reason}` as what all say and `{absence}` as why nobody is there."""
-        return why.format(reason=self.reason(now), absence=self._absence(now))
+        return why.format(reason=self.reason(now, told), absence=self._absence(now))
 
     def _absence(self, now: int) -> str:
         said = ", ".join(sign.words(now) for sign in self._there)

@@ -248,7 +248,7 @@ class Engagement:
     @property
     def reason(self) -> str:
         """What the signs say, in words."""
-        return self.signs.reason(self._time.now)
+        return self.signs.reason(self._time.now, self._told)
 
     @property
     def social_distance(self) -> float:
@@ -344,8 +344,8 @@ class Engagement:
     def _take(self, edge: Edge, event: Event | None, by_hand: str = "") -> Change:
         forced = bool(by_hand) or self._rests_on_wizard(edge, event)
         why = "{reason}" if by_hand.startswith("forced") else edge.why
-        self.state = edge.target
-        self.since = self._time.now
+        why = by_hand + self.signs.explained(why, self._time.now, self._told)
+        self.state, self.since = edge.target, self._time.now
         self._trail.append(edge.target.value)
         self._stands = None
         self._enter(edge)
@@ -354,7 +354,7 @@ class Engagement:
             was=edge.source.value,
             now=edge.target.value,
             outcome=edge.outcome,
-            why=by_hand + self.signs.explained(why, self.since),
+            why=why,
             verdicts=self.verdicts,
             visitor=self.visitor,
             forced=forced,

@@ -228,8 +228,10 @@ class Identity(Heard):
         """Whether there is an ID."""
         return self.name_given != UNKNOWN
 
-    def words(self) -> str:
-        """Who it is, as a person says it."""
+    def words(self, told: str = "") -> str:
+        """Who it is, as a person says it; `told`: the name that somebody has given."""
+        if told and not self.known:
+            return f"known as {told}"
         if self.forced is not None:
             return f"{self.forced if self.known else 'no name'} (wizard)"
         if not self.known:

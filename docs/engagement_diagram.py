@@ -69,9 +69,9 @@ CONDITIONS: Mapping[str, tuple[str, ...]] = {
     "UserSpeaks error": ("nothing was understood", "`timeouts.listening` has passed"),
     "RobotThinks done": ("the answer begins",),
     "RobotThinks error": ("`timeouts.thinking` has passed",),
-    "RobotReplies done": ("the answer was spoken",),
+    "RobotReplies done": ("the answer is over, spoken or stopped",),
     "RobotReplies error": ("`timeouts.talking` has passed",),
-    "RobotSpeaks done": ("the robot has spoken",),
+    "RobotSpeaks done": ("its sentence is over, spoken or stopped",),
     "RobotSpeaks error": ("`timeouts.talking` has passed",),
 }
 

@@ -131,6 +131,7 @@ def test_any_end_of_the_answer_is_its_end(ending: Any) -> None:
     assert log.state == "RobotReplies"
     log.say(ending(command), after=1)
     assert log.state == "EngagedWithKnown"
+    assert log.changes[-1].why == "the answer is over"  # whether it was spoken or stopped
 
 
 def test_a_refused_sentence_is_no_answer() -> None:

@@ -169,9 +169,12 @@ EDGES: tuple[Edge, ...] = (
     ),
     Edge(State.THINKS, State.REPLIES, "done", _on(Event.THINK_DONE), "there is an answer", "n"),
     Edge(State.THINKS, State.KNOWN, "error", _after("thinking"), "nobody has answered"),
-    Edge(State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE), "the answer was spoken", "o"),
+    Edge(State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE), "the answer is over", "o"),
     Edge(State.REPLIES, State.KNOWN, "error", _after("talking"), "the answer does not end"),
-    Edge(State.ROBOT_SPEAKS, State.KNOWN, "done", _on(Event.SAY_DONE), "the robot has spoken", "q"),
+    Edge(
+        *(State.ROBOT_SPEAKS, State.KNOWN, "done"),
+        *(_on(Event.SAY_DONE), "the robot's sentence is over", "q"),
+    ),
     Edge(State.ROBOT_SPEAKS, State.KNOWN, "error", _after("talking"), "the speech does not end"),
 )
 

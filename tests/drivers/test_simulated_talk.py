@@ -170,6 +170,20 @@ def test_whoever_has_answered_enough_thanks_and_goes() -> None:
     assert 2 <= len(said) <= 6
 
 
+def test_whoever_says_goodbye_goes_though_the_robot_talks_on() -> None:
+    visitor = Visitor(7)
+    now = standing(visitor, "V1")
+    said: list[str] = []
+    while visitor.present:
+        if visitor.hearing.speaks or not said:  # it never lets them finish
+            visitor.hear(now, 0.5, "And that is the whale.")
+        now += 0.1
+        visitor.step(now)
+        said += [one.text for one in visitor.speech() if one.what == "text"]
+        assert now < 400
+    assert said.count(words.GOODBYE) == 1
+
+
 def test_being_asked_for_a_name_is_not_too_much() -> None:
     visitor = Visitor(7)
     now = standing(visitor, "Kim")

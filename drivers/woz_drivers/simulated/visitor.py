@@ -102,9 +102,10 @@ class Visitor:
 
     def hear(self, begins: float, seconds: float, text: str = "") -> None:
         """The robot says `text` from `begins` on, for `seconds`: a person who is near looks up and
-        answers 1-2 s later. After some answers they thank, and go.
+        answers 1-2 s later. After some answers they thank, and go, whatever is said to that.
         """
-        if not self._listens:
+        taking_leave = self._patience < 0 and self._tick >= self._talk_begins
+        if taking_leave or not self._listens:
             return
         spoken = math.floor((begins + _PUNCTUALITY) / TICK) + math.ceil(seconds / TICK - 1e-6)
         ends = -(-spoken // _NOTICED) * _NOTICED

@@ -142,6 +142,15 @@ def test_what_makes_no_sense_now_is_said_before_it_is_done(
         orders.understood(Engagement(EngagementSettings()), verb, args)
 
 
+def test_a_step_that_leads_nowhere_is_refused() -> None:
+    model = Engagement(EngagementSettings())
+    model.run = "hold"
+    with pytest.raises(ValueError, match="no way out of Wait is open now"):
+        orders.understood(model, "engagement", {"run": "step"})
+    model.override("presence", True)
+    assert orders.understood(model, "engagement", {"run": "step"}) == {"run": "step"}
+
+
 def test_all_signs_are_given_back_the_name_too() -> None:
     log = Log()
     log.here()

@@ -67,6 +67,8 @@ def _run(model: Engagement, args: Args) -> dict[str, Json]:
     run = _word(args, "run", (*RUNS, _STEP))
     if run == _STEP and model.run != "hold":
         raise ValueError("only a model on hold goes step by step")
+    if run == _STEP and not model.pending:
+        raise ValueError(f"no way out of {model.state} is open now: `force` takes one all the same")
     return {"run": run}
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import json
 import random
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -18,6 +19,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.shape import Experiment
 from woz_tui.plugins import installed
 from woz_tui.record.log import Damage
 from woz_tui.record.recorder import Recorder
@@ -44,6 +46,17 @@ def path_of(changes: list[Change]) -> Path_:
     ]
 
 
+def _editions() -> list[Experiment]:
+    """The guide's file as somebody edits it while a session runs."""
+    guide = load(GUIDE, catalogue())
+    assert guide.engagement is not None
+    other = replace(guide.engagement.settings, samples=3, threshold=0.7, social_distance=2.0)
+    return [
+        *(guide, replace(guide, engagement=replace(guide.engagement, settings=other))),
+        replace(guide, engagement=None),
+    ]
+
+
 async def _meddle(session: Session, seed: int) -> None:
     """A wizard who presses what there is, the stop included."""
     chance = random.Random(seed)
@@ -58,8 +71,8 @@ async def _meddle(session: Session, seed: int) -> None:
                 session.release("key")
             elif press < 0.1:
                 session.set(participant=f"G{chance.randrange(10, 13)}")
-            elif press < 0.14:
-                session.adopt(load(GUIDE, catalogue()), [])
+            elif press < 0.18:
+                session.adopt(chance.choice(_editions()), ["engagement"])
             else:
                 session.play(chance.choice(names), WIZARD)
         except AskError:
@@ -105,9 +118,11 @@ def test_with_the_same_settings_the_path_is_the_same(log: Path) -> None:
 
 @pytest.mark.parametrize("seed", [1, 2, 3])
 def test_whatever_the_wizard_does_the_path_is_the_same(tmp_path: Path, seed: int) -> None:
-    """E7: overrides, forced states, the stop, filters set while running, other participants."""
+    """E7: overrides, forced states, the stop, filters set while running, the file edited, too."""
     path = run_virtual(_recorded(tmp_path, seed))
-    found = recounted(path, settings(), Damage())
+    found = recounted(path, None, Damage())
+    assert found.again is not None
+    assert len(found.again.told) > 2
     assert len(found.recorded) > 20
     assert any(change.forced for change in found.recorded)
     assert path_of(found.computed) == path_of(found.recorded)
@@ -141,13 +156,31 @@ def test_another_filter_compared(log: Path, capsys: pytest.CaptureFixture[str]) 
     assert figures["alike"] + figures["moved"] + only == figures["recorded"]
 
 
+def of_an_earlier_version(log: Path, folder: Path) -> Path:
+    """The same log, without its settings."""
+    recordings = folder / "recordings"
+    recordings.mkdir()
+    samples = log.with_name(log.name.replace(".jsonl", ".samples.jsonl"))
+    (recordings / samples.name).write_bytes(samples.read_bytes())
+    lines = log.read_bytes().splitlines(keepends=True)
+    told = [line for line in lines if b'"kind":"engagement.settings"' not in line]
+    assert len(told) == len(lines) - 1
+    (recordings / log.name).write_bytes(b"".join(told))
+    return recordings / log.name
+
+
 @pytest.mark.parametrize("folder", [EXPERIMENTS, EXPERIMENTS.parent], ids=["it", "above it"])
 def test_without_a_word_the_settings_are_those_of_the_session(
-    log: Path, folder: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+    log: Path,
+    folder: Path,
+    capsys: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path,
 ) -> None:
     """The file that the session names is taken if it is found and is still the same."""
     monkeypatch.chdir(folder)
-    assert cli.main(["engagement", str(log), "--compare"]) == 0
+    old = of_an_earlier_version(log, tmp_path)
+    assert cli.main(["engagement", str(old), "--compare"]) == 0
     captured = capsys.readouterr()
     assert "no difference" in captured.out
     assert "defaults" not in captured.err
@@ -157,11 +190,29 @@ def test_an_experiment_that_is_not_there_or_another_is_told(
     log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
+    log = of_an_earlier_version(log, tmp_path)
     assert cli.main(["engagement", str(log)]) == 0
     assert "guide.yaml is not beside the log: these are the defaults" in capsys.readouterr().err
     (tmp_path / "guide.yaml").write_text("title: [")
     assert cli.main(["engagement", str(log)]) == 0
     assert "cannot be read now" in capsys.readouterr().err
+
+
+def test_an_experiment_that_was_edited_afterwards_changes_nothing(
+    log: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """E5: the log has the settings itself; options stand above them."""
+    monkeypatch.chdir(tmp_path)
+    edited = GUIDE.read_text(encoding="utf-8").replace(
+        "engagement:", "engagement:\n  samples: 1", 1
+    )
+    (tmp_path / "guide.yaml").write_text(edited, encoding="utf-8")
+    assert cli.main(["engagement", str(log), "--compare"]) == 0
+    captured = capsys.readouterr()
+    assert "no difference" in captured.out
+    assert captured.err == ""
+    assert cli.main(["engagement", str(log), "--compare", "--samples", "1"]) == 0
+    assert "first difference" in capsys.readouterr().out
 
 
 def test_a_torn_log_is_read_as_far_as_it_goes(log: Path, tmp_path: Path) -> None:

@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from woz_tui import cli
-from woz_tui.cli.engagement_trials import trials
+from woz_tui.cli.engagement_trials import Delay, medians, trials
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.experiment.engagement import EngagementSettings
@@ -80,9 +80,9 @@ def test_delays_are_those_of_the_filter() -> None:
 
     lines = session(40, {9.9: "now", 24.9: "now", 35.0: "now"}, signs)
     [come, gone, nothing] = trials(lines, EngagementSettings()).delays()
-    assert list(come[1:]) == pytest.approx([0.1, 1.1], abs=0.01)
-    assert list(gone[1:]) == pytest.approx([0.1, 1.433], abs=0.01)
-    assert nothing[1:] == (None, None)
+    assert [come.plain, come.filtered] == pytest.approx([0.1, 1.1], abs=0.01)
+    assert [gone.plain, gone.filtered] == pytest.approx([0.1, 1.433], abs=0.01)
+    assert nothing == Delay(35 * SECOND, changes=False)
 
 
 def test_a_filter_that_the_wizard_sets_counts_for_the_filtered_ones_alone() -> None:
@@ -106,7 +106,9 @@ def test_a_filter_that_the_wizard_sets_counts_for_the_filtered_ones_alone() -> N
 
 @pytest.fixture
 def log(tmp_path: Path) -> Path:
-    lines = session(40, {5.0: "steady", 36.0: "now"}, lambda number, seconds: HERE)
+    """Somebody stands there, is told to stay at the first mark, and leaves at the second."""
+    marks = {5.0: "steady", 30.0: "now", 45.9: "now"}
+    lines = session(60, marks, lambda number, seconds: HERE if seconds < 45.95 else (0, 0, 4.0, ""))
     path = tmp_path / "2026-03-01T10-00-00_P01_S01.jsonl"
     stamped = [wire.encode(line) for line in numbered(lines)]
     path.write_bytes(b"".join(stamped))
@@ -124,14 +126,33 @@ def test_the_command_prints_both_tables(log: Path, capsys: pytest.CaptureFixture
     out = capsys.readouterr().out
     assert "Right throughout" in out
     assert "100 %" in out
-    assert "median" in out
-    assert "never" in out
+    rows = {line.split()[0]: line.split()[-2:] for line in out.splitlines() if line}
+    assert rows["30.0"] == ["-", "-"]
+    assert rows["median"] == rows["45.9"] == ["0.10", "1.43"]
+    assert "-: engagement was the same before and after, 1 of 2 marks" in out
+
+
+def test_a_mark_without_an_end_is_never_and_moves_the_median() -> None:
+    """Of what was to change: a mark at which nothing did is no delay."""
+    late = Delay(2 * SECOND, plain=1.0)
+    none = Delay(3 * SECOND, changes=False)
+    [nothing, middle, worst] = [
+        [*changes, *[none] * 5] for changes in ([], [late, Delay(1, 0.5, 0.5)], [late, late])
+    ]
+    assert medians(nothing) is None
+    assert medians(middle) == (0.75, None)
+    assert medians(worst) == (1.0, None)
 
 
 def test_programs_get_figures(log: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert cli.main(["engagement", str(log), "--trials", "--json"]) == 0
     figures = json.loads(capsys.readouterr().out)
-    assert figures["delays"] == [{"t": 36.0, "unfiltered": None, "filtered": None}]
+    [stays, leaves] = figures["delays"]
+    assert stays == {"t": 30.0, "changes": False, "unfiltered": None, "filtered": None}
+    assert leaves == {
+        **{"t": 45.9, "changes": True},
+        **{"unfiltered": pytest.approx(0.1, abs=0.01), "filtered": pytest.approx(1.43, abs=0.01)},
+    }
     assert {row["sign"] for row in figures["steady"]} == {
         *("presence", "gaze", "distance", "identity", "engaged")
     }

@@ -105,6 +105,9 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.SpeechText(driver="ears", segment=2, text="", detail="transcribe ended with status 1"),
     m.VisitorChanged(visitor="V012", what="learnt", about={"age_group": "child"}),
     m.VisitorChanged(visitor="V013", what="renamed", was="V012"),
+    m.EngagementAdopted(
+        settings={"signs": ["presence", "gaze"], "samples": 8, "timeouts": {"approach": None}}
+    ),
     m.EngagementChanged(
         was="PersonDetected",
         now="EngagedWithKnown",

@@ -77,6 +77,7 @@ def _morning() -> list[m.AnyMessage]:
         m.reading("distance", float("nan"), driver="belly", unit="m", raw=65_535.0),
         m.reading("identity", None, text="P07", driver="camera"),
         m.SensorChanged(sensor="distance", state="stale", was="ok", why="no value for 1 s"),
+        m.EngagementAdopted(settings={"samples": 8, "threshold": 0.5, "start_up": "zero-fill"}),
         m.EngagementChanged(
             was="EngagedWithUnknown",
             now="Handshake",

@@ -192,6 +192,11 @@ def settings_of(arguments: argparse.Namespace) -> EngagementSettings:
     Raises `ExperimentError` for a wrong file and `UsageError` for options that do not go together.
     """
     settings = _experiments(arguments.experiment) if arguments.experiment else EngagementSettings()
+    return with_options(arguments, settings)
+
+
+def with_options(arguments: argparse.Namespace, settings: EngagementSettings) -> EngagementSettings:
+    """Settings with the options above them; `UsageError` for those that do not go together."""
     numbers = ("samples", "threshold", "filter", "stale")
     others = ("start_up", "rate", "signs", "social_distance")
     given: dict[str, Any] = {

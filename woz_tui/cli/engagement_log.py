@@ -10,18 +10,20 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
+from woz_tui.cli.engagement_again import Above, Again
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.record.log import Damage, Line, read
 from woz_tui.sensing.model import Change
 from woz_tui.sensing.passing import SECOND
-from woz_tui.sensing.stream import Follower
 
-_SAMPLE = "sample"
+_SAMPLE, _SETTINGS = "sample", "engagement.settings"
+#: What a model writes; its settings come before all else of it.
+_MODEL = frozenset({_SETTINGS, "engagement.changed", "engagement.shown"})
 #: The folder in which a project keeps its experiments, beside the one of its logs.
 _EXPERIMENTS = "experiments"
 
@@ -41,22 +43,22 @@ class Recount:
     sensors: set[str] = field(default_factory=set)
     reloads: list[int] = field(default_factory=list)
     start: m.SessionStart | None = None
+    again: Again | None = None
 
 
 def run(arguments: argparse.Namespace, settings: EngagementSettings) -> int:
     """Print the transitions as lines, or beside those that were recorded; or how trials went."""
     path = Path(arguments.file)
-    if arguments.experiment is None:
-        settings = _settings_of_session(arguments, path, settings)
+    begin, above = _plan(arguments, path, settings)
     if arguments.trials:
         from woz_tui.cli import engagement_trials  # noqa: PLC0415
 
-        engagement_trials.show(path, settings, as_json=arguments.json)
+        engagement_trials.show(path, begin, above, as_json=arguments.json)
         return 0
     damage = Damage()
     lines = not arguments.compare
-    recount = recounted(path, settings, damage, _print_change if lines else _keep_quiet)
-    _hints(recount, settings, damage)
+    recount = recounted(path, begin, damage, _print_change if lines else _keep_quiet, above)
+    _hints(recount, damage)
     if arguments.compare:
         from woz_tui.cli import engagement_compare  # noqa: PLC0415
 
@@ -66,31 +68,38 @@ def run(arguments: argparse.Namespace, settings: EngagementSettings) -> int:
 
 def recounted(
     path: Path,
-    settings: EngagementSettings,
+    settings: EngagementSettings | None,
     damage: Damage,
     tell: Callable[[Change], object] = lambda change: None,
+    above: Above | None = None,
 ) -> Recount:
     """Read the log to which `path` belongs; `tell` hears of each transition as it is computed.
 
+    `settings` hold from the beginning (None: from where the log tells some), and all the time
+    unless `above` says what is made of those that the log tells.
     Raises `FileNotFoundError` and `ValueError` as `record.log.read` does.
     """
-    follower = Follower(settings)
+    again = Again(settings, above or (Above.always(settings) if settings else Above()))
     recount = Recount()
 
-    def follow(changes: list[Change]) -> None:
+    def follow(changes: Sequence[Change]) -> None:
         recount.computed += changes
         for change in changes:
             tell(change)
 
     for line in read(path, damage):
         recount.end = max(recount.end, line.t)
-        if line.kind == _SAMPLE and line.fields.get("sensor") not in follower.sensors:
+        follower = again.follower
+        if line.kind == _SAMPLE and (
+            follower is None or line.fields.get("sensor") not in follower.sensors
+        ):
             continue
         message = message_of(line)
         if message is not None:
             _noted(recount, message)
-            follow([*follower.take(message)])
-    follow([*follower.until(recount.end)])
+            follow(again.take(message))
+    follow(again.until(recount.end))
+    recount.again = again
     return recount
 
 
@@ -156,7 +165,40 @@ def _keep_quiet(change: Change) -> None:
 # -- settings ----------------------------------------------------------------------------------
 
 
-def _settings_of_session(
+def _plan(
+    arguments: argparse.Namespace, log: Path, settings: EngagementSettings
+) -> tuple[EngagementSettings | None, Above]:
+    """Settings of the beginning, and what stands above those that the log tells itself."""
+    from woz_tui.cli.engagement import with_options  # noqa: PLC0415
+
+    named = _named(arguments)
+    if arguments.experiment is not None:
+        return settings, Above.always(settings, named)
+    above = Above(lambda recorded: with_options(arguments, recorded), named)
+    return (None if _tells_settings(log) else _searched(arguments, log, settings)), above
+
+
+def _named(arguments: argparse.Namespace) -> dict[str, frozenset[str]]:
+    """Arguments of the wizard's verbs for which an option stands."""
+    options = {"filter": "kind", "samples": "samples", "threshold": "threshold"}
+    of_filter = {
+        argument for option, argument in options.items() if getattr(arguments, option) is not None
+    }
+    named = {"filter": frozenset(of_filter)} if of_filter else {}
+    if arguments.social_distance is not None:
+        named["social_distance"] = frozenset({"metres"})
+    return named
+
+
+def _tells_settings(log: Path) -> bool:
+    """Whether the log says which settings it begins with; those of earlier versions do not."""
+    for line in read(log, Damage()):
+        if line.kind in _MODEL:
+            return line.kind == _SETTINGS
+    return False
+
+
+def _searched(
     arguments: argparse.Namespace, log: Path, otherwise: EngagementSettings
 ) -> EngagementSettings:
     """Those of the experiment that the session was run with, if its very file is still there."""
@@ -211,18 +253,35 @@ def _unlike(file: Path, start: m.SessionStart) -> str:
     return f"{file} has no section engagement" if experiment.engagement is None else ""
 
 
-def _hints(recount: Recount, settings: EngagementSettings, damage: Damage) -> None:
+def _hints(recount: Recount, damage: Damage) -> None:
     for sentence in damage.sentences():
         _warn(f"the log is damaged: {sentence}")
-    sensors = {sign: settings.sign(sign).sensor or sign for sign in settings.signs}
+    again = recount.again
+    if again is None:
+        return
+    for why in again.unreadable:
+        _warn(f"settings in the log cannot be read, those before them go on: {why}")
+    sensors = {sign: again.settings.sign(sign).sensor or sign for sign in again.settings.signs}
     missing = [name for name in sensors.values() if name not in recount.sensors]
     if missing:
         _warn(f"nothing was sensed of {', '.join(missing)}")
-    if recount.reloads:
+    if again.passed_over:
+        _warn(_passed_over(again.passed_over))
+    edited = again.told[1:] if again.told else recount.reloads
+    if edited and (again.above.one or not again.told):
         _warn(
-            f"the section engagement was edited {recount.reloads[0] / SECOND:.0f} s after the"
+            f"the section engagement was edited {edited[0] / SECOND:.0f} s after the"
             " start; everything is computed with one set of settings"
         )
+
+
+def _passed_over(times: Sequence[int]) -> str:
+    first = f"{times[0] / SECOND:.1f} s"
+    if len(times) == 1:
+        what = f"1 change by the wizard was passed over (at {first})"
+    else:
+        what = f"{len(times)} changes by the wizard were passed over (the first at {first})"
+    return f"{what}: the command line names what was changed"
 
 
 def _warn(text: str) -> None:

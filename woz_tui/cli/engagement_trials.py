@@ -24,13 +24,12 @@ from typing import Any
 from rich.console import Console
 from rich.table import Table
 
+from woz_tui.cli.engagement_again import FILTER, Above, Again
 from woz_tui.cli.engagement_log import message_of
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import SIGNS, EngagementSettings
-from woz_tui.experiment.verbs import ENGAGEMENT as DRIVER
 from woz_tui.record.log import Damage, read
 from woz_tui.sensing.passing import SECOND
-from woz_tui.sensing.stream import Follower
 
 #: What a marker says.
 STEADY, NOW = "steady", "now"
@@ -93,6 +92,19 @@ class Course:
         return None
 
 
+@dataclass(frozen=True, slots=True)
+class Delay:
+    """Seconds from a mark `now`, at `at` microseconds, until engagement was what most samples say
+    some seconds later: without filter, with it; None: never. `changes` is False where they say what
+    they said before as well: there was nothing to be slow at.
+    """
+
+    at: int
+    plain: float | None = None
+    filtered: float | None = None
+    changes: bool = True
+
+
 @dataclass(frozen=True)
 class Trials:
     """What a session's markers ask for: stretches and moments, in microseconds."""
@@ -115,23 +127,20 @@ class Trials:
                 right[place] += course.holds(name, truth, begin, end)
         return len(long), right[0], right[1]
 
-    def delays(self) -> list[tuple[int, float | None, float | None]]:
-        """For each moment, seconds until engagement was what it was to be: without filter, with it.
+    def delays(self) -> list[Delay]:
+        """How quickly engagement became, after each moment, what it was to be."""
+        return [self._delay(at) for at in self.moments]
 
-        It was to be what most samples say some seconds later; None if they said so before as well.
-        """
-        return [(at, *self._delay(at)) for at in self.moments]
-
-    def _delay(self, at: int) -> tuple[float | None, float | None]:
+    def _delay(self, at: int) -> Delay:
         half = LATEST * SECOND // 2
         before = self.plain.mostly(ENGAGED, max(0, at - half), at)
         after = self.plain.mostly(ENGAGED, at + half, at + 2 * half)
         if before == after:
-            return None, None
+            return Delay(at, changes=False)
         plain, filtered = (
             course.becomes(ENGAGED, after, at) for course in (self.plain, self.filtered)
         )
-        return plain, filtered
+        return Delay(at, plain, filtered)
 
     def as_json(self) -> dict[str, m.Json]:
         """All figures for programs."""
@@ -147,20 +156,29 @@ class Trials:
                         }
                     )
         delays: list[m.Json] = [
-            {"t": at / SECOND, "unfiltered": plain, "filtered": filtered}
-            for at, plain, filtered in self.delays()
+            {
+                **{"t": delay.at / SECOND, "changes": delay.changes},
+                **{"unfiltered": delay.plain, "filtered": delay.filtered},
+            }
+            for delay in self.delays()
         ]
         return {"steady": steady, "delays": delays}
 
 
-def trials(messages: Iterable[m.AnyMessage], settings: EngagementSettings) -> Trials:
-    """Run a session through the model with and without filters."""
-    signs: dict[str, Any] = {
-        sign: replace(settings.sign(sign), filter=None, samples=None, threshold=None)
-        for sign in SIGNS
-    }
-    without = replace(settings, filter="fifo", samples=1, threshold=1.0, **signs)
-    followers = (Follower(without), Follower(settings))
+def trials(
+    messages: Iterable[m.AnyMessage],
+    settings: EngagementSettings | None,
+    above: Above | None = None,
+) -> Trials:
+    """Run a session through the model with and without filters; `settings` and `above` are as
+    `engagement_log.recounted` has them.
+    """
+    above = above or (Above.always(settings) if settings else Above())
+    plain = Above(
+        lambda recorded: _unfiltered(above.change(recorded)), {**above.named, "filter": FILTER}
+    )
+    unfiltered = None if settings is None else _unfiltered(settings)
+    models = (Again(unfiltered, plain), Again(settings, above))
     courses = (Course(), Course())
     marks: list[tuple[int, str]] = []
     end = 0
@@ -168,11 +186,11 @@ def trials(messages: Iterable[m.AnyMessage], settings: EngagementSettings) -> Tr
         end = max(end, message.t)
         if isinstance(message, m.Marker):
             marks.append((message.t, message.text.strip().casefold()))
-        for follower, course in zip(followers, courses, strict=True):
-            if course is courses[1] or not _changes_filter(message):
-                follower.take(message)
-            model = follower.model
-            course.note(message.t, {**model.verdicts, ENGAGED: int(model.engaged)})
+        for again, course in zip(models, courses, strict=True):
+            again.take(message)
+            if again.follower is not None:
+                model = again.follower.model
+                course.note(message.t, {**model.verdicts, ENGAGED: int(model.engaged)})
     marks.append((end, ""))
     stretches = [
         (begin, until)
@@ -182,20 +200,22 @@ def trials(messages: Iterable[m.AnyMessage], settings: EngagementSettings) -> Tr
     return Trials(stretches, [at for at, text in marks if text == NOW], *courses)
 
 
-def _changes_filter(message: m.AnyMessage) -> bool:
-    """Whether the wizard asks for another filter; what is without filter stays without."""
-    if not isinstance(message, m.Command):
-        return False
-    return (message.driver, message.verb) == (DRIVER, "filter")
+def _unfiltered(settings: EngagementSettings) -> EngagementSettings:
+    """Each sample decides; what the wizard asks of a filter does not count then."""
+    signs: dict[str, Any] = {
+        sign: replace(settings.sign(sign), filter=None, samples=None, threshold=None)
+        for sign in SIGNS
+    }
+    return replace(settings, filter="fifo", samples=1, threshold=1.0, **signs)
 
 
 # -- on the screen --------------------------------------------------------------------------------
 
 
-def show(log: Path, settings: EngagementSettings, *, as_json: bool) -> None:
+def show(log: Path, settings: EngagementSettings | None, above: Above, *, as_json: bool) -> None:
     """Print the figures of a log; it must be one (`record.log.read` says what it raises)."""
     lines = (message_of(line) for line in read(log, Damage()))
-    found = trials((message for message in lines if message is not None), settings)
+    found = trials((message for message in lines if message is not None), settings, above)
     if as_json:
         print(json.dumps(found.as_json()))
         return
@@ -213,6 +233,8 @@ def show(log: Path, settings: EngagementSettings, *, as_json: bool) -> None:
     if found.moments:
         console.print("Seconds until engagement changed", style="bold")
         console.print(_delays(found))
+        if unmoved := _unmoved(found):
+            console.print(unmoved)
 
 
 def _table(*columns: str) -> Table:
@@ -236,16 +258,35 @@ def _steady(found: Trials) -> Table:
 def _delays(found: Trials) -> Table:
     table = _table("at", "no filter", "filtered")
     rows = found.delays()
-    for at, plain, filtered in rows:
-        table.add_row(f"{at / SECOND:.1f} s", _seconds(plain), _seconds(filtered))
-    if rows:
-        table.add_row(
-            "median", *(_seconds(_median(row[place] for row in rows)) for place in (1, 2))
-        )
+    for row in rows:
+        said = (_seconds(row.plain), _seconds(row.filtered)) if row.changes else ("-", "-")
+        table.add_row(f"{row.at / SECOND:.1f} s", *said)
+    middle = medians(rows)
+    if middle is not None:
+        table.add_row("median", *map(_seconds, middle))
     return table
 
 
+def medians(delays: Iterable[Delay]) -> tuple[float | None, float | None] | None:
+    """Of the marks at which something was to change, without and with filter, as `Delay` has them;
+    None if there is no such mark.
+    """
+    changes = [delay for delay in delays if delay.changes]
+    if not changes:
+        return None
+    return _median(each.plain for each in changes), _median(each.filtered for each in changes)
+
+
+def _unmoved(found: Trials) -> str:
+    """How many marks are left out of the median; empty: none."""
+    count = sum(not row.changes for row in found.delays())
+    if not count:
+        return ""
+    return f"-: engagement was the same before and after, {count} of {len(found.moments)} marks"
+
+
 def _median(delays: Iterable[float | None]) -> float | None:
+    """The middle one; never comes after all others. There must be one at least."""
     middle = statistics.median(math.inf if delay is None else delay for delay in delays)
     return middle if math.isfinite(middle) else None
 

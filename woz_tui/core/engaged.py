@@ -28,6 +28,17 @@ class EngagementChanged(
     forced: bool = False
 
 
+class EngagementAdopted(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="engagement.settings"
+):
+    """The model goes by these settings from here on: all that the experiment's section says, with
+    the defaults, but without the path `visitors`. Told when the session begins and when a reload
+    changes them; an empty object: the section is gone, and the model with it.
+    """
+
+    settings: dict[str, Json]
+
+
 class SignShown(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     """A sign of the visitor: what was sensed last, and what the filter makes of it.
 

@@ -35,6 +35,7 @@ from woz_tui.core.commands import (
     TimedOut,
 )
 from woz_tui.core.engaged import (
+    EngagementAdopted,
     EngagementChanged,
     EngagementShown,
     SignShown,
@@ -76,6 +77,7 @@ __all__ = [
     "DriverHealth",
     "DriverLost",
     "End",
+    "EngagementAdopted",
     "EngagementChanged",
     "EngagementShown",
     "FaceShown",
@@ -336,6 +338,7 @@ AnyMessage = (
     | LaneRecovered
     | Reading
     | SensorChanged
+    | EngagementAdopted
     | EngagementChanged
     | EngagementShown
     | SpeechStarted

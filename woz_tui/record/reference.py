@@ -92,6 +92,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "sensor": ("", "the quantity that is sensed"),
     "sent": ("", "what really went to the hardware, after limits"),
     "session": ("", "session's code"),
+    "settings": ("", "the section `engagement`, every setting given; empty: there is none"),
     "sha256": ("", "SHA-256 of all lines of actions before this one, hexadecimal"),
     "signs": ("", "by the sign's name: see *How a sign is shown*"),
     "since": ("µs", "moment, on the `t` axis, at which the state was entered"),

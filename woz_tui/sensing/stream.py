@@ -17,6 +17,7 @@ How messages are read:
 * Verbs of the performer `engagement` are obeyed when they are done (`sensing/orders.py`).
 * A recogniser that finds a name during a handshake ends it.
 * Another participant begins anew: overrides are given back, the name is forgotten, Wait.
+* `engagement.settings` are the settings from there on.
 """
 
 from __future__ import annotations
@@ -28,6 +29,7 @@ from typing import Any
 from woz_tui.core import messages as m
 from woz_tui.core.driver import SPEECH as SEGMENTS
 from woz_tui.experiment.engagement import SIGNS, UNKNOWN, EngagementSettings
+from woz_tui.experiment.engagement_plain import settings_from
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing import orders
 from woz_tui.sensing.machine import Event, State
@@ -249,6 +251,14 @@ class Follower:
             return None
         return self.model.force(State.WAIT, stands=False)
 
+    def _settings(self, message: m.EngagementAdopted) -> Change | None:
+        """Other settings, at the same place live and in the log. That the section is gone concerns
+        whoever has this follower.
+        """
+        if message.settings:
+            self.adopt(settings_from(message.settings))
+        return None
+
     def _nothing(self, message: m.AnyMessage) -> Change | None:
         return None
 
@@ -272,6 +282,7 @@ _READ: Mapping[type, Callable[[Follower, Any], Change | None]] = {
     m.Stopped: Follower._ended,
     m.Superseded: Follower._superseded,
     m.SessionStart: Follower._start,
+    m.EngagementAdopted: Follower._settings,
     m.SessionChanged: Follower._session,
     m.ClockTie: Follower._nothing,
 }

@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Job, Rejected, Scope, Verb
 from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.shape import Action, Experiment, Together
+from woz_tui.experiment.engagement_plain import plain
+from woz_tui.experiment.shape import Action, Engagement, Together
 from woz_tui.experiment.template import VISITOR
 from woz_tui.experiment.verbs import ENGAGEMENT, engagement_verbs
 from woz_tui.sensing import orders
@@ -66,10 +67,10 @@ class LiveEngagement:
         self._named: dict[str, str] = {}
         #: Verbs by name, as the bus has them; empty without the section.
         self.offered: dict[str, Verb] = {}
-        self._adopt(session.experiment)
-        for message in session.standing.state():
-            self._hear(message)
+        #: The settings as the log has them; none without the section.
+        self._told: dict[str, m.Json] = {}
         self._hub.listen(self._hear)
+        self._tell_settings()
 
     # -- what the session asks ---------------------------------------------------------------------
 
@@ -153,8 +154,8 @@ class LiveEngagement:
         return True
 
     def _listen(self, message: m.AnyMessage) -> None:
-        if isinstance(message, m.ExperimentReloaded):
-            self._reloaded()
+        if isinstance(message, m.ExperimentReloaded | m.EngagementAdopted):
+            self._follow_file(message)
         follower, visiting, attending = self._follower, self._visiting, self._attending
         if follower is None or visiting is None or attending is None:
             return
@@ -171,7 +172,7 @@ class LiveEngagement:
         visiting.hear(message)
         attending.hear(message)
         match message:
-            case m.Done():
+            case m.Done() | m.EngagementAdopted():
                 attending.attend(follower.mode)
                 if was == "off":
                     self._show_robots()
@@ -194,9 +195,29 @@ class LiveEngagement:
             if isinstance(message, m.DriverConnected):
                 self._connected(message.driver)
 
-    def _reloaded(self) -> None:
+    def _follow_file(self, message: m.ExperimentReloaded | m.EngagementAdopted) -> None:
+        """New settings count from when all hear of them; what the robot shows, at once."""
+        engagement = self._session.experiment.engagement
+        if isinstance(message, m.EngagementAdopted):
+            self._reloaded(engagement if message.settings else None)
+        elif not self._tell_settings():
+            self._reloaded(engagement)
+
+    def _tell_settings(self) -> bool:
+        """Say which settings hold, if they are others than before. They are taken over when this is
+        heard: whoever reads the log later takes them over at the same place.
+        """
+        engagement = self._session.experiment.engagement
+        settings = plain(engagement.settings) if engagement else {}
+        if settings == self._told:
+            return False
+        self._told = settings
+        self._hub.publish(m.EngagementAdopted(settings=settings))
+        return True
+
+    def _reloaded(self, engagement: Engagement | None) -> None:
         had_one = self._follower is not None
-        self._adopt(self._session.experiment)
+        self._adopt(engagement)
         if self._follower is None:
             self._effects.gone()
             self._shown = None
@@ -214,11 +235,9 @@ class LiveEngagement:
         for message in self._session.standing.state():
             if not isinstance(message, m.Reading):
                 follower.take(message)
-        follower.until(self._hub.now())
 
-    def _adopt(self, experiment: Experiment) -> None:
+    def _adopt(self, engagement: Engagement | None) -> None:
         """Take the section as it is now in the file."""
-        engagement = experiment.engagement
         verbs = engagement_verbs() if engagement else ()
         self.offered.clear()
         self.offered.update({verb.name: verb for verb in verbs})
@@ -231,11 +250,11 @@ class LiveEngagement:
         self._effects.adopt()
 
     def _take_settings(self, settings: EngagementSettings) -> None:
+        """For all but a follower that there is: it reads of them, as in the log."""
         if self._follower is None or self._visiting is None:
             self._follower = Follower(settings)
             self._visiting = Visiting(self._session, settings)
         else:
-            self._follower.adopt(settings)
             self._visiting.adopt(settings)
         if self._attending is None or not self._attending.fits(settings):
             self._attend(self._follower, settings)

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from tests.sensing.visiting import PERIOD, WITH, Visit
 from woz_tui.experiment.engagement import SoundSettings
@@ -26,12 +28,33 @@ def test_speech_begins_strictly_above_the_threshold() -> None:
     assert heard(voice, 0.1, 0.11) == [None, START]
 
 
-@pytest.mark.parametrize("period", [SECOND // 3, 333_000, 100_000, 20_000])
+@pytest.mark.parametrize("period", [SECOND // 3, 333_000, 100_000, 20_000, 10_000, 1_000])
 def test_a_second_of_quiet_ends_it_whatever_the_rate(period: int) -> None:
-    """Also where stamps are rounded: three times 0.333 s are a second."""
+    """With the very chunk. Also where stamps are rounded: three times 0.333 s are a second."""
     chunks = round(SECOND / period)
     events = heard(Voice(SoundSettings(threshold=0.1)), 0.5, *[0.0] * chunks, period=period)
     assert events == [START, *[None] * (chunks - 1), END]
+
+
+@given(st.data(), st.sampled_from([SECOND // 3, 100_000, 10_000]), st.integers(2, 40))
+def test_chunks_that_come_a_little_early_or_late_count_as_on_time(
+    data: st.DataObject, period: int, chunks: int
+) -> None:
+    """An eighth of a period, either way, at every chunk."""
+    late = st.integers(-period // 8, period // 8)
+    times = [number * period + data.draw(late) for number in range(1, chunks + 3)]
+    levels = [0.0, 0.5, *[0.0] * chunks]
+    voice = Voice(SoundSettings(threshold=0.1, hang_over=chunks * period / SECOND))
+    events = [voice.take(level, t)[1] for level, t in zip(levels, times, strict=True)]
+    assert events == [None, START, *[None] * (chunks - 1), END]
+
+
+def test_after_a_hole_in_the_sound_the_hang_over_is_not_cut_short() -> None:
+    voice = Voice(SoundSettings(threshold=0.1))
+    times = [100_000, 200_000, 1_000_000, 1_100_000, 1_200_000]
+    levels = [0.0, 0.5, 0.0, 0.0, 0.0]
+    events = [voice.take(level, t)[1] for level, t in zip(levels, times, strict=True)]
+    assert events == [None, START, None, None, END]
 
 
 def test_a_pause_within_a_sentence_does_not_end_it() -> None:

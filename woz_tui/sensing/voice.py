@@ -12,15 +12,15 @@ from woz_tui.sensing.passing import SECOND, microseconds
 
 #: Threshold of the program that the paper's authors published: 2400 of 32768, full scale.
 PUBLISHED_THRESHOLD = 2400 / 32768
-#: Stamps are rounded: three thirds of a second, written as 0.333, are a second. One part in:
-_ROUNDING = 100
 
 
 class Voice:
     """Values of loudness as chunks of sound, each as long as the time since the one before.
 
     Loud chunks begin speech at once; quiet ones for `hang_over` seconds end it, and so does sound
-    that stays away for longer than that and than a second.
+    that stays away for longer than that and than a second. It ends with the chunk that is nearest
+    to the end of the hang-over: half a chunk is forgiven, because real clocks jitter and stamps are
+    rounded (three thirds of a second, written as 0.333, are a second).
     """
 
     def __init__(self, settings: SoundSettings) -> None:
@@ -28,6 +28,7 @@ class Voice:
         self._points = Endpointer(PUBLISHED_THRESHOLD, hang=2**62, pre=0)
         self._loud_at = 0
         self._chunk_at = 0
+        self._gap = 0
         self.level: float | None = None
         self.adopt(settings)
 
@@ -60,13 +61,13 @@ class Voice:
         if rms is None:
             return False, None
         self.level = rms
+        half = self._half_a_chunk(now)
         self._chunk_at = now
         begun = isinstance(self._points.take(rms), Started)
         if rms > self.threshold:
             self._loud_at = now
             return True, Event.SPEECH_START if begun else None
-        quiet = now - self._loud_at
-        return True, self._end() if quiet + quiet // _ROUNDING >= self._hang else None
+        return True, self._end() if now - self._loud_at + half >= self._hang else None
 
     def ends_at(self) -> int | None:
         """When speech ends if no sound comes any more; None if nobody speaks."""
@@ -76,6 +77,11 @@ class Voice:
         """Time passes without sound."""
         end = self.ends_at()
         return self._end() if end is not None and now >= end else None
+
+    def _half_a_chunk(self, now: int) -> int:
+        """Of the shorter of the last two: a hole in the sound is no chunk."""
+        before, self._gap = self._gap, now - self._chunk_at
+        return min(before, self._gap) // 2
 
     def _end(self) -> Event | None:
         return None if self._points.close() is None else Event.SPEECH_END

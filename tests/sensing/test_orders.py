@@ -133,6 +133,9 @@ def test_a_handshake_that_the_wizard_ends_is_over_though_the_model_is_held(
         ("handshake", {"what": "ok"}, "no handshake to end"),
         ("social_distance", {"metres": 5.0}, "beyond the sensor's reach"),
         ("attend", {"mode": "somehow"}, "mode is one of"),
+        ("visitor", {"code": "Unknown"}, "is no name"),
+        ("sense", {"sign": "identity", "value": "?"}, "neither letters nor digits"),
+        ("filter", {"sign": "all", "kind": "median"}, "sign: distance, kind: median"),
     ],
 )
 def test_what_makes_no_sense_now_is_said_before_it_is_done(

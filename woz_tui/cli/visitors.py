@@ -17,7 +17,7 @@ from rich.text import Text
 
 from woz_tui.cli.failure import explained
 from woz_tui.core.messages import Json
-from woz_tui.sensing.names import key_of, shown
+from woz_tui.experiment.visitor_names import key_of, shown
 from woz_tui.sensing.people import (
     RefusedError,
     UnsavedError,

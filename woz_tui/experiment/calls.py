@@ -15,7 +15,7 @@ from woz_tui.experiment.arguments import Setting, read_argument
 from woz_tui.experiment.nodes import Items, Scalar, Table
 from woz_tui.experiment.report import join, listed, quoted
 from woz_tui.experiment.robot import Offer, Robots
-from woz_tui.experiment.sensed import nonsense
+from woz_tui.experiment.sensed import nonsense, without_a_sign
 from woz_tui.experiment.shape import Call, Together
 from woz_tui.experiment.spot import Spot, read_text
 from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
@@ -262,13 +262,21 @@ class _Arguments:
                 entry.error(f"this {self._verb.name!r} has no such argument")
         args: dict[str, Json] = {}
         for argument in self._verb.arguments:
-            if argument.name in given:
+            if argument.name in given and not self._misplaced(given[argument.name]):
                 args[argument.name] = read_argument(given[argument.name], argument, self._setting)
-            elif argument.required:
+            elif argument.required and argument.name not in given:
                 what = f" ({argument.summary})" if argument.summary else ""
                 spot, absent = self._spot, join(self._spot.path, argument.name)
                 spot.report.missing(spot.place, spot.path, f"needs {argument.name!r}{what}", absent)
         return args
+
+    def _misplaced(self, entry: Spot) -> bool:
+        """Whether the verb's main argument holds what belongs to another one; reported."""
+        text = entry.node.text if entry is self._spot and isinstance(entry.node, Scalar) else ""
+        why = without_a_sign(self._verb.name, text)
+        if why:
+            entry.error(why)
+        return bool(why)
 
     def _under(self) -> dict[str, Spot]:
         node = self._spot.node

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 from woz_tui.core.driver import SPEECH
 from woz_tui.core.messages import Json
+from woz_tui.experiment import template
 from woz_tui.experiment.actions import Drafted
 from woz_tui.experiment.effects import effect_name
 from woz_tui.experiment.engagement import CONDITION, SIGNS, EngagementSettings, SoundSettings
@@ -26,6 +27,7 @@ def check_engagement(
 ) -> None:
     """Report what does not fit together; `drafts` are all actions of the panels."""
     _names(engagement, drafts, report)
+    _confirmation(engagement.settings, report)
     if robots.incomplete:
         return
     _verbs(robots, report)
@@ -54,6 +56,14 @@ def _names(engagement: Engagement, drafts: Sequence[Drafted], report: Report) ->
                 f"{quoted(draft.action.name)} is what {SECTION}.on_enter calls its own action;"
                 " choose another name",
             )
+
+
+def _confirmation(settings: EngagementSettings, report: Report) -> None:
+    """Nobody can say whether a name was understood that they have not heard."""
+    if "name" not in template.names(settings.handshake.confirm):
+        path = f"{SECTION}.handshake.confirm"
+        said = "does not repeat what was understood; put {name} into it, as in '{name}, right?'"
+        report.warning(report.place(path), path, said)
 
 
 def _verbs(robots: Robots, report: Report) -> None:

@@ -7,7 +7,8 @@ from collections.abc import Mapping
 
 from woz_tui.core.messages import Json
 from woz_tui.experiment import template
-from woz_tui.experiment.engagement import SIGNS, UNKNOWN
+from woz_tui.experiment.engagement import FILTERS, SIGNS, UNKNOWN
+from woz_tui.experiment.visitor_names import name_of, word_of
 
 #: Gives a sign back to its sensor.
 SENSOR = "sensor"
@@ -42,22 +43,72 @@ def _metres(value: str) -> float:
     return metres
 
 
+def identity_of(value: str) -> str:
+    """The name that the wizard gives, or "Unknown". Raises `BadNameError` for what is neither."""
+    return UNKNOWN if value.strip().casefold() == UNKNOWN.casefold() else name_of(value)
+
+
 def nonsense(verb: str, args: Mapping[str, Json]) -> str:
     """Why a call of the engagement model makes no sense, as far as its arguments tell; or empty.
 
     Values with a variable in them are known only when the call is made.
     """
-    sign, value = args.get("sign"), args.get("value")
-    if verb == "sense" and isinstance(sign, str) and isinstance(value, str):
-        if template.names(value):
-            return ""
-        try:
-            sensed(sign, value)
-        except ValueError as error:
-            return str(error)
-    if verb == "filter" and sign in SIGNS:
-        if args.get("kind") == "median" and sign != "distance":
-            return "a median is for distance; take fifo or joint"
-        if not {"kind", "samples", "threshold"} & args.keys():
-            return "changes nothing; give it a kind, samples or a threshold"
+    if verb == "filter":
+        return _misfiltered(args)
+    try:
+        if verb == "sense":
+            _sensed_well(args)
+        elif verb in ("handshake", "visitor"):
+            _named_well(verb, args)
+    except ValueError as error:
+        return str(error)
     return ""
+
+
+def _sensed_well(args: Mapping[str, Json]) -> None:
+    sign, value = args.get("sign"), _fixed(args, "value")
+    if not isinstance(sign, str) or value is None:
+        return
+    meant = sensed(sign, value)
+    if sign == "identity" and isinstance(meant, str):
+        identity_of(meant)
+
+
+def _named_well(verb: str, args: Mapping[str, Json]) -> None:
+    code = _fixed(args, "code")
+    if code is not None and (code or verb == "visitor"):
+        name_of(code)
+    for name, what in (("age_group", "an age group"), ("address", "a form of address")):
+        word_of(_fixed(args, name) or "", what)
+
+
+def _fixed(args: Mapping[str, Json], name: str) -> str | None:
+    """An argument that is known before the call is made."""
+    value = args.get(name)
+    return value if isinstance(value, str) and not template.names(value) else None
+
+
+def _misfiltered(args: Mapping[str, Json]) -> str:
+    sign, kind = args.get("sign"), args.get("kind")
+    if sign not in (*SIGNS, "all"):
+        return ""
+    if kind == "median" and sign == "all":
+        return (
+            "a median is for distance only: filter: {sign: distance, kind: median},"
+            " or take fifo or joint for all"
+        )
+    if kind == "median" and sign != "distance":
+        return "a median is for distance; take fifo or joint"
+    if not {"kind", "samples", "threshold"} & args.keys():
+        return "changes nothing; give it a kind, samples or a threshold"
+    return ""
+
+
+def without_a_sign(verb: str, text: str) -> str:
+    """How to say it where a filter's kind stands in the place of the sign; empty: it does not."""
+    if verb != "filter" or text not in FILTERS:
+        return ""
+    sign = "distance" if text == "median" else "all"
+    return (
+        f"{text!r} is a kind of filter; say of which sign: filter: {{sign: {sign}, kind: {text}}}"
+    )

@@ -11,7 +11,7 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from woz_tui.sensing.names import key_of, shown
+from woz_tui.experiment.visitor_names import key_of, shown
 from woz_tui.sensing.phrases import LANGUAGES
 
 #: A name has no more words than this.

@@ -30,8 +30,8 @@ from dataclasses import dataclass
 
 from woz_tui.experiment.engagement import HandshakeSettings
 from woz_tui.experiment.template import fill
+from woz_tui.experiment.visitor_names import BadNameError, name_of, shown
 from woz_tui.sensing.answers import Answer, Answers
-from woz_tui.sensing.names import BadNameError, name_of, shown
 
 _SECOND = 1_000_000
 #: So many words in a row of the robot's own are an echo.

@@ -9,11 +9,11 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.core.messages import Json
-from woz_tui.experiment.engagement import CONDITION, FILTERS, MODES, RUNS, SIGNS, UNKNOWN
-from woz_tui.experiment.sensed import SENSOR, nonsense, sensed
+from woz_tui.experiment.engagement import CONDITION, FILTERS, MODES, RUNS, SIGNS
+from woz_tui.experiment.sensed import SENSOR, identity_of, nonsense, sensed
+from woz_tui.experiment.visitor_names import name_of
 from woz_tui.sensing.machine import OUTCOMES, Event, State, edges_from
 from woz_tui.sensing.model import Change, Engagement
-from woz_tui.sensing.names import name_of
 
 ALL = "all"
 _STEP = "step"
@@ -47,7 +47,7 @@ def _sense(model: Engagement, args: Args) -> dict[str, Json]:
     value = value.strip()
     meant = sensed("presence" if sign == ALL else sign, value)
     if sign == "identity" and isinstance(meant, str):
-        value = UNKNOWN if meant.casefold() == UNKNOWN.casefold() else name_of(meant)
+        value = identity_of(meant)
     return {"sign": sign, "value": value}
 
 

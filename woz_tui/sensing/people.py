@@ -30,8 +30,8 @@ from datetime import date
 from pathlib import Path
 
 from woz_tui.core import replacing
+from woz_tui.experiment.visitor_names import BadNameError, key_of, label_of, name_of, word_of
 from woz_tui.sensing import visitors as changes
-from woz_tui.sensing.names import BadNameError, key_of, label_of, name_of, word_of
 from woz_tui.sensing.visitors import (
     Change,
     People,

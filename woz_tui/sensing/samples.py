@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from functools import lru_cache
 
-from woz_tui.sensing.names import BadNameError, label_of
+from woz_tui.experiment.visitor_names import BadNameError, label_of
 
 #: A face that nobody knows; an identity, but nobody's.
 UNKNOWN = "Unknown"

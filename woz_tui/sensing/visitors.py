@@ -14,7 +14,7 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.sensing.names import BadNameError, key_of, label_of, name_of, shown, word_of
+from woz_tui.experiment.visitor_names import BadNameError, key_of, label_of, name_of, shown, word_of
 
 FORMAT = "woz-tui visitors"
 VERSION = 1

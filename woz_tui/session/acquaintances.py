@@ -8,12 +8,14 @@ stay in memory, and go into the file with the next change that it takes.
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 from collections.abc import Callable, Iterable
 from datetime import date
 from pathlib import Path
 
 from woz_tui.core import messages as m
-from woz_tui.sensing.names import key_of
+from woz_tui.experiment.visitor_names import key_of
 from woz_tui.sensing.people import RefusedError, Visitor, Visitors, VisitorsError
 from woz_tui.session.clerk import Clerk, Job, Outcome
 
@@ -62,14 +64,16 @@ class Acquaintances:
         if len(self._open) == len(self._unmade):
             self._do(Job(Visitors.save))
 
-    def finish(self, seconds: float) -> None:
+    async def finish(self, seconds: float) -> None:
         """The session ends: try once more to save everything, for at most so long, and tell what
-        could not be saved.
+        could not be saved. A disk that hangs keeps the session's end, and nobody else.
         """
         self._catch_up()
         if self.lacks:
             self.look()
-        self.wait(seconds)
+        if self._clerk.works:
+            with contextlib.suppress(TimeoutError):  # where no thread is free to wait either
+                await asyncio.wait_for(asyncio.to_thread(self.wait, seconds), seconds)
         self._catch_up()
         if self.lacks:
             changes = f"{self.lacks} change{'s' if self.lacks > 1 else ''}"
@@ -78,7 +82,7 @@ class Acquaintances:
             self._publish(m.Notice(level="error", text=text, remedy=remedy))
 
     def wait(self, seconds: float) -> None:
-        """Wait until all changes have been tried, at most so long."""
+        """Wait until all changes have been tried, at most so long; blocks whoever calls."""
         self._clerk.wait(seconds)
 
     @property

@@ -8,7 +8,15 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.names import LONGEST, BadNameError, key_of, label_of, name_of, shown, word_of
+from woz_tui.experiment.visitor_names import (
+    LONGEST,
+    BadNameError,
+    key_of,
+    label_of,
+    name_of,
+    shown,
+    word_of,
+)
 
 #: A name that is not written right without a joiner.
 PERSIAN = "\u0639\u0644\u06cc\u200c\u0631\u0636\u0627"

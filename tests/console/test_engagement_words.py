@@ -49,8 +49,9 @@ def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
     assert line(change) == ("info", "PersonDetected", "present")
     forced = msgspec.structs.replace(change, forced=True)
     assert line(forced) == ("forced", "PersonDetected", "by hand: present")
-    by_name = msgspec.structs.replace(forced, why="forced by the wizard")
-    assert line(by_name)[2] == "forced by the wizard"
+    for hand in ("forced", "stepped"):
+        by_name = msgspec.structs.replace(forced, why=f"{hand} by the wizard: present")
+        assert line(by_name)[2] == "by hand: present"
     (event,) = told(forced)
     for glyphs in (UNICODE, ASCII):
         row = event_row(event, Picture(), Frame(60, 1, NOW, glyphs))
@@ -240,4 +241,10 @@ def test_the_preflight_names_signs_that_nobody_gives() -> None:
     assert (missing.level, missing.text) == ("warning", "nobody gives gaze yet")
     hand = m.SignShown(verdict=1, places=8, forced=True)
     picture.take([engaged.shown(signs=engaged.signs(gaze=hand))], 0)
-    assert sign_findings(picture)[0].level == "ok"
+    (some,) = sign_findings(picture)
+    assert some.level == "ok"
+    assert some.text == "presence, distance are sensed, gaze is given by hand"
+    all_by_hand = dict.fromkeys(("presence", "gaze", "distance"), hand)
+    picture.take([engaged.shown(signs=engaged.signs(**all_by_hand))], 0)
+    (given,) = sign_findings(picture)
+    assert (given.level, given.text) == ("ok", "presence, gaze, distance are given by hand")

@@ -136,6 +136,7 @@ def test_on_a_full_disk_the_old_file_stays_and_the_change_waits(tmp_path: Path, 
         with pytest.raises(UnsavedError, match="cannot be written: File too large") as error:
             store.add("Bob", on=TODAY)
         assert error.value.remedy
+        assert error.value.reason.endswith(f": {path}")  # a short line keeps the cause
         with pytest.raises(UnsavedError):
             store.rename("bob", "B01")
         with pytest.raises(UnsavedError):

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.console.engagement.seen import texts
+from woz_tui.console.engagement.words import why
 from woz_tui.console.runs import Outcome, words
 from woz_tui.core import messages as m
 
@@ -185,8 +186,7 @@ def _sensor(message: m.SensorChanged, picture: Picture) -> Event | None:
 
 def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:
     if message.forced:
-        why = message.why if message.why.startswith("forced") else f"by hand: {message.why}"
-        return Event(message.t, "forced", message.now, why)
+        return Event(message.t, "forced", message.now, f"by hand: {why(message)}")
     return Event(message.t, "info", message.now, message.why)
 
 

@@ -268,7 +268,7 @@ def _read(path: Path) -> tuple[People, _Stamp]:
         reason = f"{path}: byte {error.start} is not UTF-8"
         raise UnreadableError(reason, changes.MEND) from None
     except OSError as error:
-        reason = f"{path}: cannot be read: {error.strerror}"
+        reason = f"cannot be read: {error.strerror}: {path}"
         raise UnreadableError(reason, "see to its rights, or name another file") from None
     return changes.read(text, str(path)), _stamp_of(about)
 
@@ -332,4 +332,4 @@ def _unsaved(path: Path, error: OSError | UnreadableError) -> UnsavedError:
         errno.ETIMEDOUT: "end the process that hangs, or wait for it",
     }
     remedy = remedies.get(error.errno or 0, "see to the folder's rights, or name another file")
-    return UnsavedError(f"{path}: cannot be written: {error.strerror or error}", remedy)
+    return UnsavedError(f"cannot be written: {error.strerror or error}: {path}", remedy)

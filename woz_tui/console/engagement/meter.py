@@ -26,6 +26,7 @@ from woz_tui.console.engagement.words import (
     share,
     signs_of,
     waiting,
+    why,
 )
 from woz_tui.console.figures import age, elapsed, seconds
 from woz_tui.console.glyphs import Frame, Glyphs
@@ -143,7 +144,7 @@ def _why(picture: Picture, frame: Frame) -> Row:
     if last is None:
         return (named("why"), (frame.glyphs.dash, "faint"))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
-    return (named("why"), *hand, (frame.glyphs.plain(clean(last.why)), "muted"))
+    return (named("why"), *hand, (frame.glyphs.plain(clean(why(last))), "muted"))
 
 
 def _heard(picture: Picture, frame: Frame) -> Row:

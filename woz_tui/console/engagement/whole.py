@@ -22,6 +22,7 @@ from woz_tui.console.engagement.words import (
     signs_of,
     unsensed,
     waiting,
+    why,
 )
 from woz_tui.console.figures import elapsed, seconds
 from woz_tui.console.glyphs import Frame
@@ -219,7 +220,7 @@ def _way(picture: Picture, frame: Frame, room: int) -> list[Row]:
                 (hand, "wait"),
                 (fit(change.now, 19, glyphs.ellipsis), "plain"),
                 (fit(change.outcome, 15, glyphs.ellipsis), "muted"),
-                (glyphs.plain(clean(change.why)), "muted"),
+                (glyphs.plain(clean(why(change))), "muted"),
             )
         )
     return rows[:room] or [(("nothing has changed yet", "muted"),)]

@@ -35,6 +35,8 @@ USUAL_ATTENTION = MODES[2]
 _SHORT_CELLS = 12
 #: What is not known of identities, as the model calls it.
 _UNKNOWN = ("", "Unknown")
+#: How a change by hand begins in the log.
+_HANDS = ("forced by the wizard: ", "stepped by the wizard: ")
 #: A joint filter counts per cent.
 _PER_CENT = 100
 
@@ -176,6 +178,14 @@ def condition(
         if sign.forced:
             row += ((f" {glyphs.forced}{'' if brief else ' by hand'}", "wait"),)
     return row
+
+
+def why(change: m.EngagementChanged) -> str:
+    """Why it changed, without who did it in front: for lines that have a mark for that."""
+    for hand in _HANDS:
+        if change.forced and change.why.startswith(hand):
+            return change.why.removeprefix(hand)
+    return change.why
 
 
 def known_visitor(shown: m.EngagementShown) -> str:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
@@ -17,6 +17,7 @@ from woz_tui.console.screens.dialog import Report
 from woz_tui.console.status import SLOW_LINE_US
 from woz_tui.core.driver import Finding
 from woz_tui.core.machine.terminal import environment, multiplexers
+from woz_tui.core.messages import EngagementShown
 from woz_tui.core.requests import AskPreflight, Reply
 from woz_tui.experiment.terminals import Terminal
 
@@ -62,11 +63,21 @@ def sign_findings(picture: Picture) -> list[Finding]:
     wanted = [name for name, _ in signs_of(shown) if name in shown.uses]
     missing = [name for name in wanted if unsensed(shown.signs[name])]
     if not missing:
-        return [Finding("ok", "engagement", f"{', '.join(wanted)} are sensed")]
+        return [Finding("ok", "engagement", _givers(shown, wanted))]
     return [
         Finding("warning", "engagement", f"nobody gives {name} yet", "give it by hand, or wait")
         for name in missing
     ]
+
+
+def _givers(shown: EngagementShown, names: Sequence[str]) -> str:
+    """`presence, gaze are sensed, distance is given by hand`."""
+    by_hand = [name for name in names if shown.signs[name].forced]
+    sensed = [name for name in names if name not in by_hand]
+    told = ((sensed, "sensed"), (by_hand, "given by hand"))
+    return ", ".join(
+        f"{', '.join(some)} {'is' if len(some) == 1 else 'are'} {how}" for some, how in told if some
+    )
 
 
 def line_finding(round_trip_us: int | None) -> Finding:

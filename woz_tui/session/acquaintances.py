@@ -8,8 +8,6 @@ stay in memory, and go into the file with the next change that it takes.
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
 from collections.abc import Callable, Iterable
 from datetime import date
 from pathlib import Path
@@ -64,16 +62,14 @@ class Acquaintances:
         if len(self._open) == len(self._unmade):
             self._do(Job(Visitors.save))
 
-    async def finish(self, seconds: float) -> None:
+    def finish(self, seconds: float) -> None:
         """The session ends: try once more to save everything, for at most so long, and tell what
-        could not be saved. A disk that hangs keeps the session's end, and nobody else.
+        could not be saved.
         """
         self._catch_up()
         if self.lacks:
             self.look()
-        if self._clerk.works:
-            with contextlib.suppress(TimeoutError):  # where no thread is free to wait either
-                await asyncio.wait_for(asyncio.to_thread(self.wait, seconds), seconds)
+        self.wait(seconds)
         self._catch_up()
         if self.lacks:
             changes = f"{self.lacks} change{'s' if self.lacks > 1 else ''}"
@@ -82,7 +78,7 @@ class Acquaintances:
             self._publish(m.Notice(level="error", text=text, remedy=remedy))
 
     def wait(self, seconds: float) -> None:
-        """Wait until all changes have been tried, at most so long; blocks whoever calls."""
+        """Wait until all changes have been tried, at most so long."""
         self._clerk.wait(seconds)
 
     @property

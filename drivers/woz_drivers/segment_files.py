@@ -90,7 +90,7 @@ class SegmentFiles:
 
     def give_back(self, path: Path) -> asyncio.Future[None]:
         """Delete a file that was lent."""
-        return self._start(lambda: path.unlink(missing_ok=True))
+        return self._start(lambda: path.unlink(missing_ok=True), most=None)
 
     def close(self) -> None:
         """Delete whatever was lent."""
@@ -111,15 +111,20 @@ class SegmentFiles:
             return Path(self._scratch.name)
 
     def _start(
-        self, work: Callable[[], T], afterwards: Callable[[T], None] | None = None
+        self,
+        work: Callable[[], T],
+        afterwards: Callable[[T], None] | None = None,
+        *,
+        most: int | None = _MOST_AT_ONCE,
     ) -> asyncio.Future[T]:
-        """Have a thread do it; the future fails with EBUSY if too much is under way. `afterwards`
-        the thread goes on with the result, and nobody waits for that.
+        """Have a thread do it; the future fails with EBUSY if `most` are under way (None: never,
+        for there are no more files to delete than were written). `afterwards` the thread goes on
+        with the result, and nobody waits for that.
         """
         loop = asyncio.get_running_loop()
         done: asyncio.Future[T] = loop.create_future()
         done.add_done_callback(lambda over: over.cancelled() or over.exception())
-        if self._busy >= _MOST_AT_ONCE:
+        if most is not None and self._busy >= most:
             done.set_exception(OSError(errno.EBUSY, "the disk has not finished earlier files"))
             return done
         self._busy += 1
@@ -127,19 +132,28 @@ class SegmentFiles:
         def run() -> None:
             try:
                 result = work()
-            except OSError as trouble:
-                _tell(loop, _fail, done, trouble)
-            else:
                 _tell(loop, _succeed, done, result)
-                try:
-                    if afterwards is not None:
-                        afterwards(result)
-                except OSError as trouble:
-                    _tell(loop, self._on_unsafe, trouble)
-            _tell(loop, self._free)
+                self._secure(loop, result, afterwards)
+            except Exception as trouble:  # noqa: BLE001 - whoever waits for the file is to know
+                _tell(loop, _fail, done, trouble)
+            finally:
+                _tell(loop, self._free)
 
-        threading.Thread(target=run, name="speech file", daemon=True).start()
+        try:
+            threading.Thread(target=run, name="speech file", daemon=True).start()
+        except RuntimeError as trouble:  # the system gives no more threads
+            self._free()
+            done.set_exception(OSError(errno.EAGAIN, str(trouble)))
         return done
+
+    def _secure(
+        self, loop: asyncio.AbstractEventLoop, result: T, afterwards: Callable[[T], None] | None
+    ) -> None:
+        try:
+            if afterwards is not None:
+                afterwards(result)
+        except OSError as trouble:
+            _tell(loop, self._on_unsafe, trouble)
 
     def _free(self) -> None:
         self._busy -= 1
@@ -150,7 +164,7 @@ def _succeed(done: asyncio.Future[T], result: T) -> None:
         done.set_result(result)
 
 
-def _fail(done: asyncio.Future[T], error: OSError) -> None:
+def _fail(done: asyncio.Future[T], error: Exception) -> None:
     if not done.done():
         done.set_exception(error)
 

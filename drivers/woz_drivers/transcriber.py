@@ -7,6 +7,7 @@ what waits too long is left out. Each segment that is handed in gets exactly one
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -15,6 +16,8 @@ from pathlib import Path
 from woz_drivers import child, programs
 from woz_tui.core.driver import DriverError, Outlet
 from woz_tui.core.messages import SpeechText
+
+log = logging.getLogger(__name__)
 
 #: So many segments wait for the one that is being understood; the oldest is left out.
 WAITING = 4
@@ -85,6 +88,9 @@ class Transcriber:
             text = await self._run(await _there(heard.file))
         except DriverError as error:
             trouble = error
+        except Exception as error:  # one segment that cannot be read must not cost all later ones
+            log.exception("segment %d was not understood", heard.segment)
+            trouble = DriverError(f"{type(error).__name__}: {error}")
         else:
             trouble = DriverError("")
         finally:

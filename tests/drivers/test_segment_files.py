@@ -1,4 +1,4 @@
-"""Files of speech are written by threads: whatever happens there is told, and nothing is kept busy."""
+"""Threads write the files of speech: what happens there is told, and nothing is kept busy."""
 
 from __future__ import annotations
 

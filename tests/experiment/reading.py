@@ -8,6 +8,9 @@ from tests.experiment.catalogue import CATALOGUE
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Action, Experiment, ExperimentError
 
+HELLO = "{key: h, label: Hello, say: Hello}"
+#: A robot that sees, and the place where `sees` is said.
+SEEING = "title: T\nrobot: {drivers: {eye: {type: camera, sees: [%s]}, voice: {type: voice}}}\n"
 HEAD = "title: T\nrobot: simulated\n"
 ROBOT = """title: T
 robot:
@@ -43,3 +46,10 @@ def panel(*actions: str, head: str = HEAD) -> str:
 def only(folder: Path, action: str, head: str = HEAD) -> Action:
     """The one action of a file."""
     return read(folder, panel(action, head=head)).panels[0].actions[0]
+
+
+def warned(folder: Path, text: str, *actions: str, sees: str = "", head: str = "") -> list[str]:
+    """Warnings of a file, with a camera that `sees` some signs."""
+    start = head or SEEING % sees
+    text = panel(*(actions or [HELLO]), head=f"{start}engagement: {text}\n")
+    return [f"{one.path}: {one.message}" for one in read(folder, text).warnings]

@@ -10,7 +10,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.experiment.catalogue import CATALOGUE, Voice, VoiceSettings
-from tests.experiment.reading import HEAD, ROBOT, errors, panel, read
+from tests.experiment.reading import HEAD, HELLO, ROBOT, errors, panel, read, warned
 from woz_tui.core.driver import Verb
 from woz_tui.experiment import engagement as shapes
 from woz_tui.experiment.actions import ACTION_FIELDS
@@ -24,22 +24,12 @@ from woz_tui.sensing.filters import least
 from woz_tui.sensing.machine import EDGES, OUTCOMES, Event, State
 
 GOOD = Path(__file__).parent / "good" / "everything.yaml"
-HELLO = "{key: h, label: Hello, say: Hello}"
-#: A robot that sees, and the place where `sees` is said.
-SEEING = "title: T\nrobot: {drivers: {eye: {type: camera, sees: [%s]}, voice: {type: voice}}}\n"
 
 
 def section(folder: Path, text: str, *actions: str, head: str = HEAD) -> Engagement:
     experiment = read(folder, panel(*(actions or [HELLO]), head=f"{head}engagement: {text}\n"))
     assert experiment.engagement is not None
     return experiment.engagement
-
-
-def warned(folder: Path, text: str, *actions: str, sees: str = "", head: str = "") -> list[str]:
-    """Warnings of a file, with a camera that `sees` some signs."""
-    start = head or SEEING % sees
-    text = panel(*(actions or [HELLO]), head=f"{start}engagement: {text}\n")
-    return [f"{one.path}: {one.message}" for one in read(folder, text).warnings]
 
 
 def said(action: Action) -> list[list[tuple[str, object]] | float]:
@@ -347,74 +337,7 @@ def test_a_drivers_buttons_may_ask_for_the_models_verbs(tmp_path: Path) -> None:
     assert "nobody offers 'toggle'" in errors(tmp_path, without)[0]
 
 
-# -- who gives the signs ------------------------------------------------------------------------
-
-_WITHOUT = (
-    "nobody gives {}, so nobody is ever engaged; let the wizard do it with an action such as"
-    " {{key: ..., label: ..., toggle: {}}}"
-)
-
-
-@pytest.mark.parametrize(
-    ("sees", "action", "missing", "rest"),
-    [
-        ("presence, gaze, distance", "{label: A, say: Hi}", [], ""),
-        ("presence, gaze", "{label: A, say: Hi}", ["distance"], "presence, gaze"),
-        ("distance", "{label: A, say: Hi}", ["presence", "gaze"], "distance"),
-        ("", "{label: A, say: Hi}", ["presence", "gaze", "distance"], ""),
-        ("presence, distance", "{key: g, label: G, toggle: gaze}", [], ""),
-        ("presence, distance", "{label: G, sense: gaze, value: on}", [], ""),
-        ("presence", "{label: G, sense: all, value: on}", [], ""),
-        ("presence, gaze", "{label: G, sense: all, value: sensor}", ["distance"], "presence, gaze"),
-        ("gaze, distance", "{label: G, steps: [{toggle: presence}, {wait: 1}]}", [], ""),
-    ],
-)
-def test_a_sign_that_nobody_gives_is_a_warning_with_a_remedy(
-    tmp_path: Path, sees: str, action: str, missing: list[str], rest: str
-) -> None:
-    expected = []
-    if missing:
-        text = "engagement.signs: " + _WITHOUT.format(" and ".join(missing), missing[0])
-        expected = [text + (f", or do without: signs: [{rest}]" if rest else "")]
-    assert warned(tmp_path, "{}", HELLO, action, sees=sees) == expected
-
-
-def test_signs_that_are_not_used_need_nobody(tmp_path: Path) -> None:
-    assert not warned(tmp_path, "{signs: [presence]}", sees="presence")
-
-
 def test_never_is_null(tmp_path: Path) -> None:
     found = section(tmp_path, "{timeouts: {approach: null, listening: null, talking: null}}")
     limits = found.settings.timeouts
     assert (limits.approach, limits.listening, limits.talking) == (None, None, None)
-
-
-def test_a_robot_that_asks_for_names_needs_a_voice_and_an_ear(tmp_path: Path) -> None:
-    asks = "{signs: [gaze], handshake: {by: robot}}"
-    path, yourself = "engagement.handshake.by: ", "; lead it yourself with by: wizard"
-    deaf = warned(tmp_path, asks, sees="gaze")
-    assert deaf == [f"{path}nobody hears the answer: no microphone gives speech{yourself}"]
-    assert not warned(tmp_path, asks, sees="gaze, loudness")
-    head = "title: T\nrobot: {drivers: {eye: {type: camera, sees: [gaze, loudness]}}}\n"
-    mute = warned(tmp_path, asks, "{label: A, mark: x}", head=head)
-    assert mute == [f"{path}the robot cannot ask anybody: no driver offers 'say'{yourself}"]
-
-
-def test_two_robots_with_one_sign_each_need_a_choice(tmp_path: Path) -> None:
-    camera = "{drivers: {eye: {type: camera, sees: [gaze, loudness]}, voice: {type: voice}}}"
-    head = f"title: T\nrobots: {{left: {camera}, right: {camera}}}\n"
-    action = "{label: A, mark: x}"
-    assert warned(tmp_path, "{signs: [gaze]}", action, head=head) == [
-        "engagement.gaze: left.gaze and right.gaze give gaze; say which one counts:"
-        " gaze: {sensor: left.gaze}",
-        "engagement.sound: left.loudness and right.loudness give loudness; say which one counts:"
-        " sound: {sensor: left.loudness}",
-    ]
-    chosen = "{signs: [gaze], gaze: {sensor: right.gaze}, sound: {sensor: left.loudness}}"
-    assert not warned(tmp_path, chosen, action, head=head)
-
-
-def test_a_broken_robot_file_does_not_make_sensors_unknown(tmp_path: Path) -> None:
-    head = "title: T\nrobot: {drivers: {eye: {type: camra}}}\n"
-    text = panel(HELLO, head=f"{head}engagement: {{gaze: {{sensor: gaze}}}}\n")
-    assert [line for line in errors(tmp_path, text) if "sensor" in line] == []

@@ -7,6 +7,7 @@ import msgspec
 from tests.console.scripted import raw
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
 
 Ended = m.ActionDone | m.ActionFailed | m.ActionStopped | m.ActionRefused
 
@@ -59,35 +60,34 @@ _REPAIR = (
 )
 
 
-def panels() -> list[r.PanelView]:
+def panels() -> list[PanelView]:
     """Five panels with thirty actions."""
 
-    def simple(pairs: tuple[tuple[str, str], ...], *verbs: str) -> list[r.ActionView]:
+    def simple(pairs: tuple[tuple[str, str], ...], *verbs: str) -> list[ActionView]:
         return [
-            r.ActionView(name=label, label=label, key=key, verbs=list(verbs))
-            for key, label in pairs
+            ActionView(name=label, label=label, key=key, verbs=list(verbs)) for key, label in pairs
         ]
 
     speech = [
-        r.ActionView(name=label, label=label, key=key, verbs=["say"], utterances=[text])
+        ActionView(name=label, label=label, key=key, verbs=["say"], utterances=[text])
         for key, label, text in _SPEECH
     ]
     return [
-        r.PanelView(title="Speech", actions=speech),
-        r.PanelView(title="Gestures", actions=simple(_GESTURES, "play")),
-        r.PanelView(title="Emotion", actions=simple(_EMOTIONS, "emotion")),
-        r.PanelView(title="Exhibits", actions=simple(_EXHIBITS, "say", "play")),
-        r.PanelView(title="Repair", actions=simple(_REPAIR, "say")),
+        PanelView(title="Speech", actions=speech),
+        PanelView(title="Gestures", actions=simple(_GESTURES, "play")),
+        PanelView(title="Emotion", actions=simple(_EMOTIONS, "emotion")),
+        PanelView(title="Exhibits", actions=simple(_EXHIBITS, "say", "play")),
+        PanelView(title="Repair", actions=simple(_REPAIR, "say")),
     ]
 
 
-def many_panels(count: int) -> list[r.PanelView]:
+def many_panels(count: int) -> list[PanelView]:
     """`count` actions in panels of ten."""
     actions = [
-        r.ActionView(name=f"action {n}", label=f"Action {n}", verbs=["play"]) for n in range(count)
+        ActionView(name=f"action {n}", label=f"Action {n}", verbs=["play"]) for n in range(count)
     ]
     return [
-        r.PanelView(title=f"Panel {start // 10}", actions=actions[start : start + 10])
+        PanelView(title=f"Panel {start // 10}", actions=actions[start : start + 10])
         for start in range(0, count, 10)
     ]
 
@@ -96,7 +96,7 @@ def welcome(
     state: list[m.AnyMessage] | None = None,
     recent: list[m.AnyMessage] | None = None,
     *,
-    shown: list[r.PanelView] | None = None,
+    shown: list[PanelView] | None = None,
     role: str = "wizard",
     t: int = NOW,
     settings: dict[str, m.Json] | None = None,

@@ -14,6 +14,7 @@ from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
 from woz_tui.experiment.terminals import KITTY
 
 NOW = scenes.NOW
@@ -212,10 +213,10 @@ async def test_only_changed_cells_are_painted(monkeypatch: pytest.MonkeyPatch) -
 
 async def test_a_reload_rebinds_the_keys() -> None:
     async with sitting() as seat:
-        action = r.ActionView(name="New", label="New one", key="h")
+        action = ActionView(name="New", label="New one", key="h")
         changed = r.PanelsChanged(
             title="Guide 2",
-            panels=[r.PanelView(title="Only", actions=[action])],
+            panels=[PanelView(title="Only", actions=[action])],
             script=[],
             verbs={},
             conditions=[],

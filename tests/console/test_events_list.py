@@ -8,7 +8,7 @@ from woz_tui.console.panels import Board, panel_rows
 from woz_tui.console.parts import State
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
 
 NOW = scenes.NOW
 
@@ -65,11 +65,11 @@ def test_utterances_and_failures_keep_a_line_each() -> None:
 
 def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
     actions = [
-        r.ActionView(name="up", label="Up", key="u", verbs=["control"]),
-        r.ActionView(name="nod", label="Nod", key="n", verbs=["play"]),
+        ActionView(name="up", label="Up", key="u", verbs=["control"]),
+        ActionView(name="nod", label="Nod", key="n", verbs=["play"]),
     ]
     picture = Picture()
-    picture.take([scenes.welcome(shown=[r.PanelView(title="Body", actions=actions)])], 0)
+    picture.take([scenes.welcome(shown=[PanelView(title="Body", actions=actions)])], 0)
     before = len(picture.events)
     presses = (("up", "refused"), *(("up", "done"),) * 4, ("nod", "done"), ("nod", "done"))
     for number, (action, how) in enumerate(presses):
@@ -86,8 +86,8 @@ def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
 
 
 def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
-    actions = [r.ActionView(name="up", label="Up", key="u", verbs=["control"])]
-    panel = r.PanelView(title="Body", actions=actions)
+    actions = [ActionView(name="up", label="Up", key="u", verbs=["control"])]
+    panel = PanelView(title="Body", actions=actions)
     picture = Picture()
     picture.take([scenes.welcome(shown=[panel])], 0)
     *begun, ended = scenes.played("r1", "up", NOW, 0.1)

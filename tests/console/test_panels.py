@@ -18,13 +18,13 @@ from woz_tui.console.look import DARK, LIGHT, look_for
 from woz_tui.console.panels import Board, cap_width, panel_rows
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
-from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
 
 NOW = scenes.NOW
 FRAME = Frame(80, 13, NOW)
 
 
-def pictured(*messages: m.AnyMessage, shown: list[r.PanelView] | None = None) -> Picture:
+def pictured(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> Picture:
     picture = Picture()
     picture.take([scenes.welcome(shown=shown), *messages], 0)
     return picture
@@ -113,11 +113,11 @@ def test_sixty_actions_are_reached_by_paging() -> None:
 
 def test_wide_labels_and_control_characters_are_tamed() -> None:
     shown = [
-        r.PanelView(
+        PanelView(
             title="日本語\x1b[2J",
             actions=[
-                r.ActionView(name="a", label="こんにちは、今日はとても良い天気ですね、そうですね"),
-                r.ActionView(name="b", label="two\nlines\ttab\x07"),
+                ActionView(name="a", label="こんにちは、今日はとても良い天気ですね、そうですね"),
+                ActionView(name="b", label="two\nlines\ttab\x07"),
             ],
         )
     ]
@@ -232,9 +232,9 @@ def test_every_action_has_exactly_one_place_inside(
     sizes: list[int], width: int, height: int, cap: int
 ) -> None:
     shown = [
-        r.PanelView(
+        PanelView(
             title=f"P{p}",
-            actions=[r.ActionView(name=f"{p}.{n}", label=f"Label {n}") for n in range(size)],
+            actions=[ActionView(name=f"{p}.{n}", label=f"Label {n}") for n in range(size)],
         )
         for p, size in enumerate(sizes)
     ]

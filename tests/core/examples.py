@@ -13,10 +13,12 @@ from pathlib import Path
 
 import msgspec
 
+from tests.core.study_examples import BEGINNING, COURSE
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
 from woz_tui.core.clock import timestamp
+from woz_tui.core.views import ActionView, PanelView
 
 GOLDEN = Path(__file__).parent / "golden"
 BEGIN = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
@@ -180,15 +182,17 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         dropped=2,
         dropped_samples=40,
     ),
+    *BEGINNING,
+    *COURSE,
     m.Checkpoint(sha256=SHA, lines=42),
     m.SessionEnd(reason="wizard", sha256=SHA),
 )
 
 _PANELS = [
-    r.PanelView(
+    PanelView(
         title="Speech",
         actions=[
-            r.ActionView(
+            ActionView(
                 name="Hello",
                 label="Hello",
                 key="h",
@@ -196,10 +200,10 @@ _PANELS = [
                 verbs=["say", "play"],
                 utterances=["Grüß Gott, {participant}!"],
             ),
-            r.ActionView(name="Bye", label="Good bye", locked=True),
+            ActionView(name="Bye", label="Good bye", locked=True),
         ],
     ),
-    r.PanelView(title="Drive", actions=[], locked=True),
+    PanelView(title="Drive", actions=[], locked=True),
 ]
 
 REQUESTS: tuple[r.AnyRequest, ...] = (
@@ -234,6 +238,16 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskReload(ref=17, dry_run=True),
     r.AskPreflight(ref=18),
     r.AskEnd(ref=19, reason="the visitor has left"),
+    r.AskProposal(ref=22, participant="P08"),
+    r.AskAssign(ref=23, participant="P08", order=["cold", "warm"]),
+    r.AskTrial(ref=24, what="aborted", text="the head fell asleep"),
+    r.AskQuestionnaire(ref=25, questionnaire="robot", source="participant"),
+    r.AskQuestionnaire(ref=31, questionnaire="robot", what="declined"),
+    r.AskAnswer(ref=26, questionnaire="robot", item="friendly", value=6.0, answered_us=2_300_000),
+    r.AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True),
+    r.AskCheck(ref=28, check="the camera sees the whole table", ok=False, text="lamp in the way"),
+    r.AskReplay(ref=29, what="seek", by_s=-5.0),
+    r.AskReplay(ref=30, what="go", to="12:34"),
 )
 
 
@@ -287,6 +301,10 @@ def answers() -> list[r.AnyAnswer]:
         r.Reply(ref=17, ok=True, data=["Speech: 'Bye' is new"]),
         r.Pulse(t=2_000_000),
         r.Pulse(t=3_000_000, dropped=40),
+        r.Pulse(t=3_000_000, rate=0.0),
+        r.Replaying(
+            t=3_000_000, length_us=60_000_000, rate=4.0, paused=False, marks=[(2_000_000, "smile")]
+        ),
         r.PanelsChanged(
             title="Museum guide",
             panels=_PANELS,

@@ -12,7 +12,7 @@ import msgspec
 from hypothesis import strategies as st
 
 from woz_tui.core.messages import AnyMessage, Json
-from woz_tui.core.requests import AnyAnswer, AnyRequest, WhenBusy
+from woz_tui.core.requests import AnyAnswer, AnyRequest
 
 MESSAGES: Sequence[type[msgspec.Struct]] = typing.get_args(AnyMessage)
 REQUESTS: Sequence[type[msgspec.Struct]] = typing.get_args(AnyRequest)
@@ -34,7 +34,6 @@ _PLAIN: dict[Any, st.SearchStrategy[Any]] = {
     bool: st.booleans(),
     type(None): st.none(),
     Any: json,
-    WhenBusy: st.sampled_from(typing.get_args(WhenBusy)),
     msgspec.Raw: st.just(msgspec.Raw(b'{"kind":"marker","seq":1}')),
 }
 
@@ -43,17 +42,26 @@ def of(hint: Any) -> st.SearchStrategy[Any]:
     """Values of the annotated type `hint`; a type that the wire cannot carry is a KeyError."""
     if hint == Json:
         return json
-    arguments = typing.get_args(hint)
+    if arguments := typing.get_args(hint):
+        return _composed(hint, arguments)
+    if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
+        return instances(hint)
+    return _PLAIN[hint]
+
+
+def _composed(hint: Any, arguments: tuple[Any, ...]) -> st.SearchStrategy[Any]:
     match typing.get_origin(hint):
         case types.UnionType | typing.Union:
             return st.one_of([of(argument) for argument in arguments])
+        case typing.Literal:
+            return st.sampled_from(arguments)
+        case builtin if builtin is tuple:
+            return st.tuples(*map(of, arguments))
         case builtin if builtin is list:
             return st.lists(of(arguments[0]), max_size=3)
         case builtin if builtin is dict:
             return st.dictionaries(of(arguments[0]), of(arguments[1]), max_size=3)
-    if isinstance(hint, type) and issubclass(hint, msgspec.Struct):
-        return instances(hint)
-    return _PLAIN[hint]
+    raise KeyError(hint)
 
 
 @functools.cache

@@ -20,17 +20,16 @@ import msgspec
 from woz_tui.core import wire
 from woz_tui.core.requests import (
     PROTOCOL,
-    ActionView,
     AnyRequest,
     AskStop,
     Beat,
     Hello,
-    PanelView,
     Pulse,
     Reply,
     Request,
     Welcome,
 )
+from woz_tui.core.views import ActionView, PanelView
 
 R = TypeVar("R", bound=Request)
 WAIT_S = 20.0

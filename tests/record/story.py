@@ -13,6 +13,7 @@ import shutil
 import tempfile
 from pathlib import Path
 
+from tests.core.study_examples import BEGINNING, COURSE
 from tests.record.bench import Bench, until
 from woz_tui.core import messages as m
 from woz_tui.core.clock import timestamp
@@ -69,6 +70,7 @@ def _morning() -> list[m.AnyMessage]:
                 "wall_at_t0": "2026-03-01T10:00:00.000000Z",
             },
         ),
+        *BEGINNING,
         m.DriverConnecting(driver="head", detail="/dev/ttyUSB0"),
         m.DriverConnected(driver="head", detail="3 servos"),
         m.ConsoleAttached(console="k1", role="wizard"),
@@ -199,6 +201,7 @@ def _afternoon() -> list[m.AnyMessage]:
         m.DriverLost(driver="base", detail="no answer", remedy="check the cable"),
         m.Notice(level="warning", text="base is gone", remedy="check the cable"),
         m.ExperimentReloaded(experiment_sha256=SHA, changes=["panels[0]: one action more"]),
+        *COURSE,
         m.ConsoleLost(console="k1", role="wizard", why="left"),
     ]
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rich.cells import cell_len
 
-from woz_tui.core.requests import ActionView, PanelView
+from woz_tui.core.views import ActionView, PanelView
 
 #: Cells of a column: below, labels suffer; above, the eye has too far to go.
 NARROW, COMFORTABLE, BEST, WIDE = 18, 24, 32, 38

@@ -14,7 +14,7 @@ from woz_tui.console.columns import GUTTER, Plan, Slot, plan
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import Standing, State
 from woz_tui.console.picture import Picture
-from woz_tui.core.requests import ActionView, PanelView
+from woz_tui.core.views import ActionView, PanelView
 
 #: Key caps are at least and at most this wide, with a blank at each side.
 CAP_LEAST, CAP_MOST = 3, 8

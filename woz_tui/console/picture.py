@@ -35,6 +35,7 @@ from woz_tui.console.runs import Failure, Runs
 from woz_tui.console.sentences import Event, event_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
 from woz_tui.core.wire import WireError, decode_message
 
 #: How long an action that is over still shows how it ended.
@@ -59,7 +60,7 @@ class Picture:
     condition: str = ""
     trial: int | None = None
     ended: str = ""
-    panels: tuple[r.PanelView, ...] = ()
+    panels: tuple[PanelView, ...] = ()
     script: tuple[str, ...] = ()
     position: int = 0
     #: Driver -> the verbs it offers.
@@ -219,7 +220,7 @@ class Picture:
                 words = words.replace(f"{{{name}}}", str(value))
         return words
 
-    def action(self, name: str) -> r.ActionView | None:
+    def action(self, name: str) -> ActionView | None:
         """The action called `name`, or None."""
         for panel in self.panels:
             for action in panel.actions:
@@ -227,11 +228,11 @@ class Picture:
                     return action
         return None
 
-    def is_locked(self, panel: r.PanelView) -> bool:
+    def is_locked(self, panel: PanelView) -> bool:
         """Whether the panel takes no input at the moment."""
         return self.locks.get(panel.title, panel.locked)
 
-    def standing(self, panel: r.PanelView, action: r.ActionView, now: int) -> Standing:
+    def standing(self, panel: PanelView, action: ActionView, now: int) -> Standing:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
         if current is not None:
@@ -251,7 +252,7 @@ class Picture:
             return Standing(State.UNREACHABLE, note=missing)
         return Standing(State.READY)
 
-    def missing_driver(self, action: r.ActionView) -> str:
+    def missing_driver(self, action: ActionView) -> str:
         """A driver this action needs and that is lost, or an empty string.
 
         A verb that several drivers offer counts as missing only if all of them are lost.

@@ -55,7 +55,41 @@ from woz_tui.core.health import (
     LaneFaulted,
     LaneRecovered,
 )
+from woz_tui.core.marks import (
+    ConsoleAttached,
+    ConsoleLost,
+    ExperimentReloaded,
+    Marker,
+    Mistake,
+    Note,
+    PanelLocked,
+    ProfileChanged,
+    ScriptMoved,
+)
 from woz_tui.core.shown import BodyChanged, ControlsMoved, FaceShown, Shown
+from woz_tui.core.study import (
+    ActionHeld,
+    BreakEnded,
+    BreakStarted,
+    ConditionsAssigned,
+    CueAnswered,
+    CueGiven,
+    ExperimentFiles,
+    PerceptionChanged,
+    PreflightChecked,
+    QuestionnaireAnswered,
+    QuestionnaireEnded,
+    QuestionnaireStarted,
+    RerunEnded,
+    RerunSent,
+    RerunSkipped,
+    RerunStarted,
+    SessionPlan,
+    ShapingChanged,
+    StudyMessage,
+    TrialEnded,
+    TrialStarted,
+)
 
 #: Names that are defined next door and belong to this module's readers.
 __all__ = [
@@ -63,12 +97,20 @@ __all__ = [
     "ActionDone",
     "ActionEnd",
     "ActionFailed",
+    "ActionHeld",
     "ActionRefused",
     "ActionRequested",
     "ActionStopped",
     "BodyChanged",
+    "BreakEnded",
+    "BreakStarted",
     "Command",
+    "ConditionsAssigned",
+    "ConsoleAttached",
+    "ConsoleLost",
     "ControlsMoved",
+    "CueAnswered",
+    "CueGiven",
     "Dispatched",
     "Done",
     "DriverConnected",
@@ -80,14 +122,33 @@ __all__ = [
     "EngagementAdopted",
     "EngagementChanged",
     "EngagementShown",
+    "ExperimentFiles",
+    "ExperimentReloaded",
     "FaceShown",
     "Failed",
     "Json",
     "LaneFaulted",
     "LaneRecovered",
+    "Marker",
     "Message",
+    "Mistake",
+    "Note",
+    "PanelLocked",
+    "PerceptionChanged",
+    "PreflightChecked",
+    "ProfileChanged",
     "Progress",
+    "QuestionnaireAnswered",
+    "QuestionnaireEnded",
+    "QuestionnaireStarted",
     "Refused",
+    "RerunEnded",
+    "RerunSent",
+    "RerunSkipped",
+    "RerunStarted",
+    "ScriptMoved",
+    "SessionPlan",
+    "ShapingChanged",
     "Shown",
     "SignShown",
     "Speech",
@@ -100,11 +161,13 @@ __all__ = [
     "Stopped",
     "Superseded",
     "TimedOut",
+    "TrialEnded",
+    "TrialStarted",
     "VisitorChanged",
 ]
 
 FORMAT = "woz-session"
-SCHEMA = 1
+SCHEMA = 2
 
 
 # -- the session ----------------------------------------------------------------------------
@@ -231,78 +294,6 @@ class ModeChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="m
     why: str = ""
 
 
-# -- the wizard's own marks ---------------------------------------------------------------------
-
-
-class Marker(Message, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
-    """A moment worth finding again."""
-
-    text: str = ""
-    source: str = msgspec.field(default_factory=lambda: "key")
-
-
-class Note(Message, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
-    """A sentence the wizard typed."""
-
-    text: str
-
-
-class Mistake(Message, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
-    """The wizard says that the run `run` of `action` was a mistake."""
-
-    run: str
-    action: str = ""
-    text: str = ""
-
-
-class ScriptMoved(Message, frozen=True, kw_only=True, omit_defaults=True, tag="script.moved"):
-    """The script's next line: `position` counts from 0; equal to the length at the end."""
-
-    position: int
-
-
-class PanelLocked(Message, frozen=True, kw_only=True, omit_defaults=True, tag="panel.locked"):
-    """A panel was locked or unlocked while running."""
-
-    panel: str
-    locked: bool
-
-
-class ProfileChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="profile.changed"):
-    """What the wizard may use changed: only what `profile` of the experiment names; an empty one is
-    everything.
-    """
-
-    profile: str = msgspec.field(default_factory=str)
-    source: str = msgspec.field(default_factory=lambda: "key")
-
-
-class ExperimentReloaded(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="experiment.reloaded"
-):
-    """The experiment file was read again; `changes` lists the differences in words."""
-
-    experiment_sha256: str
-    changes: list[str]
-
-
-class ConsoleAttached(
-    Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.attached"
-):
-    """A console or program connected. `role`: wizard, watcher or program."""
-
-    console: str
-    role: str
-
-
-class ConsoleLost(Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.lost"):
-    """It left (`why`: left) or died (closed, silent)."""
-
-    console: str
-    role: str
-    why: str
-
-
 #: Every message that may stand in a log or on the stream.
 AnyMessage = (
     SessionStart
@@ -358,6 +349,7 @@ AnyMessage = (
     | ExperimentReloaded
     | ConsoleAttached
     | ConsoleLost
+    | StudyMessage
 )
 
 

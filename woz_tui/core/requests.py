@@ -10,7 +10,8 @@ from typing import Literal
 
 import msgspec
 
-from woz_tui.core.messages import Json
+from woz_tui.core.envelope import Json
+from woz_tui.core.views import PanelView
 
 PROTOCOL = 1
 
@@ -174,6 +175,67 @@ class Beat(Request, frozen=True, kw_only=True, omit_defaults=True, tag="beat"):
     line_ok: bool = True
 
 
+class AskProposal(Request, frozen=True, kw_only=True, omit_defaults=True, tag="proposal"):
+    """Which conditions should this participant get? The reply's `data` has `order`, `method`,
+    `row`, `why`, and `condition` and `trial`: where this session would go on.
+    """
+
+    participant: str
+
+
+class AskAssign(Request, frozen=True, kw_only=True, omit_defaults=True, tag="assign"):
+    """This participant gets the conditions in this order: as proposed, or otherwise."""
+
+    participant: str
+    order: list[str]
+
+
+class AskTrial(Request, frozen=True, kw_only=True, omit_defaults=True, tag="trial"):
+    """Begin the next trial, end the present one (done, aborted, excluded), begin or end a break."""
+
+    what: Literal["begin", "done", "aborted", "excluded", "break", "resume"]
+    text: str = ""
+
+
+class AskQuestionnaire(Request, frozen=True, kw_only=True, omit_defaults=True, tag="questionnaire"):
+    """Begin a questionnaire of the experiment file, or end the one that is under way."""
+
+    questionnaire: str
+    what: Literal["begin", "done", "declined", "left"] = "begin"
+    source: str = "wizard"
+
+
+class AskAnswer(Request, frozen=True, kw_only=True, omit_defaults=True, tag="answer"):
+    """Answer one item of the questionnaire that is under way, or leave it out."""
+
+    questionnaire: str
+    item: str
+    value: float | None = None
+    text: str = ""
+    answered_us: int = -1
+    skipped: bool = False
+
+
+class AskCheck(Request, frozen=True, kw_only=True, omit_defaults=True, tag="check"):
+    """Tick an item of the preflight list that only a human can see to, or take the tick away."""
+
+    check: str
+    ok: bool = True
+    text: str = ""
+
+
+class AskReplay(Request, frozen=True, kw_only=True, omit_defaults=True, tag="replay"):
+    """Move through a log that is being replayed; a robot process refuses it.
+
+    `seek` goes `by_s` seconds on or back, `go` to a time (`12:34`, `754.2`) or to the marker with
+    the text `to`.
+    """
+
+    what: Literal["pause", "step", "faster", "slower", "seek", "go"]
+    by_s: float = 0.0
+    to: str = ""
+
+
 AnyRequest = (
     Hello
     | AskAction
@@ -191,6 +253,13 @@ AnyRequest = (
     | AskReload
     | AskPreflight
     | AskEnd
+    | AskProposal
+    | AskAssign
+    | AskTrial
+    | AskQuestionnaire
+    | AskAnswer
+    | AskCheck
+    | AskReplay
     | Beat
 )
 
@@ -210,28 +279,6 @@ class Reply(
     hint: str = ""
     run: str = ""
     data: Json = None
-
-
-class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """An action as the console shows it; `key` is the chord as the experiment file has it, in the
-    normal form of `woz_tui.experiment.keys`; `verbs` what it does, for icons and search.
-    """
-
-    name: str
-    label: str
-    key: str = ""
-    help: str = ""
-    verbs: list[str] = []
-    utterances: list[str] = []
-    locked: bool = False
-
-
-class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A panel as the console shows it."""
-
-    title: str
-    actions: list[ActionView]
-    locked: bool = False
 
 
 class Welcome(
@@ -274,10 +321,32 @@ class Welcome(
 class Pulse(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="pulse"
 ):
-    """Once a second from the host to every client: it lives; `dropped` readings were left out."""
+    """Once a second from the host to every client: it lives; `dropped` readings were left out.
+
+    `rate`: how fast `t` goes on from here; a replay stands still (0) or hurries.
+    """
 
     t: int
     dropped: int = 0
+    rate: float = 1.0
+
+
+class Replaying(
+    msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="replaying"
+):
+    """How a replay stands: at `t` of `length_us`, at `rate` times its real speed, or still.
+
+    `marks` are times of markers and what they say, oldest first, for the time line; only in the
+    first one, and when it begins anew. `cut_us`: how much of idle gaps has been left out so far.
+    """
+
+    t: int
+    length_us: int
+    rate: float
+    paused: bool
+    ended: bool = False
+    cut_us: int = 0
+    marks: list[tuple[int, str]] | None = None
 
 
 class PanelsChanged(
@@ -302,4 +371,4 @@ class PanelsChanged(
 
 
 #: Lines from the host that are not messages of the session.
-AnyAnswer = Reply | Welcome | Pulse | PanelsChanged
+AnyAnswer = Reply | Welcome | Pulse | PanelsChanged | Replaying

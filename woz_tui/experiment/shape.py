@@ -15,6 +15,7 @@ from woz_tui.core.driver import Verb
 from woz_tui.core.fields import Doc, Seconds
 from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.study import Study
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,6 +199,8 @@ class Experiment:
     profiles: Mapping[str, Profile] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.
     engagement: Engagement | None = None
+    #: The study around it: design, questionnaires, preflight, shaping, training.
+    study: Study = field(default_factory=Study)
     #: Every file that was read, for the hash and for watching.
     files: tuple[Path, ...] = ()
     warnings: tuple[Problem, ...] = ()

@@ -8,7 +8,7 @@ from dataclasses import asdict
 
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
-from woz_tui.core.requests import ActionView, PanelView
+from woz_tui.core.views import ActionView, PanelView
 from woz_tui.experiment.profiles import FIELDS
 from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import Action, Call, Experiment, Panel, Profile, Together

@@ -1,0 +1,79 @@
+"""What the wizard and their consoles leave in a session: markers, notes, mistakes, locks, reloads.
+
+Everybody imports these from `woz_tui.core.messages`, where all messages are together.
+"""
+
+from __future__ import annotations
+
+import msgspec
+
+from woz_tui.core.envelope import Message
+
+
+class Marker(Message, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
+    """A moment worth finding again."""
+
+    text: str = ""
+    source: str = msgspec.field(default_factory=lambda: "key")
+
+
+class Note(Message, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
+    """A sentence the wizard typed."""
+
+    text: str
+
+
+class Mistake(Message, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
+    """The wizard says that the run `run` of `action` was a mistake."""
+
+    run: str
+    action: str = ""
+    text: str = ""
+
+
+class ScriptMoved(Message, frozen=True, kw_only=True, omit_defaults=True, tag="script.moved"):
+    """The script's next line: `position` counts from 0; equal to the length at the end."""
+
+    position: int
+
+
+class PanelLocked(Message, frozen=True, kw_only=True, omit_defaults=True, tag="panel.locked"):
+    """A panel was locked or unlocked while running."""
+
+    panel: str
+    locked: bool
+
+
+class ProfileChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="profile.changed"):
+    """What the wizard may use changed: only what `profile` of the experiment names; an empty one is
+    everything.
+    """
+
+    profile: str = msgspec.field(default_factory=str)
+    source: str = msgspec.field(default_factory=lambda: "key")
+
+
+class ExperimentReloaded(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="experiment.reloaded"
+):
+    """The experiment file was read again; `changes` lists the differences in words."""
+
+    experiment_sha256: str
+    changes: list[str]
+
+
+class ConsoleAttached(
+    Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.attached"
+):
+    """A console or program connected. `role`: wizard, watcher or program."""
+
+    console: str
+    role: str
+
+
+class ConsoleLost(Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.lost"):
+    """It left (`why`: left) or died (closed, silent)."""
+
+    console: str
+    role: str
+    why: str

@@ -1,0 +1,27 @@
+"""The experiment as a console sees it: panels with their actions."""
+
+from __future__ import annotations
+
+import msgspec
+
+
+class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """An action as the console shows it; `key` is the chord as the experiment file has it, in the
+    normal form of `woz_tui.experiment.keys`; `verbs` what it does, for icons and search.
+    """
+
+    name: str
+    label: str
+    key: str = ""
+    help: str = ""
+    verbs: list[str] = []
+    utterances: list[str] = []
+    locked: bool = False
+
+
+class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A panel as the console shows it."""
+
+    title: str
+    actions: list[ActionView]
+    locked: bool = False

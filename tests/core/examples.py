@@ -244,7 +244,8 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskQuestionnaire(ref=25, questionnaire="robot", source="participant"),
     r.AskQuestionnaire(ref=31, questionnaire="robot", what="declined"),
     r.AskAnswer(ref=26, questionnaire="robot", item="friendly", value=6.0, answered_us=2_300_000),
-    r.AskAnswer(ref=27, questionnaire="robot", item="else", text="it blinked", skipped=True),
+    r.AskAnswer(ref=27, questionnaire="robot", item="else", skipped=True),
+    r.AskAnswer(ref=32, questionnaire="robot", item="else", text="it blinked"),
     r.AskCheck(ref=28, check="the camera sees the whole table", ok=False, text="lamp in the way"),
     r.AskReplay(ref=29, what="seek", by_s=-5.0),
     r.AskReplay(ref=30, what="go", to="12:34"),
@@ -304,6 +305,9 @@ def answers() -> list[r.AnyAnswer]:
         r.Pulse(t=3_000_000, rate=0.0),
         r.Replaying(
             t=3_000_000, length_us=60_000_000, rate=4.0, paused=False, marks=[(2_000_000, "smile")]
+        ),
+        r.Replaying(
+            t=60_000_000, length_us=60_000_000, rate=1.0, paused=True, ended=True, cut_us=9_000_000
         ),
         r.PanelsChanged(
             title="Museum guide",

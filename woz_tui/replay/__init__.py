@@ -1,0 +1,1 @@
+"""A session once more: on the console's screen, or on the robot."""

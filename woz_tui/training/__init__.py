@@ -1,0 +1,1 @@
+"""Training of wizards: cues, answers, scores."""

@@ -2,12 +2,8 @@
 
 from __future__ import annotations
 
-import asyncio
-import contextlib
-import contextvars
 import functools
 import time
-from collections import deque
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -21,8 +17,9 @@ from textual.screen import Screen
 from woz_tui.console.caps import Cap, cap_of, key_name
 from woz_tui.console.cells import Cells
 from woz_tui.console.desk import Desk
-from woz_tui.console.feed import Feed, Incoming
+from woz_tui.console.feed import Feed
 from woz_tui.console.glyphs import UNICODE, Frame
+from woz_tui.console.inbox import Inbox
 from woz_tui.console.look import SIXTEEN, THEMES, Look
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Dialog, give_keys
@@ -101,8 +98,7 @@ class Console(App[str]):
         self.desk = Desk(self)
         self.restart = restart
         self.ask_participant = ask_participant
-        self._inbox: deque[list[Incoming]] = deque()
-        self._lost: deque[str] = deque()
+        self._inbox = Inbox(self._wake)
         self._edition = 0
         self._was_lost = False
         self._news = News()
@@ -110,7 +106,6 @@ class Console(App[str]):
         self._flash_until = 0
         self._stop_asked: int | None = None
         self._painted = 0
-        self._loop: asyncio.AbstractEventLoop | None = None
         self._surface = Surface()
         self._panels = self._surface.panels
 
@@ -126,43 +121,20 @@ class Console(App[str]):
 
     def on_mount(self) -> None:
         """Begin to listen and to paint."""
-        self._loop = asyncio.get_running_loop()
-        self._surroundings = contextvars.copy_context()  # where a dialog finds its app
+        self._inbox.open()
         self.set_class(self.look.glyphs.ascii, "-ascii")
         self.set_class(self.no_color, "-plain")
         self.set_class(self.theme == SIXTEEN.name, "-sixteen")
-        self.keyboard.on_pressed = self._elsewhere(self._pressed)
-        self.keyboard.on_stale = self._elsewhere(self._stale)
-        self.keyboard.on_prefix = self._elsewhere(self._prefix)
+        self.keyboard.on_pressed = self._inbox.elsewhere(self._pressed)
+        self.keyboard.on_stale = self._inbox.elsewhere(self._stale)
+        self.keyboard.on_prefix = self._inbox.elsewhere(self._prefix)
         self._measure()
         self.set_interval(BEAT, self._beat)
-        self.feed.start(self._heard, self._cut)
+        self.feed.start(self._inbox.heard, self._inbox.cut)
 
     def on_unmount(self) -> None:
         """Nothing comes any more."""
         self.feed.close()
-
-    # -- from the feed's thread -----------------------------------------------------------------
-
-    def _heard(self, batch: list[Incoming]) -> None:
-        """Keep a batch for the next painting; wake the screen if it has been still."""
-        idle = not self._inbox
-        self._inbox.append(batch)
-        if idle:
-            self._from_thread(self._wake)
-
-    def _cut(self, why: str) -> None:
-        self._lost.append(why)
-        self._from_thread(self._wake)
-
-    def _elsewhere(self, callback: Callable[..., None]) -> Callable[..., None]:
-        """`callback`, to be called from any thread."""
-        return functools.partial(self._from_thread, callback)
-
-    def _from_thread(self, callback: Callable[..., None], *args: object) -> None:
-        if self._loop is not None:
-            with contextlib.suppress(RuntimeError):  # the loop has closed: nothing to show
-                self._loop.call_soon_threadsafe(callback, *args, context=self._surroundings)
 
     # -- painting -------------------------------------------------------------------------------
 
@@ -177,7 +149,7 @@ class Console(App[str]):
         local = self.clock.now_us()
         moving = self._flash_until or self.picture.moves(self.picture.now(local))
         due = moving or self._stop_asked is not None or local - self._painted >= 1_000_000
-        if self._inbox or self._lost or due:
+        if self._inbox or due:
             self.paint()
 
     def paint(self) -> None:
@@ -195,8 +167,7 @@ class Console(App[str]):
         self._show(self.picture.now(local))
 
     def _take(self, local: int) -> None:
-        while self._inbox:
-            batch = self._inbox.popleft()
+        for batch in self._inbox.batches():
             self.picture.take(batch, local)
             for message in batch:
                 if isinstance(message, Reply):
@@ -208,8 +179,8 @@ class Console(App[str]):
                     self._stop_asked = None  # also where its release came in the same batch
         if (refusal := self.picture.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
-        while self._lost:
-            self.picture.lose(self._lost.popleft())
+        for why in self._inbox.losses():
+            self.picture.lose(why)
             self.desk.forget()
             if not self._was_lost:
                 self._was_lost = True

@@ -1,0 +1,333 @@
+"""The figures of a session, as they are reported, drawn and exported.
+
+All times are whole microseconds on the session's axis of `t`, all durations microseconds; shares
+are 0..1. What was not measured is None or empty. `docs/report.md` defines each figure.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.analysis.rows import (
+    CUE_FATES,
+    CUE_SORTS,
+    NOT_COUNTED,
+    Answer,
+    ConsoleChange,
+    Cue,
+    Mark,
+    PanelOffer,
+    Restriction,
+    Round,
+    Shaping,
+    Span,
+    Stop,
+    Trial,
+    Visit,
+)
+from woz_tui.analysis.series import Series
+
+#: With the rows that are defined next door.
+__all__ = [
+    "COMMAND_ENDS",
+    "CUE_FATES",
+    "CUE_SORTS",
+    "ENDS",
+    "NOT_COUNTED",
+    "ActionCount",
+    "Answer",
+    "ConsoleChange",
+    "Cue",
+    "Engagement",
+    "Mark",
+    "Outcomes",
+    "PanelOffer",
+    "Part",
+    "Reactions",
+    "Restriction",
+    "Round",
+    "SessionFigures",
+    "Shaping",
+    "Span",
+    "StateTimes",
+    "Stop",
+    "Training",
+    "Trial",
+    "VerbTimes",
+    "Visit",
+    "Wholeness",
+    "summed",
+]
+
+#: How a requested action can end; `open`: its end is not in the log.
+ENDS = ("done", "failed", "stopped", "refused", "open")
+#: How a command can end.
+COMMAND_ENDS = ("done", "failed", "timed_out", "refused", "stopped", "superseded", "open")
+
+
+@dataclass(frozen=True, slots=True)
+class Outcomes:
+    """How often something was asked for, by how it ended."""
+
+    done: int = 0
+    failed: int = 0
+    stopped: int = 0
+    refused: int = 0
+    open: int = 0
+
+    @property
+    def total(self) -> int:
+        """How often it was asked for."""
+        return self.done + self.failed + self.stopped + self.refused + self.open
+
+
+@dataclass(frozen=True, slots=True)
+class ActionCount:
+    """One row of the counts: an action of a panel from one source, by how it ended."""
+
+    action: str
+    panel: str
+    source: str
+    outcomes: Outcomes
+
+
+@dataclass(frozen=True, slots=True)
+class VerbTimes:
+    """The commands of one verb: how they ended (see `COMMAND_ENDS`), how long they took."""
+
+    ends: Mapping[str, int]
+    dispatched: Series
+    done: Series
+
+    @property
+    def commands(self) -> int:
+        """How many."""
+        return sum(self.ends.values())
+
+
+@dataclass(frozen=True, slots=True)
+class Reactions:
+    """The cues of one sort (or of all): `CUE_FATES` counted, and the reaction times."""
+
+    fates: Mapping[str, int]
+    times: Series
+
+    @property
+    def cues(self) -> int:
+        """How many."""
+        return sum(self.fates.values())
+
+    @property
+    def answered(self) -> int:
+        """Answered in time."""
+        return self.fates.get("answered", 0)
+
+    @property
+    def missed(self) -> int:
+        """Not answered in time."""
+        return self.fates.get("missed", 0)
+
+
+@dataclass(frozen=True, slots=True)
+class StateTimes:
+    """One state of the engagement model: visits that ended or were cut, and the time in it."""
+
+    visits: int
+    us: int
+    lengths: Series
+
+
+@dataclass(frozen=True, slots=True)
+class Engagement:
+    """What the engagement model did, while it was there and on (running or held).
+
+    Attributes:
+        on_us: How long it was on.
+        off_us: How long it was there but switched off.
+        engaged_us: How long somebody was engaged (see `woz_tui.sensing.machine.ENGAGED`).
+        episodes: Lengths of unbroken engagement.
+        states: By name of the state.
+        transitions: From -> to -> how often.
+        forced: Transitions by the wizard.
+    """
+
+    on_us: int = 0
+    off_us: int = 0
+    engaged_us: int = 0
+    episodes: Series = field(default_factory=Series)
+    states: Mapping[str, StateTimes] = field(default_factory=dict)
+    transitions: Mapping[str, Mapping[str, int]] = field(default_factory=dict)
+    forced: int = 0
+
+    @property
+    def share(self) -> float | None:
+        """Share of the time on in which somebody was engaged; None: it never was on."""
+        return self.engaged_us / self.on_us if self.on_us else None
+
+
+@dataclass(frozen=True, slots=True)
+class Part:
+    """The figures of one condition of one participant in a session, or of all of it (`whole`).
+
+    Attributes:
+        us: How long it lasted.
+        trials: Trials that were begun in it and count.
+        counts: Actions by action, panel, source and end.
+        by_hand: Actions that a human asked for.
+        direct: Commands by hand that belonged to no action (a sentence typed on the spot).
+        press: From the request by hand to the driver's start of the first command.
+        whole: From an action's request to its end, of those that were done.
+        verbs: Commands by verb.
+        gaps: Between two acts by hand (actions and direct commands), one after the other.
+        reactions: By sort of cue; `all` leaves echoes out.
+        mistakes: Acts that the wizard called a mistake.
+        held: How long actions were held back by shaping.
+    """
+
+    participant: str
+    condition: str
+    us: int
+    trials: int
+    counts: Sequence[ActionCount]
+    by_hand: int
+    direct: int
+    press: Series
+    whole: Series
+    verbs: Mapping[str, VerbTimes]
+    gaps: Series
+    reactions: Mapping[str, Reactions]
+    engagement: Engagement
+    mistakes: int
+    markers: int
+    notes: int
+    stops: int
+    speech: Series
+    held: Series
+
+    @property
+    def actions(self) -> int:
+        """How many actions were asked for."""
+        return sum(count.outcomes.total for count in self.counts)
+
+    @property
+    def outcomes(self) -> Outcomes:
+        """Of all actions."""
+        return summed(self.counts)
+
+    @property
+    def acts(self) -> int:
+        """Actions and direct commands by hand."""
+        return self.by_hand + self.direct
+
+    @property
+    def mistake_rate(self) -> float | None:
+        """Share of the acts by hand that were called a mistake; None without acts."""
+        return self.mistakes / self.acts if self.acts else None
+
+    @property
+    def per_minute(self) -> float | None:
+        """Acts by hand a minute; None without time."""
+        return self.acts / (self.us / 60e6) if self.us else None
+
+    def by(self, name: str) -> dict[str, Outcomes]:
+        """Actions by `action`, `panel` or `source`, the most frequent first."""
+        groups: dict[str, list[ActionCount]] = {}
+        for count in self.counts:
+            groups.setdefault(getattr(count, name), []).append(count)
+        found = {key: summed(counts) for key, counts in groups.items()}
+        return dict(sorted(found.items(), key=lambda item: (-item[1].total, item[0])))
+
+
+def summed(counts: Sequence[ActionCount]) -> Outcomes:
+    """All of them together."""
+    ends = [[getattr(count.outcomes, end) for end in ENDS] for count in counts]
+    return Outcomes(*map(sum, zip(*ends, strict=True))) if ends else Outcomes()
+
+
+@dataclass(frozen=True, slots=True)
+class Training:
+    """A wizard's training: how the cues were judged; `score` is the share answered rightly."""
+
+    cues: int
+    right: int
+    wrong: int
+    missed: int
+    uncalled: int
+    times: Series
+
+    @property
+    def score(self) -> float | None:
+        """Right answers by cues; None without cues."""
+        return self.right / self.cues if self.cues else None
+
+
+@dataclass(frozen=True, slots=True)
+class Wholeness:
+    """Whether the log is whole. `sentences` tell everything that is wrong; empty: it is whole.
+
+    Attributes:
+        ended: The session was ended properly.
+        left_out: Lines that the reader had to leave out.
+        dropped: Lines of actions, and `dropped_samples` of samples, that no disk took.
+        segments: Files of actions that the log consists of.
+        verified: The checksums and numbers of all lines were checked.
+    """
+
+    sentences: tuple[str, ...] = ()
+    ended: bool = True
+    left_out: int = 0
+    dropped: int = 0
+    dropped_samples: int = 0
+    segments: int = 1
+    verified: bool = False
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class SessionFigures:
+    """All figures of one session.
+
+    `parts` are by participant and condition, in the order in which they came; `whole` has all of
+    them together. Both leave out what happened in trials that do not count (see `NOT_COUNTED`)
+    unless `all_trials`. Everything else is of the session as it was.
+    """
+
+    path: str
+    stem: str
+    session: str
+    participant: str
+    condition: str
+    wizard: str
+    software: str
+    schema: int
+    experiment: str
+    experiment_sha256: str
+    title: str
+    started: str
+    duration_us: int
+    ended: str
+    window_us: int
+    all_trials: bool
+    whole: Part
+    parts: tuple[Part, ...]
+    cues: tuple[Cue, ...]
+    visits: tuple[Visit, ...]
+    trials: tuple[Trial, ...]
+    breaks: tuple[Span, ...]
+    stops: tuple[Stop, ...]
+    marks: tuple[Mark, ...]
+    answers: tuple[Answer, ...]
+    rounds: tuple[Round, ...]
+    training: Training | None
+    panels: tuple[PanelOffer, ...]
+    profiles: tuple[str, ...]
+    consoles: tuple[ConsoleChange, ...]
+    lost_drivers: tuple[Span, ...]
+    drivers: tuple[str, ...]
+    restrictions: tuple[Restriction, ...]
+    shaping: tuple[Shaping, ...]
+    reloads: int
+    rerun_of: str
+    order: tuple[str, ...]
+    order_method: str
+    wholeness: Wholeness

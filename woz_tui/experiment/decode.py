@@ -131,6 +131,7 @@ class _Decoder:
             profiles=read_profiles(table.get("profiles"), known),
             engagement=engagement,
             files=tuple(source.path.absolute() for source in self._sources),
+            texts=tuple(source.text for source in self._sources),
         )
         check_asks(robots, vocabulary.own, actions, self._report)
         if engagement is not None:

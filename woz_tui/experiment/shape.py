@@ -203,6 +203,8 @@ class Experiment:
     study: Study = field(default_factory=Study)
     #: Every file that was read, for the hash and for watching.
     files: tuple[Path, ...] = ()
+    #: The text of each of `files`.
+    texts: tuple[str, ...] = ()
     warnings: tuple[Problem, ...] = ()
 
     def action(self, name: str) -> Action | None:

@@ -18,7 +18,6 @@ from woz_tui.core.requests import (
     AskStop,
     Beat,
     Hello,
-    PanelsChanged,
     Pulse,
     Reply,
     Welcome,
@@ -26,15 +25,8 @@ from woz_tui.core.requests import (
 from woz_tui.host import place
 from woz_tui.host.client import LINGER_S, Client
 from woz_tui.host.desk import Desk
-from woz_tui.host.views import (
-    allowances,
-    engagement_limits,
-    joint_limits,
-    outlines,
-    panel_views,
-    variable_names,
-    verb_names,
-)
+from woz_tui.host.plan import Shown, plan_for_log, plan_of
+from woz_tui.session.plan import panels_changed, welcome
 from woz_tui.session.session import Session
 
 PULSE_S = 1.0
@@ -78,6 +70,7 @@ class Host:
     def listen(self, listener: socket.socket) -> None:
         """Serve whoever connects to `listener`, a non-blocking Unix socket."""
         self._alone_us = self.session.hub.now()
+        self.session.hub.publish(plan_for_log(Shown.of(self.session)))
         self._open_door(listener)
         self._pulse()
 
@@ -215,53 +208,22 @@ class Host:
         return "wizard"
 
     def _welcome(self, client: Client) -> Welcome:
-        session, experiment = self.session, self.session.experiment
-        return Welcome(
-            protocol=PROTOCOL,
+        session = self.session
+        told = welcome(
+            plan_of(Shown.of(session)),
             console=client.name,
             role=client.role,
             seq=session.hub.seq,
             t=session.hub.now(),
-            title=experiment.title,
             log=str(session.recorder.path),
-            panels=panel_views(experiment, session.locked, session.profiles.current),
-            script=list(experiment.script),
-            verbs=verb_names(experiment),
-            variables=variable_names(session),
-            conditions=list(experiment.conditions),
-            keyboard=experiment.keyboard,
-            drivers=[spec.name for spec in experiment.drivers],
-            state=_raw(session.standing.state()),
-            recent=_raw(session.standing.recent()),
-            settings={
-                "stale_after": experiment.session.stale_after,
-                "dead_man": experiment.session.dead_man,
-                "participant_pattern": experiment.participant_pattern,
-                "joints": joint_limits(session),
-                "outlines": outlines(session),
-                "values": dict(session.values()),
-                "profiles": [*experiment.profiles],
-                "profile": _profile(session),
-                "allows": allowances(experiment),
-                "engagement": engagement_limits(experiment),
-            },
         )
+        state, recent = session.standing.state(), session.standing.recent()
+        return msgspec.structs.replace(told, state=_raw(state), recent=_raw(recent))
 
     def _panels_changed(self) -> None:
-        experiment = self.session.experiment
-        news = PanelsChanged(
-            title=experiment.title,
-            panels=panel_views(experiment, self.session.locked, self.session.profiles.current),
-            script=list(experiment.script),
-            verbs=verb_names(experiment),
-            conditions=list(experiment.conditions),
-            keyboard=experiment.keyboard,
-            values=dict(self.session.values()),
-            profiles=[*experiment.profiles],
-            profile=_profile(self.session),
-            allows=allowances(experiment),
-            engagement=engagement_limits(experiment),
-        )
+        shown = Shown.of(self.session)
+        self.session.hub.publish(plan_for_log(shown))
+        news = panels_changed(plan_of(shown))
         for client in self._clients:
             client.send(news)
 
@@ -314,8 +276,3 @@ class Host:
 
 def _raw(lines: list[m.AnyMessage]) -> list[msgspec.Raw]:
     return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]
-
-
-def _profile(session: Session) -> str:
-    """The name of the profile in use, or nothing."""
-    return session.profiles.current.name if session.profiles.current is not None else ""

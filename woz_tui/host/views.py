@@ -5,7 +5,9 @@ from __future__ import annotations
 import logging
 from collections.abc import Mapping
 from dataclasses import asdict
+from typing import Protocol
 
+from woz_tui.core.driver import Driver
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.core.views import ActionView, PanelView
@@ -15,6 +17,20 @@ from woz_tui.experiment.shape import Action, Call, Experiment, Panel, Profile, T
 from woz_tui.session.session import Session
 
 log = logging.getLogger(__name__)
+
+
+class Cast(Protocol):
+    """An experiment and the classes of its drivers; a session is one."""
+
+    @property
+    def experiment(self) -> Experiment:
+        """What the file says."""
+        ...
+
+    @property
+    def catalogue(self) -> Mapping[str, type[Driver]]:
+        """Driver classes by type."""
+        ...
 
 
 def panel_views(
@@ -96,7 +112,7 @@ def engagement_limits(experiment: Experiment) -> dict[str, Json]:
     }
 
 
-def joint_limits(session: Session) -> dict[str, Json]:
+def joint_limits(session: Cast) -> dict[str, Json]:
     """Lowest and highest angle of each joint in degrees, as far as its driver's class tells.
 
     Named as its sensor is published, without `joint.`: `left.pan` for `left.joint.pan`.
@@ -114,7 +130,7 @@ def joint_limits(session: Session) -> dict[str, Json]:
     return limits
 
 
-def outlines(session: Session) -> dict[str, Json]:
+def outlines(session: Cast) -> dict[str, Json]:
     """What drivers look like, by name, as far as their classes tell: `outline(settings)`.
 
     A body's outline has the `kind` body, its `joints` from the base up and its `face`; a control

@@ -1,14 +1,35 @@
-"""The first line of a session's log."""
+"""The first lines of a session's log: who, what, and the experiment itself."""
 
 from __future__ import annotations
 
+import json
+import os
+import re
+from collections.abc import Sequence
 from pathlib import Path
 
 from woz_tui import __version__
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, timestamp
+from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Experiment
 from woz_tui.session.identity import Identity
+
+#: Bytes of all files together in one line of the log; a line may have 1 MiB.
+FILES_BYTES = 512 * 1024
+
+
+def begin(hub: Hub, identity: Identity, experiment: Experiment, clock: Clock) -> None:
+    """Publish what a log begins with."""
+    hub.publish(session_start(identity, experiment, clock))
+    hub.publish(experiment_files(experiment))
+
+
+def reloaded(hub: Hub, experiment: Experiment, changes: Sequence[str]) -> None:
+    """Publish that the session goes on with a changed file, and the file."""
+    sha256 = experiment.sha256
+    hub.publish(m.ExperimentReloaded(experiment_sha256=sha256, changes=[*changes]))
+    hub.publish(experiment_files(experiment))
 
 
 def session_start(identity: Identity, experiment: Experiment, clock: Clock) -> m.SessionStart:
@@ -37,3 +58,45 @@ def _boot_id() -> str:
         return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
     except OSError:
         return ""
+
+
+def experiment_files(experiment: Experiment) -> m.ExperimentFiles:
+    """The experiment's files as they were read, so that the log can be read without them.
+
+    The home folder is written as `~`, in names and in texts: logs are published.
+    """
+    files: dict[str, str] = {}
+    left_out: list[str] = []
+    room = FILES_BYTES
+    for path, text in zip(experiment.files, experiment.texts, strict=False):
+        name, told = name_beside(path, experiment.path.parent), without_home(text)
+        need = len(json.dumps(told))
+        if need <= room:
+            files[name] = told
+            room -= need
+        else:
+            left_out.append(name)
+    return m.ExperimentFiles(experiment_sha256=experiment.sha256, files=files, left_out=left_out)
+
+
+def name_beside(path: Path, folder: Path) -> str:
+    """`path` as seen from `folder`; a file of the home folder that is not near it as `~/...`."""
+    path, folder, home = path.absolute(), folder.absolute(), _home()
+    inside = home is not None and path.is_relative_to(home)
+    if inside and home is not None and not folder.is_relative_to(home):
+        return f"~/{path.relative_to(home).as_posix()}"
+    return Path(os.path.relpath(path, folder)).as_posix()
+
+
+def without_home(text: str) -> str:
+    """`text` with `~` for the home folder wherever a path begins with it."""
+    home = _home()
+    if home is None:
+        return text
+    return re.sub(rf"(?<![\w./~-]){re.escape(str(home))}/", "~/", text)
+
+
+def _home() -> Path | None:
+    """Whose name must not be in a log; the root's home on a robot is nobody's."""
+    home = Path(os.path.expanduser("~"))  # noqa: PTH111 - this one never raises
+    return home if home.is_absolute() and home != Path(home.anchor) else None

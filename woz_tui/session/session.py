@@ -22,7 +22,7 @@ from woz_tui.plugins import PluginError
 from woz_tui.record.names import media_folder
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
-from woz_tui.session.beginning import session_start
+from woz_tui.session.beginning import begin, reloaded
 from woz_tui.session.crew import Crew
 from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
@@ -66,7 +66,7 @@ class Session:
         self.hub = Hub(self.clock, self.recorder.record)
         self.standing = Standing()
         self.hub.listen(self.standing.see)
-        self.hub.publish(session_start(self.identity, self.experiment, self.clock))
+        begin(self.hub, self.identity, self.experiment, self.clock)
         self.engagement = LiveEngagement(self)
         self.profiles = Profiles(self.hub.publish)
         self._make_drivers()
@@ -388,7 +388,7 @@ class Session:
             self._by_name[spec.name].update({verb.name: verb for verb in spec.verbs})
             self.bus.offer(spec.name, spec.verbs)
         self.runner.deadline = experiment.session.deadline
-        self.hub.publish(m.ExperimentReloaded(experiment_sha256=experiment.sha256, changes=changes))
+        reloaded(self.hub, experiment, changes)
         kept = self.profiles.adopt(experiment)
         if kept:
             self.hub.publish(m.Notice(level="warning", text=kept, remedy="choose another profile"))

@@ -27,7 +27,7 @@ class Standing:
         """A listener of the hub."""
         if self._is_passing(message):
             return
-        if not isinstance(message, m.Reading | m.Shown | m.EngagementShown):
+        if not isinstance(message, _UNLISTED):
             self._recent.append(message)
         match message:
             case m.SessionChanged():
@@ -106,6 +106,8 @@ def _newer(new: str | None, old: str | None) -> str | None:
     return old if new is None else new
 
 
+#: What no list of events has a line for: samples, what is shown, what a log says of itself.
+_UNLISTED = m.Reading | m.Shown | m.EngagementShown | m.ExperimentFiles | m.SessionPlan
 #: Messages of one slot replace each other: the slot is the kind and these fields.
 _SLOTS: dict[type, tuple[str, ...]] = {
     m.SessionStart: (),

@@ -1,0 +1,81 @@
+"""What consoles are shown of an experiment: the same for the welcome and for the log."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+import msgspec
+
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Driver
+from woz_tui.experiment.shape import Experiment, Profile
+from woz_tui.host.views import (
+    allowances,
+    engagement_limits,
+    joint_limits,
+    outlines,
+    panel_views,
+    verb_names,
+)
+from woz_tui.session.session import Session
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """An experiment, and how it stands in a session: locks by panel's title, the profile in use,
+    the variables with their values at this moment.
+    """
+
+    experiment: Experiment
+    catalogue: Mapping[str, type[Driver]]
+    locked: Mapping[str, bool] = field(default_factory=dict)
+    profile: Profile | None = None
+    values: Mapping[str, str] = field(default_factory=dict)
+
+    @classmethod
+    def of(cls, session: Session) -> Shown:
+        """As a session stands now."""
+        return cls(
+            session.experiment,
+            session.catalogue,
+            session.locked,
+            session.profiles.current,
+            session.values(),
+        )
+
+
+def plan_of(shown: Shown) -> m.SessionPlan:
+    """Everything a console is shown, with all values."""
+    experiment = shown.experiment
+    return m.SessionPlan(
+        title=experiment.title,
+        panels=panel_views(experiment, shown.locked, shown.profile),
+        script=list(experiment.script),
+        verbs=verb_names(experiment),
+        variables=sorted(shown.values),
+        conditions=list(experiment.conditions),
+        keyboard=experiment.keyboard,
+        drivers=[spec.name for spec in experiment.drivers],
+        settings={
+            "stale_after": experiment.session.stale_after,
+            "dead_man": experiment.session.dead_man,
+            "participant_pattern": experiment.participant_pattern,
+            "joints": joint_limits(shown),
+            "outlines": outlines(shown),
+            "values": dict(shown.values),
+            "profiles": [*experiment.profiles],
+            "profile": shown.profile.name if shown.profile is not None else "",
+            "allows": allowances(experiment),
+            "engagement": engagement_limits(experiment),
+        },
+    )
+
+
+def plan_for_log(shown: Shown) -> m.SessionPlan:
+    """The same without the values that tell who is there: only the experiment's own variables."""
+    plan = plan_of(shown)
+    own: dict[str, m.Json] = {
+        name: text for name, text in shown.values.items() if name in shown.experiment.variables
+    }
+    return msgspec.structs.replace(plan, settings={**plan.settings, "values": own})

@@ -25,6 +25,9 @@ class Interval:
         detail: What else there is to say: a reason, a sentence that was understood.
         run: Of actions: their id.
         cut: Its end is not in the log.
+        facts: Names and values of what else a picture can tell, of actions what was said, the
+            arguments, and how long the driver took to start: `(("say", "Hello"), ("latency",
+            "12 ms"))`.
     """
 
     begin: int
@@ -36,6 +39,7 @@ class Interval:
     detail: str = ""
     run: str = ""
     cut: bool = False
+    facts: tuple[tuple[str, str], ...] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -42,6 +42,20 @@ class Edit:
         Edit("script:", "variables: {x: y}\nscript:", ["variable 'x' is new"]),
         Edit("script:", "session: {deadline: 3}\nscript:", ["session changed"]),
         Edit("script:", "participants: {pattern: x}\nscript:", ["participant pattern changed"]),
+        Edit("script:", "design: {order: fixed}\nscript:", ["design is new"]),
+        Edit("script:", "shaping: {floor: 1, cues: [marker]}\nscript:", ["shaping is new"]),
+        Edit(
+            "script:",
+            "perception: {hide: [face]}\nscript:",
+            ["perception: hide face, it was nothing"],
+        ),
+        Edit("script:", "preflight: [Shut]\nscript:", ["preflight 'Shut' is new"]),
+        Edit("script:", "training: {count: 3}\nscript:", ["training changed"]),
+        Edit(
+            "script:",
+            "questionnaires: [{name: q, items: [a]}]\nscript:",
+            ["questionnaire 'q' is new"],
+        ),
         Edit("script:", "# a comment\nscript:", []),
         Edit("title: T", "\n\ntitle: T", []),
     ],
@@ -140,3 +154,28 @@ def test_one_edit_of_the_engagement_model(tmp_path: Path, edit: Edit) -> None:
 def test_an_engagement_model_that_was_not_there(tmp_path: Path) -> None:
     without = read(tmp_path, BASE)
     assert list(compare(without, read(tmp_path, BASE + MODEL)).changes) == ["engagement is new"]
+
+
+def test_edits_of_the_study_can_be_taken_over(tmp_path: Path) -> None:
+    text = (Path(__file__).parent / "good" / "study.yaml").read_text(encoding="utf-8")
+    old = read(tmp_path, text)
+    for before, after in (
+        ("trials: 2", "trials: 3"),
+        ("cold: Orange", "cold: Apple"),
+        ("floor: 800 ms", "floor: 1 s"),
+        ("hide: [distance, face]", "hide: [face]"),
+        ("items: [Well]", "items: [Good]"),
+        ("cold: Hello.", "cold: Hi."),
+    ):
+        assert before in text
+        text = text.replace(before, after)
+    difference = compare(old, read(tmp_path, text))
+    assert difference.reloadable
+    assert list(difference.changes) == [
+        "variable 'greeting' changed",
+        "design: trials 3, it was 2",
+        "design: blind warm Lemon, cold Apple, none No, it was warm Lemon, cold Orange, none No",
+        "shaping: floor 1, it was 0.8",
+        "perception: hide face, it was distance, face",
+        "questionnaire 'again' changed",
+    ]

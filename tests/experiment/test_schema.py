@@ -75,8 +75,9 @@ def test_the_example_robots_fit_the_schema(path: Path) -> None:
     validator(robot_schema(bundled())).validate(data)
 
 
-def test_everything_that_can_be_said_fits_the_schema() -> None:
-    text = (Path(__file__).parent / "good" / "everything.yaml").read_text(encoding="utf-8")
+@pytest.mark.parametrize("name", ["everything", "study"])
+def test_everything_that_can_be_said_fits_the_schema(name: str) -> None:
+    text = (Path(__file__).parent / "good" / f"{name}.yaml").read_text(encoding="utf-8")
     validator(experiment_schema(CATALOGUE)).validate(as_editors_read(text))
 
 
@@ -85,7 +86,9 @@ def test_everything_that_can_be_said_fits_the_schema() -> None:
     ["a-list", "just-text", "missing-everything", "unknown-section", "robot-and-robots",
      "misspelt-fields", "misspelt-verb", "wrong-kinds", "panels", "no-panels", "takes-nothing",
      "settings-of-all-kinds", "argument-types", "session-settings", "engagement-on",
-     "engagement-settings", "engagement-states", "engagement-effects", "engagement-verbs"],
+     "engagement-settings", "engagement-states", "engagement-effects", "engagement-verbs",
+     "study-design", "study-questionnaires", "study-shaping", "study-training",
+     "study-training-empty", "study-shaping-rules"],
 )  # fmt: skip
 def test_broken_files_do_not_fit(name: str) -> None:
     data = as_editors_read((BROKEN / f"{name}.yaml").read_text(encoding="utf-8"))

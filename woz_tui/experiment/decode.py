@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import hashlib
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,6 +17,7 @@ from woz_tui.core.driver import Driver, Verb
 from woz_tui.experiment import check, template
 from woz_tui.experiment.actions import PanelReader, StepReader, titles
 from woz_tui.experiment.asked import check_asks
+from woz_tui.experiment.by_condition import read_variables
 from woz_tui.experiment.calls import Vocabulary
 from woz_tui.experiment.effects import EngagementReader
 from woz_tui.experiment.engagement_check import check_engagement
@@ -24,17 +25,19 @@ from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table, described, tree
 from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.report import Report, quoted
-from woz_tui.experiment.robot import Offer, RobotReader
+from woz_tui.experiment.robot import Offer, RobotReader, Robots
+from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.settings import BAD, read_settings
 from woz_tui.experiment.shape import Experiment, Place, SessionSettings
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, missing, read_text, read_word
+from woz_tui.experiment.studied import SECTIONS, Around, read_study
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
 
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("session", "panels", "script", "profiles", "engagement"),
+    *("session", "panels", "script", "profiles", "engagement", *SECTIONS),
 )
 
 
@@ -95,14 +98,14 @@ class _Decoder:
         conditions = _words(table.get("conditions"))
         section = table.get("engagement")
         filled = (*template.BUILT_IN, *((template.VISITOR,) if section is not None else ()))
-        variables = _variables(table.get("variables"), filled)
+        variables = read_variables(table.get("variables"), filled, conditions)
         keyboard = table.get("keyboard")
         layout = (keyboard and read_word(keyboard, LAYOUTS)) or "us"
         panels_spot = missing(table, "panels", root)
         vocabulary = Vocabulary(
             robots,
             _own(session_verbs(conditions, titles(panels_spot)), section),
-            dict.fromkeys((*filled, *variables)),
+            dict.fromkeys((*filled, *variables.names)),
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, layout)
@@ -116,6 +119,7 @@ class _Decoder:
         actions = {draft.action.name: draft.action for draft in panels.drafts}
         reader = EngagementReader(vocabulary, steps, actions)
         engagement = reader.read(section) if section is not None else None
+        around = Around(conditions, actions, _published(robots), section is not None)
         experiment = Experiment(
             title=(title and read_text(title)) or "",
             path=self._path.absolute(),
@@ -125,11 +129,13 @@ class _Decoder:
             script=_words(table.get("script"), once=False),
             participant_pattern=_pattern(table.get("participants")),
             conditions=conditions,
-            variables=variables,
+            variables=variables.always,
+            by_condition=variables.by_condition,
             keyboard=layout,
             session=_session(table.get("session")),
             profiles=read_profiles(table.get("profiles"), known),
             engagement=engagement,
+            study=read_study(table, around),
             files=tuple(source.path.absolute() for source in self._sources),
             texts=tuple(source.text for source in self._sources),
         )
@@ -163,18 +169,11 @@ def _words(spot: Spot | None, *, once: bool = True) -> tuple[str, ...]:
     return tuple(words)
 
 
-def _variables(spot: Spot | None, filled: Collection[str]) -> dict[str, str]:
-    """The experiment's own; those that are `filled` in are not among them."""
-    table = spot.table("a mapping of names to texts") if spot is not None else None
-    values: dict[str, str] = {}
-    for name, entry in (table or {}).items():
-        if name in filled:
-            entry.error(f"{name!r} is filled in by the session; choose another name")
-        elif not template.NAME.fullmatch(name):
-            entry.error("a variable's name has letters, digits and _, and no digit in front")
-        else:
-            values[name] = read_text(entry) or ""
-    return values
+def _published(robots: Robots) -> set[str] | None:
+    """Names of all sensors; None where a driver is missing, because its settings are not right."""
+    if robots.incomplete:
+        return None
+    return {name for own in published_names(robots.drivers).values() for name in own.values()}
 
 
 def _pattern(spot: Spot | None) -> str:

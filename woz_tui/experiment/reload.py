@@ -15,6 +15,7 @@ from woz_tui.experiment.shape import (
     Step,
     Wait,
 )
+from woz_tui.experiment.study import Study
 
 
 @dataclass(frozen=True, slots=True)
@@ -69,12 +70,17 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
             yield f"{what.replace('_', ' ')} changed"
     if old.conditions != new.conditions:
         yield f"conditions are {', '.join(new.conditions) or 'none'}"
-    yield from _entries("variable", old.variables, new.variables)
+    yield from _entries(
+        "variable",
+        {**old.variables, **old.by_condition},
+        {**new.variables, **new.by_condition},
+    )
     if old.engagement is not None and new.engagement is not None:
         yield from _engagement(old.engagement, new.engagement)
     elif old.engagement is not new.engagement:
         yield f"engagement is {'new' if old.engagement is None else 'gone'}"
     yield from _entries("profile", old.profiles, new.profiles)
+    yield from _study(old.study, new.study)
     yield from _panels(old, new)
     yield from _actions(old, new)
     if old.script != new.script:
@@ -100,6 +106,24 @@ def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
             yield f"on {state} plays {_listed(now)}, it was {_listed(was)}"
 
 
+def _study(old: Study, new: Study) -> Iterable[str]:
+    """What is under way goes on: a participant's order, an open questionnaire's items."""
+    for part in ("design", "shaping", "perception"):
+        was, now = getattr(old, part), getattr(new, part)
+        if was is None or now is None:
+            yield from () if was is now else (f"{part} is {'new' if was is None else 'gone'}",)
+        else:
+            yield from (f"{part}: {what}" for what in _settings(was, now))
+    yield from _entries(
+        "questionnaire",
+        {each.name: each for each in old.questionnaires},
+        {each.name: each for each in new.questionnaires},
+    )
+    yield from _entries("preflight", dict.fromkeys(old.preflight), dict.fromkeys(new.preflight))
+    if old.training != new.training:
+        yield "training changed"
+
+
 def _settings(old: object, new: object, prefix: str = "") -> Iterable[str]:
     """`gaze.samples 9, it was 8`: each setting that differs, those of its parts included."""
     for item in dataclasses.fields(new) if dataclasses.is_dataclass(new) else ():
@@ -121,6 +145,8 @@ def _said(value: object) -> str:
             return f"{value:g}"
         case tuple():
             return _listed(value)
+        case Mapping():
+            return _listed([f"{name} {each}" for name, each in value.items()])
         case _:
             return str(value) or "not set"
 

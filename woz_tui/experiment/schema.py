@@ -33,6 +33,7 @@ from woz_tui.experiment.schema_parts import (
     mapping,
 )
 from woz_tui.experiment.schema_settings import required, settings_schema
+from woz_tui.experiment.schema_study import BY_CONDITION, study_properties
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import SessionSettings
 from woz_tui.experiment.verbs import WAIT, engagement_verbs, session_verbs
@@ -91,13 +92,14 @@ def experiment_schema(
                 "conditions": {"type": "array", "items": TEXT, "uniqueItems": True},
                 "variables": {
                     "type": "object",
-                    "description": "values for {name} in utterances",
+                    "description": "values for {name} in utterances; a mapping: by condition",
                     "propertyNames": {"pattern": "^[A-Za-z_][A-Za-z0-9_]*$"},
-                    "additionalProperties": TEXT,
+                    "additionalProperties": {"oneOf": [TEXT, BY_CONDITION]},
                 },
                 "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
                 "session": settings_schema(SessionSettings),
                 "engagement": _engagement(),
+                **study_properties(),
                 "panels": {"type": "array", "items": {"$ref": "#/$defs/panel"}, "minItems": 1},
                 "profiles": {
                     "type": "object",

@@ -192,6 +192,8 @@ class Experiment:
     conditions: tuple[str, ...] = ()
     #: Values for `{name}` in utterances, beside the built-in participant, condition and session.
     variables: Mapping[str, str] = field(default_factory=dict)
+    #: Those whose value depends on the condition: name -> condition -> text.
+    by_condition: Mapping[str, Mapping[str, str]] = field(default_factory=dict)
     #: Keyboard layout: us, gb, de, es, fr ...
     keyboard: str = "us"
     session: SessionSettings = field(default_factory=SessionSettings)

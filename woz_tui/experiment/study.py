@@ -42,7 +42,7 @@ class Design:
     block: Annotated[
         int | None, Range(1, 1000), Doc("participants of a block; default: one for each condition")
     ] = None
-    seed: Annotated[int, Range(0, 2**31), Doc("seed of what is shuffled")] = 0
+    seed: Annotated[int, Range(0, 999_999), Doc("seed of what is shuffled")] = 0
     #: Condition -> what the wizard is told instead; empty: the wizard is told the condition.
     blind: Mapping[str, str] = field(default_factory=dict)
 
@@ -87,15 +87,15 @@ class Shaping:
         float, Seconds(0, 60), Doc("seconds from the cue to the robot's act, at least")
     ] = 0.0
     jitter: Annotated[float, Seconds(0, 60), Doc("up to so many seconds more, at random")] = 0.0
-    cues: Annotated[tuple[str, ...], Doc("speech, engagement, marker")] = ("speech",)
+    cues: Annotated[tuple[str, ...], OneOf(CUES), Doc("speech, engagement, marker")] = ("speech",)
 
 
 @dataclass(frozen=True, slots=True)
 class Perception:
     """What the wizard does not get to see, so as to know no more than the robot could."""
 
-    hide: Annotated[tuple[str, ...], Doc("what is not shown at all")] = ()
-    blur: Annotated[tuple[str, ...], Doc("what is shown, but not legibly")] = ()
+    hide: Annotated[tuple[str, ...], OneOf(PERCEIVED), Doc("what is not shown at all")] = ()
+    blur: Annotated[tuple[str, ...], OneOf(BLURRED), Doc("what is shown, but not legibly")] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,6 +15,25 @@ def add(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_session(parser)
+    parser.add_argument(
+        "--rerun",
+        type=Path,
+        default=None,
+        metavar="LOG",
+        help="run the commands of this log again, once a wizard is attached (see `woz replay`)",
+    )
+    parser.add_argument(
+        "--headless",
+        action="store_true",
+        help="with --rerun: begin without a wizard, and end the session with it",
+    )
+    parser.add_argument(
+        "--rerun-wait",
+        type=float,
+        default=20.0,
+        metavar="SECONDS",
+        help="with --rerun: how long the drivers may take to be connected (default 20)",
+    )
     parser.add_argument("--announce", action="store_true", help=argparse.SUPPRESS)
     parser.set_defaults(run=run)
 
@@ -22,6 +41,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 def run(arguments: argparse.Namespace) -> int:
     """Serve until the session ends."""
     from woz_tui.host import process  # noqa: PLC0415 - only this command needs it
+    from woz_tui.host.rerun import RerunOptions  # noqa: PLC0415
 
     logging.basicConfig(
         stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(name)s %(message)s"
@@ -29,6 +49,9 @@ def run(arguments: argparse.Namespace) -> int:
 
     def serve() -> int:
         who = identity(arguments)
+        rerun = None
+        if arguments.rerun is not None:
+            rerun = RerunOptions(arguments.rerun, arguments.headless, arguments.rerun_wait)
         return process.run(
             process.HostOptions(
                 experiment=arguments.experiment,
@@ -38,6 +61,7 @@ def run(arguments: argparse.Namespace) -> int:
                 spill=arguments.spill,
                 announce=arguments.announce,
                 profile=arguments.profile,
+                rerun=rerun,
             )
         )
 

@@ -77,12 +77,12 @@ class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="comma
 
     @property
     def passing(self) -> bool:
-        """A panel's knob on its way, or what a robot shows of the engagement model by itself:
-        logged, but worth no line of its own.
+        """A panel's knob on its way, also in a re-run, or what a robot shows of the engagement
+        model by itself: logged, but worth no line of its own.
         """
         if self.source == "engagement":
             return not self.run and self.verb in SIGNALS
-        return self.source == "midi" and self.verb == "control"
+        return self.source in ("midi", "replay") and self.verb == "control"
 
 
 class Ack(Message, frozen=True, kw_only=True, omit_defaults=True):

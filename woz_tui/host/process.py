@@ -20,9 +20,11 @@ from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
 from woz_tui.host.desk import Desk
 from woz_tui.host.place import bind, socket_path
+from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
 from woz_tui.host.server import Host
 from woz_tui.plugins import Catalogue, installed
 from woz_tui.record.recorder import Recorder, stem
+from woz_tui.replay.plan import Plan
 from woz_tui.session.identity import Identity, check_code, check_participant
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.session import Session
@@ -45,7 +47,8 @@ class HostOptions:
 
     `name` is the socket's; `recordings` the folder of logs; `spill` a second folder for when the
     first one fails. `announce` writes one JSON line with socket and log to standard output.
-    `profile` is what the wizard may use at the beginning; empty: everything.
+    `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
+    commands are run again.
     """
 
     experiment: Path
@@ -55,6 +58,7 @@ class HostOptions:
     spill: Path | None = None
     announce: bool = False
     profile: str = ""
+    rerun: RerunOptions | None = None
 
 
 def run(options: HostOptions) -> int:
@@ -65,11 +69,18 @@ def run(options: HostOptions) -> int:
     """
     _fill_standard_streams()
     catalogue = installed()
-    experiment = load(options.experiment, catalogue)
+    experiment = _read(options, catalogue)
     _check_identity(options.identity, experiment)
     if options.profile:
         Profiles(lambda message: None).use(options.profile, experiment, "")
-    return asyncio.run(_serve(options, catalogue, experiment))
+    plan = read_plan(options.rerun, experiment) if options.rerun is not None else None
+    return asyncio.run(_serve(options, catalogue, experiment, plan))
+
+
+def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
+    """The experiment's file as it is now, for this kind of session."""
+    experiment = load(options.experiment, catalogue)
+    return experiment if options.rerun is None else without_model(experiment)
 
 
 def _fill_standard_streams() -> None:
@@ -90,7 +101,9 @@ def _check_identity(identity: Identity, experiment: Experiment) -> None:
     identity.changed(experiment, None, identity.condition or None, None)
 
 
-async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experiment) -> int:
+async def _serve(
+    options: HostOptions, catalogue: Catalogue, experiment: Experiment, plan: Plan | None
+) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
     clock = RealClock()
     path = socket_path(options.name)
@@ -114,8 +127,9 @@ async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experim
     sessions.append(session)
     if options.profile:
         session.use_profile(options.profile, "start")
-    desk = Desk(session, lambda: load(options.experiment, catalogue))
+    desk = Desk(session, lambda: _read(options, catalogue))
     host = Host(session, path, desk)
+    rerun = Rerun(host, plan, options.rerun) if plan is not None and options.rerun else None
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
     reason = "crashed"
@@ -127,9 +141,13 @@ async def _serve(options: HostOptions, catalogue: Catalogue, experiment: Experim
         gc.collect()
         gc.freeze()
         gc.set_threshold(*GC_THRESHOLDS)
+        if rerun is not None:
+            rerun.begin_when_ready()
         reason = await host.serve()
     finally:
         _leave_within(CLOSE_LIMIT_S)
+        if rerun is not None:
+            rerun.end("the session ends")
         await session.close(reason)
         await host.close()
         _leave_within(EXIT_LIMIT_S)

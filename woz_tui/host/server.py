@@ -151,6 +151,11 @@ class Host:
         """The console that plays the robot, if one is attached."""
         return next((client for client in self._clients if client.role == "wizard"), None)
 
+    @property
+    def alone(self) -> bool:
+        """Whether nobody is attached at all."""
+        return not self._clients
+
     def _request(self, client: Client, request: AnyRequest) -> None:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
             self.session.stop(request.source)

@@ -7,6 +7,8 @@ import functools
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+import msgspec
+
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Verb
@@ -17,6 +19,8 @@ from woz_tui.session.variables import MissingError, filled
 
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
+#: What the robot does by itself, or does again, nobody's hand has asked for just now.
+_NO_HANDS = frozenset({ENGAGEMENT, "replay"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -115,9 +119,16 @@ class Runner:
         when_busy: str = "queue",
         refusal: Refusal | None = None,
         on_end: Callable[[m.End], None] | None = None,
+        *,
+        like: m.Command | None = None,
     ) -> m.Command:
-        """Send one command that belongs to no action; with a `refusal` it is only logged."""
+        """Send one command that belongs to no action; with a `refusal` it is only logged.
+
+        `like`: it repeats this command, and is called after the same action in the log.
+        """
         command = self._command(call, origin, when_busy=when_busy)
+        if like is not None:
+            command = msgspec.structs.replace(command, action=like.action, panel=like.panel)
         if not command.passing:
             self._remember(command.command, call.verb, origin)
         if refusal is not None:
@@ -126,7 +137,7 @@ class Runner:
 
     def _remember(self, played: str, name: str, origin: Origin) -> None:
         self.played[played] = name
-        if origin.source != ENGAGEMENT:
+        if origin.source not in _NO_HANDS:
             self.by_hand = played
         if len(self.played) > REMEMBERED:
             del self.played[next(iter(self.played))]

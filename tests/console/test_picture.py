@@ -1,11 +1,6 @@
 from __future__ import annotations
 
-import string
-from typing import Any
-
 import msgspec
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from tests.console import scenes
 from tests.console.scripted import raw
@@ -284,98 +279,6 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
     assert picture.edition > edition
     assert (picture.title, picture.position, len(picture.panels)) == ("Guide 2", 1, 1)
     assert state(picture, "Hello") is State.RUNNING
-
-
-# -- any order, any content ----------------------------------------------------------------------
-
-names = st.sampled_from(["a1", "a2", "Hello", "Map", "voice", "face", "distance", "", "Speech"])
-times = st.integers(-1, 1 << 48)
-texts = st.text(alphabet=string.printable + "é“\x1b\u202e", max_size=12)
-numbers = st.one_of(st.none(), st.floats(allow_nan=False, allow_infinity=False))
-values: st.SearchStrategy[m.Json] = st.one_of(st.none(), st.booleans(), numbers, texts)
-
-
-def _field(name: str) -> st.SearchStrategy[object]:
-    special: dict[str, st.SearchStrategy[object]] = {
-        "t": times,
-        "seq": st.integers(-1, 100),
-        "trial": st.one_of(st.none(), st.integers()),
-        "participant": texts,
-        "condition": texts,
-        "locked": st.booleans(),
-        "value": numbers,
-        "raw": numbers,
-        "position": st.integers(-5, 50),
-        "schema": st.just(1),
-        "seed": st.integers(),
-        "limit_s": st.floats(0, 100),
-        "args": st.dictionaries(st.sampled_from(["text", "move", "x"]), values, max_size=2),
-        "sent": st.dictionaries(texts, values, max_size=2),
-        "verdicts": st.dictionaries(texts, values, max_size=4),
-        "software": st.just({}),
-        "clock": st.just({}),
-        "level": st.sampled_from(["ok", "warn", "alarm", "failed", "info", "error", "odd"]),
-        "state": st.sampled_from(["ok", "stale", "speaking", "odd"]),
-        "scope": st.sampled_from(["all", "drive", "odd"]),
-        "lines": st.integers(0, 9),
-        "number": st.integers(0, 9),
-        "dropped": st.integers(0, 9),
-        "dropped_samples": st.integers(0, 9),
-    }
-    if name in special:
-        return special[name]
-    if name in ("confirmed", "missing", "changes", "bad"):
-        return st.lists(texts, max_size=3)
-    return st.integers(-9, 1 << 40) if name.endswith("_us") else st.one_of(names, texts)
-
-
-def _kinds() -> list[type[m.Message]]:
-    found: list[type[m.Message]] = []
-    todo = list(m.Message.__subclasses__())
-    while todo:
-        kind = todo.pop()
-        todo.extend(kind.__subclasses__())
-        if not kind.__subclasses__():
-            found.append(kind)
-    return found
-
-
-def _any_message() -> st.SearchStrategy[Incoming]:
-    made: list[st.SearchStrategy[Any]] = [
-        st.builds(kind, **{name: _field(name) for name in kind.__struct_fields__})
-        for kind in _kinds()
-    ]
-    made.append(st.builds(r.Pulse, t=times, dropped=st.integers(0, 9)))
-    made.append(st.builds(r.Reply, ref=st.integers(), ok=st.booleans()))
-    made.append(st.just(scenes.welcome()))
-    made.append(st.just({"kind": "unheard of"}))
-    return st.one_of(made)
-
-
-@settings(max_examples=150, deadline=None)
-@given(st.lists(_any_message(), max_size=25), st.integers(0, 1 << 40))
-def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) -> None:
-    picture = Picture()
-    picture.take(batch, local)
-    now = picture.now(local)
-    for panel in picture.panels:
-        for action in panel.actions:
-            standing = picture.standing(panel, action, now)
-            assert standing.share is None or 0 <= standing.share <= 1
-    assert 0 <= picture.position <= len(picture.script)
-    assert len(picture.runs.active) <= len(batch) + 20
-    for sensor in picture.sensors.values():
-        picture.is_stale(sensor, now)
-
-
-@settings(max_examples=40, deadline=None)
-@given(st.permutations(scenes.history()))
-def test_a_shuffled_history_ends_every_run(shuffled: list[m.AnyMessage]) -> None:
-    picture = begun(*shuffled)
-    again = begun(*shuffled, *shuffled)
-    ended = {message.run for message in shuffled if isinstance(message, m.ActionEnd)}
-    assert {failure.run for failure in picture.unseen()} == {"a5"}
-    assert {failure.run for failure in again.unseen()} <= ended
 
 
 def test_utterances_are_filled_with_what_holds_now() -> None:

@@ -40,7 +40,8 @@ class Desk:
 
     def replied(self, reply: r.Reply) -> None:
         """A reply came; those to keys pressed in the input thread have no waiting dialog."""
-        self._waiting.pop(reply.ref, self._refusal)(reply)
+        told = self._console.picture.blind.reply(reply)
+        self._waiting.pop(reply.ref, self._refusal)(told)
 
     def forget(self) -> None:
         """The connection is gone: no reply will come any more."""

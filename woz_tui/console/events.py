@@ -86,6 +86,8 @@ def _under_way(event: Event, picture: Picture, frame: Frame) -> Piece:
     run = picture.runs.active.get(event.run)
     if run is None:
         return (" ", "plain")
+    if (held := run.held_for(frame.now)) is not None:
+        return (f" waits {seconds(held[0])} ", "wait")
     if not run.running:
         return (" queued ", "wait")
     left, _ = run.timing(frame.now)

@@ -13,6 +13,7 @@ class Glyphs:
 
     running: str = "▶"
     queued: str = "◷"
+    held: str = "◷"
     done: str = "✓"
     waits: str = "◷"
     failed: str = "✗"
@@ -69,6 +70,7 @@ class AsciiGlyphs(Glyphs):
 
     running: str = ">"
     queued: str = ":"
+    held: str = ":"
     done: str = "+"
     waits: str = ":"
     failed: str = "X"
@@ -119,7 +121,7 @@ class AsciiGlyphs(Glyphs):
         return True
 
 
-_PLAIN = str.maketrans({"“": '"', "”": '"', "…": "~", "→": ">", "·": "-", "°": "d"})
+_PLAIN = str.maketrans({"“": '"', "”": '"', "…": "~", "→": ">", "·": "-", "°": "d", "●": "*"})
 
 UNICODE = Glyphs()
 ASCII = AsciiGlyphs()

@@ -24,6 +24,7 @@ MOST = 32
 _LOOK = {
     State.READY: "plain",
     State.QUEUED: "wait",
+    State.HELD: "wait",
     State.RUNNING: "run",
     State.DONE: "good",
     State.WAITS: "wait",
@@ -138,12 +139,13 @@ def _body(
     glyph = " " if standing.state is State.READY else str(getattr(glyphs, standing.state.value))
     label = clean(action.label)
     spare = room - 2 - cell_len(label)
-    if standing.state is State.RUNNING:
+    timed = standing.state in (State.RUNNING, State.HELD)
+    if timed:
         shown = f"{word} " if word else ""
     else:
         shown = f"{word} " if spare > cell_len(word) + 1 else ""
     text = f"{glyph} {fit(label, room - 2 - cell_len(shown), glyphs.ellipsis)}{shown}"
-    if standing.state is not State.RUNNING or standing.share is None:
+    if not timed or standing.share is None:
         return ((text, look),)
     filled = round((1 - standing.share) * room)
     front = set_cell_size(text, filled)
@@ -156,6 +158,8 @@ def _word(standing: Standing) -> str:
             return ""
         case State.RUNNING:
             return "" if standing.left_us is None else f"{standing.left_us / 1e6:.1f}"
+        case State.HELD:
+            return f"waits {(standing.left_us or 0) / 1e6:.1f}"
         case State.WAITS:
             return "after mode"
         case State.UNREACHABLE:

@@ -14,6 +14,7 @@ class State(enum.Enum):
 
     READY = "ready"
     QUEUED = "queued"
+    HELD = "held"
     RUNNING = "running"
     DONE = "done"
     WAITS = "waits"
@@ -29,7 +30,8 @@ class Standing:
     """An action's state at one moment.
 
     `left_us` is the time still to go, `share` (0..1) how much of the expected time has passed;
-    both None while the driver has not said how long it takes. `note` is a word to go with the
+    both None while the driver has not said how long it takes; of what is held until it may answer
+    a cue, the same until it begins. `note` is a word to go with the
     state: what is missing, why it was refused.
     """
 

@@ -31,8 +31,11 @@ from woz_tui.console.parts import (
 )
 from woz_tui.console.profiles import Profiles, profiles_of
 from woz_tui.console.reducers import reduce
-from woz_tui.console.runs import Failure, Runs
+from woz_tui.console.runs import Failure, Run, Runs
 from woz_tui.console.sentences import Event, event_of
+from woz_tui.console.study.blind import Blind, blind_of
+from woz_tui.console.study.perceived import Perception, kind_of, perception_of
+from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.views import ActionView, PanelView
@@ -70,6 +73,10 @@ class Picture:
     keyboard: str = "us"
     settings: dict[str, m.Json] = field(default_factory=dict)
     profiles: Profiles = field(default_factory=Profiles)
+    #: Conditions by the labels that the wizard is told, and what the wizard does not get to see.
+    blind: Blind = field(default_factory=Blind)
+    perception: Perception = field(default_factory=Perception)
+    study: Study = field(default_factory=Study)
     locks: dict[str, bool] = field(default_factory=dict)
     drivers: dict[str, DriverPicture] = field(default_factory=dict)
     sensors: dict[str, SensorPicture] = field(default_factory=dict)
@@ -141,6 +148,7 @@ class Picture:
         self.outlines = outlines_of(self.settings)
         self.profiles = profiles_of(self.settings)
         self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
+        self._study(self.settings.get("study"))
         self._plan(welcome)
         for raw in welcome.recent:
             self._raw(raw, tell=True)
@@ -164,20 +172,53 @@ class Picture:
             self.engaged = Engaged()  # the file has no such section any more
         self.settings["engagement"] = dict(changed.engagement)
         self.profiles = profiles_of(self.settings)
+        self._study(getattr(changed, "study", self.settings.get("study")))
         self._plan(changed)
+
+    def _study(self, told: m.Json) -> None:
+        """What the wizard may know comes first: all that follows is seen through it."""
+        study = told if isinstance(told, dict) else {}
+        self.blind = blind_of(study)
+        self._perceive(perception_of(study))
+        self.study.tell({**study, "assigned": self.blind.conditions(study.get("assigned"))})
+
+    def _perceive(self, perception: Perception) -> None:
+        """Keep this from the wizard from now on, also what is on the screen already."""
+        if perception == self.perception:
+            return
+        self.perception = perception
+        kept = [name for name in self.sensors if perception.keeps(kind_of(name))]
+        for name in kept:
+            del self.sensors[name]
+        self.engaged, self.engagement = Engaged(), None
+        if perception.hides("face"):
+            self.faces.clear()
+        if perception.hides("joints"):
+            self.bodies.clear()
+        if perception.keeps("transcript"):
+            told = [event for event in self.events if event.mark != "heard"]
+            self.events = deque(told, maxlen=EVENTS)
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged) -> None:
         self.title = plan.title
         self.panels, self.script = tuple(plan.panels), tuple(plan.script)
         self.verbs = dict(plan.verbs)
-        self.conditions = tuple(plan.conditions)
+        self.conditions = self.blind.labels(plan.conditions)
         self.keyboard = plan.keyboard
         self.position = min(self.position, len(self.script))
         self.edition += 1
 
     def _message(self, message: m.Message, tell: bool) -> None:
+        if isinstance(message, m.PerceptionChanged):
+            self._perceive(Perception(message.hidden, message.blurred))
+        seen = self.perception.message(self.blind.message(message))
+        if seen is not None:
+            self._seen(seen, tell)
+
+    def _seen(self, message: m.Message, tell: bool) -> None:
         reduce(self, message)
         self.engaged.take(message)
+        self.study.take(message)
         failure = self.runs.take(message)
         if tell:
             if failure is not None:
@@ -216,7 +257,7 @@ class Picture:
         now = {"participant": self.participant, "condition": self.condition, "trial": trial}
         values |= {name: value for name, value in now.items() if value != ""}
         for name, value in values.items():
-            if value not in ("", None):
+            if value not in ("", None) and not self.blind.keeps(name, value):
                 words = words.replace(f"{{{name}}}", str(value))
         return words
 
@@ -236,9 +277,7 @@ class Picture:
         """How an action stands at `now`."""
         current = self.runs.of(action.name)
         if current is not None:
-            left_us, share = current.timing(now)
-            state = State.RUNNING if current.running else State.QUEUED
-            return Standing(state, left_us, share)
+            return _under_way(current, now)
         outcome = self.runs.outcomes.get(action.name)
         if outcome is not None and now - outcome.t <= _LINGER.get(outcome.how, 0):
             return Standing(State(outcome.how), note=outcome.reason)
@@ -280,3 +319,11 @@ class Picture:
     def see_failures(self) -> None:
         """The wizard has seen all failures there are."""
         self.runs.see_all()
+
+
+def _under_way(run: Run, now: int) -> Standing:
+    """How an action stands that has been played and is not over."""
+    if (held := run.held_for(now)) is not None:
+        return Standing(State.HELD, *held)
+    left_us, share = run.timing(now)
+    return Standing(State.RUNNING if run.running else State.QUEUED, left_us, share)

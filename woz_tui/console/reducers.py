@@ -41,6 +41,11 @@ def _session(picture: Picture, message: m.SessionChanged) -> None:
         picture.trial = message.trial
 
 
+def _trial(picture: Picture, message: m.TrialStarted) -> None:
+    picture.trial = message.trial
+    picture.condition = message.condition or picture.condition
+
+
 def _end(picture: Picture, message: m.SessionEnd) -> None:
     picture.ended = message.reason or "ended"
 
@@ -166,6 +171,7 @@ def _console_lost(picture: Picture, message: m.ConsoleLost) -> None:
 _REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
     m.SessionStart: _start,
     m.SessionChanged: _session,
+    m.TrialStarted: _trial,
     m.SessionEnd: _end,
     m.RecorderState: _recorder,
     m.Notice: _notice,

@@ -86,6 +86,8 @@ class Run:
     began: int | None = None
     commands: dict[str, Doing] = field(default_factory=dict)
     remedy: str = ""
+    #: From when until when it is held back, so as not to answer a cue too soon.
+    held: tuple[int, int] | None = None
     #: Something of it counts only after the mode.
     waits: bool = False
 
@@ -93,6 +95,13 @@ class Run:
     def running(self) -> bool:
         """Whether a driver has begun; until then it is queued."""
         return self.began is not None
+
+    def held_for(self, now: int) -> tuple[int, float] | None:
+        """Microseconds for which it is still held back, and the share (0..1) gone by."""
+        if self.held is None or self.running or now >= self.held[1]:
+            return None
+        begun, until = self.held
+        return until - now, min(1.0, max(0.0, (now - begun) / max(1, until - begun)))
 
     def timing(self, now: int) -> tuple[int | None, float | None]:
         """Microseconds still to go and the share (0..1) gone by; None where nobody has said."""
@@ -199,6 +208,9 @@ class Runs:
                 self._command(message)
             case m.Dispatched() | m.Progress():
                 self._advance(message)
+            case m.ActionHeld():
+                if (run := self.active.get(message.run)) is not None:
+                    run.held = (message.t, message.until)
             case m.ActionEnd():
                 return self._end(message)
             case m.End():

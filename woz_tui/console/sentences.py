@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from woz_tui.console.engagement.seen import texts
 from woz_tui.console.engagement.words import why
 from woz_tui.console.runs import Outcome, words
+from woz_tui.console.study.telling import TELLERS, line_of
 from woz_tui.core import messages as m
 
 if TYPE_CHECKING:
@@ -245,6 +246,11 @@ def _reloaded(message: m.ExperimentReloaded, picture: Picture) -> Event:
     return Event(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
 
 
+def _of_study(message: m.Message, picture: Picture) -> Event | None:
+    line = line_of(message)
+    return Event(message.t, *line) if line is not None else None
+
+
 def _attached(message: m.ConsoleAttached, picture: Picture) -> Event:
     return Event(message.t, "info", f"{message.role} attached", message.console)
 
@@ -287,4 +293,5 @@ _TELLERS: dict[type[m.Message], Callable[[Any, Picture], Event | None]] = {
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,
     m.ConsoleLost: _console_lost,
+    **dict.fromkeys(TELLERS, _of_study),
 }

@@ -1,0 +1,211 @@
+"""What the console knows of the study: order, trial, break, questionnaires, preflight list.
+
+Everything comes from the welcome's `settings["study"]` and from messages, so that a log that is
+played back shows the same.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import Any, NamedTuple
+
+from woz_tui.console.figures import seconds
+from woz_tui.console.study.questions import Asked, Questionnaire, items_of, questionnaires_of
+from woz_tui.core import messages as m
+from woz_tui.core.messages import Json
+
+#: A sentence for the wizard and its look, and how many may wait to be read.
+Tiding = tuple[str, str]
+_TIDINGS = 8
+#: What a wizard did with a cue: how it is said, and its look.
+_JUDGED = {
+    "right": ("right", "good"),
+    "wrong": ("wrong", "bad"),
+    "missed": ("missed", "warn"),
+    "uncalled": ("nothing asked for it", "warn"),
+}
+
+
+class Trial(NamedTuple):
+    """The trial under way: since `began`, in microseconds on the axis of `t`."""
+
+    number: int
+    began: int
+    condition: str = ""
+
+
+@dataclass(slots=True)
+class Study:
+    """Fields are for reading; `tell` and `take` change them."""
+
+    questionnaires: tuple[Questionnaire, ...] = ()
+    #: What a human has to see to -> whether it is ticked.
+    checks: dict[str, bool] = field(default_factory=dict)
+    #: The participant's conditions in their order, as the wizard may know them.
+    order: tuple[str, ...] = ()
+    planned: int = 0
+    trial: Trial | None = None
+    #: The last trial that is over: its number and how it ended.
+    last: tuple[int, str] | None = None
+    break_began: int | None = None
+    #: The questionnaire that is put to somebody now.
+    asked: Asked | None = None
+    #: Names of those that should be asked now.
+    due: list[str] = field(default_factory=list)
+    #: Names of those that were answered or declined in this session.
+    over: set[str] = field(default_factory=set)
+    #: Consoles at which a participant sits.
+    participants: set[str] = field(default_factory=set)
+    _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
+
+    # -- reading ------------------------------------------------------------------------------
+
+    @property
+    def designed(self) -> bool:
+        """Whether the file says how many trials there are, or one has been begun."""
+        return bool(self.planned or self.trial or self.last or self.break_began is not None)
+
+    def questionnaire(self, name: str) -> Questionnaire | None:
+        """The questionnaire of this name."""
+        return next((one for one in self.questionnaires if one.name == name), None)
+
+    def unticked(self) -> list[str]:
+        """What nobody has seen to."""
+        return [check for check, ticked in self.checks.items() if not ticked]
+
+    def open_at_end(self) -> list[str]:
+        """Questionnaires for the end of the session that nobody has answered or declined."""
+        return [
+            one.name
+            for one in self.questionnaires
+            if one.when == "end" and one.name not in self.over
+        ]
+
+    def read_tidings(self) -> list[Tiding]:
+        """Sentences that nobody has read, oldest first."""
+        told = list(self._tidings)
+        self._tidings.clear()
+        return told
+
+    # -- from the robot process -----------------------------------------------------------------
+
+    def tell(self, told: Mapping[str, Json]) -> None:
+        """What the experiment file says, and where the session stands."""
+        self.questionnaires = questionnaires_of(told.get("questionnaires"))
+        self.checks = _checks(told.get("preflight"))
+        if (order := _names(told.get("assigned"))) is not None:
+            self.order = tuple(order)
+        if isinstance(planned := told.get("planned"), int):
+            self.planned = planned
+        if (due := _names(told.get("due"))) is not None:
+            self.due = due
+
+    def take(self, message: m.Message) -> None:
+        """Work a message in; others than those of the study are passed over."""
+        reducer = _REDUCERS.get(type(message))
+        if reducer is not None:
+            reducer(self, message)
+
+    def _assign(self, told: m.ConditionsAssigned) -> None:
+        self.order = tuple(told.order)
+        self.due, self.over = [], set()
+
+    def _begin(self, told: m.TrialStarted) -> None:
+        self.trial, self.break_began = Trial(told.trial, told.t, told.condition), None
+        self.planned = told.planned or self.planned
+        missing = self.unticked() if self.last is None else []
+        if missing:
+            self._tidings.append((f"not ticked in the preflight: {'; '.join(missing)}", "warn"))
+
+    def _end(self, told: m.TrialEnded) -> None:
+        self.trial, self.last = None, (told.trial, told.outcome)
+        if told.outcome == "done":
+            after = [one.name for one in self.questionnaires if self._follows(one, told.trial)]
+            self.due = list(dict.fromkeys((*self.due, *after)))
+
+    def _follows(self, one: Questionnaire, trial: int) -> bool:
+        """Whether it is to be asked after this trial."""
+        each, rest = divmod(self.planned, max(1, len(self.order)))
+        ends = bool(each) and not rest and trial % each == 0
+        return one.when == "trial" or (one.when == "condition" and ends)
+
+    def _break(self, told: m.BreakStarted) -> None:
+        self.break_began = told.t
+
+    def _resume(self, told: m.BreakEnded) -> None:
+        self.break_began = None
+
+    def _check(self, told: m.PreflightChecked) -> None:
+        if told.check in self.checks:
+            self.checks[told.check] = told.level == "ok"
+
+    def _ask(self, told: m.QuestionnaireStarted) -> None:
+        known = self.questionnaire(told.questionnaire)
+        self.asked = Asked(
+            Questionnaire(
+                told.questionnaire,
+                told.title,
+                known.introduction if known is not None else "",
+                items=items_of(told.items) or (known.items if known is not None else ()),
+            )
+        )
+
+    def _answer(self, told: m.QuestionnaireAnswered) -> None:
+        if self.asked is not None and self.asked.name == told.questionnaire:
+            self.asked.take(told)
+
+    def _asked(self, told: m.QuestionnaireEnded) -> None:
+        if self.asked is not None and self.asked.name == told.questionnaire:
+            self.asked = None
+        if told.reason in ("done", "declined"):
+            self.over.add(told.questionnaire)
+            self.due = [name for name in self.due if name != told.questionnaire]
+
+    def _judge(self, told: m.CueAnswered) -> None:
+        self._tidings.append(judged(told))
+
+    def _attach(self, told: m.ConsoleAttached) -> None:
+        if told.role == "participant":
+            self.participants.add(told.console)
+
+    def _gone(self, told: m.ConsoleLost) -> None:
+        self.participants.discard(told.console)
+
+
+def judged(told: m.CueAnswered) -> Tiding:
+    """`right, 1.24 s`, with its look."""
+    word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
+    took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
+    return f"{word}{took}", look
+
+
+def _checks(told: Json) -> dict[str, bool]:
+    checks: dict[str, bool] = {}
+    for one in told if isinstance(told, list) else ():
+        if isinstance(one, Mapping) and isinstance(one.get("check"), str):
+            checks[str(one["check"])] = one.get("ok") is True
+        elif isinstance(one, str):
+            checks[one] = False
+    return checks
+
+
+def _names(told: Json) -> list[str] | None:
+    return [str(name) for name in told] if isinstance(told, list) else None
+
+
+_REDUCERS: dict[type[m.Message], Callable[[Study, Any], None]] = {
+    m.ConditionsAssigned: Study._assign,
+    m.TrialStarted: Study._begin,
+    m.TrialEnded: Study._end,
+    m.BreakStarted: Study._break,
+    m.BreakEnded: Study._resume,
+    m.PreflightChecked: Study._check,
+    m.QuestionnaireStarted: Study._ask,
+    m.QuestionnaireAnswered: Study._answer,
+    m.QuestionnaireEnded: Study._asked,
+    m.CueAnswered: Study._judge,
+    m.ConsoleAttached: Study._attach,
+    m.ConsoleLost: Study._gone,
+}

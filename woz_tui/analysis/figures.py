@@ -177,7 +177,7 @@ class Part:
         by_hand: Actions that a human asked for.
         direct: Commands by hand that belonged to no action (a sentence typed on the spot).
         press: From the request by hand to the driver's start of the first command.
-        whole: From an action's request to its end, of those that were done.
+        took: From an action's request to its end, of those that were done.
         verbs: Commands by verb.
         gaps: Between two acts by hand (actions and direct commands), one after the other.
         reactions: By sort of cue; `all` leaves echoes out.
@@ -193,7 +193,7 @@ class Part:
     by_hand: int
     direct: int
     press: Series
-    whole: Series
+    took: Series
     verbs: Mapping[str, VerbTimes]
     gaps: Series
     reactions: Mapping[str, Reactions]

@@ -1,0 +1,164 @@
+"""Where in a session a message stands: when, who, which condition, which trial."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+
+from woz_tui.analysis.figures import NOT_COUNTED, Span, Trial
+from woz_tui.analysis.series import LONGEST
+from woz_tui.analysis.tally import Tally
+from woz_tui.core import messages as m
+
+Handlers = dict[type[m.Message], Callable[..., None]]
+
+
+@dataclass(slots=True)
+class _Running:
+    """A trial that was begun."""
+
+    trial: int
+    participant: str
+    condition: str
+    begin: int
+    end: int | None = None
+    outcome: str = ""
+    text: str = ""
+
+
+@dataclass(slots=True)
+class Course:
+    """Time, which never goes back, and the tally in which everything of this moment counts.
+
+    `leaving` are told before another tally takes over, so that they can settle their accounts.
+    """
+
+    t: int = 0
+    participant: str = ""
+    condition: str = ""
+    trial: int = -1
+    tally: Tally = field(default_factory=lambda: Tally("", ""))
+    leaving: list[Callable[[], None]] = field(default_factory=list)
+    breaks: list[Span] = field(default_factory=list)
+    _tallies: dict[tuple[str, str, int], Tally] = field(default_factory=dict)
+    _runs: list[_Running] = field(default_factory=list)
+    _run: int = -1
+    _since: int = 0
+    _began: bool = False
+
+    def handlers(self) -> Handlers:
+        """What it listens to."""
+        return {
+            m.SessionStart: self._start,
+            m.SessionChanged: self._changed,
+            m.TrialStarted: self._trial_started,
+            m.TrialEnded: self._trial_ended,
+            m.BreakStarted: self._break_started,
+            m.BreakEnded: self._break_ended,
+        }
+
+    def at(self, t: int) -> None:
+        """It is `t` now; a time that lies back, or that no clock can say, does not count."""
+        if self.t < t < LONGEST:
+            self.t = t
+
+    def settle(self) -> None:
+        """Count the time up to now."""
+        for leave in self.leaving:
+            leave()
+        self.tally.us += self.t - self._since
+        self._since = self.t
+
+    def finish(self) -> None:
+        """The log is over."""
+        self.settle()
+        if self.breaks and self.breaks[-1].end is None:
+            self._end_break("")
+
+    @property
+    def tallies(self) -> list[Tally]:
+        """All in the order in which they came; those in which nothing was are left out."""
+        return [
+            tally for tally in self._tallies.values() if tally.us or tally.counts or tally.cues
+        ] or [self.tally]
+
+    def counts(self, tally: Tally) -> bool:
+        """Whether what stands in it is to be analysed, as far as the trials' outcomes say."""
+        return tally.run < 0 or self._runs[tally.run].outcome not in NOT_COUNTED
+
+    def trials(self) -> list[Trial]:
+        """All trials, also those that do not count."""
+        return [
+            Trial(
+                trial=run.trial,
+                participant=run.participant,
+                condition=run.condition,
+                begin=run.begin,
+                end=run.end,
+                outcome=run.outcome,
+                text=run.text,
+                actions=sum(
+                    tally.counts.total() for tally in self._tallies.values() if tally.run == number
+                ),
+            )
+            for number, run in enumerate(self._runs)
+        ]
+
+    # -- messages ------------------------------------------------------------------------------
+
+    def _start(self, message: m.SessionStart) -> None:
+        self.participant, self.condition = message.participant, message.condition
+        self._enter()
+
+    def _changed(self, message: m.SessionChanged) -> None:
+        if message.participant is not None:
+            self.participant = message.participant
+        if message.condition is not None:
+            self.condition = message.condition
+        if message.trial is not None:
+            self.trial = message.trial
+        self._enter()
+
+    def _trial_started(self, message: m.TrialStarted) -> None:
+        self.trial = message.trial
+        self.condition = message.condition or self.condition
+        self._runs.append(_Running(message.trial, self.participant, self.condition, self.t))
+        self._run = len(self._runs) - 1
+        self._enter()
+
+    def _trial_ended(self, message: m.TrialEnded) -> None:
+        if self._run >= 0:
+            run = self._runs[self._run]
+            run.end, run.outcome, run.text = self.t, message.outcome, message.text
+        self._run = self.trial = -1
+        self._enter()
+
+    def _break_started(self, message: m.BreakStarted) -> None:
+        if self.breaks and self.breaks[-1].end is None:
+            self._end_break("")
+        self.breaks.append(Span(self.t, None, "break", message.text))
+
+    def _break_ended(self, message: m.BreakEnded) -> None:
+        if self.breaks and self.breaks[-1].end is None:
+            self._end_break(message.text)
+
+    def _end_break(self, text: str) -> None:
+        last = self.breaks[-1]
+        self.breaks[-1] = Span(last.begin, self.t, last.name, text or last.text)
+
+    def _enter(self) -> None:
+        """From here on another tally counts, or the same one."""
+        key = (self.participant, self.condition, self._run)
+        tally = self._tallies.get(key)
+        if tally is not None and tally is self.tally:
+            return
+        if not self._began:  # what stands before the first line belongs to it
+            self._began = True
+            first = self.tally
+            first.participant, first.condition, first.run = key
+            self._tallies[key] = first
+            return
+        self.settle()
+        if tally is None:
+            tally = self._tallies[key] = Tally(*key)
+        self.tally = tally

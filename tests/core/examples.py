@@ -304,7 +304,12 @@ def answers() -> list[r.AnyAnswer]:
         r.Pulse(t=3_000_000, dropped=40),
         r.Pulse(t=3_000_000, rate=0.0),
         r.Replaying(
-            t=3_000_000, length_us=60_000_000, rate=4.0, paused=False, marks=[(2_000_000, "smile")]
+            t=3_000_000,
+            length_us=60_000_000,
+            rate=4.0,
+            paused=False,
+            marks=[(2_000_000, "smile")],
+            sorts=["marker"],
         ),
         r.Replaying(
             t=60_000_000, length_us=60_000_000, rate=1.0, paused=True, ended=True, cut_us=9_000_000

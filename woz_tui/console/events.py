@@ -98,23 +98,25 @@ def _under_way(event: Event, picture: Picture, frame: Frame) -> Piece:
 class Events(Cells):
     """The list of events."""
 
-    _shape = (0, 0)
+    _shape = (0, 0, 0)
     _budget = float(BURST_ROWS)
     _painted_us = 0
 
     def paint(self, picture: Picture, frame: Frame) -> None:
-        """Show a heading and the newest events; in a flood of them not every time."""
+        """Show a heading and the newest events; in a flood of them not every time. A
+        replay that stands still has no floods.
+        """
         inner = replace(frame, height=frame.height - 1)
         rows = [heading("Events", frame), *event_rows(picture, inner)]
-        if self._affords(rows, frame):
+        if not picture.rate or self._affords(rows, frame, picture):
             self.show(rows)
 
-    def _affords(self, rows: list[Row], frame: Frame) -> bool:
-        """Whether so many rows may change now; a new size is always drawn."""
-        passed_us = max(0, frame.now - self._painted_us)
+    def _affords(self, rows: list[Row], frame: Frame, picture: Picture) -> bool:
+        """Whether so many rows may change now; a new size or a new beginning is always drawn."""
+        passed_us = max(0, frame.now - self._painted_us) / picture.rate
         self._painted_us = frame.now
         self._budget = min(BURST_ROWS, self._budget + passed_us * ROWS_S / 1e6)
-        shape, self._shape = self._shape, (frame.width, frame.height)
+        shape, self._shape = self._shape, (frame.width, frame.height, picture.edition)
         if self._budget <= 0 and shape == self._shape:
             return False
         self._budget -= sum(old != new for old, new in zip_longest(self.rows, rows))

@@ -31,6 +31,7 @@ from woz_tui.console.parts import (
 )
 from woz_tui.console.profiles import Profiles, profiles_of
 from woz_tui.console.reducers import reduce
+from woz_tui.console.replay.standing import ReplayPicture, following
 from woz_tui.console.runs import Failure, Run, Runs
 from woz_tui.console.sentences import Event, event_of
 from woz_tui.console.study.blind import Blind, blind_of
@@ -99,6 +100,10 @@ class Picture:
     lost: str = ""
     #: Raised whenever panels or script are new, so that keys and layout follow.
     edition: int = 0
+    #: How a replay stands, and its places to go to; None in a session.
+    replay: ReplayPicture | None = None
+    #: How fast the session's time goes on: 1, or the speed of a replay, which may stand still.
+    rate: float = 1.0
     _t: int = 0
     _local: int = 0
 
@@ -106,13 +111,19 @@ class Picture:
 
     def now(self, local_us: int) -> int:
         """The session's `t` at the local clock's `local_us`."""
-        return self._t + max(0, local_us - self._local)
+        return self._t + round(max(0, local_us - self._local) * self.rate)
 
     def _heard(self, t: int, local_us: int) -> None:
         """Tie the clocks: forward at once, back only if they are far apart (a paused feed)."""
         behind = self.now(local_us) - t
         if behind < 0 or behind > STALE_US:
             self._t, self._local = t, local_us
+
+    def _pulse(self, pulse: r.Pulse, local_us: int) -> None:
+        if pulse.rate != self.rate:
+            self._t, self._local, self.rate = pulse.t, local_us, pulse.rate
+        self._heard(pulse.t, local_us)
+        self.dropped = pulse.dropped
 
     # -- reducing ---------------------------------------------------------------------------
 
@@ -124,8 +135,9 @@ class Picture:
             elif isinstance(message, r.PanelsChanged):
                 self._panels(message)
             elif isinstance(message, r.Pulse):
-                self._heard(message.t, local_us)
-                self.dropped = message.dropped
+                self._pulse(message, local_us)
+            elif isinstance(message, r.Replaying):
+                self.replay = following(self.replay, message)
             elif isinstance(message, m.Message):
                 if message.t >= 0 and not isinstance(message, m.Reading):
                     self._heard(message.t, local_us)

@@ -337,7 +337,9 @@ class Replaying(
     """How a replay stands: at `t` of `length_us`, at `rate` times its real speed, or still.
 
     `marks` are times of markers and what they say, oldest first, for the time line; only in the
-    first one, and when it begins anew. `cut_us`: how much of idle gaps has been left out so far.
+    first one, and when it begins anew. `sorts`: what each of them is (marker, note, mistake, stop,
+    trial, break, questionnaire, lost, engagement, end). `cut_us`: how much of idle gaps has been
+    left out so far.
     """
 
     t: int
@@ -347,6 +349,7 @@ class Replaying(
     ended: bool = False
     cut_us: int = 0
     marks: list[tuple[int, str]] | None = None
+    sorts: list[str] = []
 
 
 class PanelsChanged(

@@ -82,6 +82,16 @@ class Standing:
             moved = msgspec.structs.replace(moved, values={**known.values, **moved.values})
         self._single[slot] = moved
 
+    def copy(self) -> Standing:
+        """The same, to go on from here without changing this one."""
+        other = Standing()
+        other._single = dict(self._single)
+        other._changed = self._changed
+        other._runs = {run: [*lines] for run, lines in self._runs.items()}
+        other._recent = self._recent.copy()
+        other._passing = set(self._passing)
+        return other
+
     def forget(self, *kinds: type[m.Message]) -> None:
         """Messages of these kinds hold no more."""
         for kind in kinds:

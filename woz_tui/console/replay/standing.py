@@ -1,0 +1,42 @@
+"""How a replay stands, as the console knows it."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from typing import NamedTuple
+
+from woz_tui.core.requests import Replaying
+
+
+class Place(NamedTuple):
+    """Something on the time line: when, what sort (see `Replaying`), what it says."""
+
+    t: int
+    sort: str
+    text: str
+
+
+@dataclass(frozen=True, slots=True)
+class ReplayPicture:
+    """Length and idle time left out in microseconds; the speed, also while it stands still; what
+    there is to go to, oldest first.
+    """
+
+    length_us: int = 0
+    rate: float = 1.0
+    paused: bool = False
+    ended: bool = False
+    cut_us: int = 0
+    places: tuple[Place, ...] = ()
+
+
+def following(before: ReplayPicture | None, told: Replaying) -> ReplayPicture:
+    """What `told` makes of it: places that are not told again stay."""
+    places = before.places if before is not None else ()
+    if told.marks is not None:
+        sorts = [*told.sorts, *("marker" for _ in told.marks[len(told.sorts) :])]
+        places = tuple(
+            Place(t, sort, text) for (t, text), sort in zip(told.marks, sorts, strict=False)
+        )
+    now = ReplayPicture(told.length_us, told.rate, told.paused, told.ended, told.cut_us)
+    return replace(now, places=places)

@@ -1,0 +1,245 @@
+"""Plays a reel: what comes when, at which speed, and what becomes of what is asked. No thread.
+
+Time is handed in: microseconds of any clock that does not go back. Nothing here reaches a robot;
+whatever would play something is refused.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import msgspec
+
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.core.requests import (
+    AnyAnswer,
+    AnyRequest,
+    AskRelease,
+    AskReplay,
+    AskStop,
+    Pulse,
+    Replaying,
+    Reply,
+)
+from woz_tui.replay.marks import Cut
+from woz_tui.replay.places import PlaceError, find
+from woz_tui.replay.reel import Reel, thinned
+from woz_tui.session.plan import panels_changed, welcome
+
+#: What a console gets.
+Incoming = m.AnyMessage | AnyAnswer | dict[str, Any]
+
+SLOWEST, FASTEST = 0.25, 16.0
+#: How often it is told how the replay stands, in microseconds of the viewer's time.
+PULSE_US = 1_000_000
+REFUSED = "this is a replay; nothing is played"
+UNMOVED = "this is a replay; nothing moves"
+
+
+@dataclass(frozen=True, slots=True)
+class Start:
+    """How a replay begins: at which speed (0.25..16), where (microseconds), standing still, and
+    how long an idle stretch may be (microseconds; None: as long as it was).
+    """
+
+    speed: float = 1.0
+    at_us: int = 0
+    paused: bool = False
+    max_idle_us: int | None = None
+
+
+class Player:
+    """See the module's text.
+
+    Args:
+        reel: What is played.
+        start: How to begin.
+        log: What the console shows as the log's name.
+        notes: Sentences about the log that are told at the beginning: damage, what is missing.
+    """
+
+    def __init__(
+        self, reel: Reel, start: Start | None = None, log: str = "", notes: tuple[str, ...] = ()
+    ) -> None:
+        start = start or Start()
+        self.reel = reel
+        self.log, self.notes = log, notes
+        self.rate = min(FASTEST, max(SLOWEST, start.speed))
+        self.paused = start.paused
+        self._cuts = reel.cuts(start.max_idle_us)
+        self._t = max(0, min(start.at_us, reel.length_us))
+        self._index = 0
+        self._local = 0
+        self._told = 0
+
+    @property
+    def ended(self) -> bool:
+        """Whether everything has been played."""
+        return self._t >= self.reel.length_us and self._index >= len(self.reel.lines)
+
+    @property
+    def still(self) -> bool:
+        """Whether time stands still."""
+        return self.paused or self.ended
+
+    @property
+    def t(self) -> int:
+        """How far it has been played, in microseconds of the log."""
+        return self._t
+
+    # -- playing -----------------------------------------------------------------------------
+
+    def begin(self, now: int) -> list[Incoming]:
+        """The welcome, and what is to be said of the log."""
+        told = self._go(self._t, now)
+        text = "; ".join(self.notes)
+        if text:
+            told.append(m.Notice(level="warning", text=f"This log: {text}", t=self._t))
+        return told
+
+    def tick(self, now: int) -> list[Incoming]:
+        """What has become due since the last time."""
+        if self.still:
+            return []
+        to = self._t + round((now - self._local) * self.rate)
+        cut = self._cuts.crossed(self._t, to)
+        if cut is not None:
+            return self._skip(cut, now)
+        told = self._deliver(min(to, self.reel.length_us))
+        self._local = now
+        if self.ended or now - self._told >= PULSE_US:
+            told += self._stands(now)
+        return told
+
+    def _skip(self, cut: Cut, now: int) -> list[Incoming]:
+        return [*self._deliver(cut.begin), *self._go(cut.end, now)]
+
+    def _deliver(self, to: int) -> list[Incoming]:
+        """Everything up to `to`; the position is there then."""
+        end = self.reel.index(to)
+        told = self._lines(end, to)
+        self._index, self._t = end, to
+        return told
+
+    def _lines(self, end: int, to: int) -> list[Incoming]:
+        """The lines before number `end` and the samples up to `to`, as they follow each other."""
+        samples = thinned(self.reel.samples.between(self._t, to)) if to > self._t else []
+        lines: list[Incoming] = [*self.reel.lines[self._index : end]]
+        if samples:
+            lines = sorted([*lines, *samples], key=_number)
+        return [each for line in lines for each in _shown(line)]
+
+    def _go(self, t: int, now: int, index: int | None = None) -> list[Incoming]:
+        """Begin anew at `t`."""
+        reel = self.reel
+        self._t = max(0, min(t, reel.length_us))
+        self._index = reel.index(self._t) if index is None else index
+        self._local = now
+        moment = reel.moment(self._index, self._t)
+        told = welcome(
+            reel.plan(self._index),
+            console="replay",
+            role="replay",
+            seq=moment.recent[-1].seq if moment.recent else -1,
+            t=self._t,
+            log=self.log,
+        )
+        anew = msgspec.structs.replace(
+            told,
+            state=_raw(moment.state),
+            recent=_raw(moment.recent),
+            settings={**told.settings, "replay": self._about()},
+        )
+        return [anew, *self._stands(now, marks=True)]
+
+    def _about(self) -> dict[str, m.Json]:
+        """What the console shows of the log itself."""
+        at, wall = self.reel.wall(self._index)
+        return {"t": at, "ts": wall, "notes": [*self.notes], "own_plan": self.reel.told}
+
+    def _stands(self, now: int, *, marks: bool = False) -> list[Incoming]:
+        """How the replay stands, and how fast time goes on."""
+        self._told = now
+        every = self.reel.marks if marks else None
+        stands = Replaying(
+            t=self._t,
+            length_us=self.reel.length_us,
+            rate=self.rate,
+            paused=self.paused,
+            ended=self.ended,
+            cut_us=self._cuts.before(self._t),
+            marks=None if every is None else [(mark.t, mark.text) for mark in every],
+            sorts=[] if every is None else [mark.sort for mark in every],
+        )
+        return [stands, Pulse(t=self._t, rate=0.0 if self.still else self.rate)]
+
+    # -- what is asked -----------------------------------------------------------------------
+
+    def ask(self, request: AnyRequest, now: int) -> list[Incoming]:
+        """Carry `request` out; the reply comes first, then what follows from it."""
+        caught_up = self.tick(now)
+        if not isinstance(request, AskReplay):
+            reason = UNMOVED if isinstance(request, AskStop | AskRelease) else REFUSED
+            return [*caught_up, Reply(ref=request.ref, ok=False, reason=reason)]
+        try:
+            data, told = self._carry(request, now)
+        except PlaceError as error:
+            reply = Reply(ref=request.ref, ok=False, reason=str(error), hint=error.hint)
+            return [*caught_up, reply]
+        return [*caught_up, Reply(ref=request.ref, ok=True, data=data), *told]
+
+    def _carry(self, request: AskReplay, now: int) -> tuple[m.Json, list[Incoming]]:
+        match request.what:
+            case "pause":
+                return None, self._pause(now)
+            case "step":
+                return self._step(now)
+            case "faster" | "slower":
+                factor = 2.0 if request.what == "faster" else 0.5
+                return None, self._speed(self.rate * factor, now)
+            case "seek":
+                return None, self._go(self._cuts.moved(self._t, round(request.by_s * 1e6)), now)
+            case "go":
+                return None, self._go(find(request.to, self.reel, self._t), now)
+
+    def _pause(self, now: int) -> list[Incoming]:
+        if self.ended:
+            raise PlaceError("the replay is at its end", "home goes to the beginning")
+        self.paused = not self.paused
+        self._local = now
+        return self._stands(now)
+
+    def _speed(self, rate: float, now: int) -> list[Incoming]:
+        if not SLOWEST <= rate <= FASTEST:
+            raise PlaceError(f"the speed goes from {SLOWEST:g} to {FASTEST:g} times")
+        self.rate = rate
+        return self._stands(now)
+
+    def _step(self, now: int) -> tuple[m.Json, list[Incoming]]:
+        """To the next line that says something; the replay stands still there."""
+        number = self.reel.step(self._index)
+        if number >= len(self.reel.lines):
+            raise PlaceError("there is no further line in this log")
+        self.paused = True
+        t = max(self._t, self.reel.times[number])
+        told = self._lines(number + 1, t)
+        self._index, self._t = number + 1, t
+        line = self.reel.lines[number]
+        kind = line.get("kind") if isinstance(line, dict) else line.__struct_config__.tag
+        return {"kind": str(kind), "t": t}, [*told, *self._stands(now)]
+
+
+def _number(line: Incoming) -> int:
+    number = line.get("seq", -1) if isinstance(line, dict) else getattr(line, "seq", -1)
+    return number if isinstance(number, int) else -1
+
+
+def _shown(line: Incoming) -> list[Incoming]:
+    """The line, and what a console is told beside it."""
+    return [line, panels_changed(line)] if isinstance(line, m.SessionPlan) else [line]
+
+
+def _raw(messages: list[m.AnyMessage]) -> list[msgspec.Raw]:
+    return [msgspec.Raw(wire.encode(message).rstrip()) for message in messages]

@@ -1,0 +1,223 @@
+"""A log made ready to be played: its lines on one time line, and what held at any moment.
+
+The lines of actions are kept in memory, an hour of them is a few megabytes; samples are fetched
+when they are due. Every few seconds of log a `Standing` is kept, so that any moment is a few
+hundred lines from one.
+"""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from typing import Any, Protocol
+
+from woz_tui.core import messages as m
+from woz_tui.core.envelope import Message
+from woz_tui.record.log import Line
+from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, steady
+from woz_tui.replay.told import plan_from
+from woz_tui.session.standing import Standing
+
+#: A message, or the fields of a line whose kind this version does not know.
+Told = m.AnyMessage | dict[str, Any]
+
+#: A standing is kept after so much of the log's time, and after so many lines at the latest.
+SNAPSHOT_US, SNAPSHOT_LINES = 5_000_000, 500
+#: Lines that show nothing by themselves: a step does not stop at them.
+_HOUSEKEEPING = frozenset(
+    {"clock", "checkpoint", "recorder.state", "experiment.files", "session.plan"}
+)
+
+
+class Samples(Protocol):
+    """The samples of a log, in order."""
+
+    @property
+    def length_us(self) -> int:
+        """When the last one was taken; 0 if there is none."""
+        ...
+
+    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        """Those taken after `after_us`, up to and with `until_us`. Some may be left out that
+        are replaced by a later one of the same stretch.
+        """
+        ...
+
+    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+        """The last one of each sensor, and of whatever else is soon replaced, at `t_us`."""
+        ...
+
+
+class NoSamples:
+    """A log without samples."""
+
+    length_us = 0
+
+    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        """None."""
+        return ()
+
+    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+        """None."""
+        return ()
+
+
+@dataclass(frozen=True, slots=True)
+class Moment:
+    """What holds at a moment, in the order in which it came about, and the lines before it."""
+
+    state: list[m.AnyMessage]
+    recent: list[m.AnyMessage]
+
+
+class Reel:
+    """See the module's text.
+
+    Args:
+        lines: Of actions, in order: messages, or lines of a kind that is not known.
+        samples: Everything else.
+        plan: What consoles were shown, for a log that does not say so.
+    """
+
+    def __init__(
+        self,
+        lines: Iterable[m.AnyMessage | Line],
+        samples: Samples | None = None,
+        plan: m.SessionPlan | None = None,
+    ) -> None:
+        self.samples: Samples = samples or NoSamples()
+        found = [_told(line) for line in lines]
+        self.lines: list[Told] = [told for told, _ in found]
+        self.times = steady([t for _, t in found])
+        self.length_us = max(self.times[-1] if self.times else 0, self.samples.length_us)
+        self.start = next((line for line in self.lines if isinstance(line, m.SessionStart)), None)
+        self._plans = [
+            (index, line)
+            for index, line in enumerate(self.lines)
+            if isinstance(line, m.SessionPlan)
+        ]
+        self._plan = plan
+        self._snapshots: list[tuple[int, Standing]] = [(0, Standing())]
+        self._upto = (0, Standing())
+
+    @cached_property
+    def marks(self) -> list[Mark]:
+        """Everything to go to, oldest first."""
+        found = (mark_of(line, t) for line, t in zip(self.lines, self.times, strict=True))
+        return [mark for mark in found if mark is not None]
+
+    def cuts(self, most_us: int | None) -> Cuts:
+        """What is left out where nothing happens for longer than `most_us`."""
+        deeds = (t for line, t in zip(self.lines, self.times, strict=True) if is_deed(line))
+        return Cuts(deeds, most_us)
+
+    @property
+    def told(self) -> bool:
+        """Whether the log says itself what consoles were shown."""
+        return bool(self._plans)
+
+    @cached_property
+    def files(self) -> m.ExperimentFiles | None:
+        """The experiment as the session began with it; None in an old log."""
+        return next((line for line in self.lines if isinstance(line, m.ExperimentFiles)), None)
+
+    # -- moments -----------------------------------------------------------------------------
+
+    def index(self, t: int) -> int:
+        """How many lines lie before or at `t`."""
+        return bisect.bisect_right(self.times, t)
+
+    def step(self, index: int) -> int:
+        """The next line from `index` on at which a step stops; their number if there is none."""
+        for number in range(index, len(self.lines)):
+            if _kind(self.lines[number]) not in _HOUSEKEEPING:
+                return number
+        return len(self.lines)
+
+    def plan(self, index: int) -> m.SessionPlan:
+        """What consoles were shown after `index` lines."""
+        place = bisect.bisect_left(self._plans, index, key=lambda entry: entry[0])
+        if self._plans:
+            return self._plans[max(0, place - 1)][1]
+        if self._plan is None:
+            self._plan = plan_from(self.lines)
+        return self._plan
+
+    def moment(self, index: int, t: int) -> Moment:
+        """What held after `index` lines, at `t`."""
+        standing = self.standing(index)
+        held = [*standing.state(), *self.samples.at(t)]
+        if self._model_gone(index):
+            gone = m.EngagementChanged | m.EngagementShown
+            held = [message for message in held if not isinstance(message, gone)]
+        return Moment(sorted(held, key=lambda message: message.seq), standing.recent())
+
+    def _model_gone(self, index: int) -> bool:
+        """Whether the experiment had an engagement model and was reloaded without."""
+        place = bisect.bisect_left(self._plans, index, key=lambda entry: entry[0])
+        had = [bool(plan.settings.get("engagement")) for _, plan in self._plans[:place]]
+        return any(had) and not had[-1]
+
+    def standing(self, index: int) -> Standing:
+        """What held after `index` lines, without samples; the caller's own."""
+        while self._upto[0] < index:
+            self.prepare(SNAPSHOT_LINES)
+        place = bisect.bisect_right(self._snapshots, index, key=lambda entry: entry[0]) - 1
+        begin, kept = self._snapshots[place]
+        standing = kept.copy()
+        _see(standing, self.lines[begin:index])
+        return standing
+
+    def prepare(self, count: int) -> bool:
+        """Work `count` lines ahead; whether there are more."""
+        begin, standing = self._upto
+        end = min(len(self.lines), begin + count)
+        for at in range(begin, end):
+            before, _ = self._snapshots[-1]
+            late = self.times[at] - self.times[before] >= SNAPSHOT_US
+            if late or at - before >= SNAPSHOT_LINES:
+                self._snapshots.append((at, standing.copy()))
+            _see(standing, self.lines[at : at + 1])
+        self._upto = (end, standing)
+        return end < len(self.lines)
+
+    def wall(self, index: int) -> tuple[int, str]:
+        """A moment of the log, and what the clock on the wall said then: of the last line before
+        `index` that tells, or of the first one that does; an empty text if none does.
+        """
+        for at in (*range(min(index, len(self.lines)) - 1, -1, -1), *range(index, len(self.lines))):
+            line = self.lines[at]
+            if isinstance(line, Message) and line.ts:
+                return self.times[at], line.ts
+        return 0, ""
+
+
+def _told(line: m.AnyMessage | Line) -> tuple[Told, int]:
+    if not isinstance(line, Line):
+        return line, line.t
+    message = line.message
+    return (message if message is not None else line.fields), line.t
+
+
+def _kind(line: Told) -> str:
+    if isinstance(line, Mapping):
+        return str(line.get("kind"))
+    return str(line.__struct_config__.tag)
+
+
+def _see(standing: Standing, lines: Iterable[Told]) -> None:
+    for line in lines:
+        if isinstance(line, Message):
+            standing.see(line)
+
+
+def thinned(samples: Iterable[m.AnyMessage]) -> list[m.AnyMessage]:
+    """Of what replaces each other only the last, in order."""
+    last: dict[str, m.AnyMessage] = {}
+    for sample in samples:
+        name = sample.sensor if isinstance(sample, m.Reading) else type(sample).__name__
+        last.pop(name, None)
+        last[name] = sample
+    return [*last.values()]

@@ -15,8 +15,7 @@ from pathlib import Path
 
 from woz_tui.core import messages as m
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
-from woz_tui.record.log import Damage, Line, files_of, merge
-from woz_tui.record.names import FileName
+from woz_tui.record.log import Damage, files_of, read
 from woz_tui.replay.origin import Origin
 
 #: Whose commands they are, in the log of the re-run.
@@ -176,7 +175,7 @@ def plan_of(path: Path) -> Plan:
     Samples are never read. Raises what `record.log.files_of` raises; nothing damaged raises.
     """
     reader, digest, damage = _Reader(), hashlib.sha256(), Damage()
-    for line in _lines(path, damage):
+    for line in read(path, damage, samples=False):
         digest.update(line.raw + b"\n")
         message = line.message
         if message is not None:
@@ -194,16 +193,6 @@ def plan_of(path: Path) -> Plan:
         ended=reader.ended,
         damage=tuple(damage.sentences()),
     )
-
-
-def _lines(path: Path, damage: Damage) -> Iterator[Line]:
-    """The lines of actions: the files of samples are not even opened."""
-    actions = []
-    for file in files_of(path).paths:
-        name = FileName.parse(file.name)
-        if name is None or not name.samples:
-            actions.append(file)
-    return merge(actions, damage)
 
 
 def _steps(reader: _Reader) -> Iterator[Step]:

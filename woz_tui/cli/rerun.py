@@ -1,0 +1,186 @@
+"""`woz replay FILE --robot` and `--dry-run`: a session's commands again, on the robot.
+
+The options are declared by `woz replay` (`replay.py`), which calls `play`.
+"""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from dataclasses import dataclass
+from pathlib import Path
+
+from woz_tui.cli import rerun_table as table
+from woz_tui.cli.failure import explained
+from woz_tui.cli.launch import Launch, LaunchError, host_arguments
+from woz_tui.cli.options import next_session
+from woz_tui.experiment.shape import Experiment
+from woz_tui.replay.plan import Plan
+
+_YES = "yes"
+
+
+@dataclass(frozen=True, slots=True)
+class _Prepared:
+    """What is to be run: the log, the experiment of now, the plan for its robot, and what has
+    changed since.
+    """
+
+    log: Path
+    experiment: Experiment
+    plan: Plan
+    changed: list[str]
+
+
+def play(arguments: argparse.Namespace) -> int:
+    """Run a log again, or say what would be run.
+
+    Reads `file` (a log), `robot`, `dry_run`, `yes`, `headless`, `changed` (the experiment may have
+    changed) and `experiment` (where it is, or None). The exit code: 0, or 1 if something could not
+    be done or stood against it.
+    """
+    if not arguments.dry_run and not arguments.headless:
+        from woz_tui.cli import screen  # noqa: PLC0415
+
+        refused = screen.refusal()
+        if refused:
+            print(f"woz: {refused} (--headless runs it without a console)", file=sys.stderr)
+            return 2
+    return explained(lambda: _play(arguments))
+
+
+def _play(arguments: argparse.Namespace) -> int:
+    prepared = _prepare(Path(arguments.file), arguments.experiment)
+    if prepared is None:
+        return 1
+    if arguments.dry_run:
+        return _dry_run(prepared, arguments)
+    if not _admitted(prepared, arguments) or not _agreed(arguments.yes):
+        return 1
+    words = _host_words(prepared, arguments)
+    if arguments.headless:
+        from woz_tui.cli import rerun_headless  # noqa: PLC0415
+
+        return rerun_headless.watch(Launch([*words, "--headless"]), _streams(prepared))
+    return _in_console(words)
+
+
+def _admitted(prepared: _Prepared, arguments: argparse.Namespace) -> bool:
+    """Whether nothing stands against it; says what does, and else what will be run."""
+    if prepared.changed and not arguments.changed:
+        print(*table.diff(prepared.changed, prepared.experiment.path), sep="\n", file=sys.stderr)
+        print("woz: it is run all the same with --changed", file=sys.stderr)
+        return False
+    if not prepared.plan.sent:
+        print(*table.table(prepared.plan), sep="\n")
+        print("woz: there is no command in it that can be sent again", file=sys.stderr)
+        return False
+    told = table.summary(prepared.plan, prepared.experiment, headless=arguments.headless)
+    print(*told, sep="\n")
+    return True
+
+
+def _prepare(log: Path, given: Path | None) -> _Prepared | None:
+    """Everything that has to be known before; None after saying why it cannot be."""
+    from woz_tui.plugins import installed  # noqa: PLC0415
+    from woz_tui.replay import origin  # noqa: PLC0415
+    from woz_tui.replay.fitting import fitted  # noqa: PLC0415
+    from woz_tui.replay.plan import plan_of  # noqa: PLC0415
+
+    try:
+        plan = plan_of(log)
+        experiment = origin.find(log, plan.origin, installed(), given and Path(given))
+    except (ValueError, origin.OriginError) as error:
+        print(f"woz: {error}", file=sys.stderr)
+        return None
+    changed = origin.differences(plan.origin, experiment)
+    return _Prepared(log, experiment, fitted(plan, experiment), changed)
+
+
+def _dry_run(prepared: _Prepared, arguments: argparse.Namespace) -> int:
+    """Moves nothing, needs no robot. 1 if something of it could not be sent."""
+    from woz_tui.replay.fitting import unfit  # noqa: PLC0415
+
+    print(*table.summary(prepared.plan, prepared.experiment, headless=arguments.headless), sep="\n")
+    print(*table.table(prepared.plan), sep="\n")
+    if prepared.changed:
+        print(*table.diff(prepared.changed, prepared.experiment.path), sep="\n")
+    print(table.verdict(prepared.plan))
+    refused = bool(prepared.changed) and not arguments.changed
+    return int(refused or bool(unfit(prepared.plan)) or not prepared.plan.sent)
+
+
+def _agreed(said_yes: bool) -> bool:
+    """Ask, unless it was said already; nothing but the whole word counts."""
+    if said_yes:
+        return True
+    if not sys.stdin.isatty():
+        print("woz: nobody can be asked here; --yes runs it without asking", file=sys.stderr)
+        return False
+    try:
+        answer = input("Is the robot free to move? Type yes to run it again: ")
+    except EOFError:
+        answer = ""
+    if answer.strip().lower() == _YES:
+        return True
+    print("Nothing was run.")
+    return False
+
+
+def _host_words(prepared: _Prepared, arguments: argparse.Namespace) -> list[str]:
+    """Behind `woz host`. Nobody takes part in a re-run, so it has no participant and no condition;
+    its log lies beside the original.
+    """
+    from woz_tui.host import place  # noqa: PLC0415
+
+    recordings = getattr(arguments, "recordings", None) or prepared.log.absolute().parent
+    session = next_session(recordings, place.running())
+    seed = prepared.plan.seed
+    return [
+        *host_arguments(
+            prepared.experiment.path,
+            recordings=recordings,
+            spill=None,
+            name=session,
+            codes={"session": session, "seed": str(seed) if seed else ""},
+        ),
+        "--rerun",
+        str(prepared.log),
+    ]
+
+
+def _streams(prepared: _Prepared) -> frozenset[tuple[str, str]]:
+    """Driver and verb of setpoints that come in streams: too many for a line each."""
+    return frozenset(
+        (spec.name, verb.name)
+        for spec in prepared.experiment.drivers
+        for verb in spec.verbs
+        if verb.stream
+    )
+
+
+def _in_console(words: list[str]) -> int:
+    from woz_tui.cli import screen  # noqa: PLC0415
+    from woz_tui.cli.run import ENDED  # noqa: PLC0415
+
+    launch = Launch(words)
+    try:
+        screen.load_modules()
+        robot = launch.wait()
+        # Nobody starts it again from the console: the robot would begin from the beginning.
+        console = screen.make_console(screen.ScreenOptions(socket=robot.socket))
+    except LaunchError as error:
+        print(error, file=sys.stderr)
+        return 1
+    except BaseException as error:
+        launch.abandon()
+        error.add_note(ENDED)
+        raise
+    left, code = screen.run_console(console)
+    if left == "failed":
+        launch.abandon()
+        print(ENDED, file=sys.stderr)
+    if left == "detached":
+        print("The session goes on, without driving; `woz attach` brings you back.")
+    print(f"Log: {robot.log}")
+    return code

@@ -1,0 +1,203 @@
+"""A re-run without a console: lines about its progress, and the stop on escape or ctrl+c."""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import selectors
+import signal
+import socket
+import sys
+import termios
+import tty
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.cli.launch import Launch, LaunchError, RobotProcess
+from woz_tui.cli.rerun_table import clock, plain
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.core.requests import AskStop, Hello, Request
+
+#: Ends of commands that are as planned.
+_EXPECTED = (m.Done, m.Stopped, m.Superseded)
+_ESCAPE, _CTRL_C = b"\x1b", b"\x03"
+_STOPPED = 130
+_SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
+
+
+@dataclass
+class Progress:
+    """What has been heard of a re-run; `take` returns the lines that are worth printing.
+
+    `streams`: driver and verb of setpoints that get no line each.
+    """
+
+    streams: frozenset[tuple[str, str]] = frozenset()
+    commands: dict[str, m.Command] = field(default_factory=dict)
+    began: int = 0
+    failed: int = 0
+    over: m.RerunEnded | None = None
+
+    def take(self, message: object) -> Iterator[str]:
+        """Lines for `message`; usually one or none."""
+        match message:
+            case m.RerunStarted():
+                self.began = message.t
+                yield f"{message.commands} commands of {plain(message.original)}"
+            case m.Command(source="replay"):
+                self.commands[message.command] = message
+            case m.RerunSent():
+                yield from self._sent(message)
+            case m.RerunSkipped():
+                yield f"{self._at(message.t)}  {message.original_command} is left out:" + (
+                    f" {plain(message.reason)}"
+                )
+            case m.RerunEnded():
+                self.over = message
+            case m.Notice(level=level, text=text):
+                yield f"{self._at(message.t)}  {level}: {plain(text)}"
+            case m.DriverLost() | m.DriverFaulted():
+                yield f"{self._at(message.t)}  {message.driver}: {plain(message.detail)}"
+            case m.End():
+                yield from self._end(message)
+
+    def _sent(self, sent: m.RerunSent) -> Iterator[str]:
+        command = self.commands.get(sent.command)
+        if command is None or (command.driver, command.verb) in self.streams:
+            return
+        args = plain(", ".join(f"{name} {value}" for name, value in command.args.items()))
+        what = plain(f"{command.driver}.{command.verb}")
+        yield f"{self._at(sent.due)}  {what} {args[:80]}  ({sent.late_us / 1000:.1f} ms late)"
+
+    def _end(self, end: m.End) -> Iterator[str]:
+        command = self.commands.pop(end.command, None)
+        if command is None or isinstance(end, _EXPECTED):
+            return
+        self.failed += 1
+        how = str(end.__struct_config__.tag).removeprefix("command.").replace("_", " ")
+        what = plain(f"{command.driver}.{command.verb}")
+        yield f"{self._at(end.t)}  {what} {how}: {plain(end.reason)}"
+
+    def _at(self, t: int) -> str:
+        return f"{clock(t - self.began):>10}"
+
+
+def watch(launch: Launch, streams: frozenset[tuple[str, str]]) -> int:
+    """Until the re-run is over: 0 if all was done, 130 after a stop from here, else 1."""
+    try:
+        robot = launch.wait()
+    except LaunchError as error:
+        print(error, file=sys.stderr)
+        return 1
+    progress = Progress(streams)
+    try:
+        stopped = _watch(robot, progress)
+    except BaseException:
+        launch.abandon()
+        raise
+    print(f"Log: {robot.log}")
+    if stopped:
+        return _STOPPED
+    if progress.over is None:
+        print(f"woz: the robot process is gone; see {robot.host_log}", file=sys.stderr)
+        return 1
+    return int(progress.over.reason != "done" or progress.failed > 0)
+
+
+def _watch(robot: RobotProcess, progress: Progress) -> bool:
+    """Print until the robot process closes the connection; whether it was stopped from here."""
+    stopped = False
+    with contextlib.ExitStack() as opened:
+        link = opened.enter_context(_connected(robot.socket))
+        woken = opened.enter_context(_signals())
+        keys = opened.enter_context(_keys())
+        waiting = opened.enter_context(selectors.DefaultSelector())
+        waiting.register(link, selectors.EVENT_READ)
+        waiting.register(woken, selectors.EVENT_READ)
+        if keys is not None:
+            waiting.register(keys, selectors.EVENT_READ)
+            print("escape or ctrl+c stops it", flush=True)
+        rest = b""
+        while True:
+            for key, _ in waiting.select():
+                if key.fileobj is link:
+                    data = _received(link)
+                    if not data:
+                        return stopped
+                    *lines, rest = (rest + data).split(b"\n")
+                    _print(progress, lines)
+                elif key.fileobj is woken or _stops(key.fd):
+                    if key.fileobj is woken:
+                        woken.recv(64)
+                    if stopped:
+                        raise KeyboardInterrupt
+                    stopped = True
+                    with contextlib.suppress(ConnectionError):
+                        _say(link, AskStop(source="key"))
+
+
+def _received(link: socket.socket) -> bytes:
+    """What has come; nothing when the robot process has closed, or died."""
+    try:
+        return link.recv(1 << 16)
+    except ConnectionError:
+        return b""
+
+
+def _print(progress: Progress, lines: list[bytes]) -> None:
+    for line in lines:
+        with contextlib.suppress(wire.WireError):
+            for text in progress.take(wire.decode_incoming(line)):
+                print(text, flush=True)
+
+
+def _stops(keyboard: int) -> bool:
+    typed = os.read(keyboard, 64)
+    return _ESCAPE in typed or _CTRL_C in typed
+
+
+def _say(link: socket.socket, request: Request) -> None:
+    link.sendall(wire.encode(request))
+
+
+@contextlib.contextmanager
+def _connected(path: Path) -> Iterator[socket.socket]:
+    with socket.socket(socket.AF_UNIX) as link:
+        link.connect(str(path))
+        _say(link, Hello(role="program", name="rerun", stream="actions"))
+        yield link
+
+
+@contextlib.contextmanager
+def _signals() -> Iterator[socket.socket]:
+    """Readable as soon as a signal has come that means the end: then the robot is stopped first."""
+    reader, writer = socket.socketpair()
+    reader.setblocking(False)
+    writer.setblocking(False)
+    before = {number: signal.signal(number, lambda *_: None) for number in _SIGNALS}
+    wakeup = signal.set_wakeup_fd(writer.fileno(), warn_on_full_buffer=False)
+    try:
+        yield reader
+    finally:
+        signal.set_wakeup_fd(wakeup)
+        for number, handler in before.items():
+            signal.signal(number, handler)
+        reader.close()
+        writer.close()
+
+
+@contextlib.contextmanager
+def _keys() -> Iterator[int | None]:
+    """The terminal's keys one by one; None if nobody can press any."""
+    if not sys.stdin.isatty():
+        yield None
+        return
+    keyboard = sys.stdin.fileno()
+    before = termios.tcgetattr(keyboard)
+    tty.setcbreak(keyboard)
+    try:
+        yield keyboard
+    finally:
+        termios.tcsetattr(keyboard, termios.TCSADRAIN, before)

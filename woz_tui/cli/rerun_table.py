@@ -1,0 +1,109 @@
+"""What a re-run will do, in lines of text: the summary before the question, and the dry run."""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Iterable, Iterator
+from pathlib import Path
+
+from woz_tui.experiment.shape import Experiment
+from woz_tui.replay.fitting import unfit
+from woz_tui.replay.plan import Plan, Step
+
+#: Characters of the arguments that a line of the table has room for.
+ARGS = 56
+#: Different reasons for leaving something out that the summary tells.
+REASONS = 8
+
+
+def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
+    """What will be run, on what, and what will not."""
+    drives = sum(step.drives for step in plan.sent)
+    yield f"session     {plan.session or 'without a code'}  ({plain(plan.name)})"
+    yield f"experiment  {plain(experiment.title)}  ({experiment.path})"
+    yield f"robot       {_robot(plan, experiment)}"
+    yield f"commands    {len(plan.sent)} in {clock(plan.duration)}{_counts(plan)}"
+    if drives:
+        who = "are refused, because nobody watches" if headless else "need you at the console"
+        yield f"drives      {drives}: they {who}"
+    cut = sum(step.cut >= 0 for step in plan.sent)
+    if cut:
+        yield f"cut short   {cut}, at the moments of then"
+    if plan.stops:
+        yield f"stops       {plan.stops} then; the stop is not pressed again"
+    for count, reason in _reasons(plan):
+        yield f"left out    {count}: {reason}"
+    if not plan.ended:
+        yield "the log has no end: its session was cut off, or goes on at this moment"
+    for sentence in plan.damage:
+        yield f"damage      {plain(sentence)}"
+
+
+def _robot(plan: Plan, experiment: Experiment) -> str:
+    types = {spec.name: spec.type for spec in experiment.drivers}
+    return ", ".join(f"{plain(name)} ({types.get(name, '?')})" for name in plan.drivers) or "none"
+
+
+def _counts(plan: Plan) -> str:
+    by_driver: dict[str, list[str]] = {}
+    for (driver, verb), count in plan.counts.items():
+        by_driver.setdefault(plain(driver), []).append(f"{count} {plain(verb)}")
+    return "".join(f"\n              {name}: {', '.join(c)}" for name, c in by_driver.items())
+
+
+def _reasons(plan: Plan) -> list[tuple[int, str]]:
+    """The reasons, the most frequent first; rare ones beyond `REASONS` together."""
+    counted = Counter(plain(step.skip) for step in plan.skipped).most_common()
+    told = [(count, reason) for reason, count in counted[:REASONS]]
+    rest = sum(count for _, count in counted[REASONS:])
+    return [*told, (rest, "for other reasons; --dry-run names each")] if rest else told
+
+
+def table(plan: Plan) -> Iterator[str]:
+    """One line for each command of the original, in order."""
+    names = [f"{plain(step.command.driver)}.{plain(step.command.verb)}" for step in plan.steps]
+    width = min(28, max(map(len, names), default=8))
+    yield f"{'time':>10}  {'command':{width}}  {'arguments':{ARGS}}  what"
+    for name, step in zip(names, plan.steps, strict=True):
+        time = clock(step.at - plan.start)
+        yield f"{time:>10}  {name:{width}}  {_args(step):{ARGS}}  {_fate(step, plan)}"
+
+
+def verdict(plan: Plan) -> str:
+    """The last line of a dry run."""
+    said = f"{len(plan.sent)} would be sent, {len(plan.skipped)} left out"
+    impossible = len(unfit(plan))
+    return f"{said}, {impossible} of them because this robot cannot do them" if impossible else said
+
+
+def _fate(step: Step, plan: Plan) -> str:
+    if step.skip:
+        return f"left out: {plain(step.skip)}"
+    cut = ""
+    if step.cut >= 0:
+        cut = f", cut at {clock(step.cut - plan.start)} ({plain(step.why_cut)})"
+    return f"{'drives' if step.drives else 'sent'}{cut}"
+
+
+def _args(step: Step) -> str:
+    said = plain(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
+    return said if len(said) <= ARGS else f"{said[: ARGS - 3]}..."
+
+
+def clock(us: int) -> str:
+    """`1:02.345`; before the first command `-0:00.500`."""
+    sign, us = ("-", -us) if us < 0 else ("", us)
+    minutes, rest = divmod(us, 60_000_000)
+    return f"{sign}{minutes}:{rest / 1_000_000:06.3f}"
+
+
+def plain(text: str) -> str:
+    """Without what would move a terminal's cursor: a log may come from anywhere."""
+    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
+
+
+def diff(lines: Iterable[str], file: Path) -> Iterator[str]:
+    """The difference between the experiment of then and of now."""
+    yield f"{file} has changed since the session:"
+    yield from (plain(line) for line in lines)

@@ -123,9 +123,14 @@ def demo(
     experiment: str = "demo",
     watch: Callable[[Session], None] = lambda session: None,
     who: Identity = WARM,
+    log: Path | None = None,
 ) -> Welcome:
-    """What a console is told that attaches at `moment`; `watch` gets the session as it begins."""
-    return run_virtual(_demo(steps, moment, EXPERIMENTS / f"{experiment}.yaml", watch, who))
+    """What a console is told that attaches at `moment`; `watch` gets the session as it begins, and
+    its log stays in the folder `log`.
+    """
+    file = EXPERIMENTS / f"{experiment}.yaml"
+    with tempfile.TemporaryDirectory() as folder:
+        return run_virtual(_demo(steps, moment, file, watch, who, log or Path(folder)))
 
 
 async def _demo(
@@ -134,26 +139,25 @@ async def _demo(
     file: Path,
     watch: Callable[[Session], None],
     who: Identity,
+    log: Path,
 ) -> Welcome:
     loop = asyncio.get_running_loop()
     clock = LoopClock(loop)
     drivers = catalogue()
     experiment = load(file, drivers)
-    with tempfile.TemporaryDirectory() as folder:
-        # The disk works in real time: measured in virtual time it would always be too slow.
-        log = Path(folder)
-        recorder = Recorder(log, "demo", RealClock(), spill=log / "more")
-        session = Session(experiment, drivers, who, recorder, clock)
-        await session.open()
-        watch(session)
-        session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
-        session.bus.unwatched = ""
-        for at, act in steps:
-            await asyncio.sleep(at - loop.time())
-            act(session)
-        await asyncio.sleep(moment - loop.time())
-        told = welcome(session)
-        await session.close("drawn", rest=False)
+    # The disk works in real time: measured in virtual time it would always be too slow.
+    recorder = Recorder(log, "demo", RealClock(), spill=log / "more")
+    session = Session(experiment, drivers, who, recorder, clock)
+    await session.open()
+    watch(session)
+    session.hub.publish(m.ConsoleAttached(console="con1", role="wizard"))
+    session.bus.unwatched = ""
+    for at, act in steps:
+        await asyncio.sleep(at - loop.time())
+        act(session)
+    await asyncio.sleep(moment - loop.time())
+    told = welcome(session)
+    await session.close("drawn", rest=False)
     return told
 
 

@@ -1,0 +1,1 @@
+"""A report as one file for the browser: tables, pictures, and a timeline to move in."""

@@ -1,0 +1,91 @@
+"""HTML that is safe by the way it is made: whatever is not `Markup` is escaped.
+
+Text out of a log may hold anything: `<script>`, quotes, NUL bytes, halves of surrogate pairs.
+"""
+
+from __future__ import annotations
+
+import html
+import json
+import re
+from collections.abc import Iterable
+
+#: What HTML has no place for: control characters but tab and newline, halves of pairs.
+_UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+#: Elements without content or end.
+_VOID = frozenset({"br", "col", "hr", "input", "link", "meta"})
+
+
+class Markup(str):
+    """Text that is HTML (or SVG) already."""
+
+    __slots__ = ()
+
+
+Child = Markup | str | None | Iterable[Markup | str | None]
+Attribute = str | int | float | bool | None
+
+
+def clean(text: str) -> str:
+    """`text` with U+FFFD for every character that a page cannot hold."""
+    return _UNPRINTABLE.sub("\ufffd", text)
+
+
+def escaped(text: str) -> Markup:
+    """`text` as the content of an element, or of a quoted attribute."""
+    return text if isinstance(text, Markup) else Markup(html.escape(clean(text)))
+
+
+def tag(name: str, *children: Child, **attributes: Attribute) -> Markup:
+    """An element. None and False leave an attribute out, True gives it no value; `class_` is
+    `class`, and `data_number` is `data-number`.
+    """
+    written = "".join(_attribute(key, value) for key, value in attributes.items())
+    if name in _VOID:
+        return Markup(f"<{name}{written}>")
+    return Markup(f"<{name}{written}>{joined(*children)}</{name}>")
+
+
+def joined(*children: Child) -> Markup:
+    """One after the other."""
+    return Markup("".join(_flat(children)))
+
+
+def _flat(children: Iterable[Child]) -> Iterable[str]:
+    for child in children:
+        if isinstance(child, str):
+            yield escaped(child)
+        elif child is not None:
+            yield from _flat(child)
+
+
+def _attribute(key: str, value: Attribute) -> str:
+    if value is None or value is False:
+        return ""
+    name = key.rstrip("_").replace("_", "-")
+    if value is True:
+        return f" {name}"
+    return f' {name}="{escaped(value if isinstance(value, str) else short(value))}"'
+
+
+def short(number: float) -> str:
+    """A number in a picture, to a tenth: `12.5`, `12`."""
+    return f"{number:.1f}".removesuffix(".0")
+
+
+def said(text: str) -> Markup:
+    """Text out of a log, apart from its surroundings: a right-to-left mark in it turns nothing
+    around that stands beside it.
+    """
+    return tag("bdi", text, dir="auto")
+
+
+def json_block(content: object, name: str) -> Markup:
+    """Data for the page's script, in an element that no browser executes.
+
+    In a `script` element only `</script` and `<!--` mean anything; without `<` neither can occur.
+    """
+    text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+    for character in "<>&\u2028\u2029":
+        text = text.replace(character, f"\\u{ord(character):04x}")
+    return tag("script", Markup(clean(text)), type="application/json", id=name)

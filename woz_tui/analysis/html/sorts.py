@@ -1,0 +1,69 @@
+"""What things look like in a timeline: each sort has a colour (page.css) and mostly a symbol.
+
+Colours are those of Okabe and Ito (Color Universal Design, 2008), which people with all common
+kinds of colour vision tell apart; no meaning rests on colour alone.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from woz_tui.analysis.html.markup import Markup, joined, tag
+
+
+@dataclass(frozen=True, slots=True)
+class Look:
+    """`title` stands in the legend; `path` is a symbol in a field from -6 to 6, empty: none."""
+
+    title: str
+    path: str = ""
+
+
+_CROSS = "M-4-5L0-1L4-5L5-4L1 0L5 4L4 5L0 1L-4 5L-5 4L-1 0L-5-4Z"
+
+#: In the order of the legend.
+SORTS: dict[str, Look] = {
+    "done": Look("done"),
+    "failed": Look("failed", _CROSS),
+    "stopped": Look("stopped", "M-4-4H4V4H-4Z"),
+    "refused": Look("refused", "M0-5A5 5 0 1 0 0 5A5 5 0 1 0 0-5ZM-3.5-1H3.5V1H-3.5Z"),
+    "open": Look("no end in the log", "M-5-1.2H-2.6V1.2H-5ZM-1.2-1.2H1.2V1.2H-1.2ZM2.6-1.2H5V1.2H2.6Z"),
+    "trial": Look("trial"),
+    "left-out": Look("trial that does not count", "M-5-1.2H5V1.2H-5Z"),
+    "break": Look("break"),
+    "engaged": Look("visitor engaged"),
+    "state": Look("other state"),
+    "speech": Look("visitor speaks"),
+    "stop": Look("stop", "M-2.4-5.6H2.4L5.6-2.4V2.4L2.4 5.6H-2.4L-5.6 2.4V-2.4Z"),
+    "lost": Look("driver lost", "M1-6L-4 1H-0.5L-1 6L4-1.4H0.5Z"),
+    "marker": Look("marker", "M-5-5H5L0 5Z"),
+    "note": Look("note", "M-5-5H5V3H0L-3 6V3H-5Z"),
+    "mistake": Look("mistake", f"M-6-6H6V6H-6Z{_CROSS}"),
+    "questionnaire": Look("questionnaire", "M0-5.5L5.5 0L0 5.5L-5.5 0Z"),
+    "console-lost": Look("console lost", "M-6-5H6V4H1.5V6H-1.5V4H-6ZM-4-3V2H4V-3Z"),
+    "other": Look("other", "M-3-3H3V3H-3Z"),
+}
+
+
+def symbols() -> Markup:
+    """All symbols, to be referred to as `#g-<sort>` from anywhere in the page."""
+    drawn = [
+        tag(
+            "symbol",
+            tag("path", d=look.path, fill_rule="evenodd"),
+            id=f"g-{name}",
+            viewBox="-6 -6 12 12",
+        )
+        for name, look in SORTS.items()
+        if look.path
+    ]
+    return tag("svg", tag("defs", joined(drawn)), class_="unseen", aria_hidden="true")
+
+
+def swatch(sort: str) -> Markup:
+    """A small picture of the sort, for tables and legends."""
+    if SORTS[sort].path:
+        shape = tag("use", href=f"#g-{sort}", x=-5.5, y=-5.5, width=11, height=11, class_=f"glyph s-{sort}")
+    else:
+        shape = tag("rect", x=-7, y=-5, width=14, height=10, rx=2, class_=f"bar s-{sort}")
+    return tag("svg", shape, class_="swatch", viewBox="-8 -7 16 14", aria_hidden="true")

@@ -1,0 +1,231 @@
+"""Tables of a session's figures."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+
+from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Answer, Part, SessionFigures
+from woz_tui.analysis.html.definitions import defined
+from woz_tui.analysis.html.markup import Child, Markup, said, tag
+from woz_tui.analysis.html.numbers import DASH, clock, duration, percent
+from woz_tui.analysis.series import Series
+
+
+def table(caption: str, heads: Sequence[Child], rows: Iterable[Sequence[Child]]) -> Markup | None:
+    """A table whose first column names its rows; None if there are none."""
+    body = [
+        tag("tr", tag("th", first, scope="row"), [tag("td", cell) for cell in rest])
+        for first, *rest in rows
+    ]
+    if not body:
+        return None
+    head = tag("tr", [tag("th", one, scope="col") for one in heads])
+    content = (tag("caption", caption), tag("thead", head), tag("tbody", body))
+    return tag(
+        "div", tag("table", content), class_="wide", tabindex=0, role="region", aria_label=caption
+    )
+
+
+def _counts(numbers: Iterable[int]) -> list[str]:
+    return [str(number) if number else DASH for number in numbers]
+
+
+def _spread(series: Series) -> list[str]:
+    if not series.n:
+        return [DASH] * 3
+    return [duration(one) for one in (series.median, series.p95, series.most)]
+
+
+def parts(figures: SessionFigures) -> Markup | None:
+    """The figures by participant and condition; None if there is only one of them."""
+    if len(figures.parts) < 2:
+        return None
+    heads = [
+        *("Participant", "Condition", "Time", defined("trials"), defined("acts")),
+        *(defined("rate"), defined("reaction", "Reaction, median"), defined("missed")),
+        *(defined("press", "Press to start, median"), defined("engaged"), defined("mistakes")),
+    ]
+    rows = [_part(part) for part in figures.parts]
+    return table("By participant and condition", heads, [*rows, _part(figures.whole, "all", "")])
+
+
+def _part(part: Part, participant: str | None = None, condition: str | None = None) -> list[Child]:
+    reactions = part.reactions.get("all")
+    return [
+        said(part.participant if participant is None else participant) or DASH,
+        said(part.condition if condition is None else condition),
+        clock(part.us),
+        str(part.trials),
+        str(part.acts),
+        DASH if part.per_minute is None else f"{part.per_minute:.1f}",
+        duration(reactions.times.median if reactions else None),
+        str(reactions.missed) if reactions else DASH,
+        duration(part.press.median),
+        percent(part.engagement.share),
+        str(part.mistakes),
+    ]
+
+
+def actions(figures: SessionFigures) -> Markup | None:
+    """Every action by panel and source, and how it ended."""
+    heads = ["Action", "Panel", "Asked by", "All", *ENDS]
+    rows = [
+        [
+            said(count.action),
+            said(count.panel),
+            said(count.source),
+            str(count.outcomes.total),
+            *_counts(getattr(count.outcomes, end) for end in ENDS),
+        ]
+        for count in figures.whole.counts
+    ]
+    return table("Actions", heads, rows)
+
+
+def verbs(figures: SessionFigures) -> Markup | None:
+    """Commands by verb: how they ended, and their times."""
+    heads = [
+        *("Verb", *(end.replace("_", " ") for end in COMMAND_ENDS)),
+        *(f"To start, {one}" for one in ("median", "p95", "max")),
+        *(f"To end, {one}" for one in ("median", "p95", "max")),
+    ]
+    rows = [
+        [
+            said(verb),
+            *_counts(times.ends.get(end, 0) for end in COMMAND_ENDS),
+            *_spread(times.dispatched),
+            *_spread(times.done),
+        ]
+        for verb, times in sorted(figures.whole.verbs.items())
+    ]
+    return table("Commands", heads, rows)
+
+
+def cues(figures: SessionFigures) -> Markup | None:
+    """Reaction times by the sort of cue."""
+    heads = ["Cue", "All", "Answered", defined("missed"), "Overtaken", "Cut short"]
+    heads += [defined("reaction", "Median"), defined("percentile", "p95"), "Longest"]
+    rows = [
+        [
+            sort,
+            str(found.cues),
+            *_counts(found.fates.get(fate, 0) for fate in ("answered", "missed", "overtaken", "cut")),
+            *_spread(found.times),
+        ]
+        for sort, found in figures.whole.reactions.items()
+        if found.cues
+    ]
+    window = f" (window {duration(figures.window_us)})" if figures.window_us else ""
+    return table(f"Reactions to cues{window}", heads, rows)
+
+
+def states(figures: SessionFigures) -> Markup | None:
+    """The engagement model's states."""
+    engagement = figures.whole.engagement
+    heads = ["State", "Visits", "Time", "Share", "Median", "Longest"]
+    rows = [
+        [
+            said(state),
+            str(found.visits),
+            clock(found.us),
+            percent(found.us / engagement.on_us if engagement.on_us else None),
+            duration(found.lengths.median),
+            duration(found.lengths.most),
+        ]
+        for state, found in engagement.states.items()
+    ]
+    return table("States of the engagement model", heads, rows)
+
+
+def trials(figures: SessionFigures) -> Markup | None:
+    """Trials, in their order."""
+    heads = ["Trial", "Condition", "Begin", "Length", "Outcome", "Actions", "Remark"]
+    rows = [
+        [
+            str(trial.trial),
+            said(trial.condition),
+            clock(trial.begin),
+            duration(None if trial.end is None else trial.end - trial.begin),
+            trial.outcome or "no end in the log",
+            str(trial.actions),
+            said(trial.text),
+        ]
+        for trial in figures.trials
+    ]
+    return table("Trials", heads, rows)
+
+
+def stops(figures: SessionFigures) -> Markup | None:
+    """Stops: who, how soon confirmed, how long."""
+    heads = ["At", "By", "Reach", "Confirmed by", "Not confirmed by", "Within", "Released after"]
+    rows = [
+        [
+            clock(stop.t, 3),
+            said(stop.source),
+            said(stop.scope),
+            said(", ".join(stop.confirmed)),
+            tag("strong", said(", ".join(stop.missing)), class_="bad") if stop.missing else DASH,
+            duration(stop.elapsed_us),
+            duration(None if stop.released is None else stop.released - stop.t),
+        ]
+        for stop in figures.stops
+    ]
+    return table("Stops", heads, rows)
+
+
+def marks(figures: SessionFigures) -> Markup | None:
+    """Markers, notes and mistakes."""
+    rows = [
+        [clock(mark.t, 3), mark.sort, said(mark.text or mark.action), said(mark.source)]
+        for mark in figures.marks
+    ]
+    return table("Markers, notes and mistakes", ["At", "What", "Text", "By"], rows)
+
+
+def answers(figures: SessionFigures) -> Markup | None:
+    """What was answered to questionnaires."""
+    heads = ["Question", "Answer", "Scale", "After", "Questionnaire", "Round", "Condition", "Trial"]
+    rows = [
+        [
+            said(answer.question),
+            _answer(answer),
+            DASH if answer.low is None else f"{answer.low:g} to {answer.high:g}",
+            duration(answer.answered_us),
+            said(answer.questionnaire),
+            str(answer.round),
+            said(answer.condition),
+            DASH if answer.trial < 0 else str(answer.trial),
+        ]
+        for answer in figures.answers
+    ]
+    return table("Questionnaires", heads, rows)
+
+
+def _answer(answer: Answer) -> Child:
+    if answer.skipped:
+        return "left out"
+    return said(answer.text) if answer.value is None else f"{answer.value:g}"
+
+
+def limits(figures: SessionFigures) -> Markup | None:
+    """What the wizard did not see, and how answers were held back."""
+    hidden = [
+        [
+            clock(one.t),
+            "perception",
+            "hidden: " + (", ".join(one.hidden) or "nothing"),
+            "blurred: " + (", ".join(one.blurred) or "nothing"),
+        ]
+        for one in figures.restrictions
+    ]
+    held = [
+        [
+            clock(one.t),
+            "response shaping",
+            f"at least {duration(one.floor_us)} and up to {duration(one.jitter_us)} more",
+            "after " + ", ".join(one.cues),
+        ]
+        for one in figures.shaping
+    ]
+    caption = "What shaped the wizard's answers"
+    return table(caption, ["From", "What", "How", "Which"], [*hidden, *held])

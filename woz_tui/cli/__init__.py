@@ -16,6 +16,7 @@ COMMANDS = {
     "demo": "a session with a simulated robot and a simulated visitor",
     "host": "start the robot process alone",
     "attach": "join a running session",
+    "replay": "a session again, on the screen or on the robot",
     "check": "check an experiment file and show its keys",
     "doctor": "check this machine, its devices and this terminal for an experiment",
     "midi": "learn the controls of a MIDI panel, or show what they do",

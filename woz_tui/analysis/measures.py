@@ -1,0 +1,207 @@
+"""The main figures: one number each, of a part of a session; compared, averaged and exported."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+from woz_tui.analysis.figures import Part, Reactions
+from woz_tui.analysis.series import Series
+from woz_tui.analysis.tally import ALL_CUES
+
+_NONE = Reactions({}, Series())
+
+
+@dataclass(frozen=True, slots=True)
+class Measure:
+    """A figure that is one number.
+
+    Attributes:
+        name: As in CSV, JSON and docs/report.md; it ends in the unit where there is one.
+        unit: `s`, `ms`, `share` (0..1), `per minute` or empty (a count).
+        meaning: Its definition.
+        short: The head of a column.
+        of: The figure of a part; None where it does not exist.
+    """
+
+    name: str
+    unit: str
+    meaning: str
+    short: str
+    of: Callable[[Part], float | None]
+
+
+def seconds(us: float | None) -> float | None:
+    """Microseconds in seconds."""
+    return None if us is None else us / 1e6
+
+
+def milliseconds(us: float | None) -> float | None:
+    """Microseconds in milliseconds."""
+    return None if us is None else us / 1e3
+
+
+def reactions(part: Part, sort: str = ALL_CUES) -> Reactions:
+    """To the cues of a sort; empty ones if there were none."""
+    return part.reactions.get(sort, _NONE)
+
+
+def _cues_of(sort: str, words: str) -> tuple[Measure, ...]:
+    return (
+        Measure(
+            f"{sort}_cues", "", f"cues: {words}", f"{sort} cues",
+            lambda part: reactions(part, sort).cues,
+        ),
+        Measure(
+            f"{sort}_missed", "", f"`{sort}_cues` that nothing answered within the window",
+            f"{sort} missed", lambda part: reactions(part, sort).missed,
+        ),
+        Measure(
+            f"{sort}_reaction_median_s", "s", f"median reaction time to `{sort}_cues`",
+            f"{sort} react", lambda part: seconds(reactions(part, sort).times.median),
+        ),
+    )  # fmt: skip
+
+
+MEASURES: tuple[Measure, ...] = (
+    Measure(
+        "duration_s", "s",
+        "time in this condition; of a whole session from its first to its last line of actions",
+        "length", lambda part: part.us / 1e6,
+    ),
+    Measure(
+        "trials", "", "trials that were begun and count: neither `aborted` nor `excluded`",
+        "trials", lambda part: part.trials,
+    ),
+    Measure(
+        "actions", "", "lines `action.requested`, whoever asked and whatever became of them",
+        "actions", lambda part: part.actions,
+    ),
+    Measure("actions_done", "", "actions that ended with `action.done`", "done",
+            lambda part: part.outcomes.done),
+    Measure("actions_failed", "", "actions that ended with `action.failed`", "failed",
+            lambda part: part.outcomes.failed),
+    Measure("actions_stopped", "", "actions that ended with `action.stopped`: by the stop, or "
+            "replaced by another one", "stopped", lambda part: part.outcomes.stopped),
+    Measure("actions_refused", "", "actions that ended with `action.refused`", "refused",
+            lambda part: part.outcomes.refused),
+    Measure("actions_open", "", "actions whose end is not in the log", "open",
+            lambda part: part.outcomes.open),
+    Measure(
+        "actions_by_hand", "", "actions that a human asked for: whose `source` is neither "
+        "`engagement`, `program` nor `replay`", "by hand", lambda part: part.by_hand,
+    ),
+    Measure(
+        "direct_commands", "", "commands by hand that belong to no action: a sentence typed on "
+        "the spot, a movement with the arrow keys; knobs on their way, and what goes to the "
+        "session itself or the engagement model, are not counted", "direct",
+        lambda part: part.direct,
+    ),
+    Measure(
+        "acts", "", "acts by hand: `actions_by_hand` + `direct_commands`", "acts",
+        lambda part: part.acts,
+    ),
+    Measure(
+        "acts_per_minute", "per minute", "`acts` / `duration_s` x 60; empty without time",
+        "per min", lambda part: part.per_minute,
+    ),
+    Measure(
+        "gap_median_s", "s", "median time from one act by hand to the next one in the same "
+        "condition and trial, from request to request", "gap",
+        lambda part: seconds(part.gaps.median),
+    ),
+    Measure("gap_p95_s", "s", "95 % quantile of these gaps", "gap p95",
+            lambda part: seconds(part.gaps.p95)),
+    Measure("gap_max_s", "s", "longest of these gaps", "gap max",
+            lambda part: seconds(part.gaps.most)),
+    Measure(
+        "press_median_ms", "ms", "median time from the request of an act by hand to the start of "
+        "its first command in the driver: `latency_us` of the first `command.dispatched`; it "
+        "contains the queueing behind an earlier act, not the waits and holds before the command",
+        "press", lambda part: milliseconds(part.press.median),
+    ),
+    Measure("press_p95_ms", "ms", "95 % quantile of this time", "press p95",
+            lambda part: milliseconds(part.press.p95)),
+    Measure("press_max_ms", "ms", "longest of this time", "press max",
+            lambda part: milliseconds(part.press.most)),
+    Measure(
+        "action_median_s", "s", "median time from `action.requested` to `action.done`, waits "
+        "between its steps included", "took", lambda part: seconds(part.took.median),
+    ),
+    Measure("action_p95_s", "s", "95 % quantile of this time", "took p95",
+            lambda part: seconds(part.took.p95)),
+    Measure("action_max_s", "s", "longest of this time", "took max",
+            lambda part: seconds(part.took.most)),
+    Measure(
+        "cues", "", "events that want an answer: cues of speech, engagement and marker, each "
+        "event once (without echoes)", "cues", lambda part: reactions(part).cues,
+    ),
+    Measure("cues_answered", "", "cues that an act by hand answered within the window",
+            "answered", lambda part: reactions(part).answered),
+    Measure("cues_missed", "", "cues that no act by hand answered within the window", "missed",
+            lambda part: reactions(part).missed),
+    Measure("cues_overtaken", "", "cues that were overtaken before an answer: by another one of "
+            "their sort, by the visitor going on to speak, by the model leaving the state",
+            "overtaken", lambda part: reactions(part).fates.get("overtaken", 0)),
+    Measure("cues_cut", "", "cues whose window was still open when the log ended", "cut",
+            lambda part: reactions(part).fates.get("cut", 0)),
+    Measure(
+        "reaction_median_s", "s", "median time from a cue to the act by hand that answered it",
+        "react", lambda part: seconds(reactions(part).times.median),
+    ),
+    Measure("reaction_p95_s", "s", "95 % quantile of this time", "react p95",
+            lambda part: seconds(reactions(part).times.p95)),
+    Measure("reaction_max_s", "s", "longest of this time", "react max",
+            lambda part: seconds(reactions(part).times.most)),
+    *_cues_of("speech", "the visitor's speech has ended (`ended` of `speech.ended`)"),
+    *_cues_of("engagement", "the engagement model has entered a state in which the visitor waits"),
+    *_cues_of("marker", "somebody has set a marker"),
+    *_cues_of("training", "`cue.given` of a training; judged and timed as in `cue.answered`"),
+    Measure(
+        "engagement_on_s", "s", "time in which the engagement model was there and not `off`",
+        "model on", lambda part: part.engagement.on_us / 1e6,
+    ),
+    Measure("engagement_off_s", "s", "time in which it was there, but `off`", "model off",
+            lambda part: part.engagement.off_us / 1e6),
+    Measure(
+        "engaged_share", "share", "time in a state of engagement (EngagedWithUnknown, Handshake, "
+        "EngagedWithKnown, UserSpeaks, RobotThinks, RobotReplies, RobotSpeaks) / "
+        "`engagement_on_s`; empty if the model never was on", "engaged",
+        lambda part: part.engagement.share,
+    ),
+    Measure(
+        "episodes", "", "unbroken stays in states of engagement; one that the end of the log or "
+        "of the model cuts off counts", "episodes", lambda part: part.engagement.episodes.n,
+    ),
+    Measure("episode_median_s", "s", "median length of these episodes, each up to its cut",
+            "episode", lambda part: seconds(part.engagement.episodes.median)),
+    Measure("transitions", "", "lines `engagement.changed`", "moves",
+            lambda part: sum(sum(row.values()) for row in part.engagement.transitions.values())),
+    Measure("transitions_forced", "", "those of them that the wizard forced", "forced",
+            lambda part: part.engagement.forced),
+    Measure("utterances", "", "lines `speech.ended`: stretches of a visitor's speech", "speech",
+            lambda part: part.speech.n),
+    Measure("speech_s", "s", "their lengths together, pre-roll and trailing silence included",
+            "speech s", lambda part: part.speech.total / 1e6),
+    Measure(
+        "mistakes", "", "acts by hand that were labelled with `mistake`, each once", "mistakes",
+        lambda part: part.mistakes,
+    ),
+    Measure("mistake_rate", "share", "`mistakes` / `acts`; empty without acts", "mist. %",
+            lambda part: part.mistake_rate),
+    Measure("stops", "", "lines `stop.pressed`", "stops", lambda part: part.stops),
+    Measure("markers", "", "markers, without those of the preflight list", "markers",
+            lambda part: part.markers),
+    Measure("notes", "", "lines `note`", "notes", lambda part: part.notes),
+    Measure("actions_held", "", "lines `action.held`: answers that shaping held back", "held",
+            lambda part: part.held.n),
+    Measure("held_median_s", "s", "median time for which they were held, from the line to `until`",
+            "held s", lambda part: seconds(part.held.median)),
+)  # fmt: skip
+
+BY_NAME = {measure.name: measure for measure in MEASURES}
+
+
+def measured(part: Part) -> dict[str, float | None]:
+    """All of them, by name."""
+    return {measure.name: measure.of(part) for measure in MEASURES}

@@ -1,0 +1,73 @@
+"""From the files of a session to its report."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+from woz_tui.analysis.gather import DEFAULTS, Gatherer, Options
+from woz_tui.analysis.lanes import Drawing
+from woz_tui.analysis.report import Report
+from woz_tui.analysis.wholeness import verified, wholeness
+from woz_tui.record.log import Damage, Line, files_of
+from woz_tui.record.stream import messages
+
+
+class NoSessionError(ValueError):
+    """The files hold no session of this program; the text says which and why."""
+
+
+@dataclass(frozen=True, slots=True)
+class Wanted:
+    """What is to be found out besides the figures.
+
+    Attributes:
+        timeline: Its lanes.
+        curves: Also curves of sensors, for which all samples are read.
+        verified: Checksums and the numbers of all lines, samples too.
+    """
+
+    timeline: bool = False
+    curves: bool = False
+    verified: bool = False
+
+
+#: Nothing besides.
+FIGURES = Wanted()
+
+
+def examine(
+    path: Path,
+    options: Options = DEFAULTS,
+    wanted: Wanted = FIGURES,
+    *,
+    places: Iterable[Path] | None = None,
+) -> Report:
+    """Read the session to which `path` belongs once; nothing damaged raises.
+
+    Raises:
+        FileNotFoundError: There is no such file.
+        ValueError: It is not called like a log, or (`NoSessionError`) holds no session.
+        OSError: None of its files can be read.
+    """
+    damage = Damage()
+    gatherer = Gatherer(options)
+    drawing = Drawing() if wanted.timeline or wanted.curves else None
+    some = 0
+    for message in messages(path, damage, places=places, samples=wanted.curves):
+        if isinstance(message, Line):
+            continue
+        some += 1
+        gatherer.take(message)
+        if drawing is not None:
+            drawing.take(message)
+    if not some:
+        raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it holds no session'}")
+    found = files_of(path, places, samples=False)
+    figures = gatherer.figures(str(path), found.stem)
+    whole = wholeness(figures, damage, found.actions)
+    if wanted.verified:
+        whole = verified(whole, path, places)
+    timeline = drawing.timeline() if drawing is not None else None
+    return Report(replace(figures, wholeness=whole), timeline)

@@ -1,0 +1,71 @@
+"""Whether a session's log is whole, in sentences: damage, what no disk took, a missing end."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Sequence
+from dataclasses import replace
+from pathlib import Path
+
+from woz_tui.analysis.figures import SessionFigures, Wholeness
+from woz_tui.core import wire
+from woz_tui.core.messages import Segment
+from woz_tui.record.log import Damage
+from woz_tui.record.names import FileName
+from woz_tui.record.verify import verify
+
+#: What stands in a log that was cut off, or whose session still runs.
+NO_END = "the session has no end: it runs still, or it was cut off"
+
+
+def wholeness(figures: SessionFigures, damage: Damage, actions: Sequence[Path]) -> Wholeness:
+    """As far as one pass over the files of `actions` can tell."""
+    heads = list(_heads(actions))
+    dropped = max((head.dropped for head in heads), default=0)
+    dropped_samples = max((head.dropped_samples for head in heads), default=0)
+    sentences = damage.sentences()
+    sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(actions)]
+    if dropped:
+        sentences.append(f"{dropped} line(s) of actions were never written")
+    if dropped_samples:
+        sentences.append(f"{dropped_samples} sample(s) were never written")
+    still_open = figures.whole.outcomes.open
+    if figures.ended and still_open:
+        sentences.append(f"{still_open} action(s) without an end")
+    if not figures.ended:
+        sentences.append(NO_END)
+    return Wholeness(
+        sentences=tuple(sentences),
+        ended=bool(figures.ended),
+        left_out=damage.skipped,
+        dropped=dropped,
+        dropped_samples=dropped_samples,
+        segments=max(1, len(actions)),
+    )
+
+
+def verified(whole: Wholeness, path: Path, places: Iterable[Path] | None) -> Wholeness:
+    """The same after checking every number and checksum, samples too."""
+    found = verify(path, places=places).sentences()
+    more = [sentence for sentence in found if sentence not in whole.sentences]
+    return replace(whole, sentences=(*whole.sentences, *more), verified=True)
+
+
+def _moved(actions: Sequence[Path]) -> Iterator[tuple[Path, Segment]]:
+    for path in actions:
+        name = FileName.parse(path.name)
+        if name is not None and name.number > 1 and (head := _head(path)) is not None:
+            yield path, head
+
+
+def _heads(actions: Sequence[Path]) -> Iterator[Segment]:
+    yield from (head for _, head in _moved(actions))
+
+
+def _head(path: Path) -> Segment | None:
+    """The line with which a segment begins; None if it cannot be read."""
+    try:
+        with path.open("rb") as file:
+            message = wire.decode_message(file.readline(wire.MAX_LINE))
+    except (OSError, wire.WireError):
+        return None
+    return message if isinstance(message, Segment) else None

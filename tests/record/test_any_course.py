@@ -64,4 +64,4 @@ def test_no_line_is_lost_and_all_come_in_order(steps: list[tuple[str, int, str]]
         assert damage.skipped == 0
         assert it.disk.syncs_after_failure == 0
         verdict = verify(it.recorder.path, places=[it.home, it.spill])
-        assert verdict.missing == 0
+        assert verdict.damage.missing == 0

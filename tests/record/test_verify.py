@@ -75,8 +75,8 @@ def test_missing_lines_are_named(tmp_path: Path) -> None:
         lines = it.recorder.path.read_bytes().splitlines(keepends=True)
         it.recorder.path.write_bytes(b"".join([lines[0], lines[2], *lines[5:]]))
         found = verdict(it)
-    assert (found.missing, found.gaps) == (3, [(1, 1), (3, 4)])
-    assert "3 line(s) missing: 1, 3-4" in found.sentences()
+    assert (found.damage.missing, found.damage.gaps) == (3, [(1, 1), (3, 4)])
+    assert "3 line(s) missing: 1, 3 to 4" in found.sentences()
 
 
 def test_a_session_that_was_cut_off(tmp_path: Path) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from numbers import Real
-from typing import Any
+from typing import Any, TypeVar
 
 import msgspec
 
@@ -19,6 +19,8 @@ MAX_DEPTH = 100
 
 #: Kinds of message of which the newest says it all: kept beside the log of actions.
 SAMPLE_KINDS = frozenset({"sample", "engagement.shown"})
+
+T = TypeVar("T")
 
 _encoder = msgspec.json.Encoder()
 _message: msgspec.json.Decoder[AnyMessage] = msgspec.json.Decoder(AnyMessage)
@@ -85,6 +87,27 @@ def decode_message(line: bytes) -> AnyMessage:
         return _message.decode(line)
     except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
         raise WireError(str(error)) from error
+
+
+def decode_messages(lines: bytes) -> list[AnyMessage]:
+    """Many messages at once, several times as fast as one by one; see `decode_lines`."""
+    return decode_lines(_message, lines)
+
+
+def decode_lines(decoder: msgspec.json.Decoder[T], lines: bytes) -> list[T]:
+    """What stands on `lines`, one object on each, each with its newline; `WireError` if anything is
+    wrong with any of them, be it a blank too many.
+    """
+    try:
+        values = decoder.decode_lines(lines)
+        if not lines.isascii():
+            lines.decode()  # the decoder passes over the bytes of fields that it does not know
+    except (msgspec.MsgspecError, UnicodeDecodeError, RecursionError) as error:
+        raise WireError(str(error)) from error
+    count = len(values)
+    if not (count == lines.count(b"\n") == lines.count(b"}\n{") + 1 and lines[-2:] == b"}\n"):
+        raise WireError("expected one object on each line")
+    return values
 
 
 def decode_request(line: bytes) -> AnyRequest:

@@ -18,7 +18,6 @@ _CLOSES = {
         for end in ("done", "failed", "timed_out", "refused", "stopped", "superseded")
     },
 }
-_SHOWN = 20
 
 
 @dataclass
@@ -28,8 +27,6 @@ class Verdict:
     Attributes:
         lines: Lines of actions.
         samples: Lines of samples.
-        missing: How many numbers between the first and the last line no file holds.
-        gaps: The first 20 runs of them, as (first, last).
         checkpoints: How many checkpoints (and the end) agree with what was read.
         broken_after: `seq` of the last line known to be unchanged, if a checkpoint disagrees.
         ended: Whether the session was ended properly.
@@ -41,8 +38,6 @@ class Verdict:
 
     lines: int = 0
     samples: int = 0
-    missing: int = 0
-    gaps: list[tuple[int, int]] = field(default_factory=list)
     checkpoints: int = 0
     broken_after: int | None = None
     ended: bool = False
@@ -59,10 +54,6 @@ class Verdict:
     def sentences(self) -> list[str]:
         """Everything there is to complain of, in words."""
         found = self.damage.sentences()
-        if self.missing:
-            shown = ", ".join(f"{a}" if a == b else f"{a}-{b}" for a, b in self.gaps[:3])
-            more = " ..." if len(self.gaps) > 3 else ""
-            found.append(f"{self.missing} line(s) missing: {shown}{more}")
         if self.broken_after is not None:
             found.append(f"lines after number {self.broken_after} were changed or lost")
         if not self.ended:
@@ -96,14 +87,12 @@ class _Checker:
     def __init__(self, verdict: Verdict) -> None:
         self._verdict = verdict
         self._hash = hashlib.sha256()
-        self._last = -1
         self._sound_to = -1
         #: Number of ends by kind of id and id.
         self._ends: dict[tuple[str, str], int] = {}
         self._orphans: dict[str, None] = {}
 
     def take(self, line: Line) -> None:
-        self._number(line)
         if line.sample:
             self._verdict.samples += 1
             return
@@ -111,13 +100,6 @@ class _Checker:
         self._verdict.lines += 1
         self._hash.update(line.raw + b"\n")
         self._requests(line)
-
-    def _number(self, line: Line) -> None:
-        if line.seq > self._last + 1:
-            self._verdict.missing += line.seq - self._last - 1
-            if len(self._verdict.gaps) < _SHOWN:
-                self._verdict.gaps.append((self._last + 1, line.seq - 1))
-        self._last = line.seq
 
     def _sums(self, line: Line) -> None:
         if line.kind == "session.end":

@@ -1,0 +1,106 @@
+"""What a reader of logs had to leave out or put right, counted and in words."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+#: How many places, runs of missing numbers and unknown kinds are named one by one.
+_NAMED = 20
+_SHOWN = 3
+
+
+@dataclass
+class Damage:
+    """What a reader had to leave out or put right. All zero and empty: the log was whole.
+
+    Attributes:
+        torn: Last lines of a file that were cut off in the middle.
+        damaged: Other lines that are no messages.
+        nul_bytes: NUL bytes that were dropped; a power cut leaves them.
+        repeated: Lines that stood in two segments; normal after a move to a second folder.
+        conflicting: Lines whose number another, different line has already had.
+        misplaced: Lines too far out of order to be put right; left out.
+        backwards: Lines whose time lies before that of the line before; kept.
+        missing: Numbers that no line has; not counted where samples are left aside.
+        unknown: Lines of kinds that this version does not know; kept.
+        misshapen: Lines of kinds it knows whose fields it cannot take; kept.
+        newer: Schema of the log if it is newer than this version's, otherwise 0.
+        lineless: No line of a session was found at all.
+        kinds: The first 20 unknown kinds.
+        gaps: The first 20 runs of missing numbers, as (first, last).
+        unreadable: Files that could not be read to their end, with the reason.
+        places: The first damaged lines, as `file:byte`, at most 20.
+    """
+
+    torn: int = 0
+    damaged: int = 0
+    nul_bytes: int = 0
+    repeated: int = 0
+    conflicting: int = 0
+    misplaced: int = 0
+    backwards: int = 0
+    missing: int = 0
+    unknown: int = 0
+    misshapen: int = 0
+    newer: int = 0
+    lineless: bool = False
+    kinds: list[str] = field(default_factory=list)
+    gaps: list[tuple[int, int]] = field(default_factory=list)
+    unreadable: list[str] = field(default_factory=list)
+    places: list[str] = field(default_factory=list)
+
+    @property
+    def skipped(self) -> int:
+        """How many lines were left out for good."""
+        return self.torn + self.damaged + self.conflicting + self.misplaced
+
+    def sentences(self) -> list[str]:
+        """Everything that was wrong, in words; empty if nothing was."""
+        found = []
+        if self.lineless:
+            found.append("no line of a session was found: the log is empty, or no log of woz")
+        if self.newer:
+            found.append(
+                f"written by a newer version (schema {self.newer}): read as far as it goes"
+            )
+        counts = [
+            (self.torn, "torn last line(s) cut"),
+            (self.damaged, "damaged line(s) left out"),
+            (self.nul_bytes, "NUL byte(s) dropped"),
+            (self.conflicting, "line(s) with a number that was taken left out"),
+            (self.misplaced, "line(s) far out of order left out"),
+            (self.backwards, "line(s) with a time before the last one's"),
+            (self.misshapen, "line(s) whose fields this version cannot take"),
+        ]
+        found += [f"{count} {what}" for count, what in counts if count]
+        if self.places:
+            found.append("first at " + ", ".join(self.places[:_SHOWN]))
+        if self.unknown:
+            kinds = _listed(self.kinds)
+            found.append(f"{self.unknown} line(s) of kinds this version does not know: {kinds}")
+        if self.missing:
+            runs = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.gaps]
+            found.append(f"{self.missing} line(s) missing: {_listed(runs)}")
+        return found + self.unreadable
+
+    def at(self, path: Path, offset: int) -> None:
+        """Remember where something damaged stands."""
+        if len(self.places) < _NAMED:
+            self.places.append(f"{path.name}:{offset}")
+
+    def gap(self, first: int, last: int) -> None:
+        """The numbers `first` to `last` are missing."""
+        self.missing += last - first + 1
+        if len(self.gaps) < _NAMED:
+            self.gaps.append((first, last))
+
+    def stranger(self, kind: str) -> None:
+        """A line of an unknown kind."""
+        self.unknown += 1
+        if kind not in self.kinds and len(self.kinds) < _NAMED:
+            self.kinds.append(kind)
+
+
+def _listed(names: list[str]) -> str:
+    return ", ".join(names[:_SHOWN]) + (" ..." if len(names) > _SHOWN else "")

@@ -1,0 +1,184 @@
+"""The lines of one file: cut out of its bytes, decoded one by one, the damaged ones counted."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, get_args
+
+import msgspec
+
+from woz_tui.core import wire
+from woz_tui.core.messages import SCHEMA, AnyMessage
+from woz_tui.record.damage import Damage
+
+#: Bytes that are read at once: small enough to stay in the processor's cache with what they hold.
+BLOCK = 1 << 18
+#: No line of a log is longer; a file of garbage cannot make a reader hoard memory.
+LONGEST = 1 << 24
+
+#: Every kind of message that this version knows.
+KINDS = frozenset(each.__struct_config__.tag for each in get_args(AnyMessage))
+
+
+@dataclass(frozen=True)
+class Line:
+    """One message as it stands in the log. `seq` rises from line to line; gaps can occur.
+
+    Attributes:
+        seq: Its number in the session.
+        t: Microseconds since the session began.
+        ts: Wall clock, RFC 3339; empty for samples.
+        kind: Its kind, maybe one that this version does not know.
+        fields: The whole object, unknown fields included.
+        raw: The line's bytes, without the newline.
+        message: The line as a message; None if this version does not know its kind or cannot
+            take its fields.
+    """
+
+    seq: int
+    t: int
+    ts: str
+    kind: str
+    fields: dict[str, Any]
+    raw: bytes
+    message: AnyMessage | None = field(default=None, compare=False, repr=False)
+
+    @property
+    def sample(self) -> bool:
+        """Whether it is a raw sample of a sensor, or another value that is soon replaced."""
+        return self.kind in wire.SAMPLE_KINDS
+
+
+@dataclass(frozen=True)
+class Chunk:
+    """Whole lines of a file, or its last one if no newline follows it (then not `whole`).
+
+    `data` None: one line that is longer than any message.
+    """
+
+    path: Path
+    offset: int
+    data: bytes | None
+    whole: bool = True
+
+
+def lines_of(path: Path, damage: Damage) -> Iterator[Line]:
+    """The messages in one file as they stand there, without the lines that open a segment."""
+    for chunk in chunks_of(path, damage):
+        yield from lines_in(chunk, damage)
+
+
+def lines_in(chunk: Chunk, damage: Damage) -> list[Line]:
+    """The messages of a chunk, without the lines that open a segment."""
+    if chunk.data is None:
+        _lost(chunk, 0, damage)
+        return []
+    found = []
+    offset = 0
+    for piece in chunk.data.split(b"\n"):
+        raw = _clean(piece, damage)
+        if raw:
+            line = decode(raw)
+            if line is None:
+                _lost(chunk, offset, damage)
+            elif line.seq >= 0:
+                _judge(line, damage)
+                found.append(line)
+        offset += len(piece) + 1
+    return found
+
+
+def _lost(chunk: Chunk, offset: int, damage: Damage) -> None:
+    if chunk.whole:
+        damage.damaged += 1
+    else:
+        damage.torn += 1
+    damage.at(chunk.path, chunk.offset + offset)
+
+
+def _judge(line: Line, damage: Damage) -> None:
+    """Note what this version does not know about the line."""
+    if line.kind == "session.start":
+        schema = line.fields.get("schema", SCHEMA)
+        if type(schema) is int and schema > SCHEMA:
+            damage.newer = max(damage.newer, schema)
+    if line.message is None:
+        if line.kind in KINDS:
+            damage.misshapen += 1
+        else:
+            damage.stranger(line.kind)
+
+
+def decode(raw: bytes) -> Line | None:
+    """A line, with `seq` -1 if it opens a segment; None if it is no message."""
+    message = _message(raw)
+    try:
+        raw.decode()
+        fields = wire.decode_unknown(raw)
+    except UnicodeDecodeError:
+        return None
+    except wire.WireError:
+        if message is None:
+            return None
+        fields = msgspec.to_builtins(message)  # an unknown field holds what no program can
+    kind, seq, t = fields.get("kind"), fields.get("seq", -1), fields.get("t", -1)
+    ts = fields.get("ts", "")
+    if not isinstance(kind, str) or not isinstance(ts, str):
+        return None
+    if type(seq) is not int or type(t) is not int:
+        return None
+    if kind == "segment":
+        seq = -1
+    elif seq < 0 or t < 0:
+        return None
+    return Line(seq, t, ts, kind, fields, raw, message)
+
+
+def _message(raw: bytes) -> AnyMessage | None:
+    try:
+        return wire.decode_message(raw)
+    except wire.WireError:
+        return None
+
+
+def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[Chunk]:
+    """A file in pieces of whole lines, each about `block` bytes long."""
+    rest = bytearray()
+    start = offset = 0
+    for data in _blocks(path, damage, block):
+        cut = data.rfind(b"\n") + 1
+        if cut:
+            long = len(rest) > LONGEST
+            if long:  # of which only the beginning was kept
+                yield Chunk(path, start, None)
+            whole = data[data.index(b"\n") + 1 : cut] if long else bytes(rest) + data[:cut]
+            if whole:
+                yield Chunk(path, offset + cut - len(whole), whole)
+            rest.clear()
+            start = offset + cut
+        rest += data[cut : cut + LONGEST + 1 - len(rest)]
+        offset += len(data)
+        if rest and not rest.strip(b"\0"):  # a hole full of NULs takes no memory
+            damage.nul_bytes += len(rest)
+            rest.clear()
+            start = offset
+    if rest:
+        yield Chunk(path, start, None if len(rest) > LONGEST else bytes(rest), whole=False)
+
+
+def _clean(text: bytes, damage: Damage) -> bytes:
+    if b"\0" in text:
+        damage.nul_bytes += text.count(b"\0")
+        text = text.replace(b"\0", b"")
+    return text.strip(b" \t\r\n")
+
+
+def _blocks(path: Path, damage: Damage, size: int) -> Iterator[bytes]:
+    try:
+        with path.open("rb") as file:
+            while block := file.read(size):
+                yield block
+    except OSError as error:
+        damage.unreadable.append(f"{path}: {error.strerror}")

@@ -17,6 +17,7 @@ COMMANDS = {
     "host": "start the robot process alone",
     "attach": "join a running session",
     "replay": "a session again, on the screen or on the robot",
+    "compare": "two sessions, or a session and its re-run, side by side",
     "check": "check an experiment file and show its keys",
     "doctor": "check this machine, its devices and this terminal for an experiment",
     "midi": "learn the controls of a MIDI panel, or show what they do",

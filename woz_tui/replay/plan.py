@@ -13,6 +13,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+from woz_tui.analysis.played import ASKED
 from woz_tui.core import messages as m
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
 from woz_tui.record.log import Damage, files_of, read
@@ -20,9 +21,6 @@ from woz_tui.replay.origin import Origin
 
 #: Whose commands they are, in the log of the re-run.
 REPLAY = "replay"
-#: Commands of these sources are repeated; every other one a driver has asked for by itself, as a
-#: body does for the sound of a move, and will ask for again.
-SOURCES = frozenset({"key", "script", "palette", "midi", "program", ENGAGEMENT, REPLAY})
 #: These take something in from the room, and in a re-run another one stands there.
 LEARNING = frozenset({"learn_face", "listen_room"})
 #: What of the session's own verbs has a meaning without a participant and a wizard's panels.
@@ -262,6 +260,6 @@ def _senseless(command: m.Command) -> str:
         return "it belongs to the session of then, and moves nothing"
     if command.verb in LEARNING:
         return "it would learn from whoever is there now"
-    if command.source not in SOURCES:
+    if command.source not in ASKED:
         return f"{command.source} asks for it by itself, and will again"
     return ""

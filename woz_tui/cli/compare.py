@@ -1,0 +1,168 @@
+"""`woz compare A B`: two sessions, or a session and its re-run, side by side."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from pathlib import Path
+
+from woz_tui.analysis.compare import BY_COMMANDS, Comparison, Pair, compare, facts
+from woz_tui.analysis.played import Act, Played, played
+from woz_tui.cli.failure import explained
+from woz_tui.cli.rerun_table import clock, plain
+from woz_tui.record.log import Damage, files_of, read
+
+#: Lines of each part of the table, unless `--all` is given.
+SHOWN = 20
+_DIFFERENT, _TROUBLE = 1, 2
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("a", type=Path, metavar="A", help="a session's log")
+    parser.add_argument("b", type=Path, metavar="B", help="another one, or a re-run of it")
+    parser.add_argument("--json", action="store_true", help="everything as one JSON object")
+    parser.add_argument("--all", action="store_true", help="every pair, and lists in full length")
+    parser.add_argument(
+        "--changed", action="store_true", help="also sessions of different experiments"
+    )
+    parser.epilog = "Exit code: 0 if both have done the same in the same order, 1 if not, 2 if they"
+    parser.epilog += " cannot be compared."
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Compare; 0 the same, 1 different, 2 not comparable."""
+    done: list[int] = []
+
+    def work() -> int:
+        done.append(_run(arguments))
+        return done[0]
+
+    explained(work)
+    return done[0] if done else _TROUBLE
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    read_in = _read(arguments.a), _read(arguments.b)
+    if read_in[0] is None or read_in[1] is None:
+        return _TROUBLE
+    a, b = read_in[0], read_in[1]
+    trouble, foreign = _experiments(a, b)
+    if trouble:
+        print(f"woz: {trouble}", file=sys.stderr)
+        if foreign and not arguments.changed:
+            print("woz: they are compared all the same with --changed", file=sys.stderr)
+            return _TROUBLE
+    comparison = compare(a, b)
+    if arguments.json:
+        print(json.dumps({**facts(comparison), "experiments": trouble}, ensure_ascii=False))
+    else:
+        print(*_page(comparison, everything=arguments.all), sep="\n")
+    return 0 if comparison.same else _DIFFERENT
+
+
+def _read(path: Path) -> Played | None:
+    """A log's acts; None after saying why there are none. Damage is named, and borne."""
+    damage = Damage()
+    try:
+        name = files_of(path).stem
+        lines = read(path, damage, samples=False)
+        found = played(name, (line.message for line in lines if line.message is not None))
+    except ValueError as error:
+        print(f"woz: {error}", file=sys.stderr)
+        return None
+    for sentence in damage.sentences():
+        print(f"woz: {path.name}: {plain(sentence)}", file=sys.stderr)
+    if found.start is None and not found.acts:
+        print(f"woz: {path}: this is no session's log, or nothing of it is left", file=sys.stderr)
+        return None
+    return found
+
+
+def _experiments(a: Played, b: Played) -> tuple[str, bool]:
+    """How the experiments differ, in words (empty: not at all), and whether they are two."""
+    if a.start is None or b.start is None:
+        return "the first line of a log is missing: nobody knows its experiment", False
+    name_a, name_b = plain(a.start.experiment), plain(b.start.experiment)
+    if a.start.experiment_sha256 == b.start.experiment_sha256:
+        return "", False
+    if name_a != name_b:
+        return f"these are sessions of different experiments: {name_a} and {name_b}", True
+    return f"{name_a} was changed between the two sessions", False
+
+
+# -- the page -------------------------------------------------------------------------------------
+
+
+def _page(comparison: Comparison, *, everything: bool) -> Iterator[str]:
+    limit = sys.maxsize if everything else SHOWN
+    yield from _head(comparison)
+    yield from _figures(comparison)
+    yield from _acts("only in A", comparison.missing, comparison.why_missing, limit)
+    yield from _acts("only in B", comparison.extra, {}, limit)
+    yield from _pairs("in another order", comparison.moved, limit)
+    yield from _pairs("different", comparison.different, limit)
+    if everything:
+        yield from _pairs("all that both have", comparison.pairs, limit)
+    if comparison.same:
+        yield ""
+        yield "Both have done the same in the same order."
+
+
+def _head(comparison: Comparison) -> Iterator[str]:
+    for letter, log in (("A", comparison.a), ("B", comparison.b)):
+        again = f", a re-run of {plain(log.original)}" if log.original else ""
+        yield f"{letter}  {plain(log.name)}{again}"
+    if comparison.by == BY_COMMANDS:
+        yield "put side by side command by command, as the re-run's log says"
+    else:
+        exact = "" if comparison.exact else " (by blocks: the sessions are too long and unlike)"
+        yield f"put side by side by the names of actions and commands{exact}"
+
+
+def _figures(comparison: Comparison) -> Iterator[str]:
+    counts = len(comparison.pairs), len(comparison.missing), len(comparison.extra)
+    yield ""
+    yield f"in both {counts[0]}, only in A {counts[1]}, only in B {counts[2]}"
+    yield f"in another order {len(comparison.moved)}, different {len(comparison.different)}"
+    shifts = comparison.shifts
+    if shifts is not None:
+        yield (
+            f"B later than A: median {_ms(shifts.median)}, p95 {_ms(shifts.p95)},"
+            f" largest {_ms(shifts.largest)}, drift {shifts.drift / 1000:+.3f} ms a second"
+        )
+
+
+def _acts(title: str, acts: tuple[Act, ...], why: dict[str, str], limit: int) -> Iterator[str]:
+    if acts:
+        yield ""
+        yield f"{title}:"
+    for act in acts[:limit]:
+        reason = f"  {plain(why[act.id])}" if act.id in why else ""
+        yield f"  {clock(act.moment):>10}  {plain(act.name)} {act.id}  {act.end}{reason}".rstrip()
+    yield from _rest(len(acts), limit)
+
+
+def _pairs(title: str, pairs: tuple[Pair, ...], limit: int) -> Iterator[str]:
+    if pairs:
+        yield ""
+        yield f"{title}:"
+    for pair in pairs[:limit]:
+        told = "; ".join(map(plain, pair.differences))
+        yield (
+            f"  {clock(pair.a.moment):>10}  {clock(pair.b.moment):>10}"
+            f"  {pair.shift_us / 1000:+10.1f} ms  {plain(pair.a.name)}  {told}"
+        ).rstrip()
+    yield from _rest(len(pairs), limit)
+
+
+def _rest(count: int, limit: int) -> Iterator[str]:
+    if count > limit:
+        yield f"  and {count - limit} more (--all shows them)"
+
+
+def _ms(us: int) -> str:
+    return f"{us / 1000:.1f} ms"

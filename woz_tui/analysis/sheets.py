@@ -1,0 +1,335 @@
+"""The tables of `woz report --csv`: which columns they have, and what stands in each."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from typing import Any
+
+from woz_tui.analysis.figures import (
+    COMMAND_ENDS,
+    ENDS,
+    ActionCount,
+    Answer,
+    Cue,
+    Part,
+    SessionFigures,
+    Trial,
+    VerbTimes,
+    Visit,
+)
+from woz_tui.analysis.groups import experiment_of
+from woz_tui.analysis.measures import MEASURES, milliseconds, seconds
+
+Value = str | int | float | bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Entry:
+    """What a row is made of: the session, and the thing itself."""
+
+    session: SessionFigures
+    row: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Column:
+    """One column. `of` gives its value for an entry; None becomes an empty cell."""
+
+    name: str
+    unit: str
+    meaning: str
+    of: Callable[[Entry], Value]
+
+
+@dataclass(frozen=True, slots=True)
+class Sheet:
+    """One file: `rows` are what it has of a session."""
+
+    name: str
+    meaning: str
+    columns: tuple[Column, ...]
+    rows: Callable[[SessionFigures], Iterator[Entry]]
+
+
+@dataclass(frozen=True, slots=True)
+class OfPart:
+    """Something that belongs to a part of a session."""
+
+    part: Part
+    name: str
+    value: Any
+
+
+def _whole(entry: Entry) -> Value:
+    return not entry.session.wholeness.sentences
+
+
+_SESSION: tuple[Column, ...] = (
+    Column("log", "", "name of the log, without `.jsonl`", lambda it: it.session.stem),
+    Column("session", "", "session's code", lambda it: it.session.session),
+)
+
+
+def _who(of: Callable[[Entry], Any]) -> tuple[Column, ...]:
+    """Participant and condition of what `of` finds in an entry."""
+    return (
+        Column("participant", "", "participant's code", lambda it: of(it).participant),
+        Column("condition", "", "condition at that moment", lambda it: of(it).condition),
+    )
+
+
+def _row(entry: Entry) -> Any:
+    return entry.row
+
+
+def _part(entry: Entry) -> Any:
+    return entry.row.part
+
+
+def _trial(entry: Entry) -> Value:
+    return None if entry.row.trial < 0 else int(entry.row.trial)
+
+
+def _of(name: str, unit: str, meaning: str) -> Column:
+    """A column that is an attribute of the row."""
+    return Column(name, unit, meaning, lambda it: getattr(it.row, name))
+
+
+_TRIAL = Column("trial", "", "number of the trial; empty outside of trials", _trial)
+
+
+def _parts(session: SessionFigures) -> Iterator[Entry]:
+    yield from (Entry(session, part) for part in session.parts)
+
+
+def _measure(measure: Any) -> Column:
+    return Column(measure.name, measure.unit, measure.meaning, lambda it: measure.of(it.row))
+
+
+SESSIONS = Sheet(
+    "sessions",
+    "one row for each session and condition: the main figures",
+    (
+        *_SESSION,
+        *_who(_row),
+        Column("wizard", "", "wizard's code", lambda it: it.session.wizard),
+        Column("experiment", "", "the experiment file", lambda it: experiment_of(it.session)),
+        Column(
+            *("experiment_sha256", "", "SHA-256 of the experiment file"),
+            lambda it: it.session.experiment_sha256,
+        ),
+        Column("software", "", "program and version", lambda it: it.session.software),
+        Column("started", "", "wall clock at the start, UTC", lambda it: it.session.started),
+        Column("log_whole", "", "nothing is damaged, dropped or missing in the log", _whole),
+        Column(
+            *("damage", "", "what is damaged, dropped or missing, in words"),
+            lambda it: "; ".join(it.session.wholeness.sentences),
+        ),
+        Column(
+            *("left_out", "", "lines that the reader had to leave out"),
+            lambda it: it.session.wholeness.left_out,
+        ),
+        *(_measure(measure) for measure in MEASURES),
+    ),
+    _parts,
+)
+
+
+def _counts(session: SessionFigures) -> Iterator[Entry]:
+    for part in session.parts:
+        yield from (Entry(session, OfPart(part, "", count)) for count in part.counts)
+
+
+def _count(name: str, meaning: str) -> Column:
+    def value(entry: Entry) -> Value:
+        count: ActionCount = entry.row.value
+        found: Value = getattr(count if hasattr(count, name) else count.outcomes, name)
+        return found
+
+    return Column(name, "", meaning, value)
+
+
+ACTIONS = Sheet(
+    "actions",
+    "one row for each session, condition, action, panel and source: how often, and how it ended",
+    (
+        *_SESSION,
+        *_who(_part),
+        _count("action", "name of the action in the experiment file"),
+        _count("panel", "title of the panel"),
+        _count("source", "where it came from: key, script, palette, midi, program, engagement ..."),
+        _count("total", "how often it was asked for"),
+        *(_count(end, f"how often it ended so: {end}") for end in ENDS),
+    ),
+    _counts,
+)
+
+
+def _cues(session: SessionFigures) -> Iterator[Entry]:
+    yield from (Entry(session, cue) for cue in session.cues)
+
+
+def _reaction(entry: Entry) -> Value:
+    cue: Cue = entry.row
+    return seconds(cue.reaction_us)
+
+
+def _begin(entry: Entry) -> Value:
+    return float(entry.row.t / 1e6)
+
+
+REACTIONS = Sheet(
+    "reactions",
+    "one row for each cue",
+    (
+        *_SESSION,
+        *_who(_row),
+        _TRIAL,
+        Column("t_s", "s", "moment of the cue, from the session's start", _begin),
+        _of("sort", "", "speech, engagement, marker or training"),
+        _of("what", "", "the utterance, the state, the marker's text, the trained cue"),
+        _of("fate", "", "answered, missed, overtaken or cut"),
+        Column("reaction_s", "s", "from the cue to the act that answered it", _reaction),
+        _of("action", "", "that act: the action's name, or a command's verb"),
+        _of("run", "", "id of that run or command in the log"),
+        _of("echo", "", "stands for the same event as another cue within 1 s"),
+        _of("judged", "", "of trained cues: right, wrong or missed"),
+        _of("counted", "", "not in a trial that was aborted or excluded"),
+    ),
+    _cues,
+)
+
+
+def _visits(session: SessionFigures) -> Iterator[Entry]:
+    yield from (Entry(session, visit) for visit in session.visits)
+
+
+def _length(entry: Entry) -> Value:
+    visit: Visit = entry.row
+    return (visit.end - visit.begin) / 1e6
+
+
+EPISODES = Sheet(
+    "episodes",
+    "one row for each stay in a state of the engagement model, and for each engagement",
+    (
+        *_SESSION,
+        *_who(_row),
+        _TRIAL,
+        _of("state", "", "name of the state; `engaged`: an unbroken engagement"),
+        Column("begin_s", "s", "from the session's start", lambda it: it.row.begin / 1e6),
+        Column("end_s", "s", "from the session's start", lambda it: it.row.end / 1e6),
+        Column("length_s", "s", "`end_s` - `begin_s`", _length),
+        _of("outcome", "", "the transition that ended it"),
+        _of("visitor", "", "the visitor's code"),
+        _of("cut", "", "the log, or the model, ended before it did"),
+    ),
+    _visits,
+)
+
+
+def _verbs(session: SessionFigures) -> Iterator[Entry]:
+    for part in session.parts:
+        for name, times in part.verbs.items():
+            yield Entry(session, OfPart(part, name, times))
+
+
+def _times(entry: Entry) -> VerbTimes:
+    found: VerbTimes = entry.row.value
+    return found
+
+
+def _ended(end: str) -> Column:
+    return Column(end, "", f"how many ended so: {end}", lambda it: _times(it).ends.get(end, 0))
+
+
+def _spread(name: str, meaning: str, attribute: str, *, fine: bool) -> Iterator[Column]:
+    unit, convert = ("ms", milliseconds) if fine else ("s", seconds)
+
+    def column(figure: str, words: str) -> Column:
+        return Column(
+            f"{name}_{figure}_{unit}", unit, f"{words} {meaning}",
+            lambda it: convert(getattr(getattr(_times(it), attribute), {"max": "most"}.get(
+                figure, figure))),
+        )  # fmt: skip
+
+    yield column("median", "median")
+    yield column("p95", "95 % quantile of the")
+    yield column("max", "longest")
+
+
+LATENCIES = Sheet(
+    "latencies",
+    "one row for each session, condition and verb: its commands and how long they took",
+    (
+        *_SESSION,
+        *_who(_part),
+        Column("verb", "", "what was to be done", lambda it: it.row.name),
+        Column("commands", "", "how many commands", lambda it: _times(it).commands),
+        *map(_ended, COMMAND_ENDS),
+        *_spread("dispatch", "time from a command's request to its start", "dispatched", fine=True),
+        *_spread("perform", "time from its start to `command.done`", "done", fine=False),
+    ),
+    _verbs,
+)
+
+
+def _trials(session: SessionFigures) -> Iterator[Entry]:
+    yield from (Entry(session, trial) for trial in session.trials)
+
+
+def _trial_length(entry: Entry) -> Value:
+    trial: Trial = entry.row
+    return None if trial.end is None else (trial.end - trial.begin) / 1e6
+
+
+TRIALS = Sheet(
+    "trials",
+    "one row for each trial that was begun",
+    (
+        *_SESSION,
+        *_who(_row),
+        _of("trial", "", "its number"),
+        Column("begin_s", "s", "from the session's start", lambda it: it.row.begin / 1e6),
+        Column("length_s", "s", "until its end; empty if it has none", _trial_length),
+        _of("outcome", "", "done, aborted or excluded; empty if it has no end"),
+        _of("text", "", "what was said about it"),
+        _of("counted", "", "its data count: neither aborted nor excluded"),
+        _of("actions", "", "actions that were asked for in it"),
+    ),
+    _trials,
+)
+
+
+def _answers(session: SessionFigures) -> Iterator[Entry]:
+    yield from (Entry(session, answer) for answer in session.answers)
+
+
+def _answered(entry: Entry) -> Value:
+    answer: Answer = entry.row
+    return seconds(answer.answered_us)
+
+
+QUESTIONNAIRES = Sheet(
+    "questionnaires",
+    "one row for each answer: the last one to each item in each round",
+    (
+        *_SESSION,
+        *_who(_row),
+        _TRIAL,
+        _of("questionnaire", "", "its name"),
+        _of("round", "", "how often it was put in this session so far, from 1"),
+        _of("item", "", "the item's name"),
+        _of("question", "", "the item's words"),
+        _of("value", "", "the number that was chosen; empty for texts and what was left out"),
+        _of("text", "", "what was typed"),
+        _of("skipped", "", "left out on purpose"),
+        Column("answered_s", "s", "from the item's being shown to its answer", _answered),
+        _of("low", "", "lower end of the scale"),
+        _of("high", "", "upper end of the scale"),
+    ),
+    _answers,
+)
+
+SHEETS = (SESSIONS, ACTIONS, REACTIONS, EPISODES, LATENCIES, TRIALS, QUESTIONNAIRES)

@@ -26,7 +26,10 @@ DEFINITIONS: dict[str, tuple[str, str]] = {
         "From the request by hand to the moment at which the driver was asked to perform the "
         "first command: what the software adds.",
     ),
-    "done": ("Request to end", "From the request of an action to its end, of actions that were done."),
+    "done": (
+        "Request to end",
+        "From the request of an action to its end, of actions that were done.",
+    ),
     "gaps": ("Gaps", "Between two acts by hand, one after the other."),
     "mistakes": (
         "Mistakes",
@@ -61,6 +64,11 @@ def glossary() -> Markup:
     return tag(
         "section",
         tag("h2", "What the figures mean", id="figures"),
+        tag(
+            "p",
+            "Figures leave out what happened in trials that were aborted or excluded, unless all "
+            "trials were asked for; timelines and lists of events show everything.",
+        ),
         tag("dl", *entries, class_="glossary"),
         class_="figures",
         aria_labelledby="figures",

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
+from statistics import median
 
-from woz_tui.analysis.html.numbers import duration
+from woz_tui.analysis.html.markup import clean
 from woz_tui.analysis.html.sorts import SORTS
 from woz_tui.analysis.rows import NOT_COUNTED
 from woz_tui.analysis.timeline import Curve, Instant, Interval, Lane, Timeline
@@ -13,6 +15,8 @@ from woz_tui.sensing.machine import ENGAGED
 
 #: Points of a curve on the page; more could not be told apart, and would only make it large.
 POINTS = 1500
+#: A curve goes on over pauses of up to this, in microseconds.
+_PAUSE = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,13 +53,15 @@ def rows(timeline: Timeline) -> list[Row]:
         things.sort(key=_begin)
         items = tuple(_item(number + place, lane, thing) for place, thing in enumerate(things))
         number += len(items)
-        found.append(Row(lane.name, lane.sort, items))
+        found.append(Row(clean(lane.name), lane.sort, items))
     return found
 
 
 def by_time(lanes: Sequence[Row]) -> list[Item]:
     """All items, the earliest first."""
-    return sorted((item for row in lanes for item in row.items), key=lambda it: (it.begin, it.number))
+    return sorted(
+        (item for row in lanes for item in row.items), key=lambda it: (it.begin, it.number)
+    )
 
 
 def _begin(thing: Interval | Instant) -> int:
@@ -65,24 +71,28 @@ def _begin(thing: Interval | Instant) -> int:
 def _item(number: int, lane: Lane, thing: Interval | Instant) -> Item:
     if isinstance(thing, Instant):
         facts = _stated(detail=thing.detail)
-        return Item(number, lane.name, thing.t, None, thing.label, _known(thing.sort), facts)
+        return Item(number, lane.name, thing.t, None, clean(thing.label), _known(thing.sort), facts)
     facts = tuple(_facts(thing))
     end = max(thing.end, thing.begin)
     # What was understood says more than the number of the utterance.
     label = thing.detail or thing.label if thing.sort == "speech" else thing.label
-    return Item(number, lane.name, thing.begin, end, label, _sort(thing), facts)
+    return Item(number, lane.name, thing.begin, end, clean(label), _sort(thing), facts)
 
 
 def _facts(thing: Interval) -> Iterator[tuple[str, str]]:
-    yield from thing.facts
-    yield from _stated(outcome=thing.outcome, detail=thing.detail, source=thing.source)
+    yield from ((name, clean(value)) for name, value in thing.facts)
+    if thing.sort != "action":  # whose outcome is its sort
+        yield from _stated(outcome=thing.outcome)
+    if thing.sort != "speech":  # whose detail is its label
+        yield from _stated(detail=thing.detail)
+    yield from _stated(source=thing.source)
     if thing.cut:
         yield "end", "not in the log"
     yield from _stated(run=thing.run)
 
 
 def _stated(**facts: str) -> tuple[tuple[str, str], ...]:
-    return tuple((name, value) for name, value in facts.items() if value)
+    return tuple((name, clean(value)) for name, value in facts.items() if value)
 
 
 def _sort(thing: Interval) -> str:
@@ -121,12 +131,25 @@ def _seconds(us: int) -> float:
     return round(us / 1e6, 4)
 
 
-def thinned(curve: Curve, limit: int = POINTS) -> tuple[int, list[float | None]]:
-    """The curve's step and values, means over so many values that at most `limit` are left."""
+def thinned(curve: Curve, limit: int = POINTS) -> list[tuple[int, float | None]]:
+    """Times and values of at most `limit` points; None where the curve is interrupted, because
+    nothing was read for much longer than usual.
+    """
     times = -(-len(curve.values) // limit) or 1
-    return curve.step_us * times, [
-        _mean(curve.values[first : first + times]) for first in range(0, len(curve.values), times)
+    step = curve.step_us * times
+    means = [
+        (place // times * step, mean)
+        for place in range(0, len(curve.values), times)
+        if (mean := _mean(curve.values[place : place + times])) is not None
     ]
+    gaps = [after[0] - before[0] for before, after in pairwise(means)]
+    longest = max(_PAUSE, 4 * median(gaps)) if gaps else 0
+    points: list[tuple[int, float | None]] = []
+    for t, mean in means:
+        if points and t - points[-1][0] > longest:
+            points.append((points[-1][0] + step, None))
+        points.append((t, mean))
+    return points
 
 
 def _mean(values: Sequence[float | None]) -> float | None:
@@ -134,23 +157,22 @@ def _mean(values: Sequence[float | None]) -> float | None:
     return float(f"{sum(there) / len(there):.4g}") if there else None
 
 
-def curve_range(values: Sequence[float | None]) -> tuple[float, float] | None:
+def curve_range(points: Sequence[tuple[int, float | None]]) -> tuple[float, float] | None:
     """What the picture's axis spans: from 0, or below, to the largest; None without values."""
-    there = [value for value in values if value is not None]
+    there = [value for _, value in points if value is not None]
     return (min(0.0, *there, 0.0), max(*there, 0.0)) if there else None
 
 
 def _curve(curve: Curve) -> dict[str, object] | None:
-    step, values = thinned(curve)
-    span = curve_range(values)
+    points = thinned(curve)
+    span = curve_range(points)
     if span is None:
         return None
-    points = [[_seconds(place * step), value] for place, value in enumerate(values)]
     low, high = span
-    return {"title": curve.sensor, "unit": curve.unit, "low": low, "high": high, "points": points}
-
-
-def spoken(item: Item) -> str:
-    """The item in words, for those who see no picture."""
-    lasting = "" if item.end is None else f", {duration(item.end - item.begin)}"
-    return f"{item.label} ({SORTS[item.sort].title}{lasting})"
+    return {
+        "title": clean(curve.sensor),
+        "unit": clean(curve.unit),
+        "low": low,
+        "high": high,
+        "points": [[_seconds(t), value] for t, value in points],
+    }

@@ -9,9 +9,11 @@ import html
 import json
 import re
 from collections.abc import Iterable
+from typing import TypeAlias
 
 #: What HTML has no place for: control characters but tab and newline, halves of pairs.
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+_SEPARATORS = re.compile("[\u2028\u2029]")
 #: Elements without content or end.
 _VOID = frozenset({"br", "col", "hr", "input", "link", "meta"})
 
@@ -22,13 +24,18 @@ class Markup(str):
     __slots__ = ()
 
 
-Child = Markup | str | None | Iterable[Markup | str | None]
+#: What an element holds; what is nested in lists and generators comes one after the other.
+Child: TypeAlias = "Markup | str | Iterable[Child] | None"
 Attribute = str | int | float | bool | None
 
 
 def clean(text: str) -> str:
-    """`text` with U+FFFD for every character that a page cannot hold."""
-    return _UNPRINTABLE.sub("\ufffd", text)
+    """`text` with U+FFFD for every character that a page cannot hold.
+
+    Line and paragraph separators become blanks: a paragraph's end would also end the isolation of
+    `said`, and let a right-to-left mark after it loose on the page.
+    """
+    return _UNPRINTABLE.sub("\ufffd", _SEPARATORS.sub(" ", text))
 
 
 def escaped(text: str) -> Markup:
@@ -88,4 +95,4 @@ def json_block(content: object, name: str) -> Markup:
     text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     for character in "<>&\u2028\u2029":
         text = text.replace(character, f"\\u{ord(character):04x}")
-    return tag("script", Markup(clean(text)), type="application/json", id=name)
+    return tag("script", Markup(_UNPRINTABLE.sub("\ufffd", text)), type="application/json", id=name)

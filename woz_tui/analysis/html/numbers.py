@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-DASH = "–"
+DASH = "\u2013"
 
 
 def clock(us: int, decimals: int = 0) -> str:
@@ -16,10 +16,17 @@ def clock(us: int, decimals: int = 0) -> str:
     return f"{head}:{seconds:02}" + (f".{part:0{decimals}}" if decimals else "")
 
 
+def calendar(timestamp: str, letters: int) -> str:
+    """The first `letters` of an RFC 3339 time, as people write it: `2026-03-01 10:00`."""
+    return timestamp[:letters].replace("T", " ")
+
+
 def duration(us: float | None) -> str:
     """`850 ms`, `3.07 s`, `12:03 min`."""
     if us is None:
         return DASH
+    if us == 0:
+        return "0 ms"
     if us < 1_000:
         return f"{us / 1_000:.1f} ms"
     if us < 999_500:
@@ -32,13 +39,6 @@ def duration(us: float | None) -> str:
 def percent(share: float | None) -> str:
     """`12.5 %`."""
     return DASH if share is None else f"{share * 100:.1f} %"
-
-
-def count(number: float | None) -> str:
-    """A count, or a number with one decimal if it is none."""
-    if number is None:
-        return DASH
-    return str(number) if isinstance(number, int) else f"{number:.1f}"
 
 
 def value(number: float | None) -> str:

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Sequence
 from woz_tui.analysis.figures import Part
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
-from woz_tui.analysis.html.numbers import DASH, clock, duration, percent, value
+from woz_tui.analysis.html.numbers import DASH, calendar, clock, duration, percent, value
 from woz_tui.analysis.html.section import Entry
 from woz_tui.analysis.html.strips import ruler, strip
 
@@ -67,12 +67,14 @@ def _cells(entry: Entry, part: Part) -> Iterator[Markup]:
     yield tag("th", _link(entry, part.participant or DASH), scope="row")
     yield tag("td", said(part.condition))
     yield tag("td", said(figures.session))
-    yield tag("td", said(figures.started[:16].replace("T", " ")))
+    yield tag("td", said(calendar(figures.started, 16)))
     yield _number(clock(part.us), part.us)
     yield _number(str(part.trials), part.trials)
     yield _number(str(part.acts), part.acts)
     yield _number(duration(median), median)
-    yield _number(str(reactions.missed) if reactions else DASH, reactions and reactions.missed)
+    yield _number(
+        str(reactions.missed) if reactions else DASH, reactions.missed if reactions else None
+    )
     yield _number(duration(part.press.median), part.press.median)
     yield _number(percent(part.engagement.share), part.engagement.share)
     yield _number(str(part.mistakes), part.mistakes)

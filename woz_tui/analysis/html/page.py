@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import base64
 import hashlib
-import os
 from collections.abc import Sequence
 from importlib.resources import files
 from pathlib import Path
@@ -36,7 +35,7 @@ def write(reports: Sequence[Report], path: Path) -> None:
     draft = path.with_name(f".{path.name}.part")
     try:
         draft.write_text(render(reports), encoding="utf-8")
-        os.replace(draft, path)
+        draft.replace(path)
     except OSError:
         draft.unlink(missing_ok=True)
         raise

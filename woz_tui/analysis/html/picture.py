@@ -71,14 +71,19 @@ def stack(items: Sequence[Item]) -> list[list[Item]]:
     rows: list[list[Item]] = []
     ends: list[int] = []
     for item in items:
-        place = next((n for n, end in enumerate(ends) if end <= item.begin), None)
+        place = next((n for n, end in enumerate(ends) if _free(end, item)), None)
         if place is None:
             place = len(rows)
             rows.append([])
-            ends.append(0)
+            ends.append(-1)
         rows[place].append(item)
         ends[place] = item.begin if item.end is None else item.end
     return rows
+
+
+def _free(end: int, item: Item) -> bool:
+    """Whether a row has room from `end` on; of two moments at the same time each has its own."""
+    return end < item.begin or (end == item.begin and item.end is not None)
 
 
 def _ruler(scale: Scale, bottom: float) -> Markup:
@@ -137,18 +142,18 @@ def _on(item: Item, x0: float, x1: float, y: float) -> Iterator[Markup]:
 
 
 def _curve(curve: Curve, scale: Scale, y: float) -> Markup | None:
-    step, values = thinned(curve, _POINTS)
-    span = curve_range(values)
+    points = thinned(curve, _POINTS)
+    span = curve_range(points)
     if span is None:
         return None
     low, high = span
     path, command = "", "M"
-    for place, number in enumerate(values):
+    for t, number in points:
         if number is None:
             command = "M"
             continue
         up = y + CURVE - 2 - (number - low) / ((high - low) or 1) * (CURVE - 4)
-        path += f"{command}{short(scale.x(place * step))} {short(up)}"
+        path += f"{command}{short(scale.x(t))} {short(up)}"
         command = "L"
     right = WIDTH - RIGHT - 3
     return joined(

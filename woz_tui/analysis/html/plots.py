@@ -61,8 +61,10 @@ def _bar(place: int, number: int, most: int, step: int) -> Markup:
     width = _WIDTH / _BINS
     height = max(number / most * (_BASE - 10), 1.5)
     beyond = place == _BINS - 1
-    span = f"from {duration(place * step)}" if beyond else (
-        f"{duration(place * step)} to {duration((place + 1) * step)}"
+    span = (
+        f"from {duration(place * step)}"
+        if beyond
+        else (f"{duration(place * step)} to {duration((place + 1) * step)}")
     )
     return tag(
         "rect",
@@ -88,7 +90,9 @@ def transitions(table: Mapping[str, Mapping[str, int]]) -> Markup:
     most = max((number for row in table.values() for number in row.values()), default=0)
     if not most:
         return tag("p", "No transitions.", class_="none")
-    head = tag("tr", tag("th", "from \\ to", scope="col"), [_head(state, "col") for state in states])
+    head = tag(
+        "tr", tag("th", "from \\ to", scope="col"), [_head(state, "col") for state in states]
+    )
     body = [
         tag(
             "tr",

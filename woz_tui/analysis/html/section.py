@@ -10,7 +10,7 @@ from woz_tui.analysis.html import tables
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.items import Item, Row, by_time, page_data, rows
 from woz_tui.analysis.html.markup import Child, Markup, json_block, said, tag
-from woz_tui.analysis.html.numbers import DASH, clock, duration, percent
+from woz_tui.analysis.html.numbers import DASH, calendar, clock, duration, percent
 from woz_tui.analysis.html.picture import picture
 from woz_tui.analysis.html.plots import distribution, transitions
 from woz_tui.analysis.html.sorts import SORTS, swatch
@@ -90,8 +90,11 @@ def section(entry: Entry, *, every_event: bool) -> Markup:
 def _content(entry: Entry, every_event: bool) -> Iterator[Child]:
     figures = entry.figures
     yield _damage(figures)
-    yield tag("dl", [tag("div", tag("dt", name), tag("dd", value)) for name, value in _who(figures)],
-              class_="who")
+    yield tag(
+        "dl",
+        [tag("div", tag("dt", name), tag("dd", value)) for name, value in _who(figures)],
+        class_="who",
+    )
     yield tag("ul", list(_tiles(figures)), class_="tiles")
     yield tables.parts(figures)
     yield _timeline(entry)
@@ -118,7 +121,7 @@ def _who(figures: SessionFigures) -> Iterator[tuple[str, Child]]:
     yield "Wizard", said(figures.wizard or DASH)
     yield "Experiment", said(" · ".join(filter(None, (figures.title, figures.experiment))))
     yield "Experiment file", tag("code", said(figures.experiment_sha256[:12] or DASH))
-    yield "Begin", said(figures.started or DASH)
+    yield "Begin", said(calendar(figures.started, 19) + " UTC" if figures.started else DASH)
     yield "Length", clock(figures.duration_us)
     yield "End", said(figures.ended or "not in the log")
     yield "Software", said(f"{figures.software}, log format {figures.schema}")
@@ -141,8 +144,8 @@ def _tiles(figures: SessionFigures) -> Iterator[Markup]:
         yield _tile("engaged", percent(whole.engagement.share), more)
     yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of acts")
     ends = whole.outcomes
-    wrong = ends.failed + ends.refused
-    yield _tile("stops", str(len(figures.stops)), f"{wrong} actions failed or refused")
+    more = f"actions failed: {ends.failed}, refused: {ends.refused}"
+    yield _tile("stops", str(len(figures.stops)), more)
     if figures.trials:
         counted = sum(trial.counted for trial in figures.trials)
         yield _tile("trials", str(counted), f"of {len(figures.trials)} begun")
@@ -173,8 +176,15 @@ def _events(entry: Entry, every_event: bool) -> Markup:
     items = by_time(entry.lanes)
     listed = [item for item in items if every_event or item.sort in NOTABLE]
     heads = ("At", "Lane", "What", "Outcome", "Length", "Details")
-    few = "" if len(listed) == len(items) else (
-        tag("noscript", tag("p", f"Without JavaScript only {len(listed)} of {len(items)} are listed."))
+    few = (
+        ""
+        if len(listed) == len(items)
+        else (
+            tag(
+                "noscript",
+                tag("p", f"Without JavaScript only {len(listed)} of {len(items)} are listed."),
+            )
+        )
     )
     content = tag(
         "table",
@@ -197,11 +207,15 @@ def _event(entry: Entry, item: Item) -> Markup:
     return tag(
         "tr",
         tag("td", tag("a", clock(item.begin, 3), href=f"#{place}{seen}"), class_="number"),
-        tag("td", said(item.lane)),
+        tag("td", said(item.lane), class_="lane-name"),
         tag("td", swatch(item.sort), said(item.label)),
-        tag("td", SORTS[item.sort].title),
+        tag("td", SORTS[item.sort].title, class_="lane-name"),
         tag("td", length, class_="number"),
-        tag("td", [tag("span", f"{name}: ", said(fact)) for name, fact in item.facts], class_="facts"),
+        tag(
+            "td",
+            [tag("span", f"{name}: ", said(fact)) for name, fact in item.facts],
+            class_="facts",
+        ),
         data_number=item.number,
     )
 
@@ -214,9 +228,11 @@ def _distributions(figures: SessionFigures) -> Markup | None:
             for sort, found in whole.reactions.items()
             if found.times.n
         ),
-        *((name, "", series) for name, series in (
-            ("press", whole.press), ("done", whole.took), ("gaps", whole.gaps)
-        ) if series.n),
+        *(
+            (name, "", series)
+            for name, series in (("press", whole.press), ("done", whole.took), ("gaps", whole.gaps))
+            if series.n
+        ),
     ]
     if not shown:
         return None

@@ -27,7 +27,9 @@ SORTS: dict[str, Look] = {
     "failed": Look("failed", _CROSS),
     "stopped": Look("stopped", "M-4-4H4V4H-4Z"),
     "refused": Look("refused", "M0-5A5 5 0 1 0 0 5A5 5 0 1 0 0-5ZM-3.5-1H3.5V1H-3.5Z"),
-    "open": Look("no end in the log", "M-5-1.2H-2.6V1.2H-5ZM-1.2-1.2H1.2V1.2H-1.2ZM2.6-1.2H5V1.2H2.6Z"),
+    "open": Look(
+        "no end in the log", "M-5-1.2H-2.6V1.2H-5ZM-1.2-1.2H1.2V1.2H-1.2ZM2.6-1.2H5V1.2H2.6Z"
+    ),
     "trial": Look("trial"),
     "left-out": Look("trial that does not count", "M-5-1.2H5V1.2H-5Z"),
     "break": Look("break"),
@@ -63,7 +65,9 @@ def symbols() -> Markup:
 def swatch(sort: str) -> Markup:
     """A small picture of the sort, for tables and legends."""
     if SORTS[sort].path:
-        shape = tag("use", href=f"#g-{sort}", x=-5.5, y=-5.5, width=11, height=11, class_=f"glyph s-{sort}")
+        shape = tag(
+            "use", href=f"#g-{sort}", x=-5.5, y=-5.5, width=11, height=11, class_=f"glyph s-{sort}"
+        )
     else:
         shape = tag("rect", x=-7, y=-5, width=14, height=10, rx=2, class_=f"bar s-{sort}")
     return tag("svg", shape, class_="swatch", viewBox="-8 -7 16 14", aria_hidden="true")

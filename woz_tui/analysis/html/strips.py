@@ -38,7 +38,7 @@ def ruler(longest_us: int) -> Markup:
     """The scale above the strips."""
     scale = Scale(longest_us, 0, _WIDTH)
     ticks = [
-        tag("text", text, x=max(x, 8), y=8, class_="tick") for x, text in scale.ticks() if x < 550
+        tag("text", text, x=x, y=8, class_="tick" if x else "tick first") for x, text in scale.ticks() if x < 550
     ]
     return tag("svg", ticks, class_="strip", viewBox=f"0 0 {_WIDTH} 14", aria_hidden="true")
 
@@ -57,6 +57,4 @@ def _band(lanes: Sequence[Row], sorts: Sequence[str], y: float, scale: Scale) ->
         paths.setdefault(item.sort, []).append(box)
     # What went wrong is drawn last, on top of what did not.
     order = sorted(paths, key=lambda sort: sort in _ABOVE)
-    return joined(
-        tag("path", d="".join(paths[sort]), class_=f"bar s-{sort}") for sort in order
-    )
+    return joined(tag("path", d="".join(paths[sort]), class_=f"bar s-{sort}") for sort in order)

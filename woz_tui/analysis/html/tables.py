@@ -109,7 +109,9 @@ def cues(figures: SessionFigures) -> Markup | None:
         [
             sort,
             str(found.cues),
-            *_counts(found.fates.get(fate, 0) for fate in ("answered", "missed", "overtaken", "cut")),
+            *_counts(
+                found.fates.get(fate, 0) for fate in ("answered", "missed", "overtaken", "cut")
+            ),
             *_spread(found.times),
         ]
         for sort, found in figures.whole.reactions.items()

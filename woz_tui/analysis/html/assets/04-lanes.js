@@ -16,11 +16,16 @@ function _item(row, number, lane) {
   };
 }
 
+// Whether a row has room for `item` after `last`; of two moments at the same time each has its own.
+function _after(last, item) {
+  return last.end < item.begin || (last.end === item.begin && !item.instant);
+}
+
 // Puts each item into the first row in which the one before it has ended.
 function _rows(items) {
   const rows = [];
   for (const item of items) {
-    let row = rows.find((other) => other[other.length - 1].end <= item.begin);
+    let row = rows.find((other) => _after(other[other.length - 1], item));
     if (!row) rows.push((row = []));
     row.push(item);
   }

@@ -4,8 +4,8 @@
 const SYMBOL = 11;
 const LETTER = 6.1;
 
-// Sorts whose bars need no symbol: it would only repeat what the lane says.
-const PLAIN = new Set(["done", "trial", "break", "state", "speech", "robot"]);
+// Sorts that have a symbol. The others need none: it would only repeat what the lane says.
+const MARKED = new Set([...document.querySelectorAll("symbol")].map((one) => one.id.slice(2)));
 
 function symbol(sort, x, y) {
   const half = SYMBOL / 2;
@@ -26,7 +26,7 @@ function _bar(item, x0, x1, y, height) {
   const parts = [
     svg("rect", { x: x0, y, width, height, rx: Math.min(2, width / 3), class: `bar s-${item.sort}` }),
   ];
-  const marked = !PLAIN.has(item.sort);
+  const marked = MARKED.has(item.sort);
   const inside = marked && width > SYMBOL + 2;
   if (inside) parts.push(symbol(item.sort, x1 - SYMBOL / 2 - 1, middle));
   if (marked && !inside) parts.push(symbol(item.sort, x1 + SYMBOL / 2 + 1, middle));

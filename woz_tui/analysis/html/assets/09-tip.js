@@ -47,10 +47,7 @@ class Tip {
 
 function symbolBox(sort) {
   const box = svg("svg", { class: "swatch", viewBox: "-8 -7 16 14", "aria-hidden": "true" });
-  if (PLAIN.has(sort)) {
-    box.append(svg("rect", { x: -7, y: -5, width: 14, height: 10, rx: 2, class: `bar s-${sort}` }));
-  } else {
-    box.append(symbol(sort, 0, 0));
-  }
+  const bar = { x: -7, y: -5, width: 14, height: 10, rx: 2, class: `bar s-${sort}` };
+  box.append(MARKED.has(sort) ? symbol(sort, 0, 0) : svg("rect", bar));
   return box;
 }

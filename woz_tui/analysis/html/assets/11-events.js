@@ -5,14 +5,14 @@ function _row(item, titles, address) {
   const span = Math.max(item.end - item.begin, 2);
   const link = el("a", { href: address(item.begin - span, item.end + span, item.number) });
   link.append(clockTime(item.begin));
-  const facts = item.facts.map(([name, value]) => `${name}: ${value}`).join(" · ");
+  const facts = item.facts.map(([name, value]) => el("span", {}, `${name}: `, said(value)));
   const row = el("tr", { "data-number": item.number });
   row.append(el("td", { class: "number" }, link));
-  row.append(el("td", {}, said(item.lane.title)));
+  row.append(el("td", { class: "lane-name" }, said(item.lane.title)));
   row.append(el("td", {}, symbolBox(item.sort), said(item.label)));
-  row.append(el("td", {}, titles[item.sort] ?? item.sort));
+  row.append(el("td", { class: "lane-name" }, titles[item.sort] ?? item.sort));
   row.append(el("td", { class: "number" }, item.instant ? "" : duration(item.end - item.begin)));
-  row.append(el("td", {}, said(facts)));
+  row.append(el("td", { class: "facts" }, ...facts));
   return row;
 }
 

@@ -26,14 +26,16 @@ function timelineOf(section) {
 
 function goTo(hash) {
   const { session, from, to, number } = readAddress(hash);
-  const section = document.getElementById(session) ?? (alone ? sections[0] : null);
+  // Other addresses, such as those of the definitions, are the browser's own business.
+  const ours = session || from !== null || number !== null;
+  const section = document.getElementById(session) ?? (ours && alone ? sections[0] : null);
   if (!section) return;
   section.querySelector("details").open = true;
   const timeline = timelineOf(section);
   if (from !== null && to > from) timeline.view.show(from, to);
   if (number !== null) timeline.chooseNumber(number);
   const target = from === null ? section : section.querySelector("figure.timeline");
-  if (hash.length > 1 && !_inSight(target)) target.scrollIntoView();
+  if (!_inSight(target)) target.scrollIntoView();
 }
 
 function _inSight(node) {

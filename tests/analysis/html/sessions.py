@@ -1,0 +1,238 @@
+"""Logs of sessions, written message by message at the times a test says, and their reports."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import msgspec
+
+from woz_tui.analysis.report import Report
+from woz_tui.analysis.session import Wanted, examine
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+
+SHA = "9f86d081884c7d659a2feaa0c55ad015a3bf4f1b2b0b822cd15d6c15b0f00a08"
+#: Text that would do harm if it became markup, script, or the end of the page's data.
+HOSTILE = (
+    "<script>window.hacked=1</script>",
+    "</script><script>window.hacked=2</script>",
+    '"><img src=x onerror="window.hacked=3">',
+    "<!--<script>window.hacked=4",
+    "'-window.hacked=5-' \u2028\u2029 \\u003c &lt;b&gt; ${7*7} $title",
+    "\u202e right to left \u2067 and \u0000 nothing \u0007",
+)
+
+
+@dataclass
+class Story:
+    """A log in the making, called after `code`, by default the session's. Times are seconds since
+    the session began.
+    """
+
+    participant: str = "P07"
+    condition: str = "warm"
+    session: str = "S01"
+    code: str = ""
+    told: list[tuple[float, m.Message]] = field(default_factory=list)
+    runs: int = 0
+
+    def tell(self, at: float, *messages: m.Message) -> None:
+        """These messages at that time."""
+        self.told += [(at, message) for message in messages]
+
+    def act(
+        self,
+        at: float,
+        action: str,
+        panel: str,
+        seconds: float,
+        *,
+        end: str = "done",
+        say: str = "",
+    ) -> str:
+        """An action with one command, from its request to its end; its run."""
+        self.runs += 1
+        run, command = f"a{self.runs:05}", f"c{self.runs:05}"
+        asked = m.ActionRequested(run=run, action=action, panel=panel, source="key", key="h")
+        order = m.Command(
+            command=command,
+            run=run,
+            action=action,
+            panel=panel,
+            verb="say" if say else "play",
+            args={"text": say} if say else {"move": action},
+            driver="voice",
+            source="key",
+        )
+        self.tell(at, asked, order)
+        if end != "refused":
+            self.tell(at + 0.012, m.Dispatched(command=command, driver="voice", latency_us=12_000))
+        self.tell(at + seconds, *_ends(end, run, command, action, seconds))
+        return run
+
+    def speech(self, segment: int, began: float, ended: float, text: str) -> None:
+        """What the visitor says."""
+        us, end_us = round(began * 1e6), round(ended * 1e6)
+        self.tell(began, m.SpeechStarted(driver="ear", segment=segment, began=us))
+        self.tell(ended, m.SpeechEnded(driver="ear", segment=segment, began=us, ended=end_us))
+        self.tell(ended + 0.2, m.SpeechText(driver="ear", segment=segment, text=text))
+
+    def states(self, *moves: tuple[float, str]) -> None:
+        """The engagement model enters these states."""
+        was = "Wait"
+        for at, now in moves:
+            self.tell(
+                at,
+                m.EngagementChanged(was=was, now=now, outcome="moves", why="near", verdicts={}),
+            )
+            was = now
+
+    def write(self, folder: Path) -> Path:
+        """The log's file of actions; samples go to theirs."""
+        stem = f"2026-03-01T10-00-00_{self.participant}_{self.code or self.session}"
+        actions, samples = bytearray(), bytearray()
+        begin = (0.0, _start(self))
+        for seq, (at, message) in enumerate([begin, *sorted(self.told, key=lambda one: one[0])]):
+            t = round(at * 1e6)
+            stamped = msgspec.structs.replace(message, seq=seq, t=t)
+            if wire.is_sample(message):
+                samples += wire.encode(stamped)
+            else:
+                ts = f"2026-03-01T10:{int(at) // 60 % 60:02}:{at % 60:09.6f}Z"
+                actions += wire.encode(msgspec.structs.replace(stamped, ts=ts))
+        path = folder / f"{stem}.jsonl"
+        path.write_bytes(actions)
+        if samples:
+            (folder / f"{stem}.samples.jsonl").write_bytes(samples)
+        return path
+
+    def report(self, folder: Path) -> Report:
+        """What is found out about it."""
+        return examine(self.write(folder), wanted=Wanted(timeline=True, curves=True))
+
+
+def _start(story: Story) -> m.SessionStart:
+    return m.SessionStart(
+        session=story.session,
+        participant=story.participant,
+        condition=story.condition,
+        wizard="W2",
+        software={"name": "woz-tui", "version": "0.1.0"},
+        experiment="museum.yaml",
+        experiment_sha256=SHA,
+        seed=7,
+        clock={"source": "monotonic", "unit": "us", "wall_at_t0": "2026-03-01T10:00:00.000000Z"},
+    )
+
+
+def _ends(end: str, run: str, command: str, action: str, seconds: float) -> Sequence[m.Message]:
+    if end == "failed":
+        reason = "the port does not answer"
+        return (
+            m.Failed(command=command, driver="voice", reason=reason),
+            m.ActionFailed(run=run, action=action, reason=reason),
+        )
+    if end == "refused":
+        return (
+            m.Refused(command=command, driver="voice", code="busy", reason="it is busy"),
+            m.ActionRefused(run=run, action=action, reason="it is busy"),
+        )
+    if end == "stopped":
+        return (
+            m.Stopped(command=command, driver="voice", reason="stopped"),
+            m.ActionStopped(run=run, action=action, reason="the stop was pressed"),
+        )
+    done = m.Done(
+        command=command,
+        driver="voice",
+        sent={},
+        latency_us=12_000,
+        duration_us=round(seconds * 1e6) - 12_000,
+    )
+    return (done, m.ActionDone(run=run, action=action))
+
+
+def ordinary(
+    participant: str = "P07", condition: str = "warm", session: str = "S01", shift: float = 0.0
+) -> Story:
+    """Two minutes in which most of what can happen does; `shift` delays the wizard's answers."""
+    it = Story(participant, condition, session)
+    it.tell(1, m.DriverConnected(driver="voice"), m.DriverConnected(driver="head"))
+    it.tell(2, m.TrialStarted(trial=1, condition=condition, planned=2))
+    it.states(
+        (5, "PersonDetected"), (9, "EngagedWithKnown"), (50, "Wait"), (70, "EngagedWithKnown")
+    )
+    it.tell(
+        110,
+        m.EngagementChanged(
+            was="EngagedWithKnown", now="Wait", outcome="left", why="", verdicts={}
+        ),
+    )
+    it.speech(1, 10, 12, "How long is the whale?")
+    it.speech(2, 30, 33, "And how heavy?")
+    it.act(10 + shift, "Hello", "Speech", 2.5, say="Hello, I am the guide.")
+    mistake = it.act(13 + shift, "Whale", "Speech", 4, say="The whale is 18 metres long.")
+    it.act(14 + shift, "Nod", "Body", 1.5)
+    it.act(34 + shift, "Point", "Body", 3, end="failed")
+    it.act(40 + shift, "Dance", "Body", 5, end="refused")
+    it.act(80 + shift, "Bye", "Speech", 6, end="stopped", say="Good bye.")
+    it.tell(20, m.Mistake(run=mistake, action="Whale", text="too early"))
+    it.tell(25, m.Marker(text="laughs", source="key"), m.Note(text="hesitates before the map"))
+    it.tell(55, m.TrialEnded(trial=1, outcome="done"), m.BreakStarted(text="a glass of water"))
+    it.tell(65, m.BreakEnded(), m.TrialStarted(trial=2, condition=condition))
+    it.tell(86 + shift, m.StopPressed(source="key", scope="all"))
+    it.tell(
+        86.1 + shift, m.StopConfirmed(confirmed=["head"], missing=["voice"], elapsed_us=100_000)
+    )
+    it.tell(92 + shift, m.StopReleased(source="wizard"))
+    it.tell(95, m.DriverLost(driver="head", detail="unplugged"))
+    it.tell(101, m.DriverConnected(driver="head"))
+    it.tell(115, m.TrialEnded(trial=2, outcome="aborted", text="the phone rang"))
+    _ask(it, 116)
+    for place in range(240):
+        at = place / 2
+        it.tell(at, m.reading("distance", 1 + (at % 40) / 20, driver="belly", unit="m"))
+        it.tell(at, m.reading("loudness", 0.4 if 10 <= at <= 12 else 0.02, driver="ear"))
+    it.tell(120, m.SessionEnd(reason="wizard", sha256=""))
+    return it
+
+
+def _ask(it: Story, at: float) -> None:
+    scale = {"name": "friendly", "question": "It was friendly.", "low": 1, "high": 7}
+    it.tell(
+        at,
+        m.QuestionnaireStarted(questionnaire="robot", title="The robot", items=[scale], trial=2),
+        m.QuestionnaireAnswered(
+            questionnaire="robot", item="friendly", question="It was friendly.", value=6.0
+        ),
+        m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=1),
+    )
+
+
+def hostile() -> Story:
+    """A session in which everything that can be typed or said is an attack."""
+    it = Story("P66", HOSTILE[0], HOSTILE[1], "S66")
+    it.tell(1, m.DriverLost(driver=HOSTILE[2], detail=HOSTILE[3]))
+    it.states((2, HOSTILE[4]), (4, HOSTILE[0]))
+    for place, text in enumerate(HOSTILE):
+        at = 5.0 + place
+        it.tell(at, m.Note(text=text), m.Marker(text=text, source=text))
+        run = it.act(at, text, text, 0.5, say=text)
+        it.tell(at + 0.6, m.Mistake(run=run, action=text, text=text))
+        it.speech(place + 1, at, at + 0.3, text)
+        it.tell(at, m.StopPressed(source=text, scope=text), m.StopReleased(source=text))
+        item = {"name": text, "question": text, "text": True}
+        it.tell(
+            at,
+            m.QuestionnaireStarted(questionnaire=text, title=text, items=[item]),
+            m.QuestionnaireAnswered(questionnaire=text, item=text, question=text, text=text),
+            m.QuestionnaireEnded(questionnaire=text, reason="done", answered=1),
+            m.TrialStarted(trial=place, condition=text),
+            m.PerceptionChanged(hidden=[text], blurred=[text]),
+        )
+        it.tell(at + 0.7, m.TrialEnded(trial=place, outcome=text, text=text))
+    it.tell(20, m.reading("distance", 1.0, driver=HOSTILE[0], unit=HOSTILE[2]))
+    it.tell(21, m.SessionEnd(reason=HOSTILE[1], sha256=""))
+    return it

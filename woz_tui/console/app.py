@@ -179,6 +179,8 @@ class Console(App[str]):
                     self._stop_asked = None  # also where its release came in the same batch
         if (refusal := self.picture.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
+        for tiding in self.picture.study.read_tidings():
+            self.news(*tiding)
         for why in self._inbox.losses():
             self.picture.lose(why)
             self.desk.forget()

@@ -6,6 +6,7 @@ from collections.abc import Callable
 from typing import TYPE_CHECKING
 
 from woz_tui.console.engagement.hand import Order, is_offered, request
+from woz_tui.console.feed import GONE
 from woz_tui.core import requests as r
 
 if TYPE_CHECKING:
@@ -36,22 +37,23 @@ class Desk:
     def ask(self, request: r.AnyRequest, on_reply: OnReply | None = None) -> None:
         """Send a request; without `on_reply` a refusal is shown above the hints."""
         ref = self._console.feed.ask(request)
-        self._waiting[ref] = on_reply or self._refusal
+        self._waiting[ref] = on_reply or self.refused
 
     def replied(self, reply: r.Reply) -> None:
         """A reply came; those to keys pressed in the input thread have no waiting dialog."""
         told = self._console.picture.blind.reply(reply)
-        self._waiting.pop(reply.ref, self._refusal)(told)
+        self._waiting.pop(reply.ref, self.refused)(told)
 
     def forget(self) -> None:
         """The connection is gone: no reply will come any more."""
         waiting, self._waiting = self._waiting, {}
         for ref, on_reply in waiting.items():
-            on_reply(r.Reply(ref=ref, ok=False, reason="the robot process is gone"))
+            on_reply(r.Reply(ref=ref, ok=False, reason=GONE))
         if self._ending:
             self._console.exit("ended")
 
-    def _refusal(self, reply: r.Reply) -> None:
+    def refused(self, reply: r.Reply) -> None:
+        """Show above the hints why something was not done."""
         if not reply.ok:
             hint = f" ({reply.hint})" if reply.hint else ""
             self._console.news(f"{reply.reason}{hint}", "warn")
@@ -77,7 +79,7 @@ class Desk:
         if reply.ok:
             self._console.news("ending the session: the robot takes its rest pose", "warn")
         else:
-            self._refusal(reply)
+            self.refused(reply)
 
     # -- keys -------------------------------------------------------------------------------
 
@@ -134,6 +136,31 @@ class Desk:
         from woz_tui.console.screens.start import StartDialog  # noqa: PLC0415
 
         self._open(StartDialog())
+
+    def do_trial(self) -> None:
+        """Begin or end a trial or a break, ask a questionnaire."""
+        from woz_tui.console.screens.trial import TrialDialog  # noqa: PLC0415
+
+        self._open(TrialDialog())
+
+    def do_questionnaire(self) -> None:
+        """Ask on where the questionnaire under way stands."""
+        from woz_tui.console.screens.questionnaire import QuestionnaireDialog  # noqa: PLC0415
+
+        self._open(QuestionnaireDialog())
+
+    def offer(self, questionnaire: str, otherwise: Callable[[], None] | None = None) -> None:
+        """A questionnaire is due: now, or later; `otherwise`: what comes instead of asking it."""
+        from woz_tui.console.screens.trial import OfferDialog  # noqa: PLC0415
+
+        self._open(OfferDialog(questionnaire, otherwise))
+
+    def trial_over(self, reply: r.Reply) -> None:
+        """A trial is done: what is to be asked now is offered."""
+        if not reply.ok:
+            self.refused(reply)
+        elif self._console.picture.study.due and self._console.picture.study.asked is None:
+            self.offer(self._console.picture.study.due[0])
 
     def do_preflight(self) -> None:
         """Run the checks."""

@@ -8,6 +8,9 @@ from typing import Any, Protocol
 from woz_tui.core.messages import AnyMessage
 from woz_tui.core.requests import AnyAnswer, AnyRequest
 
+#: The reason of a reply that cannot come any more, as nobody knows whether its request arrived.
+GONE = "the robot process is gone"
+
 #: One decoded line from the host; a kind this version does not know comes as a plain dict.
 Incoming = AnyMessage | AnyAnswer | dict[str, Any]
 

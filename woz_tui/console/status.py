@@ -10,6 +10,7 @@ from woz_tui.console.cells import Cells, Piece, Row, clean, fit, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
+from woz_tui.console.replay.standing import notes, wall_at
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
@@ -17,6 +18,8 @@ SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
 LATE_US = 1_000_000
 #: Cells of a profile's name at the most, and columns from which its word stands before it.
 PROFILE, WORDY = 14, 100
+#: Cells that a long title keeps beside a trial.
+TITLE = 8
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,7 +36,10 @@ class Line:
 def status_rows(picture: Picture, frame: Frame, line: Line) -> list[Row]:
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
-    vitals = (("  ", "plain"), *_recorder(picture, glyphs), ("  ", "plain"), *_line(line, glyphs))
+    vitals = _log(picture, glyphs) or (
+        *(("  ", "plain"), *_recorder(picture, glyphs)),
+        *(("  ", "plain"), *_line(line, glyphs)),
+    )
     vitals = (*_profile(picture, frame), *vitals)
     failures = _failures(picture, glyphs, line.failures)
     room = width - length(vitals)
@@ -56,21 +62,57 @@ def _session(picture: Picture, frame: Frame, room: int) -> list[Row]:
     glyphs = frame.glyphs
     time = elapsed(frame.now) if picture.welcomed else "--:--"
     title = clean(picture.title) or "woz"
-    title = fit(title, min(cell_len(title), max(1, room - len(time) - 3)), glyphs.ellipsis)
+    values = _values(picture, frame)
+    spare = room - len(time) - 3
+    if picture.study.designed:  # then who and what is worth more than the title
+        spare -= sum(cell_len(value) + 3 for value in values[:3])
+        spare = max(spare, TITLE)
+    title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
     parts: list[Row] = []
     if picture.role == "watcher":
         parts.append(((" WATCHING ", "alarm-soft"),))
+    elif picture.replay is not None:
+        parts.append(((" REPLAY ", "fill"),))
     parts.append(((f" {title}  ", "strong"), (time, "plain")))
-    for value in (
+    for value in values:
+        look = "warn" if value.startswith("no ") else "plain"
+        if value.startswith(("break ", "asked ")):
+            look = "wait"
+        parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
+    return parts
+
+
+def _values(picture: Picture, frame: Frame) -> list[str]:
+    """Who takes part, under which condition, in which trial, and so on."""
+    found = (
         clean(picture.participant) or "no participant",
         clean(picture.condition) or ("no condition" if picture.conditions else ""),
-        f"trial {picture.trial}" if picture.trial is not None else "",
+        _trial(picture, frame),
+        _asked(picture),
         f"session {clean(picture.session)}" if picture.session else "",
-    ):
-        if value:
-            look = "warn" if value.startswith("no ") else "plain"
-            parts.append(((f" {glyphs.middle} ", "faint"), (value, look)))
-    return parts
+    )
+    return [value for value in found if value]
+
+
+def _trial(picture: Picture, frame: Frame) -> str:
+    """The trial's number and, where the robot process counts them, its time, or the break's."""
+    study, now = picture.study, frame.now
+    of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
+    if study.break_began is not None:
+        return f"break {elapsed(now - study.break_began)}"
+    if study.trial is not None:
+        return f"trial {study.trial.number}{of} {elapsed(now - study.trial.began)}"
+    if study.last is not None:
+        return f"trial {study.last[0]}{of} {study.last[1]:<5}"
+    if study.planned:
+        return f"no trial yet{of}"
+    return f"trial {picture.trial}" if picture.trial is not None else ""
+
+
+def _asked(picture: Picture) -> str:
+    """How far a questionnaire is."""
+    asked = picture.study.asked
+    return f"asked {asked.answered}/{len(asked.items)}" if asked is not None else ""
 
 
 def _profile(picture: Picture, frame: Frame) -> Row:
@@ -96,6 +138,17 @@ def _recorder(picture: Picture, glyphs: Glyphs) -> Row:
         "failed": ((f" {glyphs.error} NOT RECORDED ", "alarm"),),
     }
     return levels.get(picture.recorder.level, ((f"{glyphs.no} REC       ", "muted"),))
+
+
+def _log(picture: Picture, glyphs: Glyphs) -> Row:
+    """In a replay: the day of the session, and whether all of its log is there."""
+    if picture.replay is None:
+        return ()
+    began = wall_at(picture.settings, 0)
+    day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
+    damaged = bool(notes(picture.settings))
+    state = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log whole ", "muted")
+    return (day, "plain"), state
 
 
 def _alarm(lag_us: int) -> str:

@@ -50,6 +50,7 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("hip_left", "shift+left", "lean left", reserves=("ctrl+g",)),
     Builtin("hip_right", "shift+right", "lean right", reserves=("ctrl+s",)),
     Builtin("start", "ctrl+t", "participant, condition, trial"),
+    Builtin("trial", "*", "trials, breaks, questionnaires"),
     Builtin("preflight", "ctrl+f", "preflight: is everything ready"),
     Builtin("reload", "ctrl+e", "read the experiment file again"),
     Builtin("drivers", "ctrl+d", "how every driver is, and what to do"),

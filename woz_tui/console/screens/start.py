@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+import functools
 import re
 from collections.abc import Iterable
+from dataclasses import dataclass
 
 from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
+from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.screens.dialog import Form
-from woz_tui.core.requests import AskSet
+from woz_tui.console.screens.dialog import Form, content
+from woz_tui.console.screens.trial import order_row
+from woz_tui.core.requests import AskAssign, AskProposal, AskSet, Reply
 
 #: What a code may look like if the experiment file does not say.
 PATTERN = "[A-Za-z0-9]{1,16}"
@@ -31,6 +35,46 @@ def wrong_code(code: str, pattern: str) -> str:
 def wrong_trial(text: str) -> str:
     """Why `text` cannot be a trial's number, or an empty string; it may be left empty."""
     return "" if not text or text.isdecimal() else f"a trial is a whole number, not {text!r}"
+
+
+@dataclass(frozen=True, slots=True)
+class Proposal:
+    """What a participant should get: conditions in their order, and where the session goes on."""
+
+    order: tuple[str, ...]
+    method: str = ""
+    row: int = -1
+    why: str = ""
+    condition: str = ""
+    trial: int | None = None
+
+
+def proposal_of(data: object) -> Proposal | None:
+    """As a reply tells it; None where it tells none."""
+    match data:
+        case {"order": [*order], **more} if order:
+            trial, row = more.get("trial"), more.get("row")
+            return Proposal(
+                tuple(map(str, order)),
+                str(more.get("method") or ""),
+                row if isinstance(row, int) else -1,
+                str(more.get("why") or ""),
+                str(more.get("condition") or ""),
+                trial if isinstance(trial, int) else None,
+            )
+    return None
+
+
+def proposal_rows(proposal: Proposal, glyphs: Glyphs) -> list[Row]:
+    """The order with the present one marked, what comes next, and why."""
+    told = ", ".join(part for part in (proposal.method, proposal.why) if part)
+    trial = f"trial {proposal.trial}" if proposal.trial is not None else "the first trial"
+    where = f" in {proposal.condition}" if proposal.condition else ""
+    return [
+        (("Proposed  ", "muted"), *order_row(proposal.order, proposal.condition, glyphs.here)),
+        ((f"next: {trial}{where}", "strong"),),
+        ((told, "muted"),),
+    ]
 
 
 class Choice(RadioButton):
@@ -53,28 +97,84 @@ class Choice(RadioButton):
 
 
 class StartDialog(Form):
-    """Participant, condition, trial; enter in a field accepts all."""
+    """Participant, condition, trial; enter in a field accepts all.
+
+    In an experiment with a design the robot process proposes the order of the conditions as soon as
+    the code is complete; whoever knows better chooses otherwise.
+    """
 
     heading = "Participant"
     hint = "tab next field · enter accepts · ctrl+q closes"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._proposal: Proposal | None = None
+        self._for = ""
 
     def body(self) -> Iterable[Widget]:
         """Fields filled in with what holds now."""
         picture = self.picture
         yield Static("Code of the participant (never a name)", classes="caption")
         yield Input(picture.participant, placeholder=self._pattern(), id="participant")
+        yield Static("", id="proposal")
+        order = Input(", ".join(picture.study.order), id="order")
+        order.display = False
+        yield order
         if picture.conditions:
             yield Static("Condition", classes="caption")
             with RadioSet(id="condition"):
                 for condition in picture.conditions:
                     yield Choice(condition, condition == picture.condition, self.glyphs)
-        yield Static("Trial (may stay empty)", classes="caption")
+        yield Static("Trial (may stay empty)", classes="caption", id="trial-caption")
         yield Input("" if picture.trial is None else str(picture.trial), id="trial")
         yield Static("", id="wrong", classes="wrong")
+
+    def on_mount(self) -> None:
+        """Ask for the present participant's order."""
+        self._ask_proposal(self.picture.participant)
 
     def _pattern(self) -> str:
         pattern = self.picture.settings.get("participant_pattern")
         return pattern if isinstance(pattern, str) and pattern else PATTERN
+
+    # -- what is proposed -----------------------------------------------------------------------
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Ask what a complete code should get."""
+        if event.input.id == "participant":
+            event.stop()
+            self._ask_proposal(event.value.strip())
+
+    def _ask_proposal(self, code: str) -> None:
+        if code == self._for:
+            return
+        self._for = code
+        self._propose(None)
+        if not wrong_code(code, self._pattern()):
+            self.desk.ask(AskProposal(participant=code), functools.partial(self._proposed, code))
+
+    def _proposed(self, code: str, reply: Reply) -> None:
+        """Without a design there is nothing to propose."""
+        if code == self._for and reply.ok:
+            self._propose(proposal_of(reply.data))
+
+    def _propose(self, proposal: Proposal | None) -> None:
+        self._proposal = proposal
+        for place in self.query("#proposal").results(Static):
+            place.update(content(proposal_rows(proposal, self.glyphs) if proposal else []))
+            place.display = proposal is not None
+        for order in self.query("#order").results(Input):
+            order.display = proposal is not None and len(proposal.order) > 1
+            if proposal is not None:
+                order.value = ", ".join(proposal.order)
+        for field in self.query("#trial, #trial-caption"):
+            field.display = proposal is None
+        if proposal is not None and proposal.condition in self.picture.conditions:
+            chosen = self.picture.conditions.index(proposal.condition)
+            for button in list(self.query(Choice))[chosen : chosen + 1]:
+                button.value = True
+
+    # -- accepting ------------------------------------------------------------------------------
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Accept everything at once."""
@@ -82,14 +182,47 @@ class StartDialog(Form):
         code = self.query_one("#participant", Input).value.strip()
         trial = self.query_one("#trial", Input).value.strip()
         wrong = wrong_code(code, self._pattern()) or self._no_condition() or wrong_trial(trial)
+        wrong = wrong or self._wrong_order()
         self.complain(wrong)
-        if not wrong:
-            request = AskSet(
-                participant=code,
-                condition=self._condition(),
-                trial=int(trial) if trial else None,
-            )
+        if wrong:
+            return
+        condition, blind = self._condition(), self.picture.blind
+        request = AskSet(
+            participant=code,
+            condition=None if condition is None else blind.name(condition),
+            trial=int(trial) if trial and self._proposal is None else None,
+        )
+        if self._proposal is None:
             self.desk.ask(request, self.answered)
+        else:
+            order = [blind.name(name) for name in self._order()]
+            assign = AskAssign(participant=code, order=order)
+            self.desk.ask(assign, functools.partial(self._assigned, request))
+
+    def _assigned(self, then: AskSet, reply: Reply) -> None:
+        """The order is in the log; now whoever takes part."""
+        if reply.ok:
+            self.desk.ask(then, self.answered)
+        else:
+            self.answered(reply)
+
+    def _order(self) -> list[str]:
+        """The order as it stands in its field; of one condition, the one chosen."""
+        if self._proposal is None or len(self._proposal.order) < 2:
+            condition = self._condition()
+            return [condition] if condition is not None else []
+        written = self.query_one("#order", Input).value
+        return [name.strip() for name in written.split(",") if name.strip()]
+
+    def _wrong_order(self) -> str:
+        """Why the order in its field cannot be, or an empty string."""
+        if self._proposal is None:
+            return ""
+        known = self.picture.conditions
+        unknown = [name for name in self._order() if name not in known]
+        if unknown:
+            return f"There is no condition {unknown[0]!r}; there are: {', '.join(known)}"
+        return "" if self._order() else "An order needs conditions."
 
     def _condition(self) -> str | None:
         if not self.picture.conditions:

@@ -1,0 +1,172 @@
+"""The participant's own terminal: a questionnaire when one is asked, and nothing else, ever.
+
+No panel, no log, no sensor is drawn, and no key plays the robot; the stop works as everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from pathlib import Path
+from typing import ClassVar
+
+from textual import events
+from textual.app import App, ComposeResult
+from textual.driver import Driver
+from textual.screen import Screen
+
+from woz_tui.console.feed import GONE, Feed
+from woz_tui.console.glyphs import UNICODE
+from woz_tui.console.inbox import Inbox
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.look import SIXTEEN, THEMES, Look
+from woz_tui.console.picture import Picture
+from woz_tui.console.study.questions import Asked
+from woz_tui.console.study.sheet import Sheet, Words
+from woz_tui.console.thrift import ThriftyScreen
+from woz_tui.core import messages as m
+from woz_tui.core.clock import Clock, RealClock
+from woz_tui.core.requests import AnyRequest, Reply
+from woz_tui.experiment.terminals import STOPS
+from woz_tui.experiment.textual_names import from_textual
+
+#: Seconds between two looks at what has come.
+BEAT = 0.1
+#: Leaves this screen; for whoever has set it up, so it stands nowhere on it.
+LEAVE = "ctrl+q"
+
+_WAIT: Words = [("Please wait.", "strong")]
+_THANKS: Words = [("Thank you!", "strong"), ("", "plain"), ("Please wait.", "muted")]
+_LOST: Words = [
+    ("Just a moment, please.", "strong"),
+    ("", "plain"),
+    ("What you have answered is kept.", "muted"),
+]
+_STOPPED: Words = [("The robot has been stopped.", "strong"), ("", "plain"), *_WAIT]
+
+
+class Participant(App[str]):
+    """Returns how it was left: `detached`, or `ended` with the session.
+
+    Args:
+        feed: Where messages come from and requests go.
+        keyboard: Knows the stop; no other key goes past the questionnaire.
+        only: Name of the one questionnaire that is shown here; empty: all.
+        look: Signs and colours for this terminal.
+        clock: Local time.
+        driver_class: Textual's driver; None for its own.
+    """
+
+    CSS_PATH = Path(__file__).parent / "theme" / "woz.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    ESCAPE_TO_MINIMIZE = False
+    BINDINGS: ClassVar = []
+
+    def __init__(
+        self,
+        feed: Feed,
+        keyboard: Keyboard,
+        *,
+        only: str = "",
+        look: Look | None = None,
+        clock: Clock | None = None,
+        driver_class: type[Driver] | None = None,
+    ) -> None:
+        look = look or Look(UNICODE)
+        super().__init__(driver_class=driver_class, ansi_color=look.theme == SIXTEEN.name or None)
+        for theme in THEMES:
+            self.register_theme(theme)
+        self.look, self.theme = look, look.theme
+        self.feed, self.keyboard = feed, keyboard
+        self.clock = clock or RealClock()
+        self.picture = Picture()
+        self._only = only
+        self._inbox = Inbox(self.look_in)
+        self._waiting: dict[int, Callable[[Reply], None]] = {}
+        self._thanks = False
+
+    def compose(self) -> ComposeResult:
+        """The sheet."""
+        yield Sheet(self._ask, self.clock.now_us, self.look.glyphs)
+
+    def get_default_screen(self) -> Screen[object]:
+        """One that paints little."""
+        return ThriftyScreen(id="_default")
+
+    def on_mount(self) -> None:
+        """Begin to listen; no key is bound to anything."""
+        self._inbox.open()
+        self.set_class(self.look.glyphs.ascii, "-ascii")
+        self.set_class(self.no_color, "-plain")
+        self.set_class(self.theme == SIXTEEN.name, "-sixteen")
+        self.keyboard.bind({}, {})
+        self.keyboard.free = False
+        self.set_interval(BEAT, self.look_in)
+        self.feed.start(self._inbox.heard, self._inbox.cut)
+
+    def on_unmount(self) -> None:
+        """Nothing comes any more."""
+        self.feed.close()
+
+    # -- what comes ---------------------------------------------------------------------------
+
+    def look_in(self) -> None:
+        """Work in what has come and show what is asked."""
+        if not self._inbox or not self.screen_stack:
+            return
+        for batch in self._inbox.batches():
+            self.picture.take(batch, self.clock.now_us())
+            for message in batch:
+                if isinstance(message, Reply):
+                    self._waiting.pop(message.ref, _nobody)(message)
+                elif isinstance(message, m.QuestionnaireEnded):
+                    self._thanks = message.reason != "left"
+                elif isinstance(message, m.QuestionnaireStarted):
+                    self._thanks = False
+        for why in self._inbox.losses():
+            self._cut(why)
+        if self.picture.ended and self.picture.lost:
+            self.exit("ended")
+        for sheet in self.query(Sheet):
+            sheet.follow(self._asked(), self._words())
+
+    def _cut(self, why: str) -> None:
+        """No reply will come any more; what was not confirmed goes out again later."""
+        self.picture.lose(why)
+        waiting, self._waiting = self._waiting, {}
+        for ref, on_reply in waiting.items():
+            on_reply(Reply(ref=ref, ok=False, reason=GONE))
+
+    def _asked(self) -> Asked | None:
+        asked = self.picture.study.asked
+        wanted = asked is not None and self._only in ("", asked.name)
+        return asked if wanted and not self.picture.lost else None
+
+    def _words(self) -> Words:
+        if self.picture.lost:
+            return _THANKS if self._thanks else _LOST
+        if self.picture.stop is not None:
+            return _STOPPED
+        return _THANKS if self._thanks else _WAIT
+
+    def _ask(self, request: AnyRequest, on_reply: Callable[[Reply], None]) -> None:
+        self._waiting[self.feed.ask(request)] = on_reply
+
+    # -- keys ---------------------------------------------------------------------------------
+
+    async def on_event(self, event: events.Event) -> None:
+        """The stop and the way out pass before the questionnaire sees a key."""
+        if isinstance(event, events.Key) and not event.is_forwarded:
+            chord = from_textual(event.key, event.character)
+            if chord in STOPS:
+                self.keyboard.stop(chord)
+                event.stop()
+                return
+            if chord == LEAVE:
+                event.stop()
+                self.exit("detached")
+                return
+        await super().on_event(event)
+
+
+def _nobody(reply: Reply) -> None:
+    """Nobody waits for it."""

@@ -1,0 +1,250 @@
+"""Trials, breaks and questionnaires: each one more key press away."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from textual import events
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Input, OptionList, Static
+from textual.widgets.option_list import Option
+
+from woz_tui.console.cells import Row, clean, fit
+from woz_tui.console.figures import elapsed
+from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.dialog import Dialog, content
+from woz_tui.console.study.picture import Study
+from woz_tui.core.requests import AskQuestionnaire, AskTrial, Reply
+
+if TYPE_CHECKING:
+    from woz_tui.console.desk import Desk
+
+#: Questionnaires that have a digit of their own.
+_NUMBERED = 9
+
+
+@dataclass(frozen=True, slots=True)
+class Step:
+    """What one key does. `asks`: a word is typed first, and given to `do`."""
+
+    key: str
+    text: str
+    do: Callable[[Desk, str], None]
+    asks: bool = False
+
+
+class TrialDialog(Dialog):
+    """What can be done now, the most likely first, so that enter does it."""
+
+    heading = "Trial"
+    hint = "its letter or enter does it · ctrl+q closes"
+    opened_by = "trial"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._asking: Step | None = None
+        self._stood = ""
+
+    def body(self) -> Iterable[Widget]:
+        """Where the session stands, what can be done, a field for a word."""
+        self._steps = steps(self.picture.study)
+        yield Static(content(self.lines()), id="stands")
+        yield OptionList(*(Option(self._line(step)) for step in self._steps), id="choices")
+        field = Input(placeholder="why, in a word (may stay empty)", id="why")
+        field.display = False
+        yield field
+
+    def _line(self, step: Step) -> Content:
+        return Content.assemble(
+            (f" {step.key} ", "bold $woz-key on $woz-key-ground"), f"  {step.text}"
+        )
+
+    def lines(self) -> list[Row]:
+        """Trial or break with its time, the order of the conditions."""
+        study, now = self.picture.study, self._now()
+        first: Row = ((stands(study, now), "strong"),)
+        rows: list[Row] = [first]
+        if study.order:
+            rows.append(order_row(study.order, self.picture.condition, self.glyphs.here))
+        if study.asked is not None:
+            asked = study.asked
+            told = f"{asked.questionnaire.heading}: {asked.answered} of {len(asked.items)} answered"
+            rows.append(((clean(told), "wait"),))
+        return [*rows, ()]
+
+    def _now(self) -> int:
+        return self.picture.now(self.console_app.clock.now_us())
+
+    def refreshed(self) -> None:
+        """The time goes on."""
+        stood = stands(self.picture.study, self._now())
+        if stood != self._stood:
+            self._stood = stood
+            for place in self.query("#stands").results(Static):
+                place.update(content(self.lines()))
+
+    # -- keys ---------------------------------------------------------------------------------
+
+    def on_key(self, event: events.Key) -> None:
+        """A letter does it at once."""
+        if self._asking is not None:
+            return
+        for step in self._steps:
+            if event.character == step.key:
+                event.stop()
+                self._take(step)
+                return
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """So does enter."""
+        event.stop()
+        self._take(self._steps[event.option_index])
+
+    def _take(self, step: Step) -> None:
+        if not step.asks:
+            self.leave()
+            step.do(self.desk, "")
+            return
+        self._asking = step
+        for choices in self.query("#choices").results(OptionList):
+            choices.display = False
+        for field in self.query("#why").results(Input):
+            field.display = True
+            field.border_title = step.text
+            field.focus()
+        for box in self.query(".dialog"):
+            box.border_subtitle = self.glyphs.plain(
+                f"{step.text}: enter does it · ctrl+q leaves it"
+            )
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """The word is there."""
+        event.stop()
+        if self._asking is not None:
+            self.leave()
+            self._asking.do(self.desk, event.value.strip())
+
+
+class OfferDialog(Choice):
+    """A questionnaire is due: ask it now, or later."""
+
+    heading = "Questionnaire"
+    hint = "arrows choose · enter · ctrl+q: later"
+
+    def __init__(self, name: str, otherwise: Callable[[], None] | None = None) -> None:
+        super().__init__()
+        self._asked = name
+        self._otherwise = otherwise
+
+    def lines(self) -> list[Row]:
+        """Which one."""
+        one = self.picture.study.questionnaire(self._asked)
+        title = one.heading if one is not None else self._asked
+        count = f"  {len(one.items)} items" if one is not None else ""
+        return [((clean(title), "strong"), (count, "muted"))]
+
+    def choices(self) -> list[Content]:
+        """Where to ask it."""
+        elsewhere = bool(self.picture.study.participants)
+        self._ways: list[Callable[[], None]] = [
+            lambda: begin(self.desk, self._asked, here=True),
+            *([lambda: begin(self.desk, self._asked, here=False)] if elsewhere else []),
+            self._otherwise or (lambda: None),
+        ]
+        words = ["Ask it here", *(["At the participant's terminal"] if elsewhere else [])]
+        return [Content(word) for word in (*words, "Without it" if self._otherwise else "Later")]
+
+    def chose(self, index: int) -> None:
+        """Do so."""
+        self._ways[index]()
+
+
+# -- what can be done -----------------------------------------------------------------------------
+
+
+def steps(study: Study) -> list[Step]:
+    """All that makes sense now, the most likely first."""
+    found: list[Step] = []
+    if study.asked is not None:
+        title = study.asked.questionnaire.heading
+        found.append(Step("q", f"go on with: {title}", lambda desk, why: desk.do_questionnaire()))
+        found.append(Step("l", "leave it unfinished", _leave(study.asked.name)))
+    elif study.due:
+        found.append(Step("q", f"ask: {_title(study, study.due[0])}", _offer(study.due[0])))
+    if study.break_began is not None:
+        found.append(Step("r", "resume: the break is over", _trial("resume")))
+    if study.trial is not None:
+        found += [
+            Step("d", "done: this trial is over", _trial("done")),
+            Step("a", "aborted: it will be run again", _trial("aborted"), asks=True),
+            Step("x", "excluded: not to be analysed", _trial("excluded"), asks=True),
+        ]
+    else:
+        found.append(Step("b", "begin the next trial", _trial("begin")))
+    if study.break_began is None:
+        found.append(Step("p", "pause: a break", _trial("break")))
+    if study.asked is None:
+        others = [one for one in study.questionnaires if one.name not in study.due[:1]]
+        for number, one in enumerate(others[:_NUMBERED], start=1):
+            over = "  (asked already)" if one.name in study.over else ""
+            found.append(Step(str(number), f"ask: {one.heading}{over}", _offer(one.name)))
+    return found
+
+
+def stands(study: Study, now: int) -> str:
+    """`trial 3 of 12, 02:41`."""
+    of = f" of {study.planned}" if study.planned else ""
+    if study.break_began is not None:
+        return f"break, {elapsed(now - study.break_began)}"
+    if study.trial is not None:
+        return f"trial {study.trial.number}{of}, {elapsed(now - study.trial.began)}"
+    if study.last is not None:
+        number, outcome = study.last
+        return f"trial {number}{of} is over: {outcome}"
+    return f"no trial yet{of}"
+
+
+def order_row(order: Iterable[str], present: str, here: str) -> Row:
+    """The conditions in their order, the present one marked by a sign."""
+    row: Row = ()
+    for number, name in enumerate(order, start=1):
+        mark = f"{here} " if name == present else ""
+        look = "strong" if name == present else "muted"
+        row += ((f"{mark}{number}. {clean(name)}   ", look),)
+    return row
+
+
+def begin(desk: Desk, name: str, *, here: bool) -> None:
+    """Put a questionnaire to the participant, at this terminal or at theirs."""
+
+    def answered(reply: Reply) -> None:
+        if not reply.ok:
+            desk.refused(reply)
+        elif here:
+            desk.do_questionnaire()
+
+    desk.ask(AskQuestionnaire(questionnaire=name), answered)
+
+
+def _title(study: Study, name: str) -> str:
+    one = study.questionnaire(name)
+    return fit(one.heading, min(50, len(one.heading))) if one is not None else name
+
+
+def _offer(name: str) -> Callable[[Desk, str], None]:
+    return lambda desk, why: desk.offer(name)
+
+
+def _leave(name: str) -> Callable[[Desk, str], None]:
+    return lambda desk, why: desk.ask(AskQuestionnaire(questionnaire=name, what="left"))
+
+
+def _trial(what: str) -> Callable[[Desk, str], None]:
+    def do(desk: Desk, why: str) -> None:
+        request = AskTrial(what=what, text=why)  # type: ignore[arg-type]
+        desk.ask(request, desk.trial_over if what == "done" else None)
+
+    return do

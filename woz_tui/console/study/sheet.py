@@ -1,0 +1,201 @@
+"""The questionnaire as a widget, for the wizard's dialog and for the participant's own terminal."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.message import Message
+from textual.widgets import TextArea
+
+from woz_tui.console.cells import Cells
+from woz_tui.console.feed import GONE
+from woz_tui.console.glyphs import Frame, Glyphs
+from woz_tui.console.study.pages import foot_rows, page_rows, words_rows
+from woz_tui.console.study.questions import Asked
+from woz_tui.console.study.round import Page, Round
+from woz_tui.core.requests import AskAnswer, AskQuestionnaire, Reply
+
+#: Sends a request; the reply comes later, in the screen's thread.
+Ask = Callable[[AskAnswer | AskQuestionnaire, Callable[[Reply], None]], None]
+#: What is shown while nothing is asked: sentences with their looks.
+Words = list[tuple[str, str]]
+
+
+class Written(TextArea):
+    """A field for a sentence or some. Enter goes on; the way back is over its first line."""
+
+    class Done(Message):
+        """Enter was pressed."""
+
+    class Left(Message):
+        """A key for the questionnaire, not for the field."""
+
+        def __init__(self, key: str) -> None:
+            super().__init__()
+            self.key = key
+
+    def __init__(self, **options: Any) -> None:
+        super().__init__(soft_wrap=True, show_line_numbers=False, **options)
+
+    async def _on_key(self, event: events.Key) -> None:
+        if event.key == "enter":
+            self._take(event, self.Done())
+        elif event.key in ("tab", "ctrl+d") or self._leads_back(event.key):
+            self._take(event, self.Left(event.key))
+        else:
+            await super()._on_key(event)
+
+    def _leads_back(self, key: str) -> bool:
+        """Up on the first line, backspace where nothing is written."""
+        if key == "backspace":
+            return not self.text
+        return key == "up" and self.wrapped_document.location_to_offset(self.cursor_location).y == 0
+
+    def _take(self, event: events.Key, message: Message) -> None:
+        event.stop()
+        event.prevent_default()
+        self.post_message(message)
+
+
+class Sheet(Vertical):
+    """Pages above, a field for texts, keys at the bottom.
+
+    Args:
+        ask: Sends a request.
+        now_us: A clock that goes on evenly, in microseconds.
+        glyphs: The terminal's signs.
+    """
+
+    can_focus = True
+
+    def __init__(self, ask: Ask, now_us: Callable[[], int], glyphs: Glyphs) -> None:
+        super().__init__(id="sheet")
+        self._ask = ask
+        self._now_us = now_us
+        self._glyphs = glyphs
+        self._taken: Round | None = None
+        self._words: Words = []
+        self._written_for = ""
+
+    def compose(self) -> ComposeResult:
+        """Page, field, keys."""
+        yield Cells(id="page")
+        field = Written(id="written")
+        field.display = False
+        yield field
+        yield Cells(id="foot")
+
+    @property
+    def taken(self) -> Round | None:
+        """The way through the questionnaire, while one is asked."""
+        return self._taken
+
+    def on_mount(self) -> None:
+        """Draw as soon as the size is known."""
+        self.focus()
+        self.call_after_refresh(self.draw)
+
+    def on_resize(self) -> None:
+        """Draw in the new size."""
+        self.call_after_refresh(self.draw)
+
+    # -- what is asked ------------------------------------------------------------------------
+
+    def follow(self, asked: Asked | None, words: Words | None = None) -> None:
+        """Show what is asked at this moment, or else some words."""
+        taken = self._taken
+        self._words = words or []
+        if asked is None:
+            self._taken = None
+        elif taken is None or taken.asked.name != asked.name:
+            self._taken = Round(asked, self._send, self._now_us)
+        elif taken.asked is not asked:
+            taken.go_on(asked)
+        self.draw()
+
+    def _send(self, request: AskAnswer | AskQuestionnaire) -> None:
+        self._ask(request, lambda reply: self._replied(request, reply))
+
+    def _replied(self, request: AskAnswer | AskQuestionnaire, reply: Reply) -> None:
+        taken = self._taken
+        if taken is None:
+            return
+        if isinstance(request, AskAnswer) and reply.ok:
+            taken.confirmed(request)
+        elif isinstance(request, AskAnswer) and reply.reason != GONE:
+            taken.refused(request, f"{reply.reason} {reply.hint}".strip())
+        elif not reply.ok:
+            taken.complaint = f"{reply.reason} {reply.hint}".strip()
+        self.draw()
+
+    # -- keys -----------------------------------------------------------------------------------
+
+    def on_key(self, event: events.Key) -> None:
+        """A key for the page."""
+        taken = self._taken
+        if taken is None or taken.writes:
+            return
+        if taken.key(event.key) or (event.character and taken.key(event.character)):
+            event.stop()
+            event.prevent_default()
+            self.draw()
+
+    def on_written_done(self, event: Written.Done) -> None:
+        """A text was confirmed."""
+        event.stop()
+        taken = self._taken
+        if taken is not None and taken.writes:
+            taken.write(self._field.text)
+            self.draw()
+
+    def on_written_left(self, event: Written.Left) -> None:
+        """A key that goes past the field."""
+        event.stop()
+        if self._taken is not None:
+            self._taken.key(event.key)
+            self.draw()
+
+    # -- drawing ------------------------------------------------------------------------------
+
+    @property
+    def _field(self) -> Written:
+        return self.query_one("#written", Written)
+
+    def draw(self) -> None:
+        """Show the page as it is now."""
+        if not self.query("#foot"):
+            return  # not put together yet, or gone already
+        taken, page, foot = self._taken, *self.query(Cells)
+        self._show_field(taken)
+        frame = self._frame(page)
+        if taken is None:
+            page.show(words_rows(self._words, frame))
+            foot.show([])
+        else:
+            page.show(page_rows(taken, frame))
+            foot.show(foot_rows(taken, self._frame(foot)))
+
+    def _frame(self, cells: Cells) -> Frame:
+        return Frame(cells.size.width, cells.size.height, 0, self._glyphs)
+
+    def _show_field(self, taken: Round | None) -> None:
+        """The field with what was written before, while its item is shown."""
+        field = self._field
+        item = taken.item if taken is not None and taken.page is Page.ITEM else None
+        wanted = item.name if item is not None and item.text else ""
+        if wanted == self._written_for:
+            return
+        self._written_for = wanted
+        field.display = bool(wanted)
+        if wanted and taken is not None:
+            answer = taken.answer
+            field.text = answer.text if answer is not None else ""
+            field.move_cursor(field.document.end)
+            field.focus()
+        else:
+            self.focus()
+        self.call_after_refresh(self.draw)

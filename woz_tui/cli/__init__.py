@@ -26,6 +26,7 @@ COMMANDS = {
     "modes": "which mode takes which input",
     "engagement": "run the engagement model over samples or a session's log",
     "record-move": "record a layer of a move by puppeteering",
+    "export": "sessions for other programs: tables, ELAN, BIDS, Praat",
     "schema": "print the JSON Schema of experiment files, for editors",
 }
 

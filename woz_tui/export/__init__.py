@@ -1,1 +1,1 @@
-"""A session's log in the formats of other programs."""
+"""Sessions for other programs: tables, ELAN, BIDS and Praat; see docs/export.md."""

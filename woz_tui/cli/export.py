@@ -1,0 +1,96 @@
+"""`woz export FILE... --to FORMAT --out FOLDER`: sessions for other programs."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+
+from woz_tui.cli.failure import explained
+
+_MEANINGS = {
+    "csv": "tidy tables with a data dictionary",
+    "eaf": "ELAN",
+    "bids": "a dataset in the Brain Imaging Data Structure",
+    "textgrid": "Praat",
+    "jsonl": "a log again, segments put together",
+}
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument(
+        "file", nargs="+", type=Path, metavar="FILE", help="a log, or a folder of logs"
+    )
+    parser.add_argument(
+        "--to",
+        required=True,
+        choices=list(_MEANINGS),
+        help="; ".join(f"{name}: {meaning}" for name, meaning in _MEANINGS.items()),
+    )
+    parser.add_argument(
+        "--out", required=True, type=Path, metavar="FOLDER", help="a folder that is new or empty"
+    )
+    parser.add_argument("--force", action="store_true", help="replace an earlier export in FOLDER")
+    parser.add_argument(
+        "--redact-text",
+        action="store_true",
+        help="replace what people said, typed or wrote, and take out dates and sound",
+    )
+    parser.add_argument(
+        "--samples", action="store_true", help="the values of the sensors too (csv, bids)"
+    )
+    parser.add_argument(
+        "--no-sound", action="store_true", help="no file of the visitor's voice (eaf, textgrid)"
+    )
+    media = parser.add_argument_group("a video of the session, for --to eaf")
+    media.add_argument("--media", type=Path, metavar="FILE", help="a video or sound")
+    media.add_argument(
+        "--offset",
+        type=float,
+        default=0.0,
+        metavar="SECONDS",
+        help="where in it the session begins; negative: the session began earlier (default: 0)",
+    )
+    parser.set_defaults(run=lambda arguments: explained(lambda: _run(arguments)))
+
+
+def _run(arguments: argparse.Namespace) -> int:
+    from woz_tui.export.export import export  # noqa: PLC0415
+    from woz_tui.export.options import Options  # noqa: PLC0415
+    from woz_tui.export.sources import ExportError  # noqa: PLC0415
+
+    try:
+        options = Options(
+            redact=arguments.redact_text,
+            samples=arguments.samples,
+            sound=not (arguments.no_sound or arguments.redact_text),
+            media=arguments.media,
+            offset=_microseconds(arguments),
+        )
+        sessions = 0
+        for told in export(
+            arguments.file, arguments.to, arguments.out, options, force=arguments.force
+        ):
+            sessions += 1
+            print(f"{told.session.name}: {told.events} events, {told.session.duration / 1e6:.1f} s")
+            for sentence in told.session.damage:
+                print(f"woz export: {told.session.name}: damage: {sentence}", file=sys.stderr)
+            for sentence in told.notes:
+                print(f"woz export: {told.session.name}: {sentence}", file=sys.stderr)
+    except ExportError as error:
+        print(f"woz export: {error}", file=sys.stderr)
+        return 1
+    print(f"{sessions} session{'' if sessions == 1 else 's'} in {arguments.out}")
+    return 0
+
+
+def _microseconds(arguments: argparse.Namespace) -> int:
+    from woz_tui.export.sources import ExportError  # noqa: PLC0415
+
+    if arguments.offset and arguments.media is None:
+        raise ExportError("--offset goes with --media", "name the video with --media")
+    if not abs(arguments.offset) < 1e6:
+        raise ExportError(f"--offset {arguments.offset} is no time", "give it in seconds")
+    seconds: float = arguments.offset
+    return round(seconds * 1_000_000)

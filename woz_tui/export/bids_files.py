@@ -1,0 +1,115 @@
+"""Files of a BIDS dataset: tables of tab-separated values, each with a JSON file beside it."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Iterable, Mapping
+from typing import Any
+
+from woz_tui.export.course import Answer, Event, Session
+from woz_tui.export.folder import Folder
+from woz_tui.export.tables import ANSWERS, EVENTS, Cell, Column, Table
+from woz_tui.export.text import one_line
+
+#: What stands where there is no value.
+NONE = "n/a"
+_KINDS = {
+    "action": "an action of the robot that was asked for, from the request to its end",
+    "command": "one verb sent to one driver, from the request to its end",
+    "engagement": "a state of the engagement machine",
+    "speech": "a sentence of the visitor",
+    "trial": "a trial",
+    "break": "a break between trials",
+    "stop": "the emergency stop, from its being pressed to its release",
+    "questionnaire": "a questionnaire was put to the participant",
+    "marker": "a moment that the wizard marked",
+    "note": "a sentence that the wizard typed",
+    "mistake": "the wizard labelled an action a mistake",
+}
+#: BIDS has its own names for these, and wants the first three first.
+_RENAMED = {"onset_s": "onset", "duration_s": "duration", "kind": "trial_type"}
+_OF_EVENTS = (
+    *("onset_s", "duration_s", "kind", "label", "panel", "action", "verb", "driver", "source"),
+    *("outcome", "latency_s", "mistake", "condition", "trial", "text", "run", "seq"),
+)
+_OF_ANSWERS = (
+    *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "answered_s"),
+    *("onset_s", "condition", "trial", "question"),
+)
+
+
+def write_events(
+    folder: Folder, stem: str, session: Session, events: Iterable[Event], common: Mapping[str, Any]
+) -> None:
+    """`<stem>_events.tsv` and its sidecar."""
+    columns = _columns(EVENTS, _OF_EVENTS)
+    rows = ([_event_cell(session, event, column) for column in columns] for event in events)
+    names = [_RENAMED.get(column.name, column.name) for column in columns]
+    write_table(folder, f"{stem}_events.tsv", names, rows)
+    meanings: dict[str, Any] = {
+        name: _meaning(column) for name, column in zip(names, columns, strict=True)
+    }
+    del meanings["onset"], meanings["duration"]  # BIDS' own
+    meanings["trial_type"] = {
+        "Description": "What happened; of moments, the kind of the log's line.",
+        "Levels": _KINDS,
+    }
+    write_json(folder, f"{stem}_events.json", {**common, **meanings})
+
+
+def write_answers(
+    folder: Folder,
+    stem: str,
+    session: Session,
+    answers: Iterable[Answer],
+    common: Mapping[str, Any],
+) -> None:
+    """`<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
+    columns = _columns(ANSWERS, _OF_ANSWERS)
+    rows = ([column.cell(session, answer) for column in columns] for answer in answers)
+    write_table(folder, f"{stem}_beh.tsv", [column.name for column in columns], rows)
+    meanings = {column.name: _meaning(column) for column in columns}
+    write_json(folder, f"{stem}_beh.json", {**common, **meanings})
+
+
+def write_table(
+    folder: Folder, name: str, columns: Iterable[str], rows: Iterable[Iterable[Cell]]
+) -> None:
+    """A file of tab-separated values with a row of names."""
+    with folder.text(name) as file:
+        file.write("\t".join(columns) + "\n")
+        for row in rows:
+            file.write("\t".join(map(_written, row)) + "\n")
+
+
+def write_json(folder: Folder, name: str, content: Mapping[str, Any]) -> None:
+    """A JSON file."""
+    folder.write(name, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+
+
+def _columns(table: Table[Any], names: Iterable[str]) -> list[Column[Any]]:
+    of_table = {column.name: column for column in table.columns}
+    return [of_table[name] for name in names]
+
+
+def _event_cell(session: Session, event: Event, column: Column[Any]) -> Cell:
+    if column.name == "duration_s" and event.end is None:
+        return 0  # as BIDS has it of moments
+    return column.cell(session, event)
+
+
+def _meaning(column: Column[Any]) -> dict[str, str]:
+    units = {"Units": column.unit} if column.unit else {}
+    return {"Description": column.meaning, **units}
+
+
+def _written(cell: Cell) -> str:
+    match cell:
+        case None:
+            return NONE
+        case bool():
+            return "true" if cell else "false"
+        case str():
+            # BIDS has no quoting, and nothing may begin or end in a blank.
+            return one_line(cell).strip() or NONE
+    return repr(cell)

@@ -1,0 +1,148 @@
+"""Tidy tables as CSV (RFC 4180), with a data dictionary as a Frictionless data package."""
+
+from __future__ import annotations
+
+import csv
+import json
+from collections.abc import Iterable
+from contextlib import ExitStack
+from typing import Any, TextIO
+
+from woz_tui import __version__
+from woz_tui.core.messages import Reading
+from woz_tui.export.course import Session
+from woz_tui.export.folder import README, Folder
+from woz_tui.export.options import Options, Told
+from woz_tui.export.readme import readme
+from woz_tui.export.redaction import PLACEHOLDER
+from woz_tui.export.sources import Source
+from woz_tui.export.tables import ANSWERS, ENGAGEMENT, EVENTS, SAMPLES, SESSIONS, Cell, Table
+from woz_tui.export.text import guarded, visible
+from woz_tui.record.log import Damage
+
+_GUARDED = (
+    "Texts that begin with = + - @ ' (or a tab, a line end, a full-width = + - @) have one ' more "
+    "before them, so that no spreadsheet takes them for a formula. Numbers never have. Control "
+    "characters are shown as their pictures (U+2400 and on)."
+)
+_ABOUT = f"""## Files
+
+- `events.csv`: everything that happened, one row each; the table to begin with
+- `engagement.csv`: episodes of the engagement machine
+- `questionnaires.csv`: answers
+- `sessions.csv`: the sessions, and what is wrong with their logs
+- `samples.csv`: values of the sensors (only with `--samples`)
+- `datapackage.json`: what each column means, its type and unit
+
+The column `log` ties them together. CSV as in RFC 4180: UTF-8, commas, a dot in decimals, CR LF at
+the end of a row. An empty cell: there is no such value. {_GUARDED}"""
+
+
+class CsvExporter:
+    """All sessions in the same tables."""
+
+    def __init__(self, folder: Folder, options: Options) -> None:
+        self._folder = folder
+        self._options = options
+        self._files = ExitStack()
+        self._tables: list[Table[Any]] = [EVENTS, ENGAGEMENT, ANSWERS, SESSIONS]
+        if options.samples:
+            self._tables.append(SAMPLES)
+        self._writers = {table.name: self._begun(table) for table in self._tables}
+
+    def _begun(self, table: Table[Any]) -> _Rows:
+        file = self._files.enter_context(self._folder.text(f"{table.name}.csv"))
+        return _Rows(file, table)
+
+    def add(self, session: Session, source: Source) -> list[str]:
+        """One session."""
+        engagement = (event for event in session.events if event.kind == "engagement")
+        self._writers["events"].write(session, session.events)
+        self._writers["engagement"].write(session, engagement)
+        self._writers["questionnaires"].write(session, session.answers)
+        self._writers["sessions"].write(session, [None])
+        if not self._options.samples:
+            return []
+        damage = Damage()
+        self._writers["samples"].write(session, self._samples(source, damage))
+        return [] if self._options.redact else damage.sentences()
+
+    def _samples(self, source: Source, damage: Damage) -> Iterable[tuple[Reading, str]]:
+        for reading in source.samples(damage):
+            text = PLACEHOLDER if reading.text and self._options.redact else reading.text
+            yield reading, text
+
+    def finish(self, told: list[Told]) -> None:
+        """The data dictionary and the README."""
+        self._files.close()
+        package = json.dumps(_package(self._tables, told), indent=2, ensure_ascii=False)
+        self._folder.write("datapackage.json", package + "\n")
+        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
+
+    def close(self) -> None:
+        """Whatever happened: close the files."""
+        self._files.close()
+
+
+class _Rows:
+    def __init__(self, file: TextIO, table: Table[Any]) -> None:
+        self._table = table
+        self._writer = csv.writer(file, lineterminator="\r\n")
+        self._writer.writerow([column.name for column in table.columns])
+
+    def write(self, session: Session, rows: Iterable[object]) -> None:
+        texts = [column.type == "string" for column in self._table.columns]
+        for row in rows:
+            cells = self._table.cells(session, row)
+            self._writer.writerow(map(_written, cells, texts))
+
+
+def _written(cell: Cell, text: bool) -> str:
+    match cell:
+        case None:
+            return ""
+        case bool():
+            return "true" if cell else "false"
+        case str():
+            return guarded(visible(cell)) if text else cell
+    return repr(cell)
+
+
+def _package(tables: Iterable[Table[Any]], told: list[Told]) -> dict[str, Any]:
+    """A Frictionless data package, https://specs.frictionlessdata.io/tabular-data-package/."""
+    return {
+        "name": "woz-sessions",
+        "profile": "tabular-data-package",
+        "title": "Sessions of wizard-of-Oz experiments",
+        "description": f"Exported by woz-tui {__version__}. {_GUARDED}",
+        "resources": [_resource(table) for table in tables],
+        "damage": {each.session.name: each.session.damage for each in told if each.session.damage},
+    }
+
+
+def _resource(table: Table[Any]) -> dict[str, Any]:
+    schema: dict[str, Any] = {
+        "fields": [
+            {
+                "name": column.name,
+                "type": column.type,
+                "description": column.meaning,
+                **({"unit": column.unit} if column.unit else {}),
+            }
+            for column in table.columns
+        ],
+        "missingValues": [""],
+    }
+    if table.key:
+        schema["primaryKey"] = list(table.key)
+    return {
+        "name": table.name,
+        "path": f"{table.name}.csv",
+        "description": table.meaning,
+        "profile": "tabular-data-resource",
+        "format": "csv",
+        "mediatype": "text/csv",
+        "encoding": "utf-8",
+        "dialect": {"delimiter": ",", "quoteChar": '"', "doubleQuote": True, "header": True},
+        "schema": schema,
+    }

@@ -1,0 +1,79 @@
+"""A log as one pair of files, segments put together; redacted, what a lab can publish."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Mapping
+from typing import Any, BinaryIO
+
+import msgspec
+
+from woz_tui.export.course import Session
+from woz_tui.export.folder import README, Folder
+from woz_tui.export.options import Options, Told
+from woz_tui.export.readme import readme
+from woz_tui.export.sources import Source, redacted_line
+from woz_tui.record.log import Damage, Line
+
+_encoder = msgspec.json.Encoder()
+_ABOUT = """## Files
+
+For each session two files of JSON Lines, as `woz` records them (docs/session-log.md): `.jsonl` has
+what people and the program did, `.samples.jsonl` the values of the sensors. Segments were put
+together. The sums (SHA-256) in `checkpoint` and `session.end` were computed anew: they say that
+this copy is whole, and nothing of the log from which it was made."""
+
+
+class JsonlExporter:
+    """Two files a session."""
+
+    def __init__(self, folder: Folder, options: Options) -> None:
+        self._folder = folder
+        self._options = options
+
+    def add(self, session: Session, source: Source) -> list[str]:
+        """One session. It is read again: what is no event is copied too."""
+        actions = self._folder.binary(f"{session.name}.jsonl")
+        samples = self._folder.binary(f"{session.name}.samples.jsonl")
+        with actions, samples:
+            copy = _Copy(actions, samples, redact=self._options.redact)
+            for line in source.everything(Damage()):
+                copy.take(line)
+        return []
+
+    def finish(self, told: list[Told]) -> None:
+        """The README."""
+        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+class _Copy:
+    def __init__(self, actions: BinaryIO, samples: BinaryIO, *, redact: bool) -> None:
+        self._actions, self._samples = actions, samples
+        self._redact = redact
+        self._sum = hashlib.sha256()
+        self._lines = 0
+
+    def take(self, line: Line) -> None:
+        line = redacted_line(line) if self._redact else line
+        if line.sample:
+            self._samples.write(line.raw + b"\n")
+            return
+        anew = self._anew(line.kind, line.fields)
+        raw = line.raw if anew is None else _encoder.encode({**line.fields, **anew})
+        self._actions.write(raw + b"\n")
+        self._sum.update(raw + b"\n")
+        self._lines += 1
+
+    def _anew(self, kind: str, fields: Mapping[str, Any]) -> dict[str, Any] | None:
+        """Fields that are others in the copy; None: the line is as it was."""
+        match kind:
+            case "session.start" if self._redact:
+                return {"redacted": True}
+            case "checkpoint":
+                return {"sha256": self._sum.hexdigest(), "lines": self._lines}
+            case "session.end" if fields.get("sha256"):
+                return {"sha256": self._sum.hexdigest()}
+        return None

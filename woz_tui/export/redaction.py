@@ -1,0 +1,96 @@
+"""Replaces whatever people said, typed or wrote in a log, so that the log can be published.
+
+The rule is what stays, not what goes: codes and labels in the fields that `KEPT` names, numbers
+and truth values. Any other text becomes `[redacted]`, that of fields and kinds which this version
+does not know included. Dates go as well.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+from woz_tui.core.messages import Json
+
+PLACEHOLDER = "[redacted]"
+
+#: Fields whose texts (or lists of texts) stay: codes, ids, words of the program, and the labels
+#: that the experiment file gives to actions, panels, conditions and the like.
+KEPT = frozenset(
+    {
+        *("kind", "format", "session", "participant", "condition", "wizard"),
+        *("experiment_sha256", "sha256", "original_sha256", "original_session"),
+        *("run", "action", "panel", "source", "key", "console", "role", "profile"),
+        *("command", "original_command", "verb", "driver", "when_busy", "code", "by", "lane"),
+        *("scope", "confirmed", "missing", "sensor", "unit", "bad", "state", "level"),
+        *("now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
+        *("method", "order", "cues", "sort", "hidden", "blurred", "what"),
+        *("questionnaire", "item", "cue", "expects", "judged"),
+        *("script", "conditions", "keyboard", "drivers"),
+    }
+)
+#: Fields that stay in these kinds only: elsewhere they hold something else.
+KEPT_IN: Mapping[str, frozenset[str]] = {
+    "engagement.changed": frozenset({"was"}),
+    "sensor.changed": frozenset({"was"}),
+    "mode.changed": frozenset({"was"}),
+}
+#: Texts within objects that stay: field -> names inside of it.
+KEPT_INSIDE: Mapping[str, frozenset[str]] = {
+    "software": frozenset({"name", "version"}),
+    "clock": frozenset({"source", "unit"}),
+    "items": frozenset({"name"}),
+    "panels": frozenset({"title", "name", "key", "verbs"}),
+    "signs": frozenset({"filter"}),
+}
+#: Fields with a visitor's code. Visitors can get a name instead, so only given codes stay.
+VISITORS = frozenset({"visitor"})
+_GIVEN_CODE = re.compile(r"V\d{1,15}|", re.ASCII)
+#: Names within objects; anything else in their place may be somebody's words.
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}(\.[a-z0-9_]{1,40})?", re.ASCII)
+
+
+def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
+    """A line's fields without anybody's words, in the same JSON types, and without `ts`."""
+    kind = fields.get("kind")
+    kept = KEPT | KEPT_IN.get(kind, frozenset()) if isinstance(kind, str) else KEPT
+    return {
+        _name(name): _field(name, value, kept) for name, value in fields.items() if name != "ts"
+    }
+
+
+def _field(name: str, value: Any, kept: frozenset[str]) -> Any:
+    if name in VISITORS and isinstance(value, str):
+        return value if _GIVEN_CODE.fullmatch(value) else PLACEHOLDER
+    if name == "experiment" and isinstance(value, str):
+        return value.replace("\\", "/").rpartition("/")[2]
+    if name in kept and _flat(value):
+        return value
+    return _without_words(value, KEPT_INSIDE.get(name, frozenset()))
+
+
+def _flat(value: Any) -> bool:
+    """Whether it is a text, a number or a list of them: an object in its place is none of ours."""
+    items = value if isinstance(value, list) else [value]
+    return not any(isinstance(item, dict | list) for item in items)
+
+
+def _without_words(value: Any, kept: frozenset[str]) -> Json:
+    match value:
+        case str():
+            return PLACEHOLDER if value else ""
+        case list():
+            return [_without_words(item, kept) for item in value]
+        case dict():
+            return {
+                _name(name): item if name in kept and _flat(item) else _without_words(item, kept)
+                for name, item in value.items()
+            }
+        case None | bool() | int() | float():
+            return value
+    return PLACEHOLDER
+
+
+def _name(name: str) -> str:
+    return name if _NAME.fullmatch(name) else PLACEHOLDER

@@ -1,0 +1,119 @@
+"""Praat TextGrids in the long text format: intervals that cover the whole session, and points.
+
+The format is described in Praat's manual, "TextGrid file formats".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from woz_tui.export.course import Session
+from woz_tui.export.folder import README, Folder
+from woz_tui.export.options import Options, Told
+from woz_tui.export.readme import readme
+from woz_tui.export.sound import write_sound
+from woz_tui.export.sources import Source
+from woz_tui.export.text import one_line, seconds
+from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+
+#: Praat has no intervals without a duration.
+SHORTEST_US = 1000
+_ABOUT = """## Files
+
+One `.TextGrid` for each session: open it in Praat. Where the visitor was recorded, a `.wav` of the
+same name runs along with the session (silence where nobody was recorded); open it with
+*Open long sound file*, select both, *View & Edit*.
+
+Interval tiers: `trials`, `breaks`, `engagement` (the state), `visitor speech` (as it was
+understood), `robot speech` (from the moment when it began to speak), `panel ...` (the actions of
+each panel, from the request to the end; the outcome in brackets unless it was done), `stops`,
+`questionnaires`. Point tiers: `markers`, `notes`, `mistakes`, `cues`, `drivers`, `settings`. What
+overlaps is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to that. Line ends and
+tabs in texts are shown as ␊ and ␉."""
+
+
+class TextGridExporter:
+    """One file a session."""
+
+    def __init__(self, folder: Folder, options: Options) -> None:
+        self._folder = folder
+        self._options = options
+
+    def add(self, session: Session, source: Source) -> list[str]:
+        """One session, with its sound."""
+        length, notes = 0, list[str]()
+        if self._options.sound:
+            length, notes = write_sound(session, self._folder, f"{session.name}.wav")
+        tiers = for_praat(session)
+        end = max([session.duration, length, SHORTEST_US, *map(_end, tiers)])
+        with self._folder.text(f"{session.name}.TextGrid") as file:
+            file.writelines(f"{line}\n" for line in _lines(tiers, end))
+        return notes
+
+    def finish(self, told: list[Told]) -> None:
+        """The README, which has what a TextGrid has no place for."""
+        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
+
+    def close(self) -> None:
+        """Nothing is open."""
+
+
+def for_praat(session: Session) -> list[Tier]:
+    """The session's tiers in microseconds, without overlaps."""
+    return unique_names(each for tier in tiers_of(session) for each in apart(tier, SHORTEST_US))
+
+
+def _end(tier: Tier) -> int:
+    return tier.spans[-1].end
+
+
+def _lines(tiers: list[Tier], end: int) -> Iterator[str]:
+    yield 'File type = "ooTextFile"'
+    yield 'Object class = "TextGrid"'
+    yield ""
+    yield "xmin = 0"
+    yield f"xmax = {seconds(end)}"
+    yield "tiers? <exists>"
+    yield f"size = {len(tiers)}"
+    yield "item []:"
+    for number, tier in enumerate(tiers, start=1):
+        yield f"    item [{number}]:"
+        yield f'        class = "{"TextTier" if tier.points else "IntervalTier"}"'
+        yield f"        name = {_quoted(tier.name)}"
+        yield "        xmin = 0"
+        yield f"        xmax = {seconds(end)}"
+        yield from _points(tier) if tier.points else _intervals(tier, end)
+
+
+def _points(tier: Tier) -> Iterator[str]:
+    yield f"        points: size = {len(tier.spans)}"
+    for number, span in enumerate(tier.spans, start=1):
+        yield f"        points [{number}]:"
+        yield f"            number = {seconds(span.begin)}"
+        yield f"            mark = {_quoted(span.text)}"
+
+
+def _intervals(tier: Tier, end: int) -> Iterator[str]:
+    covering = list(_covering(tier, end))
+    yield f"        intervals: size = {len(covering)}"
+    for number, span in enumerate(covering, start=1):
+        yield f"        intervals [{number}]:"
+        yield f"            xmin = {seconds(span.begin)}"
+        yield f"            xmax = {seconds(span.end)}"
+        yield f"            text = {_quoted(span.text)}"
+
+
+def _covering(tier: Tier, end: int) -> Iterator[Span]:
+    """The spans with empty ones between them, from 0 to `end`."""
+    position = 0
+    for span in tier.spans:
+        if span.begin > position:
+            yield Span(position, span.begin, "")
+        yield span
+        position = span.end
+    if position < end:
+        yield Span(position, end, "")
+
+
+def _quoted(text: str) -> str:
+    return '"' + one_line(text).replace('"', '""') + '"'

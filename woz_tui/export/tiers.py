@@ -1,0 +1,151 @@
+"""A session as tiers, for programs that annotate: intervals that do not overlap, and points."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.export.course import Event, Session
+from woz_tui.export.text import one_line
+
+
+@dataclass(frozen=True, slots=True)
+class Span:
+    """From `begin` to `end`, in the unit and on the axis of its tier; `text` is never empty."""
+
+    begin: int
+    end: int
+    text: str
+
+
+@dataclass(slots=True)
+class Tier:
+    """Spans by time. On a tier of `points` each is a moment (`end` equals `begin`)."""
+
+    name: str
+    points: bool = False
+    spans: list[Span] = field(default_factory=list)
+
+
+_SETTINGS = frozenset(
+    {
+        *("session.changed", "condition.assigned", "shaping.changed", "perception.changed"),
+        *("mode.changed", "profile.changed", "panel.locked", "experiment.reloaded"),
+    }
+)
+
+
+def _spoken(event: Event) -> bool:
+    return event.kind == "command" and event.verb == "say" and event.acted is not None
+
+
+_Sorts = Sequence[tuple[str, bool, Callable[[Event], bool]]]
+
+#: Tiers in this order, whether they hold points, and what goes onto them. Those of the panels, with
+#: the actions, come after the robot's speech.
+_BEFORE: _Sorts = (
+    ("trials", False, lambda event: event.kind == "trial"),
+    ("breaks", False, lambda event: event.kind == "break"),
+    ("engagement", False, lambda event: event.kind == "engagement"),
+    ("visitor speech", False, lambda event: event.kind == "speech"),
+    ("robot speech", False, _spoken),
+)
+_AFTER: _Sorts = (
+    ("stops", False, lambda event: event.kind == "stop"),
+    ("questionnaires", False, lambda event: event.kind == "questionnaire"),
+    ("markers", True, lambda event: event.kind == "marker"),
+    ("notes", True, lambda event: event.kind == "note"),
+    ("mistakes", True, lambda event: event.kind == "mistake"),
+    ("cues", True, lambda event: event.kind in ("cue.given", "cue.answered")),
+    ("drivers", True, lambda event: event.kind.startswith(("driver.", "lane."))),
+    ("settings", True, lambda event: event.kind in _SETTINGS),
+)
+#: Where actions without a panel are.
+NO_PANEL = "actions"
+
+
+def tiers_of(session: Session) -> list[Tier]:
+    """Everything of a session that is put on tiers, times in microseconds. Spans of a tier may
+    overlap still: see `apart`. Tiers with nothing on them are left out.
+    """
+    panels: dict[str, Tier] = {}
+    for event in session.events:
+        if event.kind == "action":
+            name = f"panel {one_line(event.panel)}" if event.panel.strip() else NO_PANEL
+            panels.setdefault(name, Tier(name)).spans.append(_span(event))
+    tiers = [*_filled(session, _BEFORE), *panels.values(), *_filled(session, _AFTER)]
+    for tier in tiers:
+        tier.spans.sort(key=lambda span: (span.begin, span.end))
+    return [tier for tier in tiers if tier.spans]
+
+
+def _filled(session: Session, sorts: _Sorts) -> Iterable[Tier]:
+    for name, points, wanted in sorts:
+        spans = [_span(event) for event in session.events if wanted(event)]
+        yield Tier(name, points, spans)
+
+
+def _span(event: Event) -> Span:
+    begin = event.begin if event.acted is None else max(event.begin, event.acted)
+    end = begin if event.end is None else max(begin, event.end)
+    words = _words(event)
+    return Span(begin, end, words if words.strip() else event.kind)
+
+
+def _words(event: Event) -> str:
+    """What stands in an annotation."""
+    match event.kind:
+        case "action":
+            words = event.label
+        case "command" | "speech" | "note" | "marker":
+            return event.text
+        case "engagement" | "questionnaire" | "trial":
+            words = event.label
+        case "stop":
+            words = f"{event.label} ({event.source})"
+        case _:
+            parts = [event.kind, event.label, event.text]
+            words = " ".join(part for part in parts if part)
+            return words if event.label or event.text else f"{event.kind} {_plainly(event)}"
+    marks = [event.outcome] if event.outcome not in ("", "done", "released") else []
+    marks += ["mistake"] if event.mistake else []
+    text = event.text if event.kind == "trial" else ""
+    return " ".join(
+        [words, *([f"[{', '.join(marks)}]"] if marks else []), *([text] if text else [])]
+    )
+
+
+def _plainly(event: Event) -> str:
+    return ", ".join(f"{name}={value}" for name, value in event.details.items())
+
+
+def apart(tier: Tier, shortest: int = 0) -> list[Tier]:
+    """The same spans on tiers on which none overlaps another: what finds no room goes onto
+    `<name>-2` and so on. Spans shorter than `shortest` are prolonged to it first.
+    """
+    tiers: list[Tier] = []
+    for span in sorted(tier.spans, key=lambda span: (span.begin, span.end)):
+        long = Span(span.begin, max(span.end, span.begin + shortest), span.text)
+        for candidate in tiers:
+            last = candidate.spans[-1]
+            if last.end <= long.begin and last.begin < long.begin:
+                candidate.spans.append(long)
+                break
+        else:
+            name = tier.name if not tiers else f"{tier.name}-{len(tiers) + 1}"
+            tiers.append(Tier(name, tier.points, [long]))
+    return tiers
+
+
+def unique_names(tiers: Iterable[Tier]) -> list[Tier]:
+    """The tiers with names that occur once; a panel may be called like anything."""
+    taken: set[str] = set()
+    result = []
+    for tier in tiers:
+        name, number = tier.name, 1
+        while name in taken:
+            number += 1
+            name = f"{tier.name} ({number})"
+        taken.add(name)
+        result.append(Tier(name, tier.points, tier.spans))
+    return result

@@ -1,65 +1,44 @@
-"""What each figure on the page is, in a sentence: shown at the figure and at the end of the page.
+"""What each figure on the page is: shown at the figure, and in full at the end of the page.
 
-docs/report.md has them in full.
+The sentences are those of the measures, as in docs/report.md and beside the CSV.
 """
 
 from __future__ import annotations
 
 from woz_tui.analysis.html.markup import Markup, tag
+from woz_tui.analysis.measures import BY_NAME
 
-#: Name in an address -> title, meaning.
-DEFINITIONS: dict[str, tuple[str, str]] = {
-    "acts": (
-        "Acts by hand",
-        "Actions and single commands that a human asked for: not those of a program or of the "
-        "engagement model.",
-    ),
-    "rate": ("Acts a minute", "Acts by hand, divided by the time in which they could happen."),
-    "reaction": (
-        "Reaction time",
-        "From a cue (the visitor's speech ends, the engagement changes, a marker) to the request "
-        "of the next act by hand, if it comes within the window.",
-    ),
-    "missed": ("Missed cues", "Cues after which no act by hand came within the window."),
-    "press": (
-        "Press to start",
-        "From the request by hand to the moment at which the driver was asked to perform the "
-        "first command: what the software adds.",
-    ),
-    "done": (
-        "Request to end",
-        "From the request of an action to its end, of actions that were done.",
-    ),
-    "gaps": ("Gaps", "Between two acts by hand, one after the other."),
-    "mistakes": (
-        "Mistakes",
-        "Acts that the wizard called a mistake; the rate is their share of the acts by hand.",
-    ),
-    "engaged": (
-        "Engaged",
-        "Share of the time for which the engagement model was on in which a visitor was engaged.",
-    ),
-    "episodes": ("Episodes", "Unbroken times of engagement, and how long they lasted."),
-    "stops": ("Stops", "How often the stop latched, whoever caused it."),
-    "trials": ("Trials", "Trials that were begun and are neither aborted nor excluded."),
-    "percentile": (
-        "Median and p95",
-        "Half, and 95 of 100, of the values are at most this (linear between neighbours).",
-    ),
+#: Name in an address -> title on the page, and the measure that it stands for.
+_MEASURES: dict[str, tuple[str, str]] = {
+    "acts": ("Acts by hand", "acts"),
+    "rate": ("Acts a minute", "acts_per_minute"),
+    "reaction": ("Reaction time", "reaction_median_s"),
+    "missed": ("Missed cues", "cues_missed"),
+    "overtaken": ("Overtaken cues", "cues_overtaken"),
+    "press": ("Press to start", "press_median_ms"),
+    "done": ("Request to end", "action_median_s"),
+    "gaps": ("Gaps", "gap_median_s"),
+    "mistakes": ("Mistakes", "mistakes"),
+    "engaged": ("Engaged", "engaged_share"),
+    "episodes": ("Episodes", "episodes"),
+    "stops": ("Stops", "stops"),
+    "trials": ("Trials", "trials"),
 }
+_PERCENTILE = "half, and 95 of 100, of the values are at most this; linear between neighbours"
 
 
 def defined(name: str, text: str = "") -> Markup:
     """The figure's title, leading to its definition."""
-    title, meaning = DEFINITIONS[name]
+    title, measure = _MEASURES[name]
+    meaning = BY_NAME[measure].meaning.replace("`", "")
     return tag("a", text or title, href=f"#about-{name}", title=meaning, class_="defined")
 
 
 def glossary() -> Markup:
     """All definitions."""
     entries = [
-        (tag("dt", title, id=f"about-{name}"), tag("dd", meaning))
-        for name, (title, meaning) in DEFINITIONS.items()
+        (tag("dt", title, id=f"about-{name}"), tag("dd", prose(BY_NAME[measure].meaning)))
+        for name, (title, measure) in _MEASURES.items()
     ]
     return tag(
         "section",
@@ -69,7 +48,12 @@ def glossary() -> Markup:
             "Figures leave out what happened in trials that were aborted or excluded, unless all "
             "trials were asked for; timelines and lists of events show everything.",
         ),
-        tag("dl", *entries, class_="glossary"),
+        tag("dl", entries, tag("dt", "Median, p95"), tag("dd", _PERCENTILE), class_="glossary"),
         class_="figures",
         aria_labelledby="figures",
     )
+
+
+def prose(text: str) -> list[Markup | str]:
+    """A sentence whose words between backticks are names in a log or a table."""
+    return [tag("code", part) if place % 2 else part for place, part in enumerate(text.split("`"))]

@@ -10,6 +10,7 @@ from woz_tui.analysis.html.markup import Child, Markup, said, tag
 from woz_tui.analysis.html.numbers import DASH, calendar, clock, duration, percent, value
 from woz_tui.analysis.html.section import Entry
 from woz_tui.analysis.html.strips import ruler, strip
+from woz_tui.analysis.html.totals import totals
 
 
 def overview(found: Sequence[Entry]) -> Markup | None:
@@ -22,6 +23,7 @@ def overview(found: Sequence[Entry]) -> Markup | None:
         tag("h2", f"{len(found)} sessions", id="overview"),
         _damage(damaged, len(found)),
         _table(found),
+        list(totals([entry.report for entry in found])),
         _strips(found),
         aria_labelledby="overview",
         class_="overview",

@@ -38,7 +38,9 @@ def ruler(longest_us: int) -> Markup:
     """The scale above the strips."""
     scale = Scale(longest_us, 0, _WIDTH)
     ticks = [
-        tag("text", text, x=x, y=8, class_="tick" if x else "tick first") for x, text in scale.ticks() if x < 550
+        tag("text", text, x=x, y=8, class_="tick" if x else "tick first")
+        for x, text in scale.ticks()
+        if x < 550
     ]
     return tag("svg", ticks, class_="strip", viewBox=f"0 0 {_WIDTH} 14", aria_hidden="true")
 

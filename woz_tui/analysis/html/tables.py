@@ -103,8 +103,15 @@ def verbs(figures: SessionFigures) -> Markup | None:
 
 def cues(figures: SessionFigures) -> Markup | None:
     """Reaction times by the sort of cue."""
-    heads = ["Cue", "All", "Answered", defined("missed"), "Overtaken", "Cut short"]
-    heads += [defined("reaction", "Median"), defined("percentile", "p95"), "Longest"]
+    heads = [
+        "Cue",
+        "All",
+        "Answered",
+        defined("missed"),
+        defined("overtaken", "Overtaken"),
+        "Cut short",
+    ]
+    heads += [defined("reaction", "Median"), "p95", "Longest"]
     rows = [
         [
             sort,

@@ -326,6 +326,7 @@ def answers() -> list[r.AnyAnswer]:
             profile="child",
             allows={"child": {"panels": ["Speech"], "hide": True}},
             engagement={"timeouts": {"listening": 60.0}, "handshake": 60.0, "attempts": 3},
+            study={"design": {"order": "latin-square", "within": True, "trials": 3}},
         ),
     ]
 

@@ -34,7 +34,8 @@ class Request(
 
 
 class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello"):
-    """First line of a client. `role`: wizard (one at a time), watcher or program.
+    """First line of a client. `role`: wizard (one at a time), watcher, program, or participant, who
+    may do nothing but answer questionnaires (and stop).
 
     A wizard must send a `beat` at least every second; when three seconds pass without one, driving
     stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
@@ -177,7 +178,7 @@ class Beat(Request, frozen=True, kw_only=True, omit_defaults=True, tag="beat"):
 
 class AskProposal(Request, frozen=True, kw_only=True, omit_defaults=True, tag="proposal"):
     """Which conditions should this participant get? The reply's `data` has `order`, `method`,
-    `row`, `why`, and `condition` and `trial`: where this session would go on.
+    `row`, `why`, and `condition` and `trial`: where this session would go on, of `planned` trials.
     """
 
     participant: str
@@ -296,7 +297,8 @@ class Welcome(
     `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
     names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
     `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
-    whole `handshake` and how many `attempts` it has.
+    whole `handshake` and how many `attempts` it has; `study`: what the file says of the study, and
+    how it stands (see `docs/protocol.md`).
     """
 
     protocol: int
@@ -356,8 +358,8 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values. `profiles`, `profile`, `allows` and `engagement` as in the welcome's
-    `settings`.
+    variables' present values. `profiles`, `profile`, `allows`, `engagement` and `study` as in the
+    welcome's `settings`.
     """
 
     title: str
@@ -371,6 +373,7 @@ class PanelsChanged(
     profile: str = ""
     allows: dict[str, Json] = {}
     engagement: dict[str, Json] = {}
+    study: dict[str, Json] = {}
 
 
 #: Lines from the host that are not messages of the session.

@@ -13,7 +13,10 @@ from woz_tui.core.messages import Json
 from woz_tui.core.requests import (
     AnyRequest,
     AskAction,
+    AskAnswer,
+    AskAssign,
     AskCancel,
+    AskCheck,
     AskEnd,
     AskLock,
     AskMarker,
@@ -21,10 +24,13 @@ from woz_tui.core.requests import (
     AskNote,
     AskPreflight,
     AskProfile,
+    AskProposal,
+    AskQuestionnaire,
     AskRelease,
     AskReload,
     AskScript,
     AskSet,
+    AskTrial,
     AskVerb,
     Reply,
 )
@@ -33,6 +39,7 @@ from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.host.client import Client
 from woz_tui.session.identity import AskError
 from woz_tui.session.preflight import preflight
+from woz_tui.session.questioning import PARTICIPANT
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
 from woz_tui.session.variables import MissingError, filled
@@ -41,6 +48,10 @@ log = logging.getLogger(__name__)
 
 #: What somebody who only watches may ask for (the stop is open to all, see `server`).
 WATCHER_MAY = (AskPreflight, AskMarker, AskNote)
+#: What a participant may ask for, who sits at a terminal to answer a questionnaire.
+PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
+#: What takes its time, because it reads files or asks devices.
+Slow = AskReload | AskPreflight | AskProposal
 
 
 class Desk:
@@ -56,6 +67,7 @@ class Desk:
         self._load = load
         self._tasks: set[asyncio.Task[None]] = set()
         self._reading = asyncio.Lock()  # what was read last is what counts
+        self._looking = asyncio.Lock()  # into the earlier logs, one after the other
         self.on_end: Callable[[str], None] = lambda reason: None
         self.on_panels: Callable[[], None] = lambda: None
 
@@ -70,7 +82,10 @@ class Desk:
                     hint="`woz attach --take-over` to play it yourself",
                 )
             )
-        elif isinstance(request, AskReload | AskPreflight):
+        elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
+            reason = "you can answer questionnaires here, and nothing else"
+            client.send(Reply(ref=request.ref, ok=False, reason=reason))
+        elif isinstance(request, Slow):
             task = asyncio.get_running_loop().create_task(self._later(client, request))
             self._tasks.add(task)
             task.add_done_callback(self._tasks.discard)
@@ -110,8 +125,27 @@ class Desk:
             case AskEnd(reason=reason):
                 self.on_end(reason)
             case _:
-                raise AskError(f"{type(request).__name__} cannot be asked here")
+                self._study(client, request)
         return run
+
+    def _study(self, client: Client, request: AnyRequest) -> None:
+        study = self._session.study
+        if self._session.ended:
+            raise AskError("the session is ending")
+        match request:
+            case AskAssign(participant=participant, order=order):
+                study.assign(participant, order)
+            case AskTrial(what=what, text=text):
+                study.trial(what, text)
+            case AskQuestionnaire(questionnaire=name, what=what, source=source):
+                by = PARTICIPANT if client.role == PARTICIPANT else source
+                study.questioning.ask(name, what, by)
+            case AskAnswer():
+                study.questioning.answer(request)
+            case AskCheck(check=check, ok=ok, text=text):
+                study.check(check, ok, text, client.role)
+            case _:
+                raise AskError(f"{type(request).__name__} cannot be asked here")
 
     def _write(self, client: Client, request: AskMarker | AskNote | AskMistake) -> None:
         match request:
@@ -166,7 +200,7 @@ class Desk:
 
     # -- what takes its time -----------------------------------------------------------------
 
-    async def _later(self, client: Client, request: AskReload | AskPreflight) -> None:
+    async def _later(self, client: Client, request: Slow) -> None:
         try:
             data = await self._data(request)
         except AskError as error:
@@ -186,9 +220,13 @@ class Desk:
             reply = Reply(ref=request.ref, ok=True, data=data)
         client.send(reply)
 
-    async def _data(self, request: AskReload | AskPreflight) -> Json:
+    async def _data(self, request: Slow) -> Json:
         if isinstance(request, AskPreflight):
             return _plain(await preflight(self._session))
+        if isinstance(request, AskProposal):
+            async with self._looking:
+                study, participant = self._session.study, request.participant
+                return (await asyncio.to_thread(study.propose, participant)).data()
         async with self._reading:
             return await self._reload(request.dry_run)
 

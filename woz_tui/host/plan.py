@@ -19,12 +19,13 @@ from woz_tui.host.views import (
     verb_names,
 )
 from woz_tui.session.session import Session
+from woz_tui.session.study_view import standing, study_settings
 
 
 @dataclass(frozen=True, slots=True)
 class Shown:
     """An experiment, and how it stands in a session: locks by panel's title, the profile in use,
-    the variables with their values at this moment.
+    the variables with their values at this moment, how the study stands.
     """
 
     experiment: Experiment
@@ -32,6 +33,7 @@ class Shown:
     locked: Mapping[str, bool] = field(default_factory=dict)
     profile: Profile | None = None
     values: Mapping[str, str] = field(default_factory=dict)
+    study: Mapping[str, m.Json] = field(default_factory=dict)
 
     @classmethod
     def of(cls, session: Session) -> Shown:
@@ -41,7 +43,8 @@ class Shown:
             session.catalogue,
             session.locked,
             session.profiles.current,
-            session.values(),
+            session.study.shown(session.values()),
+            standing(session.study.progress),
         )
 
 
@@ -68,6 +71,7 @@ def plan_of(shown: Shown) -> m.SessionPlan:
             "profile": shown.profile.name if shown.profile is not None else "",
             "allows": allowances(experiment),
             "engagement": engagement_limits(experiment),
+            "study": {**study_settings(experiment), **shown.study},
         },
     )
 

@@ -27,12 +27,13 @@ from woz_tui.host.client import LINGER_S, Client
 from woz_tui.host.desk import Desk
 from woz_tui.host.plan import Shown, plan_for_log, plan_of
 from woz_tui.session.plan import panels_changed, welcome
+from woz_tui.session.questioning import PARTICIPANT
 from woz_tui.session.session import Session
 
 PULSE_S = 1.0
 #: Dead-man periods of silence after which a wizard's connection is given up altogether.
 SILENT_PERIODS = 5
-ROLES = ("wizard", "watcher", "program")
+ROLES = ("wizard", "watcher", "program", PARTICIPANT)
 STREAMS = ("everything", "actions", "nothing")
 
 log = logging.getLogger(__name__)
@@ -153,8 +154,8 @@ class Host:
 
     @property
     def alone(self) -> bool:
-        """Whether nobody is attached at all."""
-        return not self._clients
+        """Whether nobody is attached at all; somebody who answers questions minds no robot."""
+        return all(client.role == PARTICIPANT for client in self._clients)
 
     def _request(self, client: Client, request: AnyRequest) -> None:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
@@ -239,7 +240,7 @@ class Host:
         if not self.session.ended:
             self.session.hub.publish(m.ConsoleLost(console=client.name, role=client.role, why=why))
             self._update_watch()
-        if not self._clients:
+        if self.alone and client.role != PARTICIPANT:
             self._alone_us = self.session.hub.now()
 
     # -- the dead man's switch ---------------------------------------------------------------
@@ -275,7 +276,7 @@ class Host:
                 self._update_watch("the wizard's console is silent")
         for client in self._clients:
             client.send(Pulse(t=now, dropped=client.dropped))
-        if not self._clients and now - self._alone_us > settings.abandon_after * 1_000_000:
+        if self.alone and now - self._alone_us > settings.abandon_after * 1_000_000:
             self.end("abandoned")
 
 

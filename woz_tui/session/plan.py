@@ -14,6 +14,7 @@ _CHANGING: Mapping[str, type] = {
     "profile": str,
     "allows": dict,
     "engagement": dict,
+    "study": dict,
 }
 
 

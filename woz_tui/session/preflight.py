@@ -10,10 +10,12 @@ from woz_tui.session.session import Session
 
 #: A sensor that has said nothing for longer than this is silent (microseconds).
 FRESH_US = 3_000_000
+#: What a line of the list can be; what is only worth knowing is in order.
+LEVELS = ("ok", "warning", "error")
 
 
 async def preflight(session: Session) -> list[Finding]:
-    """Findings of drivers, sensors, log, disk, clock and identity; logged as one marker."""
+    """Findings of drivers, sensors, log, disk, clock, identity: each in the log, and a marker."""
     findings = [
         *_drivers(session),
         *_sensors(session),
@@ -23,6 +25,15 @@ async def preflight(session: Session) -> list[Finding]:
         _identity(session),
         _stop(session),
     ]
+    for finding in findings:
+        session.hub.publish(
+            m.PreflightChecked(
+                check=finding.subject,
+                level=finding.level if finding.level in LEVELS else "ok",
+                detail=finding.text,
+                source="robot",
+            )
+        )
     worst = sum(finding.level == "error" for finding in findings)
     session.hub.publish(
         m.Marker(text=f"preflight: {len(findings)} checks, {worst} failed", source="preflight")
@@ -107,7 +118,8 @@ def _identity(session: Session) -> Finding:
     ]
     if missing:
         return Finding("warning", "session", f"no {' and no '.join(missing)} set", "choose it")
-    return Finding("ok", "session", f"{identity.participant} {identity.condition}".strip())
+    condition = session.study.progress.label(identity.condition)
+    return Finding("ok", "session", f"{identity.participant} {condition}".strip())
 
 
 def _stop(session: Session) -> Finding:

@@ -14,23 +14,21 @@ from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, timestamp
 from woz_tui.core.driver import Ask, Driver, Performer
-from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
-from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import Call, Experiment, Place
-from woz_tui.plugins import PluginError
-from woz_tui.record.names import media_folder
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
 from woz_tui.session.beginning import begin, reloaded
+from woz_tui.session.casting import make_drivers
 from woz_tui.session.crew import Crew
 from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
-from woz_tui.session.outlet import DriverOutlet
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.standing import Standing
+from woz_tui.session.study import LiveStudy
 from woz_tui.session.utterances import remedy, utterances
+from woz_tui.session.variables import Values
 from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
 
 #: Seconds between two lines that tie the session's clock to the calendar.
@@ -69,7 +67,9 @@ class Session:
         begin(self.hub, self.identity, self.experiment, self.clock)
         self.engagement = LiveEngagement(self)
         self.profiles = Profiles(self.hub.publish)
-        self._make_drivers()
+        self.study = LiveStudy(self)
+        make_drivers(self, self._asked)
+        self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
         self._crew = Crew(self.drivers, self.hub)
         self.verbs = {spec.name: spec.verbs for spec in self.experiment.drivers}
         by_name = {
@@ -117,37 +117,12 @@ class Session:
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
 
-    def _make_drivers(self) -> None:
-        folder = self.experiment.path.parent
-        names = published_names(self.experiment.drivers)
-        feeds = Feeds()
-        for spec in self.experiment.drivers:
-            outlet = DriverOutlet(
-                spec.name,
-                self.hub,
-                self.clock,
-                folder,
-                names=names[spec.name],
-                feeds=feeds,
-                asked=self._asked,
-                media=lambda: media_folder(self.recorder.path),
-            )
-            try:
-                driver = self.catalogue[spec.type](spec.name, spec.settings, outlet)
-            except (Exception, SystemExit) as error:
-                raise PluginError(
-                    f"the driver {spec.name!r} cannot be made: {type(error).__name__}: {error}"
-                ) from error
-            self.drivers[spec.name] = driver
-        for panel in self.experiment.panels:
-            if panel.locked:
-                self.locked[panel.title] = True
-
     # -- beginning and ending ----------------------------------------------------------------
 
     async def open(self) -> None:
         """Let every driver look for its hardware; none of them can fail the session."""
         self.engagement.begin()
+        self.study.begin()
         await self._crew.open()
         self._tie_clock()
         self._checkpoint()
@@ -163,6 +138,7 @@ class Session:
         self.ended = True
         for timer in self._timers.values():
             timer.cancel()
+        self.study.close()
         self.runner.stop_waiting("the session ends")
         await self.bus.drain(1.0)
         if rest and not self.bus.latched:
@@ -195,9 +171,10 @@ class Session:
 
     # -- actions -----------------------------------------------------------------------------
 
-    def values(self) -> dict[str, str]:
+    def values(self) -> Values:
         """The variables' present values."""
-        return {**self.experiment.variables, **self.identity.values(), **self.engagement.values()}
+        own = {**self.experiment.variables, **self.identity.values(), **self.engagement.values()}
+        return self.study.filled(own)
 
     def play(self, name: str, origin: Origin, when_busy: str = "", stale: str = "") -> str:
         """Play the action `name`; its run id. Raises `AskError`; the refusal is in the log too.
@@ -340,6 +317,7 @@ class Session:
         trial: int | None = None,
     ) -> None:
         """Set participant, condition or trial; each is checked first, then all are set."""
+        self.study.allow(participant)
         self.identity = self.identity.changed(self.experiment, participant, condition, trial)
         self.hub.publish(
             m.SessionChanged(participant=participant, condition=condition, trial=trial)
@@ -389,6 +367,7 @@ class Session:
             self.bus.offer(spec.name, spec.verbs)
         self.runner.deadline = experiment.session.deadline
         reloaded(self.hub, experiment, changes)
+        self.study.adopt()
         kept = self.profiles.adopt(experiment)
         if kept:
             self.hub.publish(m.Notice(level="warning", text=kept, remedy="choose another profile"))

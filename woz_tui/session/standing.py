@@ -29,6 +29,7 @@ class Standing:
             return
         if not isinstance(message, _UNLISTED):
             self._recent.append(message)
+        self.forget(*_ENDS.get(type(message), ()))
         match message:
             case m.SessionChanged():
                 self._merge(message)
@@ -118,6 +119,12 @@ def _newer(new: str | None, old: str | None) -> str | None:
 
 #: What no list of events has a line for: samples, what is shown, what a log says of itself.
 _UNLISTED = m.Reading | m.Shown | m.EngagementShown | m.ExperimentFiles | m.SessionPlan
+#: What holds no more when a message of this kind comes.
+_ENDS: dict[type, tuple[type[m.Message], ...]] = {
+    m.BreakEnded: (m.BreakStarted,),
+    m.QuestionnaireStarted: (m.QuestionnaireStarted, m.QuestionnaireAnswered),
+    m.QuestionnaireEnded: (m.QuestionnaireStarted, m.QuestionnaireAnswered),
+}
 #: Messages of one slot replace each other: the slot is the kind and these fields.
 _SLOTS: dict[type, tuple[str, ...]] = {
     m.SessionStart: (),
@@ -135,6 +142,16 @@ _SLOTS: dict[type, tuple[str, ...]] = {
     m.ScriptMoved: (),
     m.PanelLocked: ("panel",),
     m.ProfileChanged: (),
+    m.ConditionsAssigned: (),
+    m.TrialStarted: (),
+    m.TrialEnded: (),
+    m.BreakStarted: (),
+    m.PreflightChecked: ("check",),
+    m.QuestionnaireStarted: (),
+    m.QuestionnaireAnswered: ("item",),
+    m.QuestionnaireEnded: ("questionnaire",),
+    m.ShapingChanged: (),
+    m.PerceptionChanged: (),
 }
 
 

@@ -8,6 +8,14 @@ from woz_tui.core.messages import Json
 from woz_tui.experiment.template import fill
 
 
+class Values(dict[str, str]):
+    """Values by name; `why` says of some that have none what they wait for."""
+
+    def __init__(self, values: Mapping[str, str], why: Mapping[str, str]) -> None:
+        super().__init__(values)
+        self.why = why
+
+
 class MissingError(ValueError):
     """A variable has no value yet; the text names it."""
 
@@ -29,5 +37,19 @@ def filled(value: Json, values: Mapping[str, str]) -> Json:
 def _value(name: str, values: Mapping[str, str]) -> str:
     text = values.get(name, "")
     if not text:
-        raise MissingError(f"{{{name}}} has no value yet")
+        why = values.why.get(name, "") if isinstance(values, Values) else ""
+        raise MissingError(f"{{{name}}} has no value yet{why and ': '}{why}")
     return text
+
+
+def by_condition(
+    texts: Mapping[str, Mapping[str, str]], condition: str
+) -> tuple[dict[str, str], dict[str, str]]:
+    """The variables that depend on the condition: those with a value now, and why others have none.
+
+    No condition is named, since the wizard may not be told.
+    """
+    values = {name: found[condition] for name, found in texts.items() if condition in found}
+    waits = "it depends on the condition, and "
+    waits += "the file has no text for the present one" if condition else "none is set"
+    return values, {name: waits for name in texts if not values.get(name)}

@@ -1,0 +1,157 @@
+"""What the earlier logs of an experiment say about its participants, read quickly.
+
+Only the action files are opened, and only lines with one of a few words are decoded: an hour of a
+session has thousands of lines and a dozen of these. Whatever is damaged is passed over.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.record.names import FileName
+from woz_tui.session.progress import OVER
+from woz_tui.session.proposal import Past
+
+#: Bytes read at once.
+CHUNK = 1 << 20
+#: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
+_KINDS = ("session.start", "session.plan", "session.changed", "condition.assigned")
+_WORDS = tuple(f'"{kind}"'.encode() for kind in (*_KINDS, "trial.started", "trial.ended"))
+
+
+@dataclass(frozen=True, slots=True)
+class Found:
+    """Participants of an experiment, in the order in which they came, and what could not be read.
+
+    `logs`: how many sessions of this experiment there are.
+    """
+
+    past: tuple[Past, ...] = ()
+    logs: int = 0
+    unreadable: tuple[str, ...] = ()
+
+
+@dataclass
+class Earlier:
+    """The logs of one folder. Files that have not changed are read once.
+
+    Args:
+        folder: Where recordings are. Those in a second folder (`--spill`) are not looked for.
+    """
+
+    folder: Path
+    _known: dict[Path, tuple[tuple[int, int], list[m.AnyMessage]]] = field(default_factory=dict)
+
+    def read(self, title: str, file: str) -> Found:
+        """Everything about the experiment of this title; logs that tell no title (of version 1)
+        count if the experiment's `file` had this name. Reads files: may be called from any thread,
+        but only from one at a time.
+        """
+        people: dict[str, Past] = {}
+        unreadable: list[str] = []
+        logs = 0
+        for paths in self._sessions():
+            lines: list[m.AnyMessage] = []
+            for path in paths:
+                try:
+                    lines += self._lines(path)
+                except OSError:
+                    unreadable.append(path.name)
+            if _is_of(lines, title, file):
+                logs += 1
+                _Attribution(people).follow(lines)
+        return Found(tuple(people.values()), logs, tuple(unreadable))
+
+    def _sessions(self) -> Iterator[list[Path]]:
+        """The action files of each session, oldest session first, segments in their order."""
+        found: dict[str, list[tuple[int, Path]]] = {}
+        try:
+            paths = [*self.folder.iterdir()]
+        except OSError:  # no recordings yet
+            return
+        for path in paths:
+            name = FileName.parse(path.name)
+            if name is not None and not name.samples:
+                found.setdefault(name.stem, []).append((name.number, path))
+        for stem in sorted(found):
+            yield [path for _, path in sorted(found[stem])]
+
+    def _lines(self, path: Path) -> list[m.AnyMessage]:
+        facts = path.stat()
+        stamp = (facts.st_size, facts.st_mtime_ns)
+        known = self._known.get(path)
+        if known is None or known[0] != stamp:
+            known = (stamp, [*_messages(path)])
+            self._known[path] = known
+        return known[1]
+
+
+def _messages(path: Path) -> Iterator[m.AnyMessage]:
+    for line in _candidates(path):
+        try:
+            yield wire.decode_message(line)
+        except wire.WireError:  # torn, or another kind's
+            continue
+
+
+def _candidates(path: Path) -> Iterator[bytes]:
+    rest = b""
+    with path.open("rb") as file:
+        while chunk := file.read(CHUNK):
+            whole, newline, tail = (rest + chunk).rpartition(b"\n")
+            if not newline and len(tail) > 4 * CHUNK:
+                tail = b""  # no line is as long as this: something else lies there
+            rest = tail
+            if any(word in whole for word in _WORDS):
+                yield from (line for line in whole.split(b"\n") if _is_candidate(line))
+    if _is_candidate(rest):
+        yield rest
+
+
+def _is_candidate(line: bytes) -> bool:
+    return any(word in line for word in _WORDS)
+
+
+def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
+    titles = [line.title for line in lines if isinstance(line, m.SessionPlan)]
+    if titles:
+        return title in titles
+    return any(isinstance(line, m.SessionStart) and line.experiment == file for line in lines)
+
+
+class _Attribution:
+    """Gives each line of one session to the participant who was there."""
+
+    def __init__(self, people: dict[str, Past]) -> None:
+        self._people = people
+        self._now: Past | None = None
+
+    def follow(self, lines: list[m.AnyMessage]) -> None:
+        for line in lines:
+            match line:
+                case m.SessionStart(participant=code) | m.SessionChanged(participant=str(code)):
+                    self._somebody(code)
+                case m.ConditionsAssigned():
+                    self._assigned(line)
+                case m.TrialStarted() if self._now is not None:
+                    self._now.begun = True
+                case m.TrialEnded(trial=trial, outcome=outcome) if self._now is not None:
+                    self._now.done |= outcome == "done"
+                    if outcome in OVER:
+                        self._now.over = max(self._now.over, trial)
+
+    def _somebody(self, code: str) -> None:
+        self._now = self._people.setdefault(code, Past(code)) if code else None
+
+    def _assigned(self, line: m.ConditionsAssigned) -> None:
+        self._somebody(line.participant)
+        past, order = self._now, tuple(line.order)
+        if past is None:
+            return
+        if order != past.order:
+            past.over = 0
+        past.order, past.method, past.row = order, line.method, line.row

@@ -1,0 +1,243 @@
+"""The study in the robot process: who gets which condition, trials and breaks, what is asked.
+
+Every change is a message; `progress` holds what follows from them. Refusals are `AskError`s.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+from woz_tui.core import messages as m
+from woz_tui.experiment.study import Design
+from woz_tui.session.earlier import Earlier
+from woz_tui.session.identity import AskError, check_participant
+from woz_tui.session.progress import Progress
+from woz_tui.session.proposal import Proposal, propose
+from woz_tui.session.questioning import Questioning
+from woz_tui.session.study_view import study_settings
+from woz_tui.session.variables import Values, by_condition
+
+if TYPE_CHECKING:
+    from woz_tui.session.session import Session
+
+#: Where the wizard chose the order, and no design did.
+BY_HAND = "hand"
+
+
+class LiveStudy:
+    """See the module's text.
+
+    Args:
+        session: Whose hub, experiment and identity count, and which sets the condition.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self._hub = session.hub
+        self.progress = Progress(study_settings(session.experiment))
+        for message in session.standing.state():
+            self.progress.see(message)
+        self._hub.listen(self.progress.see)
+        self._earlier = Earlier(session.recorder.path.parent)
+        self._proposed: dict[str, Proposal] = {}
+        self.questioning = Questioning(self.progress, self._hub.publish)
+
+    # -- beginning and ending ----------------------------------------------------------------------
+
+    def begin(self) -> None:
+        """Say what shapes the wizard's answers, as far as the file has it."""
+        study = self._session.experiment.study
+        if study.perception.hide or study.perception.blur:
+            self._tell_perception()
+        if study.shaping is not None:
+            self._tell_shaping()
+
+    def adopt(self) -> None:
+        """Go on with a changed file; what is under way goes on as it began."""
+        old = self.progress.told
+        new = study_settings(self._session.experiment)
+        self.progress.told = new
+        self._proposed.clear()
+        if old["perception"] != new["perception"]:
+            self._tell_perception()
+        if old["shaping"] != new["shaping"]:
+            self._tell_shaping()
+
+    def close(self) -> None:
+        """The session ends: so does what is under way."""
+        self.questioning.leave()
+        self._end_break("the session ended")
+        if self.progress.running is not None:
+            self._end_trial("aborted", "the session ended")
+
+    def _tell_perception(self) -> None:
+        perception = self._session.experiment.study.perception
+        self._hub.publish(
+            m.PerceptionChanged(hidden=[*perception.hide], blurred=[*perception.blur])
+        )
+
+    def _tell_shaping(self) -> None:
+        shaping = self._session.experiment.study.shaping
+        self._hub.publish(
+            m.ShapingChanged(
+                floor_us=round(shaping.floor * 1_000_000) if shaping else 0,
+                jitter_us=round(shaping.jitter * 1_000_000) if shaping else 0,
+                cues=[*shaping.cues] if shaping else [],
+            )
+        )
+
+    # -- values ------------------------------------------------------------------------------------
+
+    def filled(self, values: Mapping[str, str]) -> Values:
+        """`values`, and the variables that depend on the condition."""
+        texts = self._session.experiment.by_condition
+        now, why = by_condition(texts, self._session.identity.condition)
+        return Values({**now, **values}, why)
+
+    def shown(self, values: Mapping[str, str]) -> dict[str, str]:
+        """`values` as a wizard may know them who is blind to the condition."""
+        if not self.progress.told["blind"]:
+            return dict(values)
+        depending = self._session.experiment.by_condition
+        seen = {name: text for name, text in values.items() if name not in depending}
+        return {**seen, "condition": self.progress.label(values.get("condition", ""))}
+
+    # -- conditions --------------------------------------------------------------------------------
+
+    def propose(self, participant: str) -> Proposal:
+        """The order for this participant, from what the logs say. Reads files: to be called from a
+        thread of its own, one at a time.
+        """
+        experiment = self._session.experiment
+        design = self._design()
+        check_participant(participant, experiment.participant_pattern)
+        found = self._earlier.read(experiment.title, experiment.path.name)
+        proposal = propose(participant, design, experiment.conditions, found.past)
+        self._proposed[participant] = proposal
+        return proposal
+
+    def _design(self) -> Design:
+        design = self._session.experiment.study.design
+        if design is None:
+            raise AskError(
+                "the experiment has no design",
+                "add one to the file, such as design: {order: latin-square}",
+            )
+        return design
+
+    def assign(self, participant: str, order: list[str]) -> None:
+        """This participant gets the conditions in this order, from the next trial on."""
+        design, experiment = self._design(), self._session.experiment
+        check_participant(participant, experiment.participant_pattern)
+        self._between_trials()
+        _check_order(order, design, experiment.conditions)
+        proposal = self._proposed.get(participant)
+        as_proposed = proposal if proposal and [*proposal.order] == order else None
+        trial = as_proposed.trial if as_proposed else 1
+        place = min((trial - 1) // design.trials, len(order) - 1)
+        self._session.set(participant, order[place] if order else None, trial)
+        self._hub.publish(
+            m.ConditionsAssigned(
+                participant=participant,
+                order=order,
+                method=as_proposed.method if as_proposed else BY_HAND,
+                row=as_proposed.row if as_proposed else -1,
+                why=as_proposed.why if as_proposed else "chosen by hand",
+            )
+        )
+
+    def allow(self, participant: str | None) -> None:
+        """Raises `AskError` if the participant cannot change now."""
+        if participant is not None and participant != self.progress.participant:
+            self._between_trials()
+
+    def _between_trials(self) -> None:
+        running, asking = self.progress.running, self.progress.asking
+        if running is not None:
+            raise AskError(f"trial {running.trial} is under way", "end it first")
+        if asking is not None:
+            raise AskError(
+                f"the questionnaire {asking.questionnaire!r} is under way", "end it first"
+            )
+
+    # -- trials and breaks -------------------------------------------------------------------------
+
+    def trial(self, what: str, text: str) -> None:
+        """Begin or end a trial or a break; `what` as in `AskTrial`."""
+        match what:
+            case "begin":
+                self._begin_trial()
+            case "break":
+                if self.progress.on_break:
+                    raise AskError("there is a break already")
+                self._hub.publish(m.BreakStarted(text=text))
+            case "resume":
+                if not self.progress.on_break:
+                    raise AskError("there is no break")
+                self._end_break(text)
+            case _:
+                if self.progress.running is None:
+                    raise AskError("no trial is under way")
+                self._end_break("")
+                self._end_trial(what, text)
+
+    def _begin_trial(self) -> None:
+        progress = self.progress
+        if not progress.participant:
+            raise AskError("no participant is set", "choose one first")
+        self._between_trials()
+        if progress.trial > progress.planned > 0:
+            raise AskError(
+                f"all {progress.planned} trials of {progress.participant} are over",
+                "choose the next participant, or set the trial to run one again",
+            )
+        condition = progress.condition_of(progress.trial) or progress.condition
+        if self._session.experiment.conditions and not condition:
+            raise AskError("no condition is set", "choose the participant's order first")
+        identity = self._session.identity
+        if (identity.condition, identity.trial) != (condition, progress.trial):
+            self._session.set(
+                condition=condition if condition != identity.condition else None,
+                trial=progress.trial,
+            )
+        self._end_break("")
+        self._hub.publish(
+            m.TrialStarted(trial=progress.trial, condition=condition, planned=progress.planned)
+        )
+
+    def _end_trial(self, outcome: str, text: str) -> None:
+        if self.progress.running is not None:
+            trial = self.progress.running.trial
+            self._hub.publish(m.TrialEnded(trial=trial, outcome=outcome, text=text))
+
+    def _end_break(self, text: str) -> None:
+        if self.progress.on_break:
+            self._hub.publish(m.BreakEnded(text=text))
+
+    # -- preflight ---------------------------------------------------------------------------------
+
+    def check(self, check: str, ok: bool, text: str, source: str) -> None:
+        """Tick a line of the file's list, or take the tick away."""
+        known: Any = self.progress.told["preflight"]
+        if check not in known:
+            raise AskError(
+                f"the preflight list has no {check!r}",
+                f"there are {', '.join(known)}" if known else "the file has none: preflight: [...]",
+            )
+        level = "ok" if ok else "warning"
+        self._hub.publish(m.PreflightChecked(check=check, level=level, detail=text, source=source))
+
+
+def _check_order(order: list[str], design: Design, conditions: tuple[str, ...]) -> None:
+    """Raises `AskError` unless the design allows it, whichever order it proposes itself."""
+    unknown = [condition for condition in order if condition not in conditions]
+    if unknown:
+        there = f"there are {', '.join(conditions)}" if conditions else "the file lists none"
+        raise AskError(f"there is no condition {unknown[0]!r}", there)
+    if len(set(order)) < len(order):
+        raise AskError("a condition stands in the order twice")
+    if design.within and len(order) < len(conditions):
+        raise AskError("each participant gets all conditions; some are missing in the order")
+    if not design.within and len(order) != 1:
+        raise AskError("each participant gets one condition")

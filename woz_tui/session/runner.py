@@ -14,7 +14,8 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Verb
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Action, Call, Together, Wait
-from woz_tui.experiment.verbs import ENGAGEMENT
+from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
+from woz_tui.session.shaping import Shaper, answers
 from woz_tui.session.variables import MissingError, filled
 
 #: Runs and commands that can still be labelled as mistakes.
@@ -67,6 +68,7 @@ class Runner:
         verbs: Each driver's verbs by name, for the time limits.
         values: Gives the variables' present values.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
+        shaper: Holds what answers a cue too soon; None: nothing does.
     """
 
     def __init__(
@@ -76,8 +78,11 @@ class Runner:
         verbs: Mapping[str, Mapping[str, Verb]],
         values: Callable[[], Mapping[str, str]],
         deadline: float,
+        *,
+        shaper: Shaper | None = None,
     ) -> None:
         self._hub = hub
+        self._shaper = shaper
         self._bus = bus
         self._verbs = verbs
         self._values = values
@@ -85,6 +90,8 @@ class Runner:
         self._runs: dict[str, Run] = {}
         self._actions = 0
         self._commands = 0
+        #: Single commands that wait for their moment after a cue.
+        self._held: dict[str, m.Command] = {}
         #: What was asked for, oldest first: run or command id, and the action's or verb's name.
         self.played: dict[str, str] = {}
         #: The last of them that a human asked for: what the robot does by itself is not meant when
@@ -109,8 +116,15 @@ class Runner:
             return run_id, str(error)
         run = Run(run_id, action, origin, steps, when_busy or action.when_busy)
         self._runs[run_id] = run
-        self._advance(run)
+        calls = [call for step in steps if isinstance(step, tuple) for call in step]
+        if not self._holds(run_id, action.name, origin, calls, lambda: self._begin(run)):
+            self._advance(run)
         return run_id, ""
+
+    def _begin(self, run: Run) -> None:
+        """Its moment has come; unless it has been cut short meanwhile."""
+        if run.id in self._runs:
+            self._advance(run)
 
     def send(
         self,
@@ -133,7 +147,36 @@ class Runner:
             self._remember(command.command, call.verb, origin)
         if refusal is not None:
             return self._bus.refuse(command, refusal.code, refusal.reason)
-        return self._bus.submit(command, on_end)
+
+        def submit() -> m.Command:
+            self._held.pop(command.command, None)
+            late = self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0
+            return self._bus.submit(msgspec.structs.replace(command, deadline_us=late), on_end)
+
+        if not self._holds(command.command, call.verb, origin, [call], submit):
+            return submit()
+        self._held[command.command] = command
+        return command
+
+    def _holds(
+        self, run: str, name: str, origin: Origin, calls: list[Call], begin: Callable[[], object]
+    ) -> bool:
+        """Whether this answers a cue too soon, and `begin` is called when its moment has come."""
+        if self._shaper is None:
+            return False
+        verbs = [
+            known
+            for call in calls
+            if call.driver not in (SESSION, ENGAGEMENT)
+            and (known := self._verbs.get(call.driver, {}).get(call.verb)) is not None
+        ]
+        if any(verb.drives for verb in verbs) or not any(map(answers, verbs)):
+            return False
+        return self._shaper.hold(run, name, origin.source, begin)
+
+    def _let_go(self, command: str, reason: str) -> None:
+        """A single command that was held is not sent any more; its log line says so."""
+        self._bus.refuse(self._held.pop(command), "stopped", reason)
 
     def _remember(self, played: str, name: str, origin: Origin) -> None:
         self.played[played] = name
@@ -245,6 +288,11 @@ class Runner:
         """End one run, or one command that belongs to none; says whether it was under way."""
         run = self._runs.get(run_id)
         found = self._bus.cancel(run_id, reason)
+        if self._shaper is not None:
+            self._shaper.drop(run_id)
+        if run_id in self._held:
+            self._let_go(run_id, reason)
+            return True
         if run is not None:
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
         return found or run is not None
@@ -265,7 +313,14 @@ class Runner:
             run.problem = left
 
     def stop_waiting(self, reason: str) -> None:
-        """End the runs that are in a pause; those with commands on the bus end through them."""
+        """End the runs that are in a pause; those with commands on the bus end through them.
+
+        What is held after a cue never begins.
+        """
+        if self._shaper is not None:
+            self._shaper.clear()
+        for command in list(self._held):
+            self._let_go(command, reason)
         for run in list(self._runs.values()):
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
 

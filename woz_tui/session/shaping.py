@@ -55,7 +55,7 @@ class Shaper:
         self._random = random.Random(f"{seed} shaping")
         self._settings: Shaping | None = None
         self._cue: Cue | None = None
-        self._held: deque[tuple[int, str, Callable[[], None]]] = deque()
+        self._held: deque[tuple[int, str, Callable[[], object]]] = deque()
         self._timer: asyncio.TimerHandle | None = None
         hub.listen(self._see)
 
@@ -91,7 +91,7 @@ class Shaper:
 
     # -- holding -----------------------------------------------------------------------------
 
-    def hold(self, run: str, name: str, source: str, begin: Callable[[], None]) -> bool:
+    def hold(self, run: str, name: str, source: str, begin: Callable[[], object]) -> bool:
         """Whether `begin` waits, because it would answer a cue too soon; then it is called later.
 
         `run` and `name` say what is held: an action's run, or a command.
@@ -110,18 +110,13 @@ class Shaper:
         self._wait()
         return True
 
-    def drop(self, run: str) -> bool:
-        """Forget what is held as `run`; says whether anything was."""
-        kept = deque(entry for entry in self._held if entry[1] != run)
-        found = len(kept) < len(self._held)
-        self._held = kept
-        return found
+    def drop(self, run: str) -> None:
+        """Forget what is held as `run`."""
+        self._held = deque(entry for entry in self._held if entry[1] != run)
 
-    def clear(self) -> list[str]:
-        """Forget everything that is held; what it was."""
-        dropped = [run for _, run, _ in self._held]
+    def clear(self) -> None:
+        """Forget everything that is held."""
         self._held.clear()
-        return dropped
 
     def _wait(self) -> None:
         if self._timer is None and self._held:

@@ -3,19 +3,51 @@
 from __future__ import annotations
 
 import argparse
+import locale
+import os
 import sys
 from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.cli.failure import explained
+
+if TYPE_CHECKING:
+    from woz_tui.console.replay.app import ReplayConsole
+    from woz_tui.core.messages import SessionPlan
+    from woz_tui.record.index import LogIndex
+    from woz_tui.replay.feed import ReplayFeed
+
+#: Lines of a difference that are shown at most; the rest is counted.
+DIFFERENCE = 200
 
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
-    parser.add_argument("file", type=Path, metavar="FILE", help="a session's log")
-    parser.add_argument("--robot", action="store_true", help="run its commands on the robot again")
     parser.add_argument(
+        "file", type=Path, metavar="FILE", help="a session's log, or a folder: its newest session"
+    )
+    screen = parser.add_argument_group("on the screen")
+    screen.add_argument(
+        "--at", default="", metavar="TIME", help="begin there: 12:34, or what a marker says"
+    )
+    screen.add_argument(
+        "--speed", type=_speed, default=1.0, metavar="N", help="0.25 to 16 times as fast"
+    )
+    screen.add_argument(
+        "--max-idle",
+        type=_seconds,
+        default=None,
+        metavar="SECONDS",
+        help="leave out what is longer of stretches in which nothing happens",
+    )
+    screen.add_argument("--paused", action="store_true", help="begin standing still")
+    robot = parser.add_argument_group("on the robot")
+    robot.add_argument("--robot", action="store_true", help="run its commands on the robot again")
+    robot.add_argument(
         "--dry-run", action="store_true", help="say what --robot would do, and check it"
     )
-    parser.add_argument("--yes", action="store_true", help="with --robot: do not ask")
-    parser.add_argument("--headless", action="store_true", help="with --robot: without a console")
+    robot.add_argument("--yes", action="store_true", help="with --robot: do not ask")
+    robot.add_argument("--headless", action="store_true", help="with --robot: without a console")
     parser.add_argument(
         "--changed", action="store_true", help="also if the experiment has changed since"
     )
@@ -25,11 +57,150 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
+def _speed(text: str) -> float:
+    from woz_tui.replay.player import FASTEST, SLOWEST  # noqa: PLC0415
+
+    value = _number(text.lower().removesuffix("x"))
+    if not SLOWEST <= value <= FASTEST:
+        raise argparse.ArgumentTypeError(f"the speed goes from {SLOWEST:g} to {FASTEST:g}")
+    return value
+
+
+def _seconds(text: str) -> float:
+    value = _number(text)
+    if not 0 < value < 1e6:
+        raise argparse.ArgumentTypeError("say how many seconds, more than 0")
+    return value
+
+
+def _number(text: str) -> float:
+    try:
+        return float(text)
+    except ValueError:
+        raise argparse.ArgumentTypeError(f"{text!r} is no number") from None
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Replay it; the exit code."""
     if arguments.robot or arguments.dry_run:
         from woz_tui.cli import rerun  # noqa: PLC0415
 
         return rerun.play(arguments)
-    print("woz: say --robot or --dry-run", file=sys.stderr)
-    return 2
+    from woz_tui.cli import screen  # noqa: PLC0415
+
+    refused = screen.refusal()
+    if refused:
+        print(f"woz: {refused}", file=sys.stderr)
+        return 2
+    return explained(lambda: _show(arguments))
+
+
+def _show(arguments: argparse.Namespace) -> int:
+    from woz_tui.cli import screen  # noqa: PLC0415
+    from woz_tui.replay.opened import LogError, chosen, opened  # noqa: PLC0415
+    from woz_tui.replay.places import PlaceError  # noqa: PLC0415
+
+    try:
+        path = chosen(arguments.file)
+        with opened(path) as index:
+            feed = _feed(index, path, arguments)
+            if feed is None:
+                return 1
+            _, code = screen.run_console(_console(feed))
+            feed.close()
+            return code
+    except (LogError, PlaceError) as error:
+        print(f"woz: {error}", file=sys.stderr)
+        return 1
+
+
+def _feed(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
+    """What plays the log; None after saying what stands against it."""
+    from woz_tui.replay.feed import ReplayFeed  # noqa: PLC0415
+    from woz_tui.replay.opened import IndexedSamples, has_beginning, notes_of  # noqa: PLC0415
+    from woz_tui.replay.places import find  # noqa: PLC0415
+    from woz_tui.replay.player import Player, Start  # noqa: PLC0415
+    from woz_tui.replay.reel import Reel  # noqa: PLC0415
+
+    if not has_beginning(index) and not arguments.changed:
+        print(
+            f"woz: {path}: the log has no beginning: its first line, session.start, is missing\n"
+            "     put its first segment beside it; --changed shows what there is",
+            file=sys.stderr,
+        )
+        return None
+    plan, against = _experiment(index, path, arguments)
+    if against and not arguments.changed:
+        print(*against, "woz: --changed shows the log all the same", sep="\n", file=sys.stderr)
+        return None
+    reel = Reel(index.actions, IndexedSamples(index), plan)
+    start = Start(
+        speed=arguments.speed,
+        at_us=find(arguments.at, reel, 0) if arguments.at.strip() else 0,
+        paused=arguments.paused,
+        max_idle_us=arguments.max_idle and round(arguments.max_idle * 1_000_000),
+    )
+    return ReplayFeed(Player(reel, start, str(path), notes_of(index, reel)))
+
+
+def _experiment(
+    index: LogIndex, path: Path, arguments: argparse.Namespace
+) -> tuple[SessionPlan | None, list[str]]:
+    """What the experiment shows, for a log that does not tell itself, and what has changed in it.
+
+    An experiment that is not there any more stands against nothing: the log has what is needed.
+    """
+    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
+    from woz_tui.host.plan import Shown, plan_of  # noqa: PLC0415
+    from woz_tui.plugins import installed  # noqa: PLC0415
+    from woz_tui.replay import origin  # noqa: PLC0415
+    from woz_tui.replay.opened import origin_of  # noqa: PLC0415
+
+    told = origin_of(index.actions)
+    catalogue = installed()
+    try:
+        given = arguments.experiment or _bundled(path, told.name)
+        experiment = origin.find(path, told, catalogue, given)
+    except origin.OriginError:
+        return None, []
+    except ExperimentError as error:
+        return None, [
+            *map(str, error.problems),
+            f"woz: {told.name} has errors now, so it is not what the session was played with",
+        ]
+    changed = origin.differences(told, experiment)
+    if not changed:
+        shown = Shown(experiment, catalogue, values=dict(experiment.variables))
+        return plan_of(shown), []
+    more = len(changed) - DIFFERENCE
+    return None, [
+        f"woz: {experiment.path} has changed since the session was played:",
+        *changed[:DIFFERENCE],
+        *([f"... {more} more lines"] if more > 0 else []),
+    ]
+
+
+def _bundled(log: Path, name: str) -> Path | None:
+    """The experiment of this name that comes with woz-tui, if there is none near the log."""
+    from woz_tui.cli.demo import demo_file  # noqa: PLC0415
+    from woz_tui.replay.origin import places  # noqa: PLC0415
+
+    name = Path(name).name
+    return demo_file(name) if name and not places(log, name) else None
+
+
+def _console(feed: ReplayFeed) -> ReplayConsole:
+    """The console, ready to run."""
+    from woz_tui.console.look import look_for  # noqa: PLC0415
+    from woz_tui.console.replay.app import ReplayConsole  # noqa: PLC0415
+    from woz_tui.console.replay.keys import ReplayKeyboard  # noqa: PLC0415
+    from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
+    from woz_tui.experiment.terminals import detected  # noqa: PLC0415
+
+    return ReplayConsole(
+        feed,
+        ReplayKeyboard(feed),
+        look=look_for(os.environ, locale.getpreferredencoding(False)),
+        terminal=detected(os.environ),
+        driver_class=WizardDriver,
+    )

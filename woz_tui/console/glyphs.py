@@ -9,9 +9,10 @@ from dataclasses import dataclass
 
 @dataclass(frozen=True, slots=True)
 class Glyphs:
-    """One sign for each meaning, each one cell wide."""
+    """One sign for each meaning, each one cell wide; the pause has two."""
 
     running: str = "▶"
+    pause: str = "┃┃"
     queued: str = "◷"
     held: str = "◷"
     done: str = "✓"
@@ -69,6 +70,7 @@ class AsciiGlyphs(Glyphs):
     """For `TERM=linux`, whose font has few signs, and for encodings other than UTF-8."""
 
     running: str = ">"
+    pause: str = "||"
     queued: str = ":"
     held: str = ":"
     done: str = "+"

@@ -72,7 +72,7 @@ def bar_rows(picture: Picture, frame: Frame, bar: Bar) -> list[Row]:
         return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
     news = bar.news
     text = fit(f" {glyphs.plain(news.text)}", width, glyphs.ellipsis)
-    second: Row = ((text, news.look),) if news.text else _hints(bar.hints, width)
+    second: Row = ((text, news.look),) if news.text else hint_row(bar.hints, width)
     return [script_row(picture, frame, bar.next), second]
 
 
@@ -101,7 +101,8 @@ def _stopped(stop: StopPicture, release: str, glyphs: Glyphs, width: int) -> lis
     return [first, cut((*row, (" " * width, "alarm-soft")), width, " ")]
 
 
-def _hints(hints: tuple[tuple[str, str], ...], width: int) -> Row:
+def hint_row(hints: tuple[tuple[str, str], ...], width: int) -> Row:
+    """Keys with a word each, as many as have room."""
     row: Row = ((" ", "plain"),)
     used = 1
     for key, what in hints:

@@ -7,7 +7,6 @@ their text (`experiment.files`), so that what has been changed since can be show
 from __future__ import annotations
 
 import difflib
-import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,6 +15,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Driver
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.session.beginning import name_beside, without_home
 
 #: The folder in which a project keeps its experiments, beside the one of its logs.
 EXPERIMENTS = "experiments"
@@ -109,18 +109,12 @@ def differences(origin: Origin, experiment: Experiment) -> list[str]:
 
 
 def now_of(experiment: Experiment) -> dict[str, str]:
-    """The experiment's files as they are now: text by name, relative to the experiment's folder."""
+    """The experiment's files as they were read now: text by name, as a log has them."""
+    folder = experiment.path.parent
     return {
-        os.path.relpath(path, experiment.path.absolute().parent): _text(path)
-        for path in experiment.files
+        name_beside(path, folder): without_home(text)
+        for path, text in zip(experiment.files, experiment.texts, strict=True)
     }
-
-
-def _text(path: Path) -> str:
-    try:
-        return path.read_bytes().decode("utf-8", "replace")
-    except OSError as error:
-        return f"(cannot be read: {error.strerror})\n"
 
 
 def _diff(then: Mapping[str, str], now: Mapping[str, str], left_out: Sequence[str]) -> list[str]:

@@ -157,7 +157,12 @@ class Player:
     def _about(self) -> dict[str, m.Json]:
         """What the console shows of the log itself."""
         at, wall = self.reel.wall(self._index)
-        return {"t": at, "ts": wall, "notes": [*self.notes], "own_plan": self.reel.told}
+        told: dict[str, m.Json] = {"t": at, "ts": wall, "notes": [*self.notes]}
+        start = self.reel.start
+        if start is not None:
+            software = " ".join(str(part) for part in start.software.values())
+            told |= {"wizard": start.wizard, "experiment": start.experiment, "software": software}
+        return {**told, "lines": len(self.reel.lines)}
 
     def _stands(self, now: int, *, marks: bool = False) -> list[Incoming]:
         """How the replay stands, and how fast time goes on."""

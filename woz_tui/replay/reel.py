@@ -36,7 +36,7 @@ class Samples(Protocol):
 
     @property
     def length_us(self) -> int:
-        """When the last one was taken; 0 if there is none."""
+        """The last moment of the session as far as is known; 0 if nothing is."""
         ...
 
     def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
@@ -90,8 +90,9 @@ class Reel:
         self.samples: Samples = samples or NoSamples()
         found = [_told(line) for line in lines]
         self.lines: list[Told] = [told for told, _ in found]
-        self.times = steady([t for _, t in found])
-        self.length_us = max(self.times[-1] if self.times else 0, self.samples.length_us)
+        known = self.samples.length_us
+        self.times = steady([min(t, known) if known else t for _, t in found])
+        self.length_us = max(self.times[-1] if self.times else 0, known)
         self.start = next((line for line in self.lines if isinstance(line, m.SessionStart)), None)
         self._plans = [
             (index, line)

@@ -1,0 +1,113 @@
+"""The console of `woz replay`: the same screen, fed from a log, with keys that move through it."""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable
+from typing import Any
+
+from woz_tui.console.app import FLASH_S, Console
+from woz_tui.console.caps import cap_of
+from woz_tui.console.feed import Feed, Incoming
+from woz_tui.console.inbox import Inbox
+from woz_tui.console.replay.desk import ReplayDesk
+from woz_tui.console.replay.keys import KEYS, ReplayKeyboard
+from woz_tui.console.replay.timeline import TimeBar
+from woz_tui.console.surface import Surface
+from woz_tui.core.messages import ActionRequested
+from woz_tui.core.requests import Welcome
+from woz_tui.experiment.keymap import key_map
+
+#: Keys named in the lowest line where there is room: id and word.
+HINTS = (
+    ("pause", "pause"),
+    ("step", "step"),
+    ("slower", "slower"),
+    ("faster", "faster"),
+    ("back", "5 s back"),
+    ("on", "5 s on"),
+    ("go", "go to"),
+    ("help", "keys"),
+    ("leave", "leave"),
+)
+#: Who pressed, where a cap lights up.
+_HANDS = frozenset({"key", "script", "palette", "midi", "program"})
+
+
+class _Inbox(Inbox):
+    """Notes which actions were played by hand in what comes."""
+
+    def __init__(self, wake: Callable[[], None]) -> None:
+        super().__init__(wake)
+        self.played: deque[str] = deque(maxlen=8)
+
+    def heard(self, batch: list[Incoming]) -> None:
+        self.played.extend(
+            message.action
+            for message in batch
+            if isinstance(message, ActionRequested) and message.source in _HANDS
+        )
+        super().heard(batch)
+
+
+class ReplayConsole(Console):
+    """See the module's text. Returns `left`.
+
+    Args:
+        feed: Plays the log.
+        keyboard: Its keys.
+        options: As for `Console`.
+    """
+
+    def __init__(self, feed: Feed, keyboard: ReplayKeyboard, **options: Any) -> None:
+        super().__init__(feed, keyboard, builtins=KEYS, **options)
+        self.desk = ReplayDesk(self)
+        self._inbox: _Inbox = _Inbox(self._wake)
+        self._surface = Surface(bar=TimeBar())
+        self._panels = self._surface.panels
+        self._said_until = 0
+        self._greeted = False
+
+    def _beat(self) -> None:
+        """As in a session; what hurries is painted as often as it may be."""
+        super()._beat()
+        if self.picture.rate > 1:
+            self._wake()
+
+    def _take(self, local: int) -> None:
+        super()._take(local)
+        if self._news_until == 1:  # a stop of then; what the viewer is told stays
+            self._news_until = self._said_until
+        while self._inbox.played:
+            self._panels.press(self._inbox.played.popleft())
+            self._flash_until = local + round(FLASH_S * 1_000_000)
+
+    def news(self, text: str, look: str = "muted") -> None:
+        """A sentence above the time line, for a few seconds."""
+        super().news(text, look)
+        self._said_until = self._news_until
+
+    def _welcomed(self, welcome: Welcome) -> None:
+        """The first time it says how to go on."""
+        if not self._greeted:
+            self._greeted = True
+            words = (f"{self._key(name)} {word}" for name, word in HINTS if self._key(name))
+            self.news("  ".join(words))
+
+    def _adopt(self) -> None:
+        """Caps show the session's keys; the keyboard has those of the replay."""
+        picture = self.picture
+        played = key_map(picture.panels, self.terminal, picture.keyboard)
+        self.caps = {name: cap_of(found) for name, found in played.actions.items()}
+        self._panels.bear(self.caps)
+        self.keymap = key_map((), self.terminal, picture.keyboard, self.builtins)
+        self.keyboard.bind({}, self.keymap.builtin_table)
+
+    def _hints(self) -> tuple[tuple[str, str], ...]:
+        return tuple((self._key(name), word) for name, word in HINTS if self._key(name))
+
+    def _stopping(self) -> None:
+        """Every dialog closes, as in a session; there is nothing to stop."""
+        while self.dialog is not None:
+            self.close_dialog()
+        self.paint()

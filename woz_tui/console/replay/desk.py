@@ -1,0 +1,69 @@
+"""What the viewer of a replay can do beside moving through it."""
+
+from __future__ import annotations
+
+from woz_tui.console.desk import Desk
+from woz_tui.console.figures import elapsed
+from woz_tui.console.replay.timeline import SIGNS
+from woz_tui.core import requests as r
+
+#: Going back from a place within so much after it, in microseconds, goes to the one before.
+AGAIN_US = 1_000_000
+
+
+class ReplayDesk(Desk):
+    """Dialogs of a replay, and what its replies say."""
+
+    def replied(self, reply: r.Reply) -> None:
+        """A step says which line it came to."""
+        told = reply.data
+        if reply.ok and isinstance(told, dict) and isinstance(told.get("t"), int):
+            t = int(told["t"])
+            fraction = t % 1_000_000 // 1000
+            self._console.news(f"{elapsed(t)}.{fraction:03} {told.get('kind', '')}")
+        super().replied(reply)
+
+    def do_go(self) -> None:
+        """Go to a time or a place."""
+        from woz_tui.console.replay.go import GoDialog  # noqa: PLC0415
+
+        self._open(GoDialog())
+
+    def do_about(self) -> None:
+        """What this log is."""
+        from woz_tui.console.replay.reports import AboutDialog  # noqa: PLC0415
+
+        self._open(AboutDialog())
+
+    def do_help(self) -> None:
+        """The keys."""
+        from woz_tui.console.replay.reports import ReplayHelp  # noqa: PLC0415
+
+        self._open(ReplayHelp())
+
+    def do_leave(self) -> None:
+        """Leave at once: nothing is lost by it."""
+        self._console.exit("left")
+
+    def do_mark_on(self) -> None:
+        """The next place on the line."""
+        now = self._now()
+        self._to(next((t for t in self._places() if t > now), None), "later")
+
+    def do_mark_back(self) -> None:
+        """The place before."""
+        before = [t for t in self._places() if t < self._now() - AGAIN_US]
+        self._to(before[-1] if before else None, "before")
+
+    def _places(self) -> list[int]:
+        replay = self._console.picture.replay
+        return [place.t for place in replay.places if place.sort in SIGNS] if replay else []
+
+    def _now(self) -> int:
+        return self._console.picture.now(self._console.clock.now_us())
+
+    def _to(self, t: int | None, where: str) -> None:
+        if t is None:
+            self._console.news(f"there is no marker, stop, trial ... {where}")
+        else:
+            self.ask(r.AskReplay(what="go", to=f"{t / 1_000_000:.6f}"))

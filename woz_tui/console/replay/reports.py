@@ -1,0 +1,60 @@
+"""What there is to read in a replay: its keys, and what its log is."""
+
+from __future__ import annotations
+
+from woz_tui.console.cells import Row, clean, fit
+from woz_tui.console.figures import elapsed
+from woz_tui.console.replay.standing import about, notes, wall_at
+from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.help import HelpDialog
+
+NAME = 14
+
+
+class ReplayHelp(HelpDialog):
+    """The keys of the replay, then those of the session as they were."""
+
+    heading = "Keys of the replay"
+    opened_by = "help"
+
+    def lines(self) -> list[Row]:
+        """Key and meaning, one a line."""
+        first, *others = super().lines()
+        del first
+        return [(("Replay: the keys of the panels play nothing", "title"),), *others]
+
+
+class AboutDialog(Report):
+    """The log: which session, which experiment, how whole it is."""
+
+    heading = "This log"
+    hint = "ctrl+q closes"
+    opened_by = "about"
+    wide = True
+
+    def lines(self) -> list[Row]:
+        """One fact a line; what is missing in full sentences."""
+        picture, told = self.picture, about(self.picture.settings)
+        began = wall_at(picture.settings, 0)
+        length = elapsed(picture.replay.length_us) if picture.replay is not None else ""
+        facts = {
+            "log": picture.log,
+            "began": f"{began:%Y-%m-%d %H:%M:%S} UTC" if began is not None else "",
+            "length": length,
+            "session": picture.session,
+            "participant": picture.participant,
+            "condition": picture.condition,
+            **{name: told.get(name) for name in ("wizard", "experiment", "software", "lines")},
+        }
+        rows: list[Row] = [
+            ((fit(name, NAME), "muted"), (clean(str(value)), "plain"))
+            for name, value in facts.items()
+            if value not in ("", None)
+        ]
+        return [*rows, (), *self._state()]
+
+    def _state(self) -> list[Row]:
+        told = notes(self.picture.settings)
+        if not told:
+            return [((f"{self.glyphs.yes} ", "good"), ("The log is whole.", "plain"))]
+        return [((f"{self.glyphs.warning} ", "warn"), (clean(note), "plain")) for note in told]

@@ -1,0 +1,119 @@
+"""Sessions in virtual time: one is recorded, and its log is run again in another one."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+
+import msgspec
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Stage
+from woz_tui.analysis.played import Played, played
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.experiment.shape import Call, Place
+from woz_tui.record.log import read
+from woz_tui.replay.fitting import fitted
+from woz_tui.replay.plan import REPLAY, Plan, plan_of
+from woz_tui.replay.rerun import Player
+from woz_tui.session.runner import Origin
+
+KEY = Origin("key", "h", "con1")
+HAND = Origin("key", "h", "con9")
+NOWHERE = Place("", 0, 0)
+Scenario = Callable[[Stage], Awaitable[None]]
+
+
+def recorded(folder: Path, scenario: Scenario) -> Path:
+    """A session in which `scenario` happens; its log."""
+
+    async def go() -> Path:
+        stage = Stage(folder)
+        await stage.session.open()
+        await scenario(stage)
+        await stage.session.close("test")
+        return stage.recorder.path
+
+    return run_virtual(go())
+
+
+@dataclass
+class Again:
+    """A re-run: its stage, its player, and where its log is."""
+
+    stage: Stage
+    player: Player
+    log: Path
+
+    def of(self, *kinds: type[m.Message]) -> list[m.AnyMessage]:
+        """Its messages of these kinds."""
+        return [line for line in self.stage.lines if isinstance(line, kinds)]
+
+    def sent(self) -> list[m.RerunSent]:
+        return [line for line in self.stage.lines if isinstance(line, m.RerunSent)]
+
+    def calls(self) -> list[tuple[str, dict[str, m.Json]]]:
+        """What reached the driver."""
+        return [call for call in self.stage.puppet().calls if call[0] not in ("rest", "close")]
+
+
+def player_of(stage: Stage, plan: Plan) -> Player:
+    """A player as the robot process makes it."""
+
+    def send(command: m.Command, on_end: Callable[[m.End], None]) -> m.Command:
+        call = Call(command.verb, dict(command.args), command.driver, NOWHERE)
+        return stage.session.runner.send(call, Origin(REPLAY), "queue", None, on_end, like=command)
+
+    return Player(plan, stage.session.hub, send, stage.session.runner.cancel)
+
+
+async def over(stage: Stage, player: Player) -> None:
+    """Return when the re-run has ended."""
+    ended = asyncio.Event()
+    stage.session.hub.listen(
+        lambda message: ended.set() if isinstance(message, m.RerunEnded) else None
+    )
+    if player.over is None:
+        await ended.wait()
+
+
+def run_again(folder: Path, log: Path, meanwhile: Scenario | None = None) -> Again:
+    """Run `log` again to its end, with `meanwhile` beside it."""
+
+    async def go() -> Again:
+        stage = Stage(folder)
+        plan = fitted(plan_of(log), stage.session.experiment)
+        player = player_of(stage, plan)
+        await stage.session.open()
+        player.begin()
+        if meanwhile is not None:
+            await meanwhile(stage)
+        await over(stage, player)
+        await asyncio.sleep(8)  # whatever is still under way, and nothing more
+        await stage.session.close("test")
+        return Again(stage, player, stage.recorder.path)
+
+    return run_virtual(go())
+
+
+def played_in(log: Path, name: str = "") -> Played:
+    """What `woz compare` reads of a log."""
+    lines = read(log, samples=False)
+    found = played("made", [line.message for line in lines if line.message is not None])
+    found.name = name or found.name
+    return found
+
+
+def written(path: Path, messages: Iterable[tuple[float, m.AnyMessage]]) -> Path:
+    """A log made by hand: each message with its time in seconds."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    with path.open("wb") as file:
+        for seq, (seconds, message) in enumerate(messages):
+            stamped = msgspec.structs.replace(
+                message, seq=seq, t=round(seconds * 1_000_000), ts="2026-03-01T10:00:00.000000Z"
+            )
+            file.write(wire.encode(stamped))
+    return path

@@ -25,6 +25,7 @@ from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.runner import Origin, Refusal, Runner
+from woz_tui.session.shaping import Shaper
 from woz_tui.session.standing import Standing
 from woz_tui.session.study import LiveStudy
 from woz_tui.session.utterances import remedy, utterances
@@ -98,7 +99,12 @@ class Session:
             unstopped=frozenset({ENGAGEMENT}),
         )
         self.runner = Runner(
-            self.hub, self.bus, by_name, self.values, self.experiment.session.deadline
+            self.hub,
+            self.bus,
+            by_name,
+            self.values,
+            self.experiment.session.deadline,
+            shaper=Shaper(self.hub, self.identity.seed),
         )
         self._by_name = by_name
         self._asking = Asking(

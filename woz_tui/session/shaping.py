@@ -17,7 +17,6 @@ from dataclasses import dataclass
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Verb
 from woz_tui.core.hub import Hub
-from woz_tui.experiment.study import Shaping
 from woz_tui.experiment.verbs import ENGAGEMENT
 
 #: What the robot does by itself or does again is not a wizard's answer.
@@ -43,38 +42,26 @@ def answers(verb: Verb) -> bool:
 
 
 class Shaper:
-    """Knows the last cue, and holds what answers it too soon.
+    """Knows the last cue, and holds what answers it too soon, as `shaping.changed` says.
 
     Args:
-        hub: Whose messages are the cues, and where it is told what is held.
+        hub: Whose messages are cues and settings, and where it is told what is held.
         seed: Of the jitter.
     """
 
     def __init__(self, hub: Hub, seed: int) -> None:
         self._hub = hub
         self._random = random.Random(f"{seed} shaping")
-        self._settings: Shaping | None = None
+        self._settings = m.ShapingChanged(floor_us=0, jitter_us=0, cues=[])
         self._cue: Cue | None = None
         self._held: deque[tuple[int, str, Callable[[], object]]] = deque()
         self._timer: asyncio.TimerHandle | None = None
         hub.listen(self._see)
 
-    def adopt(self, settings: Shaping | None) -> None:
-        """Go by these settings from here on; what is held already keeps its moment."""
-        if settings == self._settings:
-            return
-        self._settings, self._cue = settings, None
-        now = settings or Shaping(cues=())
-        self._hub.publish(
-            m.ShapingChanged(
-                floor_us=round(now.floor * 1_000_000),
-                jitter_us=round(now.jitter * 1_000_000),
-                cues=list(now.cues),
-            )
-        )
-
     def _see(self, message: m.AnyMessage) -> None:
         match message:
+            case m.ShapingChanged():
+                self._settings, self._cue = message, None
             case m.SpeechEnded(ended=ended):
                 self._cued("speech", ended)
             case m.EngagementChanged(t=t):
@@ -83,11 +70,9 @@ class Shaper:
                 self._cued("marker", t)
 
     def _cued(self, sort: str, t: int) -> None:
-        settings = self._settings
-        if settings is None or sort not in settings.cues:
-            return
-        wait_s = settings.floor + self._random.uniform(0.0, settings.jitter)
-        self._cue = Cue(sort, t, t + round(wait_s * 1_000_000))
+        if sort in self._settings.cues:
+            jitter = round(self._random.uniform(0.0, self._settings.jitter_us))
+            self._cue = Cue(sort, t, t + self._settings.floor_us + jitter)
 
     # -- holding -----------------------------------------------------------------------------
 

@@ -1,0 +1,238 @@
+"""What answers a cue too soon is held until its moment; all else is not."""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import Awaitable, Callable
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.fakes.virtual_time import LoopClock, run_virtual
+from tests.session.rig import Stage
+from woz_tui.core import messages as m
+from woz_tui.core.hub import Hub
+from woz_tui.session.runner import Origin
+from woz_tui.session.shaping import Shaper
+
+KEY = Origin("key", "h")
+SECOND = 1_000_000
+
+
+def shaped(stage: Stage, floor_us: int = 800_000, jitter_us: int = 0) -> None:
+    stage.session.hub.publish(
+        m.ShapingChanged(floor_us=floor_us, jitter_us=jitter_us, cues=["speech", "marker"])
+    )
+
+
+def spoken(stage: Stage) -> int:
+    """The visitor has just stopped; when."""
+    now = stage.session.hub.now()
+    stage.session.hub.publish(m.SpeechEnded(driver="ears", segment=1, began=0, ended=now))
+    return now
+
+
+def at(stage: Stage, kind: type[m.Message]) -> list[int]:
+    return [line.t for line in stage.lines if isinstance(line, kind)]
+
+
+@pytest.fixture
+def play(tmp_path: Path) -> Callable[[Callable[[Stage], Awaitable[None]]], Stage]:
+    """Runs a scene on a shaped session in virtual time; the stage afterwards."""
+
+    def run(scene: Callable[[Stage], Awaitable[None]]) -> Stage:
+        async def whole() -> Stage:
+            stage = Stage(tmp_path)
+            await stage.session.open()
+            shaped(stage)
+            await scene(stage)
+            await stage.session.close("over")
+            return stage
+
+        return run_virtual(whole())
+
+    return run
+
+
+Play = Callable[[Callable[[Stage], Awaitable[None]]], Stage]
+
+
+def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        ended = spoken(stage)
+        await asyncio.sleep(0.2)
+        stage.session.play("Hello", KEY)
+        assert stage.puppet().calls == []
+        await asyncio.sleep(3)
+        (held,) = (line for line in stage.lines if isinstance(line, m.ActionHeld))
+        assert (held.sort, held.cued, held.until) == ("speech", ended, ended + 800_000)
+        assert at(stage, m.ActionRequested) == [held.t]
+        assert at(stage, m.Command)[0] == pytest.approx(held.until, abs=100)
+        assert isinstance(stage.lines[-1], m.ActionDone | m.Checkpoint | m.ClockTie)
+
+    assert play(scene).puppet().calls[0] == ("say", {"text": "Hello P07"})
+
+
+def test_an_answer_that_comes_late_enough_begins_at_once(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        await asyncio.sleep(0.9)
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(0.001)
+        assert stage.puppet().calls == [("say", {"text": "Hello P07"})]
+
+    assert play(scene).kinds(m.ActionHeld) == []
+
+
+def test_without_a_cue_nothing_is_held(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        stage.session.hub.publish(m.Marker(text="preflight: 3 checks", source="preflight"))
+        stage.session.play("Hello", KEY)
+
+    assert play(scene).kinds(m.ActionHeld) == []
+
+
+def test_the_order_of_the_presses_is_the_order_of_the_acts(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        stage.session.play("Welcome", KEY)
+        stage.session.send("say", {"text": "typed"}, "", KEY)
+        spoken(stage)
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(6)
+
+    said = [args["text"] for verb, args in play(scene).puppet().calls if verb == "say"]
+    assert said == ["Welcome", "typed", "Hello P07"]
+
+
+@pytest.mark.parametrize("source", ["engagement", "replay"])
+def test_what_no_hand_asked_for_is_not_held(play: Play, source: str) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        stage.session.play("Hello", Origin(source))
+
+    assert play(scene).kinds(m.ActionHeld) == []
+
+
+@pytest.mark.parametrize("action", ["Go", "Cold"])
+def test_driving_and_notes_to_oneself_are_not_held(play: Play, action: str) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        stage.session.play(action, KEY)
+
+    assert play(scene).kinds(m.ActionHeld) == []
+
+
+def test_a_stop_ends_what_is_held(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        run = stage.session.play("Hello", KEY)
+        command = stage.session.send("say", {"text": "typed"}, "", KEY)
+        stage.session.stop("key")
+        await asyncio.sleep(1)
+        stage.session.release("key")
+        await asyncio.sleep(3)
+        assert [
+            line.reason
+            for line in stage.lines
+            if isinstance(line, m.ActionStopped) and line.run == run
+        ] == ["stop pressed"]
+        assert [
+            line.reason
+            for line in stage.lines
+            if isinstance(line, m.Refused) and line.command == command
+        ] == ["stop pressed"]
+
+    assert not [call for call in play(scene).puppet().calls if call[0] == "say"]
+
+
+def test_what_is_held_can_be_cut_short(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        stage.session.cancel(stage.session.play("Hello", KEY))
+        stage.session.cancel(stage.session.send("say", {"text": "typed"}, "", KEY))
+        stage.session.play("Welcome", KEY)
+        await asyncio.sleep(3)
+
+    said = [args["text"] for verb, args in play(scene).puppet().calls if verb == "say"]
+    assert said == ["Welcome"]
+
+
+def test_every_request_has_its_end_when_the_session_ends_meanwhile(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        stage.session.play("Hello", KEY)
+        stage.session.send("say", {"text": "typed"}, "", KEY)
+
+    stage = play(scene)
+    assert stage.kinds(m.ActionEnd) == ["ActionStopped"]
+    assert stage.kinds(m.Command, m.End) == ["Command", "Refused"]
+
+
+class _Silent:
+    def record(self, message: m.AnyMessage, line: bytes) -> None: ...
+
+
+@given(
+    st.integers(0, 5 * SECOND),
+    st.integers(0, 5 * SECOND),
+    st.lists(st.tuples(st.integers(0, 3 * SECOND), st.booleans()), max_size=30),
+)
+def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and_jitter(
+    floor: int, jitter: int, course: list[tuple[int, bool]]
+) -> None:
+    begun: list[int] = []
+    asked: list[int] = []
+
+    async def scene() -> None:
+        hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
+        shaper = Shaper(hub, seed=7)
+        hub.publish(m.ShapingChanged(floor_us=floor, jitter_us=jitter, cues=["marker"]))
+        last = -(10**9)
+        for number, (pause, is_cue) in enumerate(course):
+            await asyncio.sleep(pause / 1_000_000)
+            if is_cue:
+                hub.publish(m.Marker(text="go"))
+                last = hub.now()
+                continue
+            asked.append(number)
+            now, cue = hub.now(), last
+
+            def begin(number: int = number, now: int = now, cue: int = cue) -> None:
+                begun.append(number)
+                assert hub.now() >= cue + floor
+                assert hub.now() <= max(now, cue + floor + jitter) + floor + jitter + 100
+
+            if not shaper.hold(f"r{number}", "x", "key", begin):
+                assert now >= last + floor
+                begun.append(number)
+        await asyncio.sleep(60)
+
+    run_virtual(scene())
+    assert begun == asked
+
+
+def test_the_same_seed_gives_the_same_moments() -> None:
+    def moments(seed: int) -> list[int]:
+        found: list[int] = []
+
+        async def scene() -> None:
+            hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
+            hub.listen(
+                lambda line: found.append(line.until) if isinstance(line, m.ActionHeld) else None
+            )
+            shaper = Shaper(hub, seed)
+            hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=SECOND, cues=["marker"]))
+            for number in range(5):
+                hub.publish(m.Marker(text="go"))
+                shaper.hold(f"r{number}", "x", "key", lambda: None)
+                await asyncio.sleep(5)
+
+        run_virtual(scene())
+        return found
+
+    assert moments(3) == moments(3) != moments(4)
+    assert all(a < b for a, b in itertools.pairwise(moments(3)))

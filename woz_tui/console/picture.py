@@ -166,6 +166,7 @@ class Picture:
             self._raw(raw, tell=True)
         for raw in welcome.state:
             self._raw(raw, tell=False)
+        self.study.read_tidings()  # old ones
 
     def _raw(self, raw: msgspec.Raw, tell: bool) -> None:
         try:
@@ -184,7 +185,9 @@ class Picture:
             self.engaged = Engaged()  # the file has no such section any more
         self.settings["engagement"] = dict(changed.engagement)
         self.profiles = profiles_of(self.settings)
-        self._study(getattr(changed, "study", self.settings.get("study")))
+        if changed.study:
+            self.settings["study"] = dict(changed.study)
+            self._study(changed.study)
         self._plan(changed)
 
     def _study(self, told: m.Json) -> None:

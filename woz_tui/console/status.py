@@ -64,7 +64,7 @@ def _session(picture: Picture, frame: Frame, room: int) -> list[Row]:
     title = clean(picture.title) or "woz"
     values = _values(picture, frame)
     spare = room - len(time) - 3
-    if picture.study.designed:  # then who and what is worth more than the title
+    if picture.study.counts:  # then who and what is worth more than the title
         spare -= sum(cell_len(value) + 3 for value in values[:3])
         spare = max(spare, TITLE)
     title = fit(title, min(cell_len(title), max(1, spare)), glyphs.ellipsis)
@@ -104,8 +104,8 @@ def _trial(picture: Picture, frame: Frame) -> str:
         return f"trial {study.trial.number}{of} {elapsed(now - study.trial.began)}"
     if study.last is not None:
         return f"trial {study.last[0]}{of} {study.last[1]:<5}"
-    if study.planned:
-        return f"no trial yet{of}"
+    if study.designed:
+        return "no trial yet"
     return f"trial {picture.trial}" if picture.trial is not None else ""
 
 

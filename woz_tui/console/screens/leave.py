@@ -29,8 +29,11 @@ class LeaveDialog(Choice):
         ]
 
     def chose(self, index: int) -> None:
-        """Carry it out."""
+        """Carry it out; what is to be asked at the end is offered first."""
+        due = self.picture.study.open_at_end()
         if index == 1:
             self.console_app.exit("detached")
+        elif index == 2 and due and self.picture.role == "wizard":
+            self.desk.offer(due[0], self.desk.end_session)
         elif index == 2:
             self.desk.end_session()

@@ -4,13 +4,18 @@ from __future__ import annotations
 
 import asyncio
 import os
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
+from textual import events
 from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import OptionList, Static
+from textual.widgets.option_list import Option
 
 from woz_tui.console.caps import Cap
-from woz_tui.console.cells import Row
+from woz_tui.console.cells import Row, clean
 from woz_tui.console.engagement.words import signs_of, unsensed
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Report
@@ -18,10 +23,12 @@ from woz_tui.console.status import SLOW_LINE_US
 from woz_tui.core.driver import Finding
 from woz_tui.core.machine.terminal import environment, multiplexers
 from woz_tui.core.messages import EngagementShown
-from woz_tui.core.requests import AskPreflight, Reply
+from woz_tui.core.requests import AskCheck, AskPreflight, Reply
 from woz_tui.experiment.terminals import Terminal
 
 _LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
+#: The hint where the file has a list of its own.
+TICKING = "space or enter ticks · c checks again · tab: the findings · ctrl+q closes"
 #: What is to be mended stands on top.
 _ORDER = {"error": 0, "warning": 1, "info": 2, "ok": 3}
 _SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}
@@ -104,7 +111,10 @@ def terminal_findings(environ: Mapping[str, str]) -> list[Finding]:
 
 
 class PreflightDialog(Report):
-    """The robot side's checks and the console's own; enter runs them again."""
+    """The robot side's checks and the console's own; enter runs them again.
+
+    Above them is what the experiment file leaves to a human, each with a sign: to be ticked.
+    """
 
     heading = "Preflight"
     hint = "enter checks again · arrows scroll · ctrl+q closes"
@@ -117,12 +127,70 @@ class PreflightDialog(Report):
         self._said = ""
         self._reply: Reply | None = None
         self._terminal: list[Finding] | None = None
+        self._shown: dict[str, bool] = {}
+
+    def body(self) -> Iterable[Widget]:
+        """The human's list, then the findings."""
+        self._shown = dict(self.picture.study.checks)
+        if self._shown:
+            yield Static("To see to yourself", classes="caption")
+            yield OptionList(*map(self._check, self._shown), id="checks")
+        yield from super().body()
+
+    def _check(self, check: str) -> Option:
+        ticked = self._shown[check]
+        sign, look = (self.glyphs.done, "$woz-good") if ticked else (self.glyphs.no, "$woz-warn")
+        return Option(Content.assemble((f"{sign} ", look), clean(check)))
 
     def on_mount(self) -> None:
         """Ask at once."""
-        self.action_check()
+        self._look_again()
+        for box in self.query(".dialog") if self._shown else ():
+            box.border_subtitle = self.glyphs.plain(TICKING)
+
+    def on_key(self, event: events.Key) -> None:
+        """Space ticks as enter does; tab and a letter check again."""
+        if event.key == "space" and self._tick():
+            event.stop()
+        elif event.character == "c":
+            event.stop()
+            self._look_again()
 
     def action_check(self) -> None:
+        """Tick what is chosen in the list; without a list, check again."""
+        if not self._tick():
+            self._look_again()
+
+    def _tick(self) -> bool:
+        """Whether the list has the keyboard; then its chosen line is ticked, or not any more."""
+        for choices in self.query("#checks").results(OptionList):
+            if choices.has_focus and choices.highlighted is not None:
+                check = list(self._shown)[choices.highlighted]
+                request = AskCheck(check=check, ok=not self.picture.study.checks.get(check, False))
+                self.desk.ask(request, self._ticked)
+                return True
+        return False
+
+    def _ticked(self, reply: Reply) -> None:
+        if not reply.ok:
+            self._said = f"{reply.reason} {reply.hint}".strip()
+            self.renew()
+
+    def refreshed(self) -> None:
+        """Show ticks as they come, also those of another console."""
+        known = self.picture.study.checks
+        if known == self._shown:
+            return
+        changed = [check for check in self._shown if known.get(check) != self._shown[check]]
+        self._shown = {check: known.get(check, False) for check in self._shown}
+        for choices in self.query("#checks").results(OptionList):
+            for check in changed:
+                index = list(self._shown).index(check)
+                choices.replace_option_prompt_at_index(index, self._check(check).prompt)
+        self._judge()
+        self.renew()
+
+    def _look_again(self) -> None:
         """Ask the robot process, and look at the terminal meanwhile."""
         self._findings, self._said = [], f"checking {self.glyphs.ellipsis}"
         self._reply = self._terminal = None
@@ -143,22 +211,35 @@ class PreflightDialog(Report):
         reply, terminal = self._reply, self._terminal
         if reply is None or terminal is None:
             return
-        self._findings = finding_rows(reply.data) if reply.ok else []
+        seen = self.picture.perception
+        self._findings = [
+            (level, subject, seen.finding(subject, text), remedy)
+            for level, subject, text, remedy in (finding_rows(reply.data) if reply.ok else [])
+        ]
         self._findings += [
             (found.level, found.subject, found.text, found.remedy)
             for found in (*terminal, *self._own(), *sign_findings(self.picture))
         ]
         self._findings += key_findings(self.picture, self.console_app.caps)
         self._findings.sort(key=lambda found: _ORDER.get(found[0], len(_ORDER)))
+        self._judge()
+        self.renew()
+
+    def _judge(self) -> None:
+        """The verdict in words."""
+        reply = self._reply
+        if reply is None or self._terminal is None:
+            return
         errors = sum(level == "error" for level, *_ in self._findings)
         warnings = sum(level == "warning" for level, *_ in self._findings)
+        unticked = len(self.picture.study.unticked())
         if not reply.ok:
             self._said = f"{reply.reason} {reply.hint}".strip()
-        elif errors or warnings:
-            self._said = f"{errors} to mend, {warnings} to look at"
+        elif errors or warnings or unticked:
+            own = f", {unticked} to see to yourself" if unticked else ""
+            self._said = f"{errors} to mend, {warnings} to look at{own}"
         else:
             self._said = "everything is ready"
-        self.renew()
 
     def _own(self) -> tuple[Finding, ...]:
         app = self.console_app

@@ -116,16 +116,15 @@ class StartDialog(Form):
         picture = self.picture
         yield Static("Code of the participant (never a name)", classes="caption")
         yield Input(picture.participant, placeholder=self._pattern(), id="participant")
-        yield Static("", id="proposal")
-        order = Input(", ".join(picture.study.order), id="order")
-        order.display = False
-        yield order
+        for field in (Static("", id="proposal"), Input(id="order")):
+            field.display = False
+            yield field
         if picture.conditions:
-            yield Static("Condition", classes="caption")
+            yield Static("Condition", classes="caption one")
             with RadioSet(id="condition"):
                 for condition in picture.conditions:
                     yield Choice(condition, condition == picture.condition, self.glyphs)
-        yield Static("Trial (may stay empty)", classes="caption", id="trial-caption")
+        yield Static("Trial (may stay empty)", classes="caption")
         yield Input("" if picture.trial is None else str(picture.trial), id="trial")
         yield Static("", id="wrong", classes="wrong")
 
@@ -150,7 +149,7 @@ class StartDialog(Form):
             return
         self._for = code
         self._propose(None)
-        if not wrong_code(code, self._pattern()):
+        if self.picture.study.designed and not wrong_code(code, self._pattern()):
             self.desk.ask(AskProposal(participant=code), functools.partial(self._proposed, code))
 
     def _proposed(self, code: str, reply: Reply) -> None:
@@ -163,13 +162,20 @@ class StartDialog(Form):
         for place in self.query("#proposal").results(Static):
             place.update(content(proposal_rows(proposal, self.glyphs) if proposal else []))
             place.display = proposal is not None
+        several = proposal is not None and len(proposal.order) > 1
         for order in self.query("#order").results(Input):
-            order.display = proposal is not None and len(proposal.order) > 1
-            if proposal is not None:
-                order.value = ", ".join(proposal.order)
-        for field in self.query("#trial, #trial-caption"):
-            field.display = proposal is None
-        if proposal is not None and proposal.condition in self.picture.conditions:
+            order.display = several
+        for field in self.query("#condition, .one"):
+            field.display = not several  # one follows from the order
+        if proposal is not None:
+            self._fill_in(proposal)
+
+    def _fill_in(self, proposal: Proposal) -> None:
+        """The fields say what is proposed, until somebody writes otherwise."""
+        self.query_one("#order", Input).value = ", ".join(proposal.order)
+        if proposal.trial is not None:
+            self.query_one("#trial", Input).value = str(proposal.trial)
+        if proposal.condition in self.picture.conditions:
             chosen = self.picture.conditions.index(proposal.condition)
             for button in list(self.query(Choice))[chosen : chosen + 1]:
                 button.value = True
@@ -181,28 +187,25 @@ class StartDialog(Form):
         event.stop()
         code = self.query_one("#participant", Input).value.strip()
         trial = self.query_one("#trial", Input).value.strip()
-        wrong = wrong_code(code, self._pattern()) or self._no_condition() or wrong_trial(trial)
-        wrong = wrong or self._wrong_order()
+        wrong = wrong_code(code, self._pattern()) or self._wrong_order() or wrong_trial(trial)
         self.complain(wrong)
         if wrong:
             return
-        condition, blind = self._condition(), self.picture.blind
-        request = AskSet(
-            participant=code,
-            condition=None if condition is None else blind.name(condition),
-            trial=int(trial) if trial and self._proposal is None else None,
-        )
+        number = int(trial) if trial else None
         if self._proposal is None:
-            self.desk.ask(request, self.answered)
+            condition = self._condition()
+            name = None if condition is None else self.picture.blind.name(condition)
+            self.desk.ask(AskSet(participant=code, condition=name, trial=number), self.answered)
         else:
-            order = [blind.name(name) for name in self._order()]
+            order = [self.picture.blind.name(name) for name in self._order()]
             assign = AskAssign(participant=code, order=order)
-            self.desk.ask(assign, functools.partial(self._assigned, request))
+            other = number if number != self._proposal.trial else None
+            self.desk.ask(assign, functools.partial(self._assigned, other))
 
-    def _assigned(self, then: AskSet, reply: Reply) -> None:
-        """The order is in the log; now whoever takes part."""
-        if reply.ok:
-            self.desk.ask(then, self.answered)
+    def _assigned(self, trial: int | None, reply: Reply) -> None:
+        """Participant, order, condition and trial are set; another trial is asked for behind it."""
+        if reply.ok and trial is not None:
+            self.desk.ask(AskSet(trial=trial), self.answered)
         else:
             self.answered(reply)
 
@@ -216,8 +219,8 @@ class StartDialog(Form):
 
     def _wrong_order(self) -> str:
         """Why the order in its field cannot be, or an empty string."""
-        if self._proposal is None:
-            return ""
+        if self._proposal is None or len(self._proposal.order) == 1:
+            return self._no_condition()
         known = self.picture.conditions
         unknown = [name for name in self._order() if name not in known]
         if unknown:

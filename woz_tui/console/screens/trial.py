@@ -204,7 +204,7 @@ def stands(study: Study, now: int) -> str:
     if study.last is not None:
         number, outcome = study.last
         return f"trial {number}{of} is over: {outcome}"
-    return f"no trial yet{of}"
+    return f"no trial yet, {study.planned} planned" if study.planned else "no trial yet"
 
 
 def order_row(order: Iterable[str], present: str, here: str) -> Row:

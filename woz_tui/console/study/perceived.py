@@ -73,7 +73,8 @@ class Perception:
     def finding(self, subject: str, text: str) -> str:
         """What a check found out about `subject`, without the value of what is kept."""
         kind = kind_of(subject)
-        return "gives values" if kind and self.keeps(kind) else text
+        hears = self.keeps("transcript") and subject == "speech"
+        return "gives values" if hears or (kind and self.keeps(kind)) else text
 
     # -- sensors ------------------------------------------------------------------------------
 

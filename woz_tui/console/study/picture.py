@@ -19,6 +19,8 @@ from woz_tui.core.messages import Json
 #: A sentence for the wizard and its look, and how many may wait to be read.
 Tiding = tuple[str, str]
 _TIDINGS = 8
+#: Outcomes after which the next trial comes; an aborted one is run again.
+_OVER = ("done", "excluded")
 #: What a wizard did with a cue: how it is said, and its look.
 _JUDGED = {
     "right": ("right", "good"),
@@ -41,6 +43,11 @@ class Study:
     """Fields are for reading; `tell` and `take` change them."""
 
     questionnaires: tuple[Questionnaire, ...] = ()
+    #: Whether the file has a design: then the robot process proposes orders and counts trials.
+    designed: bool = False
+    #: Trials in each condition (0: nobody said).
+    trials: int = 0
+    participant: str = ""
     #: What a human has to see to -> whether it is ticked.
     checks: dict[str, bool] = field(default_factory=dict)
     #: The participant's conditions in their order, as the wizard may know them.
@@ -63,9 +70,10 @@ class Study:
     # -- reading ------------------------------------------------------------------------------
 
     @property
-    def designed(self) -> bool:
-        """Whether the file says how many trials there are, or one has been begun."""
-        return bool(self.planned or self.trial or self.last or self.break_began is not None)
+    def counts(self) -> bool:
+        """Whether trials are counted: by the design, or because one has been begun."""
+        running = self.trial is not None or self.break_began is not None
+        return self.designed or running or self.last is not None
 
     def questionnaire(self, name: str) -> Questionnaire | None:
         """The questionnaire of this name."""
@@ -95,6 +103,10 @@ class Study:
         """What the experiment file says, and where the session stands."""
         self.questionnaires = questionnaires_of(told.get("questionnaires"))
         self.checks = _checks(told.get("preflight"))
+        design = told.get("design")
+        self.designed = isinstance(design, Mapping)
+        trials = design.get("trials") if isinstance(design, Mapping) else 0
+        self.trials = trials if isinstance(trials, int) else 0
         if (order := _names(told.get("assigned"))) is not None:
             self.order = tuple(order)
         if isinstance(planned := told.get("planned"), int):
@@ -108,28 +120,46 @@ class Study:
         if reducer is not None:
             reducer(self, message)
 
+    def _somebody(self, participant: str) -> None:
+        """Another participant has another order, and has been asked nothing yet."""
+        if participant != self.participant:
+            self.participant, self.order, self.planned = participant, (), 0
+            self.last, self.due, self.over = None, [], set()
+
+    def _start(self, told: m.SessionStart) -> None:
+        self._somebody(told.participant)
+
+    def _change(self, told: m.SessionChanged) -> None:
+        if told.participant is not None:
+            self._somebody(told.participant)
+
     def _assign(self, told: m.ConditionsAssigned) -> None:
+        self._somebody(told.participant)
         self.order = tuple(told.order)
-        self.due, self.over = [], set()
+        self.planned = self.trials * max(1, len(self.order))
 
     def _begin(self, told: m.TrialStarted) -> None:
         self.trial, self.break_began = Trial(told.trial, told.t, told.condition), None
-        self.planned = told.planned or self.planned
+        self.planned, self.due = told.planned or self.planned, []
         missing = self.unticked() if self.last is None else []
         if missing:
             self._tidings.append((f"not ticked in the preflight: {'; '.join(missing)}", "warn"))
 
     def _end(self, told: m.TrialEnded) -> None:
-        self.trial, self.last = None, (told.trial, told.outcome)
-        if told.outcome == "done":
-            after = [one.name for one in self.questionnaires if self._follows(one, told.trial)]
-            self.due = list(dict.fromkeys((*self.due, *after)))
-
-    def _follows(self, one: Questionnaire, trial: int) -> bool:
-        """Whether it is to be asked after this trial."""
-        each, rest = divmod(self.planned, max(1, len(self.order)))
-        ends = bool(each) and not rest and trial % each == 0
-        return one.when == "trial" or (one.when == "condition" and ends)
+        self.trial, self.break_began, self.last = None, None, (told.trial, told.outcome)
+        if told.outcome in _OVER:
+            ends = bool(self.trials) and told.trial % self.trials == 0
+            whens = {
+                "trial": told.outcome == "done",
+                "condition": ends,
+                "end": ends and told.trial >= self.planned > 0,
+            }
+            self.due = [
+                one.name
+                for when, now in whens.items()
+                for one in self.questionnaires
+                if now and one.when == when
+            ]
 
     def _break(self, told: m.BreakStarted) -> None:
         self.break_began = told.t
@@ -196,6 +226,8 @@ def _names(told: Json) -> list[str] | None:
 
 
 _REDUCERS: dict[type[m.Message], Callable[[Study, Any], None]] = {
+    m.SessionStart: Study._start,
+    m.SessionChanged: Study._change,
     m.ConditionsAssigned: Study._assign,
     m.TrialStarted: Study._begin,
     m.TrialEnded: Study._end,

@@ -8,7 +8,7 @@ from collections.abc import Awaitable, Callable
 from pathlib import Path
 
 import pytest
-from hypothesis import given
+from hypothesis import example, given
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import LoopClock, run_virtual
@@ -181,14 +181,21 @@ class _Silent:
     st.integers(0, 5 * SECOND),
     st.lists(st.tuples(st.integers(0, 3 * SECOND), st.booleans()), max_size=30),
 )
+@example(0, 5 * SECOND, [(0, True), (0, False)] * 10)
 def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and_jitter(
     floor: int, jitter: int, course: list[tuple[int, bool]]
 ) -> None:
     begun: list[int] = []
     asked: list[int] = []
+    announced: dict[str, int] = {}
+
+    def see(line: m.AnyMessage) -> None:
+        if isinstance(line, m.ActionHeld):
+            announced[line.run] = line.until
 
     async def scene() -> None:
         hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
+        hub.listen(see)
         shaper = Shaper(hub, seed=7)
         hub.publish(m.ShapingChanged(floor_us=floor, jitter_us=jitter, cues=["marker"]))
         last = -(10**9)
@@ -204,6 +211,7 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
             def begin(number: int = number, now: int = now, cue: int = cue) -> None:
                 begun.append(number)
                 assert hub.now() >= cue + floor
+                assert hub.now() == pytest.approx(announced[f"r{number}"], abs=100)
                 assert hub.now() <= max(now, cue + floor + jitter) + floor + jitter + 100
 
             if not shaper.hold(f"r{number}", "x", "key", begin):

@@ -21,7 +21,7 @@ from woz_tui.export.sources import Source
 from woz_tui.export.tables import conditions_of
 from woz_tui.export.text import letters
 
-VERSION = "1.10.0"
+VERSION = "1.11.1"
 _ABOUT = """## Files
 
 A dataset as in the Brain Imaging Data Structure (BIDS), without imaging: events of each session in

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterable, Mapping
-from typing import Any
+from typing import Any, get_args
 
+from woz_tui.core.messages import AnyMessage
 from woz_tui.export.course import Answer, Event, Session
 from woz_tui.export.folder import Folder
 from woz_tui.export.tables import ANSWERS, EVENTS, Cell, Column, Table
@@ -26,6 +27,10 @@ _KINDS = {
     "note": "a sentence that the wizard typed",
     "mistake": "the wizard labelled an action a mistake",
 }
+_MOMENTS = {
+    str(kind.__struct_config__.tag): (kind.__doc__ or "").strip().partition("\n\n")[0]
+    for kind in get_args(AnyMessage)
+}
 #: BIDS has its own names for these, and wants the first three first.
 _RENAMED = {"onset_s": "onset", "duration_s": "duration", "kind": "trial_type"}
 _OF_EVENTS = (
@@ -42,6 +47,7 @@ def write_events(
     folder: Folder, stem: str, session: Session, events: Iterable[Event], common: Mapping[str, Any]
 ) -> None:
     """`<stem>_events.tsv` and its sidecar."""
+    events = list(events)
     columns = _columns(EVENTS, _OF_EVENTS)
     rows = ([_event_cell(session, event, column) for column in columns] for event in events)
     names = [_RENAMED.get(column.name, column.name) for column in columns]
@@ -52,7 +58,7 @@ def write_events(
     del meanings["onset"], meanings["duration"]  # BIDS' own
     meanings["trial_type"] = {
         "Description": "What happened; of moments, the kind of the log's line.",
-        "Levels": _KINDS,
+        "Levels": {kind: _level(kind) for kind in dict.fromkeys(each.kind for each in events)},
     }
     write_json(folder, f"{stem}_events.json", {**common, **meanings})
 
@@ -90,6 +96,13 @@ def write_json(folder: Folder, name: str, content: Mapping[str, Any]) -> None:
 def _columns(table: Table[Any], names: Iterable[str]) -> list[Column[Any]]:
     of_table = {column.name: column for column in table.columns}
     return [of_table[name] for name in names]
+
+
+def _level(kind: str) -> str:
+    """What a kind of event is; of moments, what the log's format says of the line."""
+    return _KINDS.get(kind) or _MOMENTS.get(
+        kind, "a line of the log that this version does not know"
+    )
 
 
 def _event_cell(session: Session, event: Event, column: Column[Any]) -> Cell:

@@ -39,10 +39,11 @@ class Extractor:
         self.session.duration = max(self.session.duration, line.t)
         self.session.lines += 1
         message = line.message
-        if message is None:
-            self._add(moment(line.seq, line.t, line.kind, line.fields))
-        elif not self._lasting(message, line) and line.kind not in NO_EVENTS:
-            self._add(moment(line.seq, line.t, line.kind, line.fields))
+        taken = message is not None and self._lasting(message, line)
+        if taken or line.kind in NO_EVENTS:
+            return
+        self._add(moment(line.seq, line.t, line.kind, line.fields))
+        if message is not None:
             self._noted(message)
 
     def finish(self) -> None:

@@ -27,7 +27,7 @@ KEPT = frozenset(
         *("now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what"),
         *("questionnaire", "item", "cue", "expects", "judged"),
-        *("script", "conditions", "keyboard", "drivers"),
+        *("script", "conditions", "keyboard", "drivers", "variables"),
     }
 )
 #: Fields that stay in these kinds only: elsewhere they hold something else.
@@ -44,11 +44,13 @@ KEPT_INSIDE: Mapping[str, frozenset[str]] = {
     "panels": frozenset({"title", "name", "key", "verbs"}),
     "signs": frozenset({"filter"}),
 }
+#: Objects that stay as they are: names of drivers and of what they can do.
+VOCABULARY = frozenset({"verbs"})
 #: Fields with a visitor's code. Visitors can get a name instead, so only given codes stay.
 VISITORS = frozenset({"visitor"})
 _GIVEN_CODE = re.compile(r"V\d{1,15}|", re.ASCII)
 #: Names within objects; anything else in their place may be somebody's words.
-_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}(\.[a-z0-9_]{1,40})?", re.ASCII)
+_NAME = re.compile(r"[a-z][a-z0-9_]{0,39}", re.ASCII)
 
 
 def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
@@ -66,6 +68,8 @@ def _field(name: str, value: Any, kept: frozenset[str]) -> Any:
     if name == "experiment" and isinstance(value, str):
         return value.replace("\\", "/").rpartition("/")[2]
     if name in kept and _flat(value):
+        return value
+    if name in VOCABULARY and isinstance(value, dict) and all(map(_flat, value.values())):
         return value
     return _without_words(value, KEPT_INSIDE.get(name, frozenset()))
 

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import msgspec
 
+from woz_tui.core import wire
 from woz_tui.core.messages import Reading
 from woz_tui.export.course import Session
 from woz_tui.export.extract import Extractor
@@ -59,7 +60,13 @@ class Source:
 def redacted_line(line: Line) -> Line:
     """The line without anybody's words, and without `ts`."""
     fields = redacted(line.fields)
-    return replace(line, ts="", fields=fields, raw=_encoder.encode(fields))
+    raw = _encoder.encode(fields)
+    try:
+        message = wire.decode_message(raw)
+    except wire.WireError:
+        message = None
+    # Nothing of the old line goes along: whatever it has besides is not redacted.
+    return Line(line.seq, line.t, "", line.kind, fields, raw, message)
 
 
 def found(given: Iterable[Path]) -> list[Source]:

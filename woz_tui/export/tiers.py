@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
+import msgspec
+
 from woz_tui.export.course import Event, Session
 from woz_tui.export.text import one_line
 
@@ -95,28 +97,35 @@ def _span(event: Event) -> Span:
 def _words(event: Event) -> str:
     """What stands in an annotation."""
     match event.kind:
-        case "action":
-            words = event.label
-        case "command" | "speech" | "note" | "marker":
-            return event.text
-        case "engagement" | "questionnaire" | "trial":
-            words = event.label
+        case "command" | "speech" | "note" | "marker" | "break":
+            parts = [event.text]
+        case "engagement":
+            parts = [event.label]
+        case "action" | "questionnaire":
+            parts = [event.label, _marks(event)]
+        case "trial":
+            parts = [event.label, _marks(event), event.text]
         case "stop":
-            words = f"{event.label} ({event.source})"
-        case _:
-            parts = [event.kind, event.label, event.text]
-            words = " ".join(part for part in parts if part)
-            return words if event.label or event.text else f"{event.kind} {_plainly(event)}"
-    marks = [event.outcome] if event.outcome not in ("", "done", "released") else []
+            parts = [event.label, f"({event.source})"]
+        case "mistake":
+            parts = [event.label, event.text]
+        case kind if kind in _SETTINGS:
+            more = "" if event.label or event.text else _plainly(event)
+            parts = [kind, event.label, event.text, more]
+        case kind:
+            parts = [kind.rpartition(".")[2], event.label, event.text]
+    return " ".join(part for part in parts if part)
+
+
+def _marks(event: Event) -> str:
+    """What is unusual: an outcome, a mistake."""
+    marks = [event.outcome] if event.outcome not in ("", "done") else []
     marks += ["mistake"] if event.mistake else []
-    text = event.text if event.kind == "trial" else ""
-    return " ".join(
-        [words, *([f"[{', '.join(marks)}]"] if marks else []), *([text] if text else [])]
-    )
+    return f"[{', '.join(marks)}]" if marks else ""
 
 
 def _plainly(event: Event) -> str:
-    return ", ".join(f"{name}={value}" for name, value in event.details.items())
+    return msgspec.json.encode(event.details).decode()
 
 
 def apart(tier: Tier, shortest: int = 0) -> list[Tier]:

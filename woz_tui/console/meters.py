@@ -12,13 +12,15 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit, heading, length
 from woz_tui.console.engagement.bars import FARTHEST
+from woz_tui.console.engagement.hand import is_offered
 from woz_tui.console.engagement.meter import block_rows
 from woz_tui.console.figures import SILENCE_DB, decibels
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.pose import joint_rows, other_rows
-from woz_tui.console.rows import NAME, at, joined, labelled, named, old, ruler, track
+from woz_tui.console.rows import NAME, at, joined, kept, labelled, named, old, ruler, track
+from woz_tui.console.study.perceived import HIDDEN
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
 
@@ -61,7 +63,11 @@ def _stale(picture: Picture, sensor: SensorPicture, frame: Frame) -> bool:
 
 def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
     sensor = picture.sensors[name]
+    if picture.perception.hides("distance"):
+        return [kept(_short(name), frame)]
     glyphs, width = frame.glyphs, track(frame)
+    if picture.perception.blurs("distance"):
+        return [_coarse(picture, sensor, frame)]
     ticks = {at(limit / FARTHEST, width): glyphs.tick for limit, _ in ZONES}
     stale = _stale(picture, sensor, frame)
     if sensor.value is None:
@@ -74,6 +80,14 @@ def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
         text = f"{sensor.value:.1f} m {old(sensor, frame)}"
     look = "stale" if stale else "plain"
     return [labelled(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
+
+
+def _coarse(picture: Picture, sensor: SensorPicture, frame: Frame) -> Row:
+    """A blurred value in a word, on a track without marks."""
+    stale = _stale(picture, sensor, frame)
+    track_row: Row = ((frame.glyphs.track * track(frame), "faint"),)
+    text = old(sensor, frame) if stale else sensor.text or "nothing seen"
+    return labelled(_short(sensor.name), track_row, text, "stale" if stale else "plain")
 
 
 def _short(name: str) -> str:
@@ -96,6 +110,10 @@ def _loudness_rows(picture: Picture, frame: Frame, speech: str) -> list[Row]:
 def _loudness(picture: Picture, name: str, frame: Frame, speech: str = "") -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
     sensor = picture.sensors[name]
+    if picture.perception.hides("loudness"):
+        return [kept(_short(name), frame)]
+    if picture.perception.blurs("loudness"):
+        return [_coarse(picture, sensor, frame)]
     glyphs, width = frame.glyphs, track(frame)
     if sensor.value is None or _stale(picture, sensor, frame):
         empty: Row = ((glyphs.track * width, "faint"),)
@@ -135,10 +153,15 @@ def _verdicts(picture: Picture, robot: str, frame: Frame) -> list[Row]:
         sensor = picture.sensors.get(f"{robot}{name}")
         if sensor is None:
             continue
-        pieces.append(_verdict(sensor, word, _stale(picture, sensor, frame), frame.glyphs))
+        if picture.perception.hides(name):
+            pieces.append((f"{frame.glyphs.middle} {word} {HIDDEN}", "faint"))
+        else:
+            pieces.append(_verdict(sensor, word, _stale(picture, sensor, frame), frame.glyphs))
         pieces.append(("  ", "plain"))
     who = picture.sensors.get(f"{robot}identity")
-    if who is not None:
+    if who is not None and picture.perception.hides("identity"):
+        pieces.append((f"who {HIDDEN}", "faint"))
+    elif who is not None:
         name = clean(who.text) or "unknown"
         look = "stale" if _stale(picture, who, frame) else "plain" if who.text else "muted"
         pieces.append((name, look))
@@ -155,6 +178,8 @@ def _verdict(sensor: SensorPicture, word: str, stale: bool, glyphs: Glyphs) -> P
 
 def _engagement(picture: Picture, frame: Frame) -> list[Row]:
     changed = picture.engagement
+    if picture.perception.hides("engagement") and is_offered(picture.engaged, picture.verbs):
+        return [kept("engaged", frame)]
     if changed is None:
         return []
     verdicts = "  ".join(_marked(changed, frame.glyphs))

@@ -208,7 +208,6 @@ class Picture:
         self.engaged, self.engagement = Engaged(), None
         if perception.hides("face"):
             self.faces.clear()
-        if perception.hides("joints"):
             self.bodies.clear()
         if perception.keeps("transcript"):
             told = [event for event in self.events if event.mark != "heard"]

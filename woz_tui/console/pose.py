@@ -11,7 +11,8 @@ from woz_tui.console.cells import Piece, Row, clean, fit, length
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
-from woz_tui.console.rows import NAME, at, labelled, named, old, ruler, track
+from woz_tui.console.rows import NAME, at, kept, labelled, named, old, ruler, track
+from woz_tui.console.study.perceived import kind_of
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
 _JOINT = re.compile(r"(?P<whose>.*\.)?(?P<kind>joint|setpoint)\.(?P<name>.+)")
@@ -32,6 +33,8 @@ def joint_rows(picture: Picture, frame: Frame, room: int, others: int) -> list[R
     joints = _joints(picture)
     if not joints:
         return []
+    if picture.perception.hides("joints"):
+        return [kept("pose", frame)]
     if len(joints) + others <= room:
         return [_joint(picture, name, shown, frame) for name, shown in joints.items()]
     return _folded(picture, joints, frame, max(1, room - 1))
@@ -159,6 +162,8 @@ def _group(name: str, sensors: list[SensorPicture], picture: Picture, frame: Fra
     if len(sensors) == 1:
         return _alone(sensors[0], picture, frame)
     members = []
+    if all(picture.perception.hides(kind_of(sensor.name)) for sensor in sensors):
+        return kept(name, frame)
     for sensor in sensors:
         stale = picture.is_stale(sensor, frame.now)
         last = sensor.name.rpartition(".")[2]
@@ -167,6 +172,8 @@ def _group(name: str, sensors: list[SensorPicture], picture: Picture, frame: Fra
 
 
 def _alone(sensor: SensorPicture, picture: Picture, frame: Frame) -> Row:
+    if picture.perception.hides(kind_of(sensor.name)):
+        return kept(sensor.name, frame)
     stale = picture.is_stale(sensor, frame.now)
     parts = (clean(sensor.text), figure(sensor, frame.glyphs))
     text = " ".join(part for part in parts if part) or "nothing"

@@ -8,6 +8,7 @@ from woz_tui.console.cells import Piece, Row, cut, fit
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
+from woz_tui.console.study.perceived import HIDDEN
 
 #: Cells of the names at the left and the values at the right.
 NAME, VALUE = 11, 17
@@ -50,6 +51,11 @@ def joined(cells: list[Piece]) -> Row:
         else:
             pieces.append((text, look))
     return tuple(pieces)
+
+
+def kept(name: str, frame: Frame) -> Row:
+    """The row of something that is kept from the wizard on purpose."""
+    return labelled(name, ((frame.glyphs.track * track(frame), "faint"),), HIDDEN, "faint")
 
 
 def old(sensor: SensorPicture, frame: Frame) -> str:

@@ -17,6 +17,7 @@ from woz_tui.console.cells import Cells, Row, clean, cut, fit
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import beside
+from woz_tui.console.study.perceived import HIDDEN
 
 #: Cells that words beside a face need, and a view at the least (columns, lines).
 WORDS, VIEW = 16, (10, 4)
@@ -119,9 +120,8 @@ def face_rows(seen: SeenBody, glyphs: Glyphs, *, compact: bool) -> list[Row]:
     rows = light_rows(frame, glyphs, look, compact=compact)
     if seen.face is None:
         columns, _ = face_size(*size, compact=compact)
-        rows[len(rows) // 2] = (
-            (fit("no face yet".center(columns), columns, glyphs.ellipsis), "muted"),
-        )
+        word = HIDDEN if "face" in seen.hidden else "no face yet"
+        rows[len(rows) // 2] = ((fit(word.center(columns), columns, glyphs.ellipsis), "muted"),)
     return rows
 
 
@@ -144,10 +144,19 @@ def view_rows(seen: SeenBody, glyphs: Glyphs, width: int, height: int) -> list[R
 def _drawn(
     seen: SeenBody, sizes: dict[str, tuple[int, int]], glyphs: Glyphs
 ) -> dict[str, list[Row]]:
+    if "joints" in seen.hidden:
+        return {view: _kept_view(*size) for view, size in sizes.items()}
     return {
         view: draw(seen.outline, seen.pose, sight, sizes[view]).rows(glyphs)
         for view, sight in sights(seen.outline, sizes).items()
     }
+
+
+def _kept_view(width: int, height: int) -> list[Row]:
+    """A view of a pose that the wizard does not get to see."""
+    rows: list[Row] = [((" " * width, "plain"),)] * height
+    rows[height // 2] = ((fit(HIDDEN.center(width), width), "faint"),)
+    return rows
 
 
 class BodyPane(Cells):

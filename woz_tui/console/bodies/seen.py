@@ -24,6 +24,8 @@ class SeenBody:
     values: Mapping[str, m.Json]
     mode: str
     old: str = ""
+    #: What of it the wizard does not get to see: face, joints.
+    hidden: frozenset[str] = frozenset()
 
     def value(self, *names: str) -> m.Json:
         """The first of these values that is known."""
@@ -42,6 +44,8 @@ def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> S
     wanted = _sensors(picture, outline, "setpoint")
     newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
     lost = picture.health(driver) == "lost"
+    if picture.perception.hides("joints"):
+        reached, wanted = {}, {}  # not even how old they are
     stale = (
         bool(picture.lost) or lost or any(picture.is_stale(one, now) for one in reached.values())
     )
@@ -56,6 +60,7 @@ def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> S
         values,
         picture.modes.get(driver) or str(values.get("mode") or "normal"),
         old,
+        picture.perception.hidden,
     )
 
 

@@ -31,7 +31,8 @@ from woz_tui.console.engagement.words import (
 from woz_tui.console.figures import age, elapsed, seconds
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
-from woz_tui.console.rows import NAME, VALUE, labelled, named, track
+from woz_tui.console.rows import NAME, VALUE, kept, labelled, named, old, track
+from woz_tui.console.study.perceived import HIDDEN, KEPT
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import zone
 
@@ -149,6 +150,8 @@ def _why(picture: Picture, frame: Frame) -> Row:
 
 def _heard(picture: Picture, frame: Frame) -> Row:
     """What was understood last, and when."""
+    if picture.perception.hides("transcript"):
+        return ((HIDDEN, "faint"),)
     heard = picture.engaged.heard()
     if not heard:
         return ((frame.glyphs.dash, "faint"),)
@@ -158,7 +161,8 @@ def _heard(picture: Picture, frame: Frame) -> Row:
 
 def quoted(segment: Segment, glyphs: Glyphs) -> Piece:
     """What somebody said, in quotation marks."""
-    return (f"{glyphs.opening}{clean(segment.text or '')}{glyphs.closing}", "run")
+    said = glyphs.plain(clean(segment.text or ""))
+    return (f"{glyphs.opening}{said}{glyphs.closing}", "run")
 
 
 # -- signs --------------------------------------------------------------------------------------
@@ -188,6 +192,8 @@ def _pair(
         return cut((front,), frame.width, glyphs.ellipsis)
     if not is_used(name, shown):
         back: Row = (("not used", "faint"),)
+    elif sign.filter == KEPT:
+        back = ((HIDDEN, "faint"),)
     elif sign.forced:
         back = ((f"{glyphs.forced} by hand", "wait"),)
     elif found.look == "stale":
@@ -223,6 +229,8 @@ def _single(
 def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
+    if sign is not None and "distance" in picture.sensors and picture.perception.keeps("distance"):
+        return [_kept_distance(picture, frame)]
     if sign is None or (sign.raw is None and "distance" not in picture.sensors):
         return []
     stale = bool(picture.lost) or sign.stale
@@ -239,3 +247,14 @@ def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[
     if stale:
         return [labelled("distance", bar, f"{frame.glyphs.stale} {figure} stale", "stale")]
     return [labelled("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
+
+
+def _kept_distance(picture: Picture, frame: Frame) -> Row:
+    """Its place where the wizard does not see it, or only near and far."""
+    if picture.perception.hides("distance"):
+        return kept("distance", frame)
+    sensor = picture.sensors["distance"]
+    stale = picture.is_stale(sensor, frame.now)
+    text = old(sensor, frame) if stale else sensor.text or "nothing seen"
+    bar: Row = ((frame.glyphs.track * track(frame), "faint"),)
+    return labelled("distance", bar, text, "stale" if stale else "plain")

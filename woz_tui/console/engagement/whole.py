@@ -28,6 +28,7 @@ from woz_tui.console.figures import elapsed, seconds
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import beside
+from woz_tui.console.study.perceived import COARSE, HIDDEN, KEPT
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION
 from woz_tui.sensing.proxemics import zone
@@ -174,6 +175,8 @@ def _sign(
     )
     if not used:
         return (*row, (" not used", "muted"))
+    if sign.filter == KEPT:
+        return (*row, (f" {found.piece[0]}", found.look))
     if found.look == "stale" and unsensed(sign):
         return (*row, (f" {found.piece[0]}", found.look))
     row += ((f" {fit(found.piece[0], 9, glyphs.ellipsis)}", found.look),)
@@ -185,6 +188,8 @@ def _sign(
 
 def _sensed(name: str, sign: m.SignShown) -> str:
     """The last sample, without any filter."""
+    if sign.filter in (KEPT, COARSE):
+        return HIDDEN if sign.filter == KEPT else COARSE
     if name not in CONDITION:
         return clean(sign.raw_name) or "nothing"
     if sign.raw is None:
@@ -229,6 +234,8 @@ def _way(picture: Picture, frame: Frame, room: int) -> list[Row]:
 def _heard(picture: Picture, frame: Frame, room: int) -> list[Row]:
     """What was understood, newest on top."""
     rows: list[Row] = []
+    if picture.perception.hides("transcript"):
+        rows.append(((f"what was said is {HIDDEN}", "faint"),))
     for segment in picture.engaged.heard():
         front = f"{elapsed(segment.t):>6} "
         rows.append(((front, "muted"), quoted(segment, frame.glyphs)))

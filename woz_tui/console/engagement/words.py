@@ -10,6 +10,7 @@ from woz_tui.console.cells import Piece, Row, clean, fit
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.figures import seconds
 from woz_tui.console.glyphs import Glyphs
+from woz_tui.console.study.perceived import COARSE, HIDDEN, KEPT
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION, MODES, SIGNS
 
@@ -71,12 +72,16 @@ def is_used(name: str, shown: m.EngagementShown) -> bool:
 
 def unsensed(sign: m.SignShown) -> bool:
     """Whether nobody has ever given it, neither a sensor nor the wizard."""
+    if sign.filter in (KEPT, COARSE):
+        return False  # nobody tells the wizard
     named = bool(sign.raw_name) or sign.name not in _UNKNOWN
     return sign.raw is None and not named and not sign.forced
 
 
 def mark(name: str, sign: m.SignShown, glyphs: Glyphs, *, old: bool = False) -> Mark:
     """What the sign says; `old`: nothing is heard of the model any more."""
+    if sign.filter == KEPT:
+        return Mark(glyphs.middle, HIDDEN, "faint")
     if old or (sign.stale and not sign.forced):
         return Mark(glyphs.stale, "no sensor" if unsensed(sign) else "stale", "stale")
     if name not in CONDITION:

@@ -62,6 +62,8 @@ class EngagementDialog(Drawing):
 
     def nothing(self) -> str:
         """What stands there in a session without a model."""
+        if self.picture.perception.hides("engagement"):
+            return "In this experiment the engagement model is kept from you."
         if ENGAGEMENT in self.picture.verbs:
             return "The engagement model has not said anything yet."
         return (

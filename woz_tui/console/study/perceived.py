@@ -30,6 +30,8 @@ LOUD = 0.02
 #: Blurred, what was said is as many dots as it has more words than these.
 _WORDS = (0, 3, 10)
 _DOT = "●"
+#: Values of a body that its face shows.
+_FACE = frozenset(("emotion", "intensity", "valence", "arousal", "eye_x", "eye_y"))
 
 
 class Perception:
@@ -171,8 +173,19 @@ class Perception:
     def _face(self, told: m.FaceShown) -> m.Message | None:
         return None if self.hides("face") else told
 
-    def _body(self, told: m.BodyChanged) -> m.Message | None:
-        return None if self.hides("joints") else told
+    def _body(self, told: m.BodyChanged) -> m.Message:
+        """A body's values, without what its face shows."""
+        if not self.hides("face"):
+            return told
+        values = _faceless(told.values) if isinstance(told.values, dict) else {}
+        return msgspec.structs.replace(told, values=values)
+
+
+def _faceless(values: Mapping[str, Json]) -> dict[str, Json]:
+    return {
+        name: HIDDEN if name in _FACE else _faceless(value) if isinstance(value, dict) else value
+        for name, value in values.items()
+    }
 
 
 def dots(text: str) -> str:

@@ -1,0 +1,210 @@
+"""Logs made of messages, as the hub would have stamped them, and a look at what a console gets."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from dataclasses import replace
+from datetime import UTC, datetime, timedelta
+from typing import Any
+
+import msgspec
+
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core import wire
+from woz_tui.core.clock import timestamp
+from woz_tui.core.views import ActionView, PanelView
+from woz_tui.replay.player import Incoming, Player, Start
+from woz_tui.replay.reel import Reel
+
+SECOND = 1_000_000
+BEGAN = datetime(2026, 3, 1, 10, 0, tzinfo=UTC)
+
+START = m.SessionStart(
+    session="S01",
+    participant="P07",
+    condition="warm",
+    wizard="W2",
+    software={"name": "woz-tui", "version": "0.1.0"},
+    experiment="guide.yaml",
+    experiment_sha256="0" * 64,
+    seed=7,
+    clock={"source": "monotonic"},
+)
+PLAN = m.SessionPlan(
+    title="Museum guide",
+    panels=[
+        PanelView(
+            title="Speech",
+            actions=[
+                ActionView(name="Hello", label="Hello", key="h", verbs=["say"]),
+                ActionView(name="Go", label="Go", key="g", verbs=["play"]),
+            ],
+        )
+    ],
+    script=["Hello", "Go"],
+    verbs={"robot": ["say", "play"]},
+    variables=[],
+    conditions=["warm", "cold"],
+    keyboard="us",
+    drivers=["robot"],
+    settings={},
+)
+
+
+def stamped(timed: Iterable[tuple[float, m.AnyMessage]]) -> list[m.AnyMessage]:
+    """Messages with the seconds at which they were published."""
+    return [
+        msgspec.structs.replace(
+            message,
+            seq=seq,
+            t=round(at * SECOND),
+            ts="" if wire.is_sample(message) else timestamp(BEGAN + timedelta(seconds=at)),
+        )
+        for seq, (at, message) in enumerate(timed)
+    ]
+
+
+class KeptSamples:
+    """Samples in memory."""
+
+    def __init__(self, samples: Sequence[m.AnyMessage], length_us: int = 0) -> None:
+        self._samples = samples
+        self.length_us = length_us
+
+    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        return [each for each in self._samples if after_us < each.t <= until_us]
+
+    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+        last = {_name(each): each for each in self._samples if each.t <= t_us}
+        return list(last.values())
+
+
+def _name(sample: m.AnyMessage) -> str:
+    return sample.sensor if isinstance(sample, m.Reading) else type(sample).__name__
+
+
+def reel_of(messages: Sequence[m.AnyMessage]) -> Reel:
+    """A reel of messages, samples apart from the rest."""
+    lines = [message for message in messages if not wire.is_sample(message)]
+    samples = [message for message in messages if wire.is_sample(message)]
+    return Reel(lines, KeptSamples(samples, max((each.t for each in messages), default=0)), PLAN)
+
+
+def played(run: str, action: str, at: float, took: float) -> list[tuple[float, m.AnyMessage]]:
+    """An action from its press to its end."""
+    command = f"c{run}"
+    return [
+        (at, m.ActionRequested(run=run, action=action, panel="Speech", source="key", key="h")),
+        (
+            at,
+            m.Command(command=command, run=run, action=action, verb="say", args={}, source="key"),
+        ),
+        (at, m.Dispatched(command=command, driver="robot", latency_us=200)),
+        (
+            at + took,
+            m.Done(command=command, driver="robot", sent={}, latency_us=200, duration_us=1),
+        ),
+        (at + took, m.ActionDone(run=run, action=action)),
+    ]
+
+
+def story() -> list[m.AnyMessage]:
+    """A minute: two actions, a marker, a mistake, a stop, an idle stretch of 30 s, the end."""
+    timed: list[tuple[float, m.AnyMessage]] = [
+        (0, START),
+        (0.1, m.DriverConnected(driver="robot", detail="simulated")),
+        (0.2, PLAN),
+        *played("a1", "Hello", 3, 2),
+        (6, m.Marker(text="smile")),
+        *played("a2", "Go", 8, 4),
+        (13, m.Mistake(run="a2", action="Go", text="too late")),
+        (15, m.StopPressed(source="key")),
+        (15.5, m.StopConfirmed(confirmed=["robot"], missing=[], elapsed_us=500_000)),
+        (18, m.StopReleased(source="key")),
+        (50, m.Note(text="comes back")),
+        (55, m.SessionChanged(trial=2)),
+        (60, m.SessionEnd(reason="wizard", sha256="0" * 64)),
+    ]
+    timed += [(n * 0.5, m.reading("distance", 3 - n / 60, unit="m")) for n in range(1, 119)]
+    timed += [(n * 10.0 + 0.01, m.ClockTie(wall="")) for n in range(6)]
+    return stamped(sorted(timed, key=lambda pair: pair[0]))
+
+
+class Viewer:
+    """A console's picture fed by a player, in a time that the test moves on."""
+
+    def __init__(self, reel: Reel, start: Start | None = None, **options: Any) -> None:
+        self.player = Player(reel, start, **options)
+        self.picture = Picture()
+        self.now = 0
+        self.heard: list[Incoming] = []
+        self._take(self.player.begin(0))
+
+    def wait(self, seconds: float, ticks: int = 1) -> None:
+        """Let time pass, in so many ticks."""
+        end = self.now + round(seconds * SECOND)
+        for left in range(ticks, 0, -1):
+            self.now += (end - self.now) // left
+            self._take(self.player.tick(self.now))
+
+    def ask(self, request: r.AnyRequest) -> r.Reply:
+        """Ask and get the reply."""
+        told = self.player.ask(msgspec.structs.replace(request, ref=5), self.now)
+        self._take(told)
+        (reply,) = (each for each in told if isinstance(each, r.Reply))
+        assert reply.ref == 5
+        return reply
+
+    def do(self, what: Any, **fields: Any) -> r.Reply:
+        """A request of the replay."""
+        return self.ask(r.AskReplay(what=what, **fields))
+
+    def go(self, seconds: float) -> None:
+        """Seek to a time."""
+        assert self.do("go", to=f"{seconds:.6f}").ok
+
+    def _take(self, told: list[Incoming]) -> None:
+        self.heard += told
+        # As over a socket: what a console gets is what the wire's codec makes of it.
+        decoded = [
+            wire.decode_incoming(wire.encode(each)) if isinstance(each, msgspec.Struct) else each
+            for each in told
+        ]
+        self.picture.take(decoded, self.now)
+
+    def kinds(self) -> list[str]:
+        """Kinds of the log's lines that came, samples left out; then forget everything."""
+        found = [
+            str(each.__struct_config__.tag)
+            for each in self.heard
+            if isinstance(each, m.Message) and not wire.is_sample(each)
+        ]
+        self.heard = []
+        return found
+
+    @property
+    def shown(self) -> dict[str, object]:
+        """Everything a wizard would see of a moment, as plain data."""
+        picture = self.picture
+        return {
+            "participant": (picture.participant, picture.condition, picture.trial),
+            "panels": picture.panels,
+            "position": picture.position,
+            "locks": dict(picture.locks),
+            "drivers": dict(picture.drivers),
+            "sensors": dict(picture.sensors),
+            "stop": picture.stop,
+            "engagement": picture.engagement,
+            "shown": picture.engaged.shown,
+            "modes": dict(picture.modes),
+            "active": dict(picture.runs.active),
+            "outcomes": dict(picture.runs.outcomes),
+            "failures": [failure.run for failure in picture.runs.failures],
+            "mistakes": set(picture.mistakes),
+            "recorder": replace(picture.recorder, news=False),
+            "events": list(picture.events),
+            "ended": picture.ended,
+            "now": picture.now(self.now),
+        }

@@ -1,0 +1,119 @@
+from __future__ import annotations
+
+import socket
+import threading
+import time
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+
+import pytest
+
+from tests.replay.logs import reel_of, story
+from woz_tui.console.feed import Feed, Incoming
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.clock import ManualClock
+from woz_tui.replay.feed import ReplayFeed
+from woz_tui.replay.player import Player, Start
+
+PATIENCE = 20.0
+
+
+class Ear:
+    """Hears a feed in its thread."""
+
+    def __init__(self) -> None:
+        self.heard: list[Incoming] = []
+        self.threads: set[str] = set()
+
+    def __call__(self, batch: list[Incoming]) -> None:
+        self.threads.add(threading.current_thread().name)
+        self.heard += batch
+
+    def until(self, true: Callable[[Incoming], bool]) -> Incoming:
+        end = time.monotonic() + PATIENCE
+        while time.monotonic() < end:
+            for each in list(self.heard):
+                if true(each):
+                    return each
+            time.sleep(0.005)
+        raise AssertionError(f"it never came; there came {self.heard[-5:]}")
+
+
+@contextmanager
+def playing(clock: ManualClock, start: Start | None = None) -> Iterator[tuple[ReplayFeed, Ear]]:
+    feed = ReplayFeed(Player(reel_of(story()), start), clock)
+    ear = Ear()
+    feed.start(ear, pytest.fail)
+    try:
+        yield feed, ear
+    finally:
+        feed.close()
+        feed.close()  # twice does no harm
+
+
+def _kind(kind: type[m.Message]) -> Callable[[Incoming], bool]:
+    return lambda each: isinstance(each, kind)
+
+
+def test_it_has_the_shape_of_a_feed() -> None:
+    feed: Feed = ReplayFeed(Player(reel_of([])))
+    assert feed.line_ok
+
+
+def test_it_plays_in_a_thread_of_its_own_as_the_clock_says() -> None:
+    clock = ManualClock()
+    with playing(clock) as (_, ear):
+        assert isinstance(ear.until(lambda each: isinstance(each, r.Welcome)), r.Welcome)
+        clock.advance(6)
+        ear.until(_kind(m.Marker))
+        assert not any(isinstance(each, m.Mistake) for each in ear.heard)
+        clock.advance(10)
+        ear.until(_kind(m.Mistake))
+        assert ear.threads == {"replay"}
+
+
+def test_asking_returns_at_once_and_every_request_gets_its_reply() -> None:
+    clock = ManualClock()
+    with playing(clock, Start(paused=True)) as (feed, ear):
+        refs = [feed.ask(r.AskReplay(what="step")), feed.ask(r.AskAction(action="Hello"))]
+        assert refs == [1, 2]
+        for ref in refs:
+            ear.until(lambda each, ref=ref: isinstance(each, r.Reply) and each.ref == ref)  # type: ignore[misc]
+        feed.ask(r.Beat())
+        last = feed.ask(r.AskStop(source="key"))
+        reply = ear.until(lambda each: isinstance(each, r.Reply) and each.ref == last)
+        assert isinstance(reply, r.Reply)
+        assert not reply.ok
+        assert [each.ref for each in ear.heard if isinstance(each, r.Reply)] == [1, 2, 4]
+
+
+def test_nothing_comes_after_it_was_closed() -> None:
+    clock = ManualClock()
+    with playing(clock) as (feed, ear):
+        ear.until(lambda each: isinstance(each, r.Welcome))
+        feed.close()
+        thread = next((t for t in threading.enumerate() if t.name == "replay"), None)
+        if thread is not None:
+            thread.join(PATIENCE)
+        count = len(ear.heard)
+        feed.ask(r.AskReplay(what="step"))
+        assert len(ear.heard) == count
+
+
+def test_no_replay_opens_a_socket(monkeypatch: pytest.MonkeyPatch) -> None:
+    opened: list[object] = []
+
+    class Watched(socket.socket):
+        def __init__(self, *args: object, **options: object) -> None:
+            opened.append(args)
+            raise OSError("no")
+
+    monkeypatch.setattr(socket, "socket", Watched)
+    clock = ManualClock()
+    with playing(clock) as (feed, ear):
+        for request in (r.AskReplay(what="faster"), r.AskAction(action="Hello"), r.AskStop()):
+            feed.ask(request)
+        clock.advance(60)
+        ear.until(_kind(m.SessionEnd))
+    assert opened == []

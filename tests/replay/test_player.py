@@ -1,0 +1,271 @@
+from __future__ import annotations
+
+import pytest
+
+from tests.replay.logs import SECOND, Viewer, reel_of, stamped, story
+from woz_tui.console.parts import State
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
+from woz_tui.replay.player import REFUSED, UNMOVED, Start
+
+
+def viewer(**start: object) -> Viewer:
+    return Viewer(reel_of(story()), Start(**start))  # type: ignore[arg-type]
+
+
+def test_it_begins_with_a_welcome_of_its_own_role() -> None:
+    it = viewer()
+    first = it.heard[0]
+    assert isinstance(first, r.Welcome)
+    assert (first.role, first.title, first.t) == ("replay", "Museum guide", 0)
+    assert it.picture.replay is not None
+    assert it.picture.replay.length_us == 60 * SECOND
+    assert [place.sort for place in it.picture.replay.places] == [
+        *("marker", "mistake", "stop", "note", "trial", "end"),
+    ]
+
+
+def test_lines_come_in_order_and_when_they_are_due() -> None:
+    it = viewer()
+    it.kinds()
+    it.wait(2.9, ticks=29)
+    assert it.kinds() == ["clock", "driver.connected", "session.plan"]
+    it.wait(0.1)
+    assert it.kinds() == ["action.requested", "command.requested", "command.dispatched"]
+    it.wait(3)
+    assert it.kinds() == ["command.done", "action.done", "marker"]
+    assert it.picture.now(it.now) == 6 * SECOND
+
+
+def test_the_same_comes_whatever_the_speed() -> None:
+    slow, fast = viewer(speed=0.25), viewer(speed=16)
+    slow.wait(240.5, ticks=900)
+    fast.wait(4, ticks=40)
+    assert slow.kinds() == fast.kinds()
+    assert slow.shown == fast.shown
+    assert slow.player.ended
+    assert fast.picture.ended == "wizard"
+
+
+def test_samples_come_thinned_between_the_lines() -> None:
+    it = viewer()
+    it.wait(10)
+    told = [each for each in it.heard if isinstance(each, m.Reading)]
+    assert [reading.t for reading in told] == [10 * SECOND]
+    assert it.picture.sensors["distance"].t == 10 * SECOND
+
+
+def test_nothing_runs_on_while_it_stands_still() -> None:
+    it = viewer()
+    it.wait(9)
+    running = it.picture.standing(*_action(it, "Go"), it.picture.now(it.now))
+    assert running.state is State.RUNNING
+    assert it.do("pause").ok
+    it.wait(600, ticks=7)
+    assert it.picture.now(it.now) == 9 * SECOND
+    assert not it.picture.is_stale(it.picture.sensors["distance"], it.picture.now(it.now))
+    assert it.do("pause").ok
+    it.wait(3)
+    assert it.picture.now(it.now) == 12 * SECOND
+    assert it.picture.standing(*_action(it, "Go"), it.picture.now(it.now)).state is State.DONE
+
+
+def _action(it: Viewer, name: str) -> tuple[PanelView, ActionView]:
+    (panel,) = it.picture.panels
+    return panel, next(action for action in panel.actions if action.name == name)
+
+
+def test_the_speed_doubles_and_halves_within_its_limits() -> None:
+    it = viewer()
+    for rate in (2.0, 4.0, 8.0, 16.0):
+        assert it.do("faster").ok
+        assert it.picture.rate == rate
+    refused = it.do("faster")
+    assert not refused.ok
+    it.wait(1)
+    assert it.player.t == 16 * SECOND
+    for _ in range(6):
+        assert it.do("slower").ok
+    assert not it.do("slower").ok
+    assert it.player.rate == 0.25
+    it.wait(4)
+    assert it.player.t == 17 * SECOND
+
+
+def test_a_step_goes_to_the_next_line_that_says_something() -> None:
+    it = viewer(paused=True)
+    steps = []
+    while (reply := it.do("step")).ok:
+        assert isinstance(reply.data, dict)
+        steps.append(reply.data["kind"])
+        assert it.picture.now(it.now) == reply.data["t"]
+    lines = [
+        m for m in story() if m.__struct_config__.tag not in ("sample", "clock", "session.plan")
+    ]
+    assert steps == [line.__struct_config__.tag for line in lines][1:]
+    assert "no further line" in reply.reason
+    assert it.picture.ended == "wizard"
+
+
+def test_a_step_shows_one_line_only_also_where_several_have_one_time() -> None:
+    it = viewer(paused=True, at_us=2_900_000)
+    it.kinds()
+    it.do("step")
+    assert it.kinds() == ["action.requested"]
+    it.do("step")
+    assert it.kinds() == ["command.requested"]
+    assert it.player.paused
+
+
+def test_going_on_after_a_step_leaves_nothing_out() -> None:
+    it = viewer(at_us=2_900_000)
+    it.do("step")
+    it.kinds()
+    it.do("pause")
+    it.wait(0)
+    assert it.kinds() == ["command.requested", "command.dispatched"]
+
+
+def test_seeking_begins_anew_with_everything_that_held() -> None:
+    it = viewer()
+    it.go(16)
+    assert it.picture.stop is not None
+    assert it.picture.stop.confirmed == ("robot",)
+    assert it.picture.mistakes == {"a2"}
+    assert it.do("seek", by_s=-7.0).ok
+    assert it.shown["stop"] is None
+    assert list(it.picture.runs.active) == ["a2"]
+    assert it.do("seek", by_s=-600.0).ok
+    assert it.player.t == 0
+    assert it.do("seek", by_s=600.0).ok
+    assert it.player.ended
+
+
+@pytest.mark.parametrize(
+    ("to", "seconds"),
+    [
+        ("0:06", 6),
+        ("0:00:06.5", 6.5),
+        ("6", 6),
+        ("smile", 6),
+        ("SMI", 6),
+        ("start", 0),
+        ("end", 60),
+    ],
+)
+def test_one_goes_to_times_and_to_what_marks_say(to: str, seconds: float) -> None:
+    it = viewer(at_us=30 * SECOND)
+    assert it.do("go", to=to).ok
+    assert it.player.t == seconds * SECOND
+
+
+@pytest.mark.parametrize(
+    ("to", "reason"), [("2:00", "01:00 long"), ("grimace", "no 'grimace'"), (" ", "there is no")]
+)
+def test_a_place_that_is_not_there_is_said(to: str, reason: str) -> None:
+    it = viewer(at_us=30 * SECOND)
+    reply = it.do("go", to=to)
+    assert not reply.ok
+    assert reason in reply.reason
+    assert it.player.t == 30 * SECOND
+
+
+def test_a_mark_of_many_names_the_next_one() -> None:
+    marks = stamped([(n * 10.0, m.Marker(text="smile")) for n in range(4)])
+    it = Viewer(reel_of(marks), Start(at_us=15 * SECOND))
+    for seconds in (20, 30, 0):
+        it.do("go", to="smile")
+        assert it.player.t == seconds * SECOND
+
+
+def test_at_the_end_it_stands_and_goes_on_from_where_one_goes_back() -> None:
+    it = viewer()
+    it.wait(100)
+    assert it.picture.replay is not None
+    assert it.picture.replay.ended
+    assert it.picture.rate == 0
+    reply = it.do("pause")
+    assert not reply.ok
+    assert "home" in reply.hint
+    it.do("seek", by_s=-5.0)
+    it.wait(1)
+    assert it.player.t == 56 * SECOND
+
+
+def test_idle_stretches_are_cut_and_the_cut_is_told() -> None:
+    it = viewer(max_idle_us=4 * SECOND)
+    it.go(18)
+    it.wait(2.9)
+    assert it.player.t == pytest.approx(20.9 * SECOND)
+    it.wait(0.2)
+    assert it.player.t == 49 * SECOND  # a second before the note that ends the stretch
+    assert it.picture.replay is not None
+    # 3 of 4 s are shown before the cut, 1 s after it.
+    assert it.picture.replay.cut_us == 28 * SECOND
+    it.wait(1.5)
+    assert "comes back" in [event.text for event in it.picture.events]
+
+
+def test_arrows_walk_over_a_cut_in_both_directions() -> None:
+    it = viewer(max_idle_us=4 * SECOND)
+    it.go(19)
+    it.do("seek", by_s=5.0)
+    assert it.player.t == 52 * SECOND
+    it.do("seek", by_s=-5.0)
+    assert it.player.t == 19 * SECOND
+
+
+def test_samples_alone_do_not_keep_a_stretch() -> None:
+    timed = [(0.0, m.Marker()), (60.0, m.Marker())]
+    readings = [(n / 10, m.reading("distance", 1.0)) for n in range(1, 600)]
+    it = Viewer(
+        reel_of(stamped(sorted([*timed, *readings], key=lambda pair: pair[0]))),
+        Start(max_idle_us=2 * SECOND),
+    )
+    it.wait(2)
+    assert it.player.t > 58 * SECOND
+
+
+@pytest.mark.parametrize(
+    "request_",
+    [
+        r.AskAction(action="Hello"),
+        r.AskVerb(verb="say", args={"text": "x"}),
+        r.AskScript(),
+        r.AskMarker(),
+        r.AskNote(text="x"),
+        r.AskMistake(),
+        r.AskSet(trial=3),
+        r.AskEnd(),
+        r.AskReload(),
+        r.AskPreflight(),
+    ],
+)
+def test_whatever_else_is_asked_is_refused(request_: r.AnyRequest) -> None:
+    reply = viewer().ask(request_)
+    assert (reply.ok, reply.reason) == (False, REFUSED)
+
+
+@pytest.mark.parametrize("request_", [r.AskStop(source="key"), r.AskRelease()])
+def test_there_is_nothing_to_stop(request_: r.AnyRequest) -> None:
+    reply = viewer().ask(request_)
+    assert (reply.ok, reply.reason) == (False, UNMOVED)
+
+
+def test_what_is_missing_is_told_at_the_beginning_and_stays_known() -> None:
+    it = Viewer(reel_of(story()), notes=("3 damaged line(s) left out",))
+    assert it.picture.notice is not None
+    assert "3 damaged line(s)" in it.picture.notice.text
+    it.go(10)
+    told = it.picture.settings["replay"]
+    assert isinstance(told, dict)
+    assert told["notes"] == ["3 damaged line(s) left out"]
+
+
+def test_an_empty_reel_is_at_its_end() -> None:
+    it = Viewer(reel_of([]))
+    assert it.player.ended
+    assert not it.do("step").ok
+    assert it.do("seek", by_s=5.0).ok
+    assert not it.do("go", to="1").ok

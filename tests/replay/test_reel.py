@@ -1,0 +1,193 @@
+from __future__ import annotations
+
+from itertools import pairwise
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.replay.logs import (
+    PLAN,
+    SECOND,
+    START,
+    Viewer,
+    played,
+    reel_of,
+    stamped,
+    story,
+)
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.record.log import Line
+from woz_tui.replay.marks import Cuts, steady
+from woz_tui.replay.player import Start
+from woz_tui.replay.reel import Reel
+from woz_tui.replay.told import plan_from
+from woz_tui.session.standing import Standing
+
+Timed = tuple[float, m.AnyMessage]
+
+_DRIVERS = st.sampled_from(["robot", "range"])
+_SINGLE: st.SearchStrategy[m.AnyMessage] = st.one_of(
+    st.builds(m.Marker, text=st.text(max_size=5)),
+    st.builds(m.Note, text=st.text(max_size=5)),
+    st.just(m.StopPressed(source="key")),
+    st.just(m.StopPressed(source="key", scope="driving")),
+    st.just(m.StopConfirmed(confirmed=["robot"], missing=["range"], elapsed_us=500)),
+    st.just(m.StopReleased(source="key")),
+    st.builds(m.DriverLost, driver=_DRIVERS, detail=st.just("cable"), remedy=st.just("plug")),
+    st.builds(m.DriverConnected, driver=_DRIVERS, detail=st.just("")),
+    st.builds(m.PanelLocked, panel=st.just("Speech"), locked=st.booleans()),
+    st.builds(m.ScriptMoved, position=st.integers(0, 2)),
+    st.builds(m.SessionChanged, participant=st.none() | st.just("P08"), trial=st.integers(1, 9)),
+    st.builds(
+        m.SensorChanged,
+        sensor=st.sampled_from(["distance", "loudness"]),
+        state=st.sampled_from(["stale", "ok", "speaking"]),
+        was=st.just("ok"),
+        why=st.just(""),
+    ),
+    st.builds(m.ModeChanged, driver=_DRIVERS, was=st.just(""), now=st.sampled_from("ab")),
+    st.builds(
+        m.EngagementChanged,
+        was=st.just("Wait"),
+        now=st.sampled_from(["Wait", "EngagedWithKnown"]),
+        outcome=st.just("x"),
+        why=st.just("because"),
+        verdicts=st.just({}),
+    ),
+    st.builds(m.reading, st.sampled_from(["distance", "loudness"]), st.floats(0, 4)),
+)
+
+
+@st.composite
+def courses(draw: st.DrawFn) -> list[m.AnyMessage]:
+    """A session in which anything may happen, actions under way at any moment."""
+    timed: list[Timed] = [(0.0, START)]
+    for at, message in draw(st.lists(st.tuples(st.floats(0, 60), _SINGLE), max_size=60)):
+        timed.append((at, message))
+    for number in range(draw(st.integers(0, 12))):
+        at, took = draw(st.floats(0, 60)), draw(st.floats(0, 10))
+        timed += played(f"a{number}", draw(st.sampled_from(["Hello", "Go"])), at, took)
+    return stamped(sorted(timed, key=lambda pair: pair[0]))
+
+
+@settings(max_examples=60, deadline=None)
+@given(courses(), st.floats(0, 70), st.lists(st.floats(0, 70), max_size=3), st.integers(1, 9))
+def test_the_state_after_seeking_is_that_after_playing(
+    messages: list[m.AnyMessage], to: float, detours: list[float], ticks: int
+) -> None:
+    reel = reel_of(messages)
+    to = min(to, reel.length_us / SECOND)
+    by_playing = Viewer(reel)
+    by_playing.wait(to, ticks=ticks)
+    by_seeking = Viewer(reel_of(messages), Start(paused=True))
+    for detour in [each for each in detours if each <= to]:
+        by_seeking.go(detour)
+    by_seeking.go(to)
+    assert by_playing.shown == by_seeking.shown
+
+
+@settings(max_examples=40, deadline=None)
+@given(courses(), st.integers(0, 200), st.integers(1, 30))
+def test_what_is_kept_on_the_way_changes_nothing(
+    messages: list[m.AnyMessage], index: int, chunk: int
+) -> None:
+    reel = reel_of(messages)
+    index = min(index, len(reel.lines))
+    while reel.prepare(chunk):
+        pass
+    by_hand = Standing()
+    for line in reel.lines[:index]:
+        assert not isinstance(line, dict)
+        by_hand.see(line)
+    assert reel.standing(index).state() == by_hand.state()
+    assert reel.standing(index).recent() == by_hand.recent()
+
+
+def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
+    messages = story()
+    raw = b'{"kind":"weather.changed","seq":9000,"t":30000000,"ts":"x","sky":"blue"}'
+    strange = Line(9000, 30 * SECOND, "x", "weather.changed", wire.decode_unknown(raw), raw)
+    lines = [each for each in messages if not wire.is_sample(each)]
+    at = next(n for n, line in enumerate(lines) if line.t > 30 * SECOND)
+    reel = Reel([*lines[:at], strange, *lines[at:]], plan=PLAN)
+    it = Viewer(reel)
+    it.wait(61, ticks=61)
+    assert {"kind": "weather.changed", "sky": "blue"}.items() <= next(
+        each for each in it.heard if isinstance(each, dict)
+    ).items()
+    assert it.picture.ended == "wizard"
+    it.go(29.9)
+    reply = it.do("step")
+    assert reply.data == {"kind": "weather.changed", "t": 30 * SECOND}
+
+
+@pytest.mark.parametrize(
+    ("times", "expected"),
+    [
+        ([1, 2, 3], [1, 2, 3]),
+        ([1, 2, 900, 3, 4], [1, 2, 3, 3, 4]),  # a bit has flipped
+        ([1, 2, 0, 3, 4], [1, 2, 2, 3, 4]),
+        ([5, 5, 5], [5, 5, 5]),
+        ([1, 900, 901, 902], [1, 900, 901, 902]),  # a pause, not a damage
+        ([], []),
+    ],
+)
+def test_one_damaged_time_moves_no_other_line(times: list[int], expected: list[int]) -> None:
+    assert steady(times) == expected
+
+
+@given(st.lists(st.integers(0, 1000)))
+def test_times_never_go_back(times: list[int]) -> None:
+    assert all(a <= b for a, b in pairwise(steady(times)))
+
+
+@given(
+    st.lists(st.integers(0, 1000)).map(sorted),
+    st.none() | st.integers(1, 100),
+    st.integers(0, 1000),
+    st.integers(-500, 500),
+)
+def test_moving_over_cuts_counts_what_is_shown_only(
+    deeds: list[int], most: int | None, t: int, by: int
+) -> None:
+    cuts = Cuts(deeds, most)
+    start = cuts.moved(t, 0)
+    assert cuts.before(start) <= start
+    there = cuts.moved(start, by)
+    assert (there - cuts.before(there)) - (start - cuts.before(start)) == by
+    assert cuts.moved(there, -by) == start
+
+
+def test_a_log_that_does_not_tell_shows_what_was_played() -> None:
+    plan = plan_from([each for each in story() if not isinstance(each, m.SessionPlan)])
+    assert plan.title == "guide"
+    assert [(p.title, [a.name for a in p.actions]) for p in plan.panels] == [
+        ("Speech", ["Hello", "Go"])
+    ]
+    assert plan.panels[0].actions[0].key == "h"
+    assert plan.verbs == {"robot": ["say"]}
+    assert plan.conditions == ["warm"]
+
+
+def test_a_plan_of_the_middle_counts_from_then_on() -> None:
+    later = m.SessionPlan(
+        title="Reloaded",
+        panels=[],
+        script=[],
+        verbs={},
+        variables=[],
+        conditions=[],
+        keyboard="us",
+        drivers=[],
+        settings={},
+    )
+    it = Viewer(reel_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
+    assert it.picture.title == "Museum guide"
+    it.wait(6)
+    assert it.picture.title == "Reloaded"
+    it.go(2)
+    assert it.picture.title == "Museum guide"
+    it.go(8)
+    assert it.picture.title == "Reloaded"

@@ -20,6 +20,14 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--take-over", action="store_true", help="play, even if another console does already"
     )
+    parser.add_argument(
+        "--questionnaire",
+        nargs="?",
+        const="",
+        default=None,
+        metavar="NAME",
+        help="only the questionnaires (or this one), for a participant's own terminal",
+    )
     add_keymap(parser)
     parser.set_defaults(run=run)
 
@@ -41,6 +49,8 @@ def _attach(arguments: argparse.Namespace) -> int:
     socket = _find(arguments.name)
     if socket is None:
         return 1
+    if arguments.questionnaire is not None:
+        return screen.open_questionnaire(socket, arguments.questionnaire)[1]
     left, code = screen.open_console(
         screen.ScreenOptions(
             socket=socket,

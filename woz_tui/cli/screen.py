@@ -88,6 +88,29 @@ def make_console(options: ScreenOptions) -> Console:
     return app
 
 
+def open_questionnaire(socket: Path, only: str) -> tuple[str, int]:
+    """Run a participant's own screen until it is left: how (ended, detached), and the exit code.
+
+    `only` is the name of the one questionnaire that is shown; empty: all.
+    """
+    from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
+    from woz_tui.console.link import Link  # noqa: PLC0415
+    from woz_tui.console.look import look_for  # noqa: PLC0415
+    from woz_tui.console.participant import Participant  # noqa: PLC0415
+    from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
+
+    link = Link(socket, role="participant", name=os.environ.get("TERM", ""))
+    app = Participant(
+        link,
+        Keyboard(link),
+        only=only,
+        look=look_for(os.environ, locale.getpreferredencoding(False)),
+        driver_class=WizardDriver,
+    )
+    favour_keys()
+    return app.run() or "", app.return_code or 0
+
+
 def run_console(app: Console) -> tuple[str, int]:
     """Run it until it is left: how (ended, detached, lost, failed), and the exit code.
 

@@ -45,7 +45,7 @@ class Link:
 
     Args:
         path: The host's socket.
-        role: wizard, watcher or program.
+        role: wizard, watcher, program or participant.
         name: What the host may call this console.
         take_over: Whether a wizard who is there already has to watch from now on.
         clock: For the host's silence.

@@ -25,7 +25,7 @@ from woz_tui.console.study.sheet import Sheet, Words
 from woz_tui.console.thrift import ThriftyScreen
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, RealClock
-from woz_tui.core.requests import AnyRequest, Reply
+from woz_tui.core.requests import AnyRequest, AskQuestionnaire, Reply
 from woz_tui.experiment.terminals import STOPS
 from woz_tui.experiment.textual_names import from_textual
 
@@ -82,7 +82,7 @@ class Participant(App[str]):
         self._only = only
         self._inbox = Inbox(self.look_in)
         self._waiting: dict[int, Callable[[Reply], None]] = {}
-        self._thanks = False
+        self._thanks = self._begun = False
 
     def compose(self) -> ComposeResult:
         """The sheet."""
@@ -126,8 +126,18 @@ class Participant(App[str]):
             self._cut(why)
         if self.picture.ended and self.picture.lost:
             self.exit("ended")
+        self._begin()
         for sheet in self.query(Sheet):
             sheet.follow(self._asked(), self._words())
+
+    def _begin(self) -> None:
+        """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
+        study = self.picture.study
+        due = self._only in study.due and study.asked is None and not self.picture.lost
+        if due and not self._begun:
+            request = AskQuestionnaire(questionnaire=self._only, source="participant")
+            self._ask(request, _nobody)
+        self._begun = due
 
     def _cut(self, why: str) -> None:
         """No reply will come any more; what was not confirmed goes out again later."""

@@ -177,14 +177,15 @@ class Perception:
         """A body's values, without what its face shows."""
         if not self.hides("face"):
             return told
-        values = _faceless(told.values) if isinstance(told.values, dict) else {}
-        return msgspec.structs.replace(told, values=values)
+        return msgspec.structs.replace(told, values=_faceless(told.values))
 
 
-def _faceless(values: Mapping[str, Json]) -> dict[str, Json]:
+def _faceless(values: object) -> dict[str, Json]:
+    """A body's values, those that its face shows as the word that they are hidden."""
+    told = values if isinstance(values, dict) else {}
     return {
         name: HIDDEN if name in _FACE else _faceless(value) if isinstance(value, dict) else value
-        for name, value in values.items()
+        for name, value in told.items()
     }
 
 

@@ -6,16 +6,16 @@ sensor; so the state of any moment is in one block and in what was before it.
 
 from __future__ import annotations
 
-import os
 from bisect import bisect_right
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
-from typing import BinaryIO
+from typing import Annotated
 
 import msgspec
 
+from woz_tui.core import wire
 from woz_tui.core.messages import EngagementShown, Reading
 from woz_tui.record.damage import Damage
 from woz_tui.record.lines import Chunk
@@ -23,6 +23,11 @@ from woz_tui.record.stream import Item, items_in
 
 #: Blocks that are kept decoded, for those who go through a session step by step.
 _KEPT = 6
+_NOWHERE = Path()
+
+
+#: Checked where the line is decoded.
+Natural = Annotated[int, msgspec.Meta(ge=0)]
 
 
 class Slim(
@@ -30,8 +35,8 @@ class Slim(
 ):
     """A `Reading` that costs half as much to decode: the same fields, no list in it."""
 
-    seq: int
-    t: int
+    seq: Natural
+    t: Natural
     sensor: str
     value: float | None
     ts: str = ""
@@ -41,10 +46,59 @@ class Slim(
     raw: float | None = None
     bad: list[str] | msgspec.UnsetType = msgspec.UNSET
 
-    def reading(self) -> Reading:
+    def message(self) -> Reading:
         """The same as a `Reading`."""
-        fields = {name: getattr(self, name) for name in self.__struct_fields__}
-        return Reading(**fields | {"bad": self.bad or []})
+        return Reading(**msgspec.structs.asdict(self) | {"bad": self.bad or []})
+
+
+class SlimShown(
+    EngagementShown,
+    frozen=True,
+    kw_only=True,
+    omit_defaults=True,
+    gc=False,
+    tag_field="kind",
+    tag="engagement.shown",
+):
+    """An `EngagementShown` among them, so that all can be asked for their sensor."""
+
+    seq: Natural
+    t: Natural
+    sensor: str = "\0"
+
+    def message(self) -> EngagementShown:
+        """The same as an `EngagementShown`."""
+        fields = msgspec.structs.asdict(self)
+        del fields["sensor"]
+        return EngagementShown(**fields)
+
+
+#: A sample as it is looked at here, or the line of one that this version does not know.
+Entry = Item | Slim | SlimShown
+
+_decoder: msgspec.json.Decoder[Slim | SlimShown] = msgspec.json.Decoder(Slim | SlimShown)
+
+
+def entries_in(chunk: Chunk) -> list[Slim | SlimShown]:
+    """The samples of a chunk that holds nothing else, all at once; none if it does."""
+    if chunk.data is None or not chunk.whole:
+        return []
+    try:
+        return wire.decode_lines(_decoder, chunk.data)
+    except wire.WireError:
+        return []
+
+
+def slim(item: Entry) -> Slim | SlimShown | None:
+    """A sample as it is looked at here; None for anything else."""
+    match item:
+        case Slim() | SlimShown():
+            return item
+        case Reading():
+            return Slim(**msgspec.structs.asdict(item))
+        case EngagementShown():
+            return SlimShown(**msgspec.structs.asdict(item))
+    return None
 
 
 @dataclass(frozen=True)
@@ -60,50 +114,20 @@ class State:
     shown: EngagementShown | None = None
 
 
-@dataclass
-class Lasts:
-    """The last reading of each sensor, and the last picture of the engagement model, by `seq`."""
+#: What was last of each sensor, by its name; that of the engagement model is under `SlimShown`'s.
+Lasts = dict[str, Slim | SlimShown]
 
-    sensors: dict[str, Slim | Reading] = field(default_factory=dict)
-    shown: EngagementShown | None = None
 
-    def copy(self) -> Lasts:
-        """The same, to be changed."""
-        return Lasts(dict(self.sensors), self.shown)
-
-    def follow(self, later: Lasts) -> None:
-        """All of `later` came after this."""
-        self.sensors |= later.sensors
-        self.shown = later.shown or self.shown
-
-    def take(self, item: Item | Slim) -> None:
-        """`item` may have come before or after."""
-        if isinstance(item, Slim | Reading):
-            known = self.sensors.get(item.sensor)
-            if known is None or known.seq < item.seq:
-                self.sensors[item.sensor] = item
-        elif isinstance(item, EngagementShown) and (
-            self.shown is None or self.shown.seq < item.seq
-        ):
-            self.shown = item
-
-    def state(self) -> State:
-        """As messages."""
-        readings = {
-            name: last.reading() if isinstance(last, Slim) else last
-            for name, last in self.sensors.items()
-        }
-        return State(readings, self.shown)
+def lasts(entries: list[Slim | SlimShown]) -> Lasts:
+    """What was last among `entries`, in order of `seq`."""
+    return {entry.sensor: entry for entry in entries}
 
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Samples that stand together: where, and the smallest and greatest `t` among them."""
+    """Samples that stand together: how to read them, and their smallest and greatest `t`."""
 
-    source: BinaryIO
-    path: Path
-    offset: int
-    size: int
+    read: Callable[[], bytes]
     low: int
     high: int
     lasts: Lasts
@@ -123,10 +147,9 @@ class Samples:
         self._lows = [block.low for block in self._blocks]
         self._highs = [block.high for block in self._blocks]
         self._order = {id(block): place for place, block in enumerate(blocks)}
-        self._before = [Lasts()]
+        self._before: list[Lasts] = [{}]
         for block in self._blocks:
-            self._before.append(self._before[-1].copy())
-            self._before[-1].follow(block.lasts)
+            self._before.append(self._before[-1] | block.lasts)
         self._kept: dict[int, list[Item]] = {}
 
     @property
@@ -137,14 +160,12 @@ class Samples:
     def at(self, t_us: int) -> State:
         """What was said last, up to and with `t_us`."""
         whole = bisect_right(self._highs, t_us)
-        found = self._before[whole].copy()
+        found = dict(self._before[whole])
         begun = bisect_right(self._lows, t_us)
         for block in [*self._blocks[whole:begun], *self._strays]:
             if block.low <= t_us:
-                for item in self._items(block):
-                    if item.t <= t_us:
-                        found.take(item)
-        return found.state()
+                _join(found, lasts([each for each in _entries(block) if each.t <= t_us]))
+        return _state(found)
 
     def between(self, after_us: int, until_us: int) -> Iterator[list[Item]]:
         """Samples with `after_us` < t <= `until_us`, in order of `seq`, block by block."""
@@ -164,17 +185,40 @@ class Samples:
         if kept is None:
             while len(self._kept) >= _KEPT:
                 del self._kept[next(iter(self._kept))]
-            kept = items_in(Chunk(block.path, block.offset, _read(block)), Damage())
+            kept = items_in(_chunk(block), Damage())
         self._kept[id(block)] = kept
         return kept
 
 
-def _read(block: Block) -> bytes:
+def _join(found: Lasts, others: Lasts) -> None:
+    """Some of `others` came before what was found and some after it."""
+    for name, last in others.items():
+        known = found.get(name)
+        if known is None or known.seq < last.seq:
+            found[name] = last
+
+
+def _state(found: Lasts) -> State:
+    readings, shown = {}, None
+    for name, last in found.items():
+        if isinstance(last, Slim):
+            readings[name] = last.message()
+        else:
+            shown = last.message()
+    return State(readings, shown)
+
+
+def _entries(block: Block) -> list[Slim | SlimShown]:
+    chunk = _chunk(block)
+    return entries_in(chunk) or list(filter(None, map(slim, items_in(chunk, Damage()))))
+
+
+def _chunk(block: Block) -> Chunk:
     """The block's bytes; none if the file has been cut short or is gone."""
     try:
-        return os.pread(block.source.fileno(), block.size, block.offset)
+        return Chunk(_NOWHERE, 0, block.read())
     except OSError:
-        return b""
+        return Chunk(_NOWHERE, 0, b"")
 
 
 def steady(spans: Sequence[tuple[int, int]]) -> list[bool]:

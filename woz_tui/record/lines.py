@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -15,6 +16,8 @@ from woz_tui.record.damage import Damage
 
 #: Bytes that are read at once: small enough to stay in the processor's cache with what they hold.
 BLOCK = 1 << 18
+#: The first bytes of a file come by themselves: its first lines are looked at one by one.
+_BEGINNING = 1 << 12
 #: No line of a log is longer; a file of garbage cannot make a reader hoard memory.
 LONGEST = 1 << 24
 
@@ -145,27 +148,42 @@ def _message(raw: bytes) -> AnyMessage | None:
 
 def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[Chunk]:
     """A file in pieces of whole lines, each about `block` bytes long."""
-    rest = bytearray()
-    start = offset = 0
-    for data in _blocks(path, damage, block):
-        cut = data.rfind(b"\n") + 1
-        if cut:
-            long = len(rest) > LONGEST
-            if long:  # of which only the beginning was kept
-                yield Chunk(path, start, None)
-            whole = data[data.index(b"\n") + 1 : cut] if long else bytes(rest) + data[:cut]
-            if whole:
-                yield Chunk(path, offset + cut - len(whole), whole)
-            rest.clear()
-            start = offset + cut
-        rest += data[cut : cut + LONGEST + 1 - len(rest)]
-        offset += len(data)
-        if rest and not rest.strip(b"\0"):  # a hole full of NULs takes no memory
-            damage.nul_bytes += len(rest)
-            rest.clear()
-            start = offset
-    if rest:
-        yield Chunk(path, start, None if len(rest) > LONGEST else bytes(rest), whole=False)
+    try:
+        with path.open("rb", buffering=0) as file:
+            yield from _cut(path, file.fileno(), damage, block)
+    except OSError as error:
+        damage.unreadable.append(f"{path}: {error.strerror}")
+
+
+def _cut(path: Path, fd: int, damage: Damage, block: int) -> Iterator[Chunk]:
+    start, size = 0, min(block, _BEGINNING)
+    while data := os.pread(fd, size, start):
+        end = data.rfind(b"\n") + 1
+        if end:
+            yield Chunk(path, start, data[:end])
+            start, size = start + end, block
+        elif not data.strip(b"\0"):  # a hole full of NULs takes no memory
+            damage.nul_bytes += len(data)
+            start += len(data)
+        elif len(data) >= LONGEST:
+            end, whole = _end_of_line(fd, start + len(data), block)
+            yield Chunk(path, start, None, whole)
+            start, size = end, block
+        elif not os.pread(fd, 1, start + len(data)):
+            yield Chunk(path, start, data, whole=False)
+            return
+        else:
+            size *= 2
+
+
+def _end_of_line(fd: int, start: int, block: int) -> tuple[int, bool]:
+    """Where the line that goes on at `start` ends, and whether with a newline."""
+    while data := os.pread(fd, block, start):
+        end = data.find(b"\n") + 1
+        if end:
+            return start + end, True
+        start += len(data)
+    return start, False
 
 
 def _clean(text: bytes, damage: Damage) -> bytes:
@@ -173,12 +191,3 @@ def _clean(text: bytes, damage: Damage) -> bytes:
         damage.nul_bytes += text.count(b"\0")
         text = text.replace(b"\0", b"")
     return text.strip(b" \t\r\n")
-
-
-def _blocks(path: Path, damage: Damage, size: int) -> Iterator[bytes]:
-    try:
-        with path.open("rb") as file:
-            while block := file.read(size):
-                yield block
-    except OSError as error:
-        damage.unreadable.append(f"{path}: {error.strerror}")

@@ -6,9 +6,9 @@ once for each line is what takes the time.
 
 from __future__ import annotations
 
-from bisect import bisect_right, insort_right
+from bisect import bisect_right, insort_left, insort_right
 from collections.abc import Callable, Iterable, Iterator, Sequence
-from itertools import islice, pairwise
+from itertools import chain, islice, pairwise
 from operator import attrgetter, ge, gt
 from typing import Any, Generic, Protocol, TypeVar
 
@@ -16,6 +16,8 @@ from woz_tui.record.damage import Damage
 
 #: Lines that stand out of order within a file are put right over this distance.
 WINDOW = 256
+#: So much shorter is a list whose items are put into another one by one.
+_FEW = 16
 
 
 class Numbered(Protocol):
@@ -119,11 +121,25 @@ def merged(streams: Iterable[Iterator[list[N]]]) -> Iterator[list[N]]:
     while heads:
         limit = min(head.last for head in heads)
         parts = [part for head in heads if (part := head.up_to(limit))]
-        if len(parts) == 1:
-            yield parts[0]
-        else:
-            yield sorted((item for part in parts for item in part), key=seq_of)
+        yield _as_one(parts)
         heads = [head for head in heads if head.waiting]
+
+
+def _as_one(parts: list[list[N]]) -> list[N]:
+    """Lists in order as one; of equals that of the first list comes first."""
+    if len(parts) == 1:
+        return parts[0]
+    if len(parts) == 2:
+        first, second = parts
+        if len(first) * _FEW < len(second):  # some actions among samples: ten times as fast
+            for item in reversed(first):
+                insort_left(second, item, key=seq_of)
+            return second
+        if len(second) * _FEW < len(first):
+            for item in second:
+                insort_right(first, item, key=seq_of)
+            return first
+    return sorted(chain.from_iterable(parts), key=seq_of)
 
 
 class Course(Generic[N]):
@@ -156,6 +172,10 @@ class Course(Generic[N]):
         self._damage.backwards += falls(times)
         self._last = batch[-1]
         return batch
+
+    def pass_over(self, item: N) -> None:
+        """Everything up to `item` was new and in order."""
+        self._last = item
 
     def _once(self, batch: list[N]) -> list[N]:
         new = []

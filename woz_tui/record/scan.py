@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterator
+import os
+import zlib
+from bisect import bisect_left, bisect_right
+from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
+from functools import partial
+from pathlib import Path
 from typing import BinaryIO
-
-import msgspec
 
 from woz_tui.core import wire
 from woz_tui.core.messages import EngagementShown, Reading
-from woz_tui.record.blocks import Block, Lasts, Slim
+from woz_tui.record.blocks import Block, Entry, Slim, SlimShown, entries_in, lasts, slim
 from woz_tui.record.damage import Damage
 from woz_tui.record.files import LogFiles
 from woz_tui.record.lines import KINDS, Chunk, Line, chunks_of
-from woz_tui.record.order import Course, merged, rising, seq_of, t_of
+from woz_tui.record.order import Course, falls, rising, seq_of, t_of
 from woz_tui.record.stream import Item, batches, items_in
-
-Entry = Item | Slim
-
-_decoder: msgspec.json.Decoder[Slim | EngagementShown] = msgspec.json.Decoder(
-    Slim | EngagementShown
-)
 
 
 @dataclass
@@ -44,7 +40,7 @@ def scan(files: LogFiles, opened: ExitStack) -> Scan:
     try:
         return _in_place(files, opened)
     except _OutOfOrderError:
-        return _copied(files, opened)
+        return _copied(files)
 
 
 def is_sample(item: Entry) -> bool:
@@ -53,7 +49,7 @@ def is_sample(item: Entry) -> bool:
     """
     if isinstance(item, Line):
         return item.sample or (item.kind not in KINDS and not item.ts)
-    return isinstance(item, Slim | Reading | EngagementShown)
+    return isinstance(item, (Slim, Reading, EngagementShown))
 
 
 # -- files as they should be ----------------------------------------------------------------------
@@ -62,95 +58,113 @@ def is_sample(item: Entry) -> bool:
 def _in_place(files: LogFiles, opened: ExitStack) -> Scan:
     """Blocks are pieces of the files of samples themselves."""
     found = Scan()
-    damage = found.damage
-    for batch in batches(files.actions, damage, gaps=False):
+    for batch in batches(files.actions, found.damage, gaps=False):
         if any(map(is_sample, batch)):
             raise _OutOfOrderError
         found.actions += batch
-    damage.backwards = 0  # counted below, among the samples
-    lost = damage.repeated + damage.conflicting
-    course = Course[Entry](damage, lambda *_: False, gaps=True)
-    actions = list[Entry](found.actions)
-    streams: list[Iterator[list[Entry]]] = [iter([actions]), _pieces(files, found, opened)]
-    for part in merged(streams):
-        course.take(part)
-    course.end()
-    if damage.repeated + damage.conflicting > lost:
-        raise _OutOfOrderError
+    found.damage.backwards = 0  # counted anew, among the samples
+    weave = _Weave(found.actions, found.damage)
+    for path in files.samples:
+        source = _open(path, opened)
+        for chunk in chunks_of(path, found.damage):
+            quick = entries_in(chunk)
+            entries = list[Entry](quick) or _looked_at(chunk, found.damage)
+            if entries and source is not None:
+                low, high = weave.take(entries)
+                read = partial(os.pread, source.fileno(), len(chunk.data or b""), chunk.offset)
+                found.blocks.append(Block(read, low, high, lasts(quick or _slims(entries))))
+    weave.end()
     return found
 
 
-def _pieces(files: LogFiles, found: Scan, opened: ExitStack) -> Iterator[list[Entry]]:
-    """What is in the files of samples, piece by piece, while it rises."""
-    last = -1
-    for path in files.samples:
-        try:
-            source = opened.enter_context(path.open("rb", buffering=0))
-        except OSError:
-            source = None  # chunks_of says so
-        for chunk in chunks_of(path, found.damage):
-            items = _sound(chunk) or _looked_at(chunk, found.damage)
-            if not items or source is None:
-                continue
-            numbers = list(map(seq_of, items))
-            if numbers[0] <= last or not rising(numbers):
-                raise _OutOfOrderError
-            last = numbers[-1]
-            found.blocks.append(_block(source, chunk, items))
-            yield items
-
-
-def _sound(chunk: Chunk) -> list[Entry]:
-    """The samples of a chunk that holds nothing else; none if it does."""
-    if chunk.data is None or not chunk.whole:
-        return []
+def _open(path: Path, opened: ExitStack) -> BinaryIO | None:
     try:
-        found = wire.decode_lines(_decoder, chunk.data)
-    except wire.WireError:
-        return []
-    sound = min(map(seq_of, found)) >= 0 and min(map(t_of, found)) >= 0
-    return list[Entry](found) if sound else []
+        return opened.enter_context(path.open("rb", buffering=0))
+    except OSError:
+        return None  # `chunks_of` says so
 
 
 def _looked_at(chunk: Chunk, damage: Damage) -> list[Entry]:
-    """What is left of the samples of any other chunk."""
+    """What is left of the samples of a chunk with which something is wrong."""
     found = list[Entry](items_in(chunk, damage))
     if not all(map(is_sample, found)):
         raise _OutOfOrderError
     return found
 
 
-def _block(source: BinaryIO, chunk: Chunk, items: list[Entry]) -> Block:
-    size = len(chunk.data or b"")
-    times = list(map(t_of, items))
-    shown = [item for item in items if isinstance(item, EngagementShown)]
-    sensors = {item.sensor: item for item in items if isinstance(item, Slim | Reading)}
-    lasts = Lasts(sensors, shown[-1] if shown else None)
-    return Block(source, chunk.path, chunk.offset, size, min(times), max(times), lasts)
+class _Weave:
+    """Counts the session's numbers and times over its samples and the actions among them.
+
+    It says what `Course` says, mostly without putting the actions in their places, which for some
+    actions among a million samples would take longer than all the rest.
+    """
+
+    def __init__(self, actions: list[Item], damage: Damage) -> None:
+        self._actions = actions
+        self._numbers = list(map(seq_of, actions))
+        self._damage = damage
+        self._lost = damage.repeated + damage.conflicting
+        self._course = Course[Entry](damage, lambda *_: False, gaps=True)
+        self._given = 0
+        self._last = self._last_us = -1
+
+    def take(self, entries: list[Entry]) -> tuple[int, int]:
+        """More samples; the smallest and the greatest `t` of them."""
+        numbers, times = list(map(seq_of, entries)), list(map(t_of, entries))
+        if numbers[0] <= self._last or not rising(numbers):
+            raise _OutOfOrderError
+        end = bisect_right(self._numbers, numbers[-1], self._given)
+        actions = list[Entry](self._actions[self._given : end])
+        if self._smooth(actions, numbers, times):
+            self._course.pass_over(entries[-1])
+        else:
+            self._course.take(sorted([*actions, *entries], key=seq_of))
+        self._given, self._last, self._last_us = end, numbers[-1], times[-1]
+        return min(times), max(times)
+
+    def _smooth(self, actions: list[Entry], numbers: list[int], times: list[int]) -> bool:
+        """Whether no number is missing or there twice, and no time lies before another."""
+        if numbers[-1] - self._last != len(numbers) + len(actions) or falls(times):
+            return False
+        last_us = self._last_us
+        if times[0] < last_us:
+            return False
+        for action in actions:
+            place = bisect_left(numbers, action.seq)
+            before = max(last_us, times[place - 1] if place else -1)
+            if numbers[place] == action.seq or not before <= action.t <= times[place]:
+                return False
+            last_us = action.t
+        return True
+
+    def end(self) -> None:
+        """There are no more samples."""
+        self._course.take(list[Entry](self._actions[self._given :]))
+        self._course.end()
+        if self._damage.repeated + self._damage.conflicting > self._lost:
+            raise _OutOfOrderError
 
 
 # -- files as they should not be ------------------------------------------------------------------
 
 
-def _copied(files: LogFiles, opened: ExitStack) -> Scan:
-    """Blocks are pieces of a temporary file into which all samples go, each once and in order."""
+def _copied(files: LogFiles) -> Scan:
+    """Blocks are copies, compressed and in memory: all samples, each once and in order."""
     found = Scan()
-    copy = opened.enter_context(tempfile.TemporaryFile(buffering=0))  # noqa: SIM115
-    path = files.paths[0]
-    offset = 0
     for batch in batches(files.paths, found.damage, gaps=True):
         found.actions += [item for item in batch if not is_sample(item)]
-        samples = list[Entry](filter(is_sample, batch))
-        data = b"".join(map(_line, samples))
-        if data:
-            copy.write(data)
-            chunk = Chunk(path, offset, data)
-            found.blocks.append(_block(copy, chunk, samples))
-            offset += len(data)
+        samples = list(filter(is_sample, batch))
+        if samples:
+            times = list(map(t_of, samples))
+            packed = zlib.compress(b"".join(map(_line, samples)), 1)
+            read = partial(zlib.decompress, packed)
+            found.blocks.append(Block(read, min(times), max(times), lasts(_slims(samples))))
     return found
 
 
-def _line(item: Entry) -> bytes:
-    if isinstance(item, Line):
-        return item.raw + b"\n"
-    return wire.encode(item)
+def _slims(entries: Sequence[Entry]) -> list[Slim | SlimShown]:
+    return [each for each in map(slim, entries) if each is not None]
+
+
+def _line(item: Item) -> bytes:
+    return item.raw + b"\n" if isinstance(item, Line) else wire.encode(item)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 from woz_tui.core import wire
 from woz_tui.core.messages import AnyMessage, Segment, SessionStart
@@ -61,14 +62,12 @@ def _all_at_once(chunk: Chunk) -> list[Item]:
     if chunk.data is None or not chunk.whole:
         return []
     try:
-        found = wire.decode_messages(chunk.data)
+        found: list[Any] = wire.decode_messages(chunk.data)
     except wire.WireError:
         return []
     if not _SINGULAR.isdisjoint(map(type, found)):
         return []
-    if min(map(seq_of, found)) < 0 or min(map(t_of, found)) < 0:
-        return []
-    return list[Item](found)
+    return found if min(map(seq_of, found)) >= 0 and min(map(t_of, found)) >= 0 else []
 
 
 def same(one: Item, other: Item) -> bool:

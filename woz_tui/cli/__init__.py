@@ -27,6 +27,8 @@ COMMANDS = {
     "engagement": "run the engagement model over samples or a session's log",
     "record-move": "record a layer of a move by puppeteering",
     "export": "sessions for other programs: tables, ELAN, BIDS, Praat",
+    "report": "the figures of one session or many: tables, plots, CSV, a page",
+    "methods": "a paragraph for a paper's method section",
     "schema": "print the JSON Schema of experiment files, for editors",
 }
 

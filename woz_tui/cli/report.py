@@ -1,0 +1,195 @@
+"""`woz report FILE...`: the figures of one session, or of many side by side."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator
+from contextlib import nullcontext
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.cli.numbers import number
+
+if TYPE_CHECKING:
+    from woz_tui.analysis.gather import Options
+    from woz_tui.analysis.groups import Grouped
+    from woz_tui.analysis.report import Report
+    from woz_tui.analysis.session import Wanted
+
+#: Seconds in which an answer to a cue counts as one.
+_WINDOW = 10.0
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    add_sessions(parser)
+    parser.add_argument(
+        "--csv", type=Path, metavar="FOLDER", help="write the figures as tidy CSV files"
+    )
+    parser.add_argument("--html", type=Path, metavar="FILE", help="write one self-contained page")
+    parser.add_argument("--json", action="store_true", help="one object, for programs")
+    parser.add_argument(
+        "--verify", action="store_true", help="check every number and checksum; reads the samples"
+    )
+    parser.add_argument("--all", action="store_true", help="tables without a limit of rows")
+    parser.set_defaults(run=run)
+
+
+def add_sessions(parser: argparse.ArgumentParser) -> None:
+    """Options that say which sessions are meant and what counts."""
+    parser.add_argument(
+        "logs", nargs="+", metavar="FILE", help="a session's log, a folder of them, or a pattern"
+    )
+    parser.add_argument(
+        "--window",
+        type=lambda text: number(text, 0.1, 600.0),
+        default=_WINDOW,
+        metavar="SECONDS",
+        help=f"an answer to a cue comes within this time (default: {_WINDOW:g})",
+    )
+    parser.add_argument(
+        "--cue-state",
+        action="append",
+        default=[],
+        metavar="STATE",
+        help="state of the engagement model that wants an answer (default: RobotThinks)",
+    )
+    parser.add_argument(
+        "--all-trials",
+        action="store_true",
+        help="also what happened in trials that were aborted or excluded",
+    )
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the figures; 1 if anything that was named could not be read."""
+    from woz_tui.analysis.groups import Grouped  # noqa: PLC0415
+    from woz_tui.analysis.tidy import Folder  # noqa: PLC0415
+
+    reading = Reading(arguments)
+    grouped = Grouped()
+    kept: list[Report] = []
+    sessions: list[object] = []
+    try:
+        with Folder(arguments.csv) if arguments.csv else nullcontext() as folder:
+            for report in reading.reports(_wanted(arguments, len(reading.paths))):
+                grouped.add(report.figures)
+                if folder is not None:
+                    folder.add(report.figures)
+                if arguments.json:
+                    sessions.append(_plain(report))
+                if arguments.html or len(reading.paths) == 1:
+                    kept.append(report)
+        if arguments.html and kept:
+            _write_page(kept, arguments.html)
+    except OSError as error:
+        print(f"woz report: {error}", file=sys.stderr)
+        return 1
+    if arguments.json:
+        _print_json(sessions, grouped, reading.problems)
+    elif grouped.rows:
+        _print(arguments, grouped, kept, len(reading.paths))
+    for path in filter(None, (arguments.csv, arguments.html)):
+        print(f"woz report: wrote {path}", file=sys.stderr)
+    return reading.told("woz report")
+
+
+class Reading:
+    """The sessions that somebody named; what cannot be read is kept as a sentence."""
+
+    def __init__(self, arguments: argparse.Namespace) -> None:
+        from woz_tui.analysis.sources import sessions_in  # noqa: PLC0415
+
+        self._arguments = arguments
+        self.paths, self.problems = sessions_in(arguments.logs)
+        self._seen: dict[tuple[str, ...], str] = {}
+
+    def reports(self, wanted: Wanted) -> Iterator[Report]:
+        """One after the other; only one is in memory at a time."""
+        from woz_tui.analysis.session import examine  # noqa: PLC0415
+
+        options = options_of(self._arguments)
+        for path in self.paths:
+            try:
+                report = examine(path, options, wanted)
+            except (OSError, ValueError) as error:
+                self.problems.append(str(error))
+                continue
+            if self._is_new(report):
+                yield report
+
+    def _is_new(self, report: Report) -> bool:
+        """A session counts once, however many copies of its log are named."""
+        figures = report.figures
+        key = (figures.started, figures.session, figures.participant, figures.experiment_sha256)
+        first = self._seen.setdefault(key, figures.path)
+        if figures.started and first != figures.path:
+            self.problems.append(
+                f"{figures.path}: is the same session as {first}, which has been counted"
+            )
+            return False
+        return True
+
+    def told(self, command: str) -> int:
+        """Say what was wrong; the exit code."""
+        for problem in self.problems:
+            print(f"{command}: {problem}", file=sys.stderr)
+        return 1 if self.problems else 0
+
+
+def options_of(arguments: argparse.Namespace) -> Options:
+    """How figures are to be computed."""
+    from woz_tui.analysis.cues import WAITING  # noqa: PLC0415
+    from woz_tui.analysis.gather import Options  # noqa: PLC0415
+
+    return Options(
+        window_us=round(arguments.window * 1e6),
+        waiting=tuple(arguments.cue_state) or WAITING,
+        all_trials=arguments.all_trials,
+    )
+
+
+def _wanted(arguments: argparse.Namespace, sessions: int) -> Wanted:
+    from woz_tui.analysis.session import Wanted  # noqa: PLC0415
+
+    page = arguments.html is not None
+    alone = sessions == 1 and not arguments.json
+    return Wanted(timeline=page or alone, curves=page, verified=arguments.verify)
+
+
+def _plain(report: Report) -> object:
+    from woz_tui.analysis import plain  # noqa: PLC0415
+
+    return plain.session(report.figures)
+
+
+def _print_json(sessions: list[object], grouped: Grouped, problems: list[str]) -> None:
+    from woz_tui.analysis import plain  # noqa: PLC0415
+
+    told = {"sessions": sessions, "experiments": plain.grouped(grouped), "problems": problems}
+    print(json.dumps(told, ensure_ascii=False, allow_nan=False))
+
+
+def _write_page(reports: list[Report], path: Path) -> None:
+    from woz_tui.analysis.html.page import write  # noqa: PLC0415
+
+    write(reports, path)
+
+
+def _print(
+    arguments: argparse.Namespace, grouped: Grouped, kept: list[Report], sessions: int
+) -> None:
+    from woz_tui.cli.report_page import page  # noqa: PLC0415
+
+    paper = page()
+    if sessions == 1 and kept:
+        from woz_tui.cli import report_session  # noqa: PLC0415
+
+        top = sys.maxsize if arguments.all else report_session.TOP
+        report_session.show(paper, kept[0], top)
+    else:
+        from woz_tui.cli import report_many  # noqa: PLC0415
+
+        report_many.show(paper, grouped)

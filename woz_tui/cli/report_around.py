@@ -1,0 +1,154 @@
+"""What happened around a session's acts: trials, stops, marks, questionnaires, what was seen."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from woz_tui.analysis.figures import SessionFigures, Stop
+from woz_tui.cli.report_page import NONE, Page, clock, in_unit, more, ms, s, some, table
+
+
+def around(page: Page, figures: SessionFigures, top: int) -> None:
+    """Print it; what there was none of is left out."""
+    _trials(page, figures)
+    _stops(page, figures)
+    _training(page, figures)
+    _questionnaires(page, figures)
+    _marks(page, figures, top)
+    _setting(page, figures)
+
+
+def _trials(page: Page, figures: SessionFigures) -> None:
+    if not figures.trials:
+        return
+    page.head("Trials")
+    made = table("trial", "condition", "outcome", "begin", "length", "actions", "", left=3)
+    for trial in figures.trials:
+        length = None if trial.end is None else trial.end - trial.begin
+        made.add_row(
+            str(trial.trial),
+            trial.condition,
+            trial.outcome or "no end",
+            clock(trial.begin),
+            clock(length),
+            str(trial.actions),
+            trial.text,
+        )
+    page.console.print(made)
+    if figures.breaks:
+        lengths = [each.end - each.begin for each in figures.breaks if each.end is not None]
+        page.say(f"{some(len(figures.breaks), 'break')}, {clock(sum(lengths))} together")
+
+
+def _stops(page: Page, figures: SessionFigures) -> None:
+    if not figures.stops:
+        return
+    page.head("Stops")
+    made = table("at", "by", "reached", "confirmed by", "in ms", "released after s", left=4)
+    for stop in figures.stops:
+        released = None if stop.released is None else stop.released - stop.t
+        made.add_row(
+            clock(stop.t),
+            stop.source,
+            stop.scope,
+            _confirmed(stop),
+            ms(stop.elapsed_us),
+            s(released),
+        )
+    page.console.print(made)
+
+
+def _confirmed(stop: Stop) -> str:
+    if stop.elapsed_us is None:
+        return "not recorded"
+    words = ", ".join(stop.confirmed) or "nobody"
+    return f"{words}; not by {', '.join(stop.missing)}" if stop.missing else words
+
+
+def _training(page: Page, figures: SessionFigures) -> None:
+    training = figures.training
+    if training is None:
+        return
+    page.head("Training")
+    page.say(
+        f"{training.right} of {some(training.cues, 'cue')} answered rightly"
+        f" ({in_unit(training.score, 'share')}), {training.wrong} wrongly,"
+        f" {training.missed} missed, {some(training.uncalled, 'action')} uncalled;"
+        f" reaction {s(training.times.median)} s (median)"
+    )
+
+
+def _questionnaires(page: Page, figures: SessionFigures) -> None:
+    if not figures.rounds and not figures.answers:
+        return
+    page.head("Questionnaires")
+    for each in figures.rounds:
+        items = f" of {each.items}" if each.items else ""
+        ended = each.reason or "no end in the log"
+        page.say(f"{each.title or each.questionnaire}: {each.answered}{items} answered, {ended}")
+    made = table("item", "question", "answer", "scale", left=3)
+    for answer in figures.answers:
+        told = "left out" if answer.skipped else answer.text
+        if answer.value is not None:
+            told = in_unit(answer.value, "")
+        scale = ""
+        if answer.low is not None and answer.high is not None:
+            scale = f"{answer.low:g}{page.signs.dash}{answer.high:g}"
+        made.add_row(answer.item, answer.question, told or NONE, scale)
+    page.console.print(made)
+
+
+def _marks(page: Page, figures: SessionFigures, top: int) -> None:
+    if not figures.marks:
+        return
+    page.head("Markers, notes, mistakes")
+    made = table("at", "what", "", left=3)
+    for mark in figures.marks[:top]:
+        words = f"{mark.action} {mark.text}".strip()
+        made.add_row(clock(mark.t), mark.sort, words)
+    page.console.print(made)
+    for line in more(page, len(figures.marks) - top, "line"):
+        page.console.print(line)
+
+
+def _setting(page: Page, figures: SessionFigures) -> None:
+    sentences = list(_sentences(figures))
+    if sentences:
+        page.head("Around")
+    for sentence in sentences:
+        page.say(sentence)
+
+
+def _sentences(figures: SessionFigures) -> Iterator[str]:
+    if figures.order:
+        yield f"order of conditions: {', '.join(figures.order)} ({figures.order_method})"
+    for lost in figures.lost_drivers:
+        until = "to the end" if lost.end is None else f"to {clock(lost.end)}"
+        detail = f": {lost.text}" if lost.text else ""
+        yield f"driver {lost.name} was lost from {clock(lost.begin)} {until}{detail}"
+    gone = [each for each in figures.consoles if each.lost and each.why != "left"]
+    for each in gone:
+        yield f"{each.role} console {each.console} was lost at {clock(each.t)} ({each.why})"
+    for seen in figures.restrictions:
+        yield f"from {clock(seen.t)} the wizard saw {_seen(seen.hidden, seen.blurred)}"
+    for shaped in figures.shaping:
+        yield (
+            f"from {clock(shaped.t)} answers to {_listed(shaped.cues)} came no sooner than"
+            f" {shaped.floor_us / 1e6:g} s, and up to {shaped.jitter_us / 1e6:g} s later"
+        )
+    if figures.profiles:
+        yield f"profiles in use: {', '.join(figures.profiles)}"
+    if figures.reloads:
+        yield f"the experiment file was read again {some(figures.reloads, 'time')}"
+
+
+def _seen(hidden: Sequence[str], blurred: Sequence[str]) -> str:
+    parts = [f"no {_listed(hidden, 'or')}"] if hidden else []
+    parts += [f"{_listed(blurred)} blurred"] if blurred else []
+    return ", ".join(parts) or "everything"
+
+
+def _listed(names: Sequence[str], last: str = "and") -> str:
+    if len(names) < 2:
+        return "".join(names)
+    return f"{', '.join(names[:-1])} {last} {names[-1]}"

@@ -1,0 +1,179 @@
+"""What the sessions of one experiment amount to, for the method section of a paper."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import dataclass, field
+
+from woz_tui.analysis.figures import Outcomes, Restriction, SessionFigures, Shaping, Training
+from woz_tui.analysis.groups import experiment_of
+from woz_tui.analysis.series import Series
+from woz_tui.analysis.tally import ALL_CUES
+
+
+@dataclass(slots=True)
+class Practice:
+    """A wizard's training: how many sessions, and the last one of those."""
+
+    sessions: int = 0
+    started: str = ""
+    last: Training | None = None
+
+
+@dataclass(slots=True)
+class Facts:
+    """All of it; grows with each session. Times are microseconds.
+
+    Attributes:
+        sessions: Sessions with participants; trainings and re-runs are not among them.
+        lengths: Their lengths.
+        people: Condition -> participants.
+        unnamed: Sessions without a participant's code.
+        wizards: Wizard -> sessions led.
+        seen: What the wizard could not see -> in how many sessions.
+        shaped: How answers were held back -> in how many sessions.
+        open_logs: Sessions whose log has no end.
+        damaged: Sessions whose log is damaged otherwise, `lost` the lines that are gone.
+    """
+
+    experiment: str
+    window_us: int
+    title: str = ""
+    sessions: int = 0
+    reruns: int = 0
+    lengths: Series = field(default_factory=Series)
+    people: dict[str, set[str]] = field(default_factory=dict)
+    unnamed: int = 0
+    wizards: Counter[str] = field(default_factory=Counter)
+    practice: dict[str, Practice] = field(default_factory=dict)
+    software: Counter[str] = field(default_factory=Counter)
+    orders: Counter[str] = field(default_factory=Counter)
+    panels: dict[str, bool] = field(default_factory=dict)
+    offered: set[tuple[str, str]] = field(default_factory=set)
+    profiles: Counter[str] = field(default_factory=Counter)
+    sources: Counter[str] = field(default_factory=Counter)
+    outcomes: Counter[str] = field(default_factory=Counter)
+    by_hand: int = 0
+    direct: int = 0
+    mistakes: int = 0
+    press: Series = field(default_factory=Series)
+    fates: Counter[str] = field(default_factory=Counter)
+    reactions: Series = field(default_factory=Series)
+    stops: int = 0
+    stopped_sessions: int = 0
+    held: Series = field(default_factory=Series)
+    seen: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
+    shaped: Counter[tuple[int, int, tuple[str, ...]]] = field(default_factory=Counter)
+    trials: int = 0
+    left_out: Counter[str] = field(default_factory=Counter)
+    questionnaires: Counter[str] = field(default_factory=Counter)
+    declined: int = 0
+    open_logs: int = 0
+    damaged: int = 0
+    lost: int = 0
+
+    def add(self, figures: SessionFigures) -> None:
+        """One more session, in whatever order."""
+        if figures.training is not None:
+            self._practised(figures, figures.training)
+        elif figures.rerun_of:
+            self.reruns += 1
+        else:
+            self._session(figures)
+
+    def _practised(self, figures: SessionFigures, training: Training) -> None:
+        practice = self.practice.setdefault(figures.wizard, Practice())
+        practice.sessions += 1
+        if figures.started >= practice.started:
+            practice.started, practice.last = figures.started, training
+
+    def _session(self, figures: SessionFigures) -> None:
+        self.sessions += 1
+        self.title = figures.title or self.title
+        self.lengths.add(figures.duration_us)
+        self.wizards[figures.wizard] += 1
+        self.software[figures.software] += 1
+        self._people(figures)
+        self._production(figures)
+        self._answers(figures)
+        self._data(figures)
+
+    def _people(self, figures: SessionFigures) -> None:
+        self.unnamed += not figures.participant
+        for part in figures.parts:
+            if part.participant:
+                self.people.setdefault(part.condition, set()).add(part.participant)
+        if figures.order_method:
+            self.orders[figures.order_method] += 1
+        for each in figures.rounds:
+            self.questionnaires[each.title or each.questionnaire] += 1
+            self.declined += each.reason == "declined"
+
+    def _production(self, figures: SessionFigures) -> None:
+        for panel in figures.panels:
+            self.panels[panel.title] = panel.locked
+            self.offered |= {(panel.title, action) for action in panel.actions}
+        self.profiles.update(figures.profiles)
+        for count in figures.whole.counts:
+            self.sources[count.source] += count.outcomes.total
+        outcomes: Outcomes = figures.whole.outcomes
+        for end in Outcomes.__slots__:
+            self.outcomes[end] += getattr(outcomes, end)
+        self.by_hand += figures.whole.by_hand
+        self.direct += figures.whole.direct
+        for shaping in {_shaped(each) for each in figures.shaping} - {(0, 0, ())}:
+            self.shaped[shaping] += 1
+        self.held.extend(figures.whole.held)
+
+    def _answers(self, figures: SessionFigures) -> None:
+        whole = figures.whole
+        self.mistakes += whole.mistakes
+        self.press.extend(whole.press)
+        if ALL_CUES in whole.reactions:
+            self.fates.update(whole.reactions[ALL_CUES].fates)
+            self.reactions.extend(whole.reactions[ALL_CUES].times)
+        self.stops += len(figures.stops)
+        self.stopped_sessions += bool(figures.stops)
+        for seen in {_hidden(each) for each in figures.restrictions} - {((), ())}:
+            self.seen[seen] += 1
+
+    def _data(self, figures: SessionFigures) -> None:
+        whole = figures.wholeness
+        self.trials += len(figures.trials)
+        self.left_out.update(trial.outcome for trial in figures.trials if not trial.counted)
+        lost = whole.left_out + whole.dropped
+        self.lost += lost
+        self.damaged += bool(lost)
+        self.open_logs += not whole.ended
+
+    @property
+    def participants(self) -> set[str]:
+        """All of them."""
+        return set().union(*self.people.values())
+
+    @property
+    def acts(self) -> int:
+        """Actions and direct commands by hand."""
+        return self.by_hand + self.direct
+
+
+def _hidden(seen: Restriction) -> tuple[tuple[str, ...], tuple[str, ...]]:
+    return tuple(sorted(seen.hidden)), tuple(sorted(seen.blurred))
+
+
+def _shaped(shaping: Shaping) -> tuple[int, int, tuple[str, ...]]:
+    if not shaping.floor_us and not shaping.jitter_us:
+        return 0, 0, ()
+    return shaping.floor_us, shaping.jitter_us, tuple(sorted(shaping.cues))
+
+
+@dataclass(slots=True)
+class Studies:
+    """The facts of each experiment."""
+
+    found: dict[str, Facts] = field(default_factory=dict)
+
+    def add(self, figures: SessionFigures) -> None:
+        """One more session."""
+        name = experiment_of(figures)
+        self.found.setdefault(name, Facts(name, figures.window_us)).add(figures)

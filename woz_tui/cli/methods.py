@@ -1,0 +1,48 @@
+"""`woz methods FILE...`: sentences for the method section of a paper, out of sessions' logs."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+
+from woz_tui.cli.report import Reading, add_sessions
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    add_sessions(parser)
+    parser.add_argument("--markdown", action="store_true", help="with headings")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the sentences; what no log can know, and what could not be read, goes to stderr."""
+    from woz_tui.analysis.methods import BY_HAND, paragraphs  # noqa: PLC0415
+    from woz_tui.analysis.session import FIGURES  # noqa: PLC0415
+    from woz_tui.analysis.study import Studies  # noqa: PLC0415
+
+    reading = Reading(arguments)
+    studies = Studies()
+    for report in reading.reports(FIGURES):
+        studies.add(report.figures)
+    for place, facts in enumerate(studies.found.values()):
+        if place:
+            print()
+        if arguments.markdown:
+            print(f"## Method ({facts.experiment or 'experiment not recorded'})")
+        elif len(studies.found) > 1:
+            print(f"{facts.experiment or 'experiment not recorded'}:")
+        _print([(each.head, each.sentences) for each in paragraphs(facts)], arguments.markdown)
+    if studies.found:
+        print("woz methods: no log can know the following, write it by hand:", file=sys.stderr)
+        for item in BY_HAND:
+            print(f"  - {item}", file=sys.stderr)
+    return reading.told("woz methods")
+
+
+def _print(found: list[tuple[str, tuple[str, ...]]], markdown: bool) -> None:
+    if not markdown:
+        print(" ".join(sentence for _, sentences in found for sentence in sentences))
+        return
+    for head, sentences in found:
+        print(f"\n### {head}\n\n{' '.join(sentences)}")

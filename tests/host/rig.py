@@ -109,11 +109,12 @@ async def served(
     settings: SessionSettings | None = None,
     load: Callable[[], Experiment] | None = None,
     path: Path | None = None,
+    made: Experiment | None = None,
 ) -> AsyncIterator[Served]:
     """A host that serves until the block ends."""
     clock = RealClock()
     recorder = Recorder(tmp_path / "recordings", "made", clock)
-    made = experiment(tmp_path)
+    made = made or experiment(tmp_path)
     made = replace(made, session=settings) if settings else made
     session = Session(
         made,

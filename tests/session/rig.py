@@ -156,6 +156,7 @@ class Stage:
         drivers: tuple[str, ...] = ("robot",),
         identity: Identity | None = None,
         catalogue: Mapping[str, type[Driver]] | None = None,
+        made: Experiment | None = None,
     ) -> None:
         self.lines: list[m.AnyMessage] = []
         puppets: dict[str, type[Driver]] = {"puppet": Puppet}
@@ -165,7 +166,7 @@ class Stage:
             tmp_path / "recordings", "made", RealClock(), spill=tmp_path / "more"
         )
         self.session = Session(
-            experiment(tmp_path, drivers),
+            made or experiment(tmp_path, drivers),
             catalogue or puppets,
             identity or Identity(participant="P07", condition="warm"),
             self.recorder,

@@ -18,6 +18,8 @@ from woz_tui.session.proposal import Past
 
 #: Bytes read at once.
 CHUNK = 1 << 20
+#: A piece without a line's end that is longer is no log.
+LONGEST = 4 << 20
 #: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
 _KINDS = ("session.start", "session.plan", "session.changed", "condition.assigned")
 _WORDS = tuple(f'"{kind}"'.encode() for kind in (*_KINDS, "trial.started", "trial.ended"))
@@ -103,8 +105,8 @@ def _candidates(path: Path) -> Iterator[bytes]:
     with path.open("rb") as file:
         while chunk := file.read(CHUNK):
             whole, newline, tail = (rest + chunk).rpartition(b"\n")
-            if not newline and len(tail) > 4 * CHUNK:
-                tail = b""  # no line is as long as this: something else lies there
+            if not newline and len(tail) > LONGEST:
+                tail = b""
             rest = tail
             if any(word in whole for word in _WORDS):
                 yield from (line for line in whole.split(b"\n") if _is_candidate(line))

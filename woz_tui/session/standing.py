@@ -18,6 +18,8 @@ class Standing:
     def __init__(self) -> None:
         self._single: dict[str, m.AnyMessage] = {}
         self._changed = m.SessionChanged()
+        #: When the present participant came: what was before is about somebody else.
+        self._came: m.SessionChanged | None = None
         self._runs: dict[str, list[m.AnyMessage]] = {}
         self._recent: deque[m.AnyMessage] = deque(maxlen=RECENT)
         #: Commands of knobs on their way, of which nothing is recalled.
@@ -67,6 +69,8 @@ class Standing:
 
     def _merge(self, message: m.SessionChanged) -> None:
         old = self._changed
+        if message.participant not in (None, old.participant):
+            self._came = msgspec.structs.replace(message, condition=None, trial=None)
         self._changed = m.SessionChanged(
             seq=message.seq,
             t=message.t,
@@ -87,7 +91,7 @@ class Standing:
         """The same, to go on from here without changing this one."""
         other = Standing()
         other._single = dict(self._single)
-        other._changed = self._changed
+        other._changed, other._came = self._changed, self._came
         other._runs = {run: [*lines] for run, lines in self._runs.items()}
         other._recent = self._recent.copy()
         other._passing = set(self._passing)
@@ -102,6 +106,8 @@ class Standing:
     def state(self) -> list[m.AnyMessage]:
         """What holds now, in the order in which it came about."""
         held = list(self._single.values())
+        if self._came is not None and self._came.seq != self._changed.seq:
+            held.append(self._came)
         if self._changed.seq >= 0:
             held.append(self._changed)
         for run in self._runs.values():

@@ -1,0 +1,150 @@
+"""Participants out of earlier logs, whatever has become of the files."""
+
+from __future__ import annotations
+
+import os
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.session.studied import had, log
+from woz_tui.core import messages as m
+from woz_tui.session import earlier
+from woz_tui.session.earlier import Earlier, Found
+from woz_tui.session.proposal import Past
+
+ORDER = ("warm", "cold")
+
+
+def read(folder: Path, title: str = "T") -> Found:
+    return Earlier(folder).read(title, "made.yaml")
+
+
+def test_participants_their_orders_and_how_far_they_came(tmp_path: Path) -> None:
+    log(tmp_path, "2026-03-01T10-00-00_P01_S01", had("P01", ORDER, "dada", row=0), title="T")
+    log(tmp_path, "2026-03-02T10-00-00_P02_S01", had("P02", ORDER[::-1], "a", row=1), title="T")
+    log(tmp_path, "2026-03-03T10-00-00_P03_S01", had("P03", ORDER, "e", row=0), title="T")
+    log(tmp_path, "2026-03-04T10-00-00_P04_S01", had("P04", ORDER, row=0), title="T")
+    assert read(tmp_path) == Found(
+        (
+            Past("P01", ORDER, "latin-square", 0, 2, begun=True, done=True),
+            Past("P02", ORDER[::-1], "latin-square", 1, 0, begun=True),
+            Past("P03", ORDER, "latin-square", 0, 1, begun=True),
+            Past("P04", ORDER, "latin-square", 0),
+        ),
+        logs=4,
+    )
+    assert [each.counts for each in read(tmp_path).past] == [True, False, False, True]
+
+
+def test_a_participant_in_several_sessions_and_several_in_one(tmp_path: Path) -> None:
+    log(
+        tmp_path,
+        "2026-03-01T10-00-00_S01",
+        [*had("P01", ORDER, "d"), *had("P02", ORDER)],
+        title="T",
+    )
+    again: list[m.AnyMessage] = [
+        m.SessionChanged(participant="P01"),
+        m.TrialStarted(trial=2),
+        m.TrialEnded(trial=2, outcome="done"),
+    ]
+    log(tmp_path, "2026-03-02T10-00-00_S01", again, title="T")
+    log(tmp_path, "2026-03-03T10-00-00_S01", had("P02", ORDER[::-1], "d", method="hand"), title="T")
+    one, two = read(tmp_path).past
+    assert (one.over, one.order) == (2, ORDER)
+    assert (two.over, two.order, two.method) == (1, ORDER[::-1], "hand")
+
+
+def test_trials_under_an_earlier_order_say_nothing_about_the_new_one(tmp_path: Path) -> None:
+    lines = [*had("P01", ORDER, "dd"), *had("P01", ORDER[::-1]), *had("P01", ORDER[::-1], "d")]
+    log(tmp_path, "2026-03-01T10-00-00_S01", lines, title="T")
+    (past,) = read(tmp_path).past
+    assert (past.over, past.order) == (1, ORDER[::-1])
+
+
+def test_logs_of_other_experiments_do_not_count(tmp_path: Path) -> None:
+    log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER), title="Another")
+    log(tmp_path, "2026-03-02T10-00-00_S01", had("P02", ORDER), title="T")
+    log(tmp_path, "2026-03-03T10-00-00_S01", had("P03", ORDER))  # says no title, only the file
+    assert [past.participant for past in read(tmp_path).past] == ["P02", "P03"]
+    found = Earlier(tmp_path).read("T", "other.yaml")
+    assert ([past.participant for past in found.past], found.logs) == (["P02"], 1)
+
+
+def test_segments_of_a_session_are_one(tmp_path: Path) -> None:
+    whole = had("P01", ORDER, "dd")
+    path = log(tmp_path, "2026-03-01T10-00-00_S01", whole, title="T")
+    lines = path.read_bytes().splitlines(keepends=True)
+    path.write_bytes(b"".join(lines[:6]))
+    (tmp_path / "2026-03-01T10-00-00_S01.2.jsonl").write_bytes(b"".join(lines[6:]))
+    (tmp_path / "2026-03-01T10-00-00_S01.samples.jsonl").write_bytes(b"".join(lines[2:4]))
+    found = read(tmp_path)
+    assert (found.logs, found.past[0].over) == (1, 2)
+
+
+def test_no_folder_and_no_logs_are_nobody(tmp_path: Path) -> None:
+    assert read(tmp_path / "recordings") == Found()
+    (tmp_path / "notes.txt").write_text("x")
+    (tmp_path / "2026-03-01T10-00-00_S01.jsonl").mkdir()
+    assert read(tmp_path) == Found(unreadable=("2026-03-01T10-00-00_S01.jsonl",))
+
+
+def test_a_text_that_looks_like_a_line_is_none(tmp_path: Path) -> None:
+    text = '{"kind":"condition.assigned","participant":"P09","order":["warm"],"method":"hand"}'
+    log(tmp_path, "2026-03-01T10-00-00_S01", [m.Note(text=text), *had("P01", ORDER)], title="T")
+    assert [past.participant for past in read(tmp_path).past] == ["P01"]
+
+
+@settings(max_examples=40, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@given(st.data())
+def test_damage_loses_its_own_lines_and_nothing_is_raised(
+    tmp_path: Path, data: st.DataObject
+) -> None:
+    path = log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "dd"), title="T")
+    whole = bytearray(path.read_bytes())
+    at = data.draw(st.integers(0, len(whole) - 1))
+    match data.draw(st.sampled_from(["cut", "nul", "flip", "newline"])):
+        case "cut":
+            del whole[at:]
+        case "nul":
+            whole[at : at + 40] = bytes(len(whole[at : at + 40]))
+        case "flip":
+            whole[at] ^= 1 << data.draw(st.integers(0, 7))
+        case "newline":
+            whole.insert(at, 10)
+    path.write_bytes(bytes(whole))
+    for past in read(tmp_path).past:
+        assert past.over <= 2 or past.participant != "P01"
+
+
+@pytest.mark.parametrize("size", [1, 7, 64, 300])
+def test_lines_are_found_across_the_pieces_that_are_read(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, size: int
+) -> None:
+    log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "dd"), title="T")
+    whole = read(tmp_path)
+    monkeypatch.setattr(earlier, "CHUNK", size)
+    assert read(tmp_path) == whole
+    monkeypatch.setattr(earlier, "LONGEST", 0)
+    assert read(tmp_path).logs <= 1
+
+
+def test_files_that_have_not_changed_are_not_read_again(tmp_path: Path) -> None:
+    path = log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "d"), title="T")
+    logs = Earlier(tmp_path)
+    first = logs.read("T", "made.yaml")
+    whole, facts = path.read_bytes(), path.stat()
+    path.write_bytes(b" " * len(whole))
+    os.utime(path, ns=(facts.st_atime_ns, facts.st_mtime_ns))
+    again = logs.read("T", "made.yaml")
+    assert again == first
+    assert again.past[0] is not first.past[0]
+    path.write_bytes(whole)
+    with path.open("ab") as file:
+        file.write(
+            b'{"kind":"trial.started","seq":9,"t":9,"trial":2}\n{"kind":"trial.ended","seq":10,"t":10,"trial":2,"outcome":"done"}\n'
+        )
+    assert logs.read("T", "made.yaml").past[0].over == 2

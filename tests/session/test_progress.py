@@ -1,0 +1,98 @@
+"""A console that comes late knows as much of the study as one that was always there."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import dataclasses
+from pathlib import Path
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.session.rig import Stage
+from tests.session.studied import on_stage
+from woz_tui.core import messages as m
+from woz_tui.core.requests import AskAnswer
+from woz_tui.session.identity import AskError
+from woz_tui.session.progress import Progress
+
+WHATS = ("begin", "done", "done", "begin", "aborted", "excluded", "break", "resume")
+NAMES = ("each", "ux", "last", "whenever")
+STEPS = st.one_of(
+    st.tuples(st.just("trial"), st.sampled_from(WHATS)),
+    st.tuples(st.just("ask"), st.sampled_from(NAMES)),
+    st.tuples(st.just("end"), st.sampled_from(["done", "declined", "left"])),
+    st.tuples(st.just("answer"), st.sampled_from(["pleasant", "else"])),
+    st.tuples(st.just("assign"), st.sampled_from(["P01", "P02"])),
+    st.tuples(st.just("tick"), st.sampled_from(["the door is shut", "the camera sees the table"])),
+)
+
+
+def take(stage: Stage, step: str, what: str) -> None:
+    """One step, or nothing if it is refused."""
+    study = stage.session.study
+    asking = study.progress.asking
+    with contextlib.suppress(AskError):
+        match step:
+            case "trial":
+                study.trial(what, "")
+            case "ask":
+                study.questioning.ask(what, "begin", "wizard")
+            case "end" if asking is not None:
+                study.questioning.ask(asking.questionnaire, what, "wizard")
+            case "answer":
+                text = "well" if what == "else" else ""
+                value = None if text else 3.0
+                study.questioning.answer(
+                    AskAnswer(questionnaire="ux", item=what, value=value, text=text)
+                )
+            case "assign":
+                study.assign(what, ["cold", "warm"])
+            case "tick":
+                study.check(what, True, "", "wizard")
+
+
+@settings(
+    max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.lists(STEPS, max_size=30))
+def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str, str]]) -> None:
+    async def scenario(stage: Stage) -> None:
+        take(stage, "assign", "P01")
+        for step, what in steps:
+            take(stage, step, what)
+            live = stage.session.study.progress
+            late = Progress(live.told)
+            for message in stage.session.standing.state():
+                late.see(message)
+            assert dataclasses.asdict(late) == dataclasses.asdict(live)
+
+    on_stage(tmp_path, scenario)
+
+
+@settings(
+    max_examples=60, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(st.lists(STEPS, max_size=30))
+def test_every_beginning_has_one_end_in_any_course(
+    tmp_path: Path, steps: list[tuple[str, str]]
+) -> None:
+    async def scenario(stage: Stage) -> None:
+        for step, what in steps:
+            take(stage, step, what)
+        await asyncio.sleep(0)
+
+    stage = on_stage(tmp_path, scenario)
+    for begins, ends in (
+        (m.TrialStarted, m.TrialEnded),
+        (m.BreakStarted, m.BreakEnded),
+        (m.QuestionnaireStarted, m.QuestionnaireEnded),
+    ):
+        course = [
+            isinstance(line, begins) for line in stage.lines if isinstance(line, (begins, ends))
+        ]
+        assert course == [True, False] * (len(course) // 2)
+    over = [line.trial for line in stage.lines if isinstance(line, m.TrialEnded)]
+    started = [line.trial for line in stage.lines if isinstance(line, m.TrialStarted)]
+    assert over == started

@@ -1,0 +1,212 @@
+"""Questionnaires in a session: when they are due, what is an answer, how a round ends."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.session.rig import Stage
+from tests.session.studied import on_stage, said
+from woz_tui.core import messages as m
+from woz_tui.core.requests import AskAnswer
+from woz_tui.session.identity import AskError
+from woz_tui.session.progress import Due
+from woz_tui.session.questioning import LONGEST
+
+ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
+
+
+def trials(stage: Stage, *outcomes: str) -> None:
+    for outcome in outcomes:
+        stage.session.study.trial("begin", "")
+        stage.session.study.trial(outcome, "")
+
+
+def begun(stage: Stage) -> None:
+    order = [*stage.session.study.propose("P01").order]
+    stage.session.study.assign("P01", order)
+
+
+def ask(stage: Stage, name: str, what: str = "begin", source: str = "wizard") -> None:
+    stage.session.study.questioning.ask(name, what, source)
+
+
+def answer(stage: Stage, item: str, value: float | None = None, **rest: object) -> None:
+    request = AskAnswer(questionnaire="ux", item=item, value=value, **rest)  # type: ignore[arg-type]
+    stage.session.study.questioning.answer(request)
+
+
+def due(stage: Stage) -> list[Due]:
+    return stage.session.study.progress.due
+
+
+def test_what_is_due_after_which_trial(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        begun(stage)
+        seen = []
+        for outcome in ("aborted", "done", "excluded", "done", "done"):
+            stage.session.study.trial("begin", "")
+            assert due(stage) == []
+            stage.session.study.trial(outcome, "")
+            seen.append([*due(stage)])
+        assert seen == [
+            [],
+            [Due("each", 1)],
+            [Due("ux", 2)],
+            [Due("each", 3)],
+            [Due("each", 4), Due("ux", 4), Due("last")],
+        ]
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_round_from_its_beginning_to_its_end(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        begun(stage)
+        trials(stage, "done", "done")
+        ask(stage, "ux", source="participant")
+        answer(stage, "pleasant", 3, answered_us=2_000_000)
+        answer(stage, "pleasant", 5.0)
+        answer(stage, "else", skipped=True)
+        ask(stage, "ux", "done")
+        assert due(stage) == [Due("each", 2)]
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, *ROUND) == [
+        "questionnaire.started 2 ux",
+        "questionnaire.answered ux pleasant",
+        "questionnaire.answered ux pleasant",
+        "questionnaire.answered ux else",
+        "questionnaire.ended ux done",
+    ]
+    started, first, second, third, ended = (line for line in stage.lines if isinstance(line, ROUND))
+    assert isinstance(started, m.QuestionnaireStarted)
+    assert (started.title, started.source) == ("How was it?", "participant")
+    assert started.items == [
+        {
+            "name": "pleasant",
+            "question": "How pleasant was it?",
+            "low": 1,
+            "high": 5,
+            "ends": ["not at all", "very"],
+        },
+        {"name": "else", "question": "Anything else?", "text": True, "optional": True},
+    ]
+    assert isinstance(first, m.QuestionnaireAnswered) and isinstance(
+        second, m.QuestionnaireAnswered
+    )
+    assert (first.value, first.answered_us, second.value) == (3.0, 2_000_000, 5.0)
+    assert isinstance(third, m.QuestionnaireAnswered) and third.skipped
+    assert isinstance(ended, m.QuestionnaireEnded)
+    assert ended.answered == 1
+
+
+@pytest.mark.parametrize(
+    ("item", "value", "rest", "reason"),
+    [
+        ("plesant", 3, {}, "there is no item 'plesant'"),
+        ("pleasant", 0, {}, "expected a whole number from 1 to 5, not 0"),
+        ("pleasant", 6, {}, "expected a whole number from 1 to 5, not 6"),
+        ("pleasant", 2.5, {}, "expected a whole number from 1 to 5, not 2.5"),
+        ("pleasant", None, {}, "expected a whole number from 1 to 5, not None"),
+        ("pleasant", 3, {"text": "three"}, "'pleasant' is answered with a number"),
+        ("pleasant", None, {"skipped": True}, "'pleasant' wants an answer"),
+        ("else", 3, {}, "'else' is answered in words"),
+        ("else", None, {"text": " \n"}, "the answer is empty"),
+        ("else", None, {"text": "x" * (LONGEST + 1)}, "an answer has 10000 characters at most"),
+        ("else", None, {"text": "x", "skipped": True}, "what is left out has no answer"),
+    ],
+)
+def test_what_is_no_answer(
+    tmp_path: Path, item: str, value: float | None, rest: dict[str, object], reason: str
+) -> None:
+    async def scenario(stage: Stage) -> None:
+        ask(stage, "ux")
+        with pytest.raises(AskError) as caught:
+            answer(stage, item, value, **rest)
+        assert caught.value.reason == reason
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, *ROUND) == ["questionnaire.started -1 ux", "questionnaire.ended ux left"]
+
+
+def test_what_cannot_be_asked(tmp_path: Path) -> None:
+    def why(stage: Stage, name: str, what: str, source: str = "wizard") -> str:
+        with pytest.raises(AskError) as caught:
+            ask(stage, name, what, source)
+        return f"{caught.value.reason}; {caught.value.hint}"
+
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError, match="the questionnaire 'ux' is not under way"):
+            answer(stage, "pleasant", 3)
+        assert why(stage, "xu", "begin") == (
+            "there is no questionnaire 'xu'; there are each, ux, last, whenever"
+        )
+        assert why(stage, "ux", "done") == "the questionnaire 'ux' is not under way; none is"
+        assert why(stage, "ux", "begin", "participant") == (
+            "the questionnaire 'ux' is not due yet; the wizard can begin it"
+        )
+        ask(stage, "ux")
+        assert why(stage, "last", "begin") == "the questionnaire 'ux' is under way; end it first"
+        assert why(stage, "last", "done") == ("the questionnaire 'last' is not under way; 'ux' is")
+        assert why(stage, "ux", "done") == "1 item has no answer yet: pleasant; "
+        with pytest.raises(AskError, match="the questionnaire 'ux' is under way"):
+            stage.session.study.assign("P01", ["warm", "cold"])
+        ask(stage, "ux", "declined")
+        assert "ux" in stage.session.study.progress.had
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, *ROUND) == [
+        "questionnaire.started -1 ux",
+        "questionnaire.ended ux declined",
+    ]
+
+
+def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        begun(stage)
+        trials(stage, "done", "done")
+        ask(stage, "ux")
+        answer(stage, "pleasant", 2)
+        ask(stage, "ux", "left")
+        assert Due("ux", 2) in due(stage)
+        ask(stage, "ux")
+        assert stage.session.study.progress.answers == {}
+        answer(stage, "pleasant", 4)
+        ask(stage, "ux", "done")
+        ask(stage, "whenever")
+
+    stage = on_stage(tmp_path, scenario)
+    ends = [line for line in stage.lines if isinstance(line, m.QuestionnaireEnded)]
+    assert [(line.questionnaire, line.reason, line.answered) for line in ends] == [
+        ("ux", "left", 1),
+        ("ux", "done", 1),
+        ("whenever", "left", 0),
+    ]
+
+
+def test_a_questionnaire_by_hand_inside_a_trial_belongs_to_it(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        begun(stage)
+        stage.session.study.trial("begin", "")
+        ask(stage, "whenever")
+        stage.session.study.trial("done", "")
+        with pytest.raises(AskError, match="the questionnaire 'whenever' is under way"):
+            stage.session.study.trial("begin", "")
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, m.QuestionnaireStarted) == ["questionnaire.started 1 whenever"]
+
+
+def test_the_next_participant_begins_with_nothing_due(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        begun(stage)
+        trials(stage, "done", "done")
+        ask(stage, "ux", "begin")
+        ask(stage, "ux", "declined")
+        stage.session.set("P02")
+        assert (due(stage), stage.session.study.progress.had) == ([], set())
+        assert stage.session.study.progress.trial == 1
+
+    on_stage(tmp_path, scenario)

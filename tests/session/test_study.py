@@ -1,0 +1,337 @@
+"""Orders, trials, breaks and the preflight list in a session."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.session.rig import Stage
+from tests.session.studied import STUDY, had, log, on_stage, said, studied
+from woz_tui.core import messages as m
+from woz_tui.experiment.study import Perception, Study
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.preflight import preflight
+from woz_tui.session.runner import Origin
+from woz_tui.session.study_view import standing
+
+KEY = Origin("key", "h", "con1")
+TRIALS = (m.ConditionsAssigned, m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded)
+
+
+def refused(stage: Stage, *asks: str) -> str:
+    """Why a trial's ask is refused."""
+    with pytest.raises(AskError) as caught:
+        for what in asks:
+            stage.session.study.trial(what, "")
+    return f"{caught.value.reason}; {caught.value.hint}".rstrip("; ")
+
+
+def assigned(stage: Stage, participant: str = "P01") -> None:
+    order = [*stage.session.study.propose(participant).order]
+    stage.session.study.assign(participant, order)
+
+
+def test_a_whole_participant(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        assigned(stage)
+        assert study.progress.planned == 4
+        for what in ("begin", "done", "begin", "aborted", "begin", "excluded", "break", "resume"):
+            study.trial(what, "")
+        for _ in range(2):
+            study.trial("begin", "")
+            study.trial("done", "")
+        assert refused(stage, "begin") == (
+            "all 4 trials of P01 are over; choose the next participant,"
+            " or set the trial to run one again"
+        )
+        stage.session.set(trial=2)
+        study.trial("begin", "")
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, *TRIALS) == [
+        "condition.assigned",
+        "trial.started 1 warm",
+        "trial.ended 1 done",
+        "trial.started 2 warm",
+        "trial.ended 2 aborted",
+        "trial.started 2 warm",
+        "trial.ended 2 excluded",
+        "break.started",
+        "break.ended",
+        "trial.started 3 cold",
+        "trial.ended 3 done",
+        "trial.started 4 cold",
+        "trial.ended 4 done",
+        "trial.started 2 warm",
+        "trial.ended 2 aborted",
+    ]
+    (order,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    assert (order.method, order.row, order.order) == ("latin-square", 0, ["warm", "cold"])
+    assert {line.planned for line in stage.lines if isinstance(line, m.TrialStarted)} == {4}
+
+
+def test_the_condition_of_a_trial_is_set_before_it_begins(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        for what in ("begin", "done", "begin", "done"):
+            stage.session.study.trial(what, "")
+        stage.session.set(condition="warm")
+        stage.session.play("Greet", KEY)
+        stage.session.study.trial("begin", "")
+        await asyncio.sleep(2)
+        stage.session.play("Greet", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    texts = [args["text"] for verb, args in stage.puppet().calls if verb == "say"]
+    assert texts == ["Hello dear! I am in the museum.", "Hello. I am in the museum."]
+    changed = [line for line in stage.lines if isinstance(line, m.SessionChanged | m.TrialStarted)]
+    last = changed[-2:]
+    assert isinstance(last[0], m.SessionChanged)
+    assert (last[0].condition, last[0].trial) == ("cold", 3)
+
+
+def test_refusals(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        assert refused(stage, "begin") == "no participant is set; choose one first"
+        stage.session.set("P05")
+        assert (
+            refused(stage, "begin") == "no condition is set; choose the participant's order first"
+        )
+        assert refused(stage, "done") == "no trial is under way"
+        assert refused(stage, "resume") == "there is no break"
+        assert refused(stage, "break", "break") == "there is a break already"
+        stage.session.set(condition="cold")
+        study.trial("begin", "")
+        assert refused(stage, "begin") == "trial 1 is under way; end it first"
+        with pytest.raises(AskError, match="trial 1 is under way"):
+            stage.session.set("P06")
+        with pytest.raises(AskError, match="trial 1 is under way"):
+            study.assign("P06", ["warm", "cold"])
+        stage.session.set("P05", trial=7)
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, *TRIALS) == [
+        "break.started",
+        "break.ended",
+        "trial.started 1 cold",
+        "trial.ended 1 aborted",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("participant", "order", "reason"),
+    [
+        ("Anna", ["warm", "cold"], "'Anna' does not match the experiment's pattern P\\d\\d"),
+        ("Anna B.", ["warm", "cold"], "'Anna B.' is no participant code"),
+        ("P01", ["warm", "hot"], "there is no condition 'hot'"),
+        ("P01", ["warm", "warm"], "a condition stands in the order twice"),
+        ("P01", ["warm"], "each participant gets all conditions; some are missing in the order"),
+    ],
+)
+def test_orders_that_cannot_be_assigned(
+    tmp_path: Path, participant: str, order: list[str], reason: str
+) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError) as caught:
+            stage.session.study.assign(participant, order)
+        assert caught.value.reason == reason
+
+    stage = on_stage(tmp_path, scenario)
+    assert not said(stage, m.ConditionsAssigned, m.SessionChanged)
+
+
+def test_an_order_other_than_the_proposed_one_was_chosen_by_hand(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.study.propose("P01")
+        stage.session.study.assign("P01", ["cold", "warm"])
+        stage.session.study.trial("begin", "")
+
+    stage = on_stage(tmp_path, scenario)
+    (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    assert (line.method, line.row, line.why) == ("hand", -1, "chosen by hand")
+    assert said(stage, m.TrialStarted) == ["trial.started 1 cold"]
+
+
+def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError, match="the experiment has no design"):
+            stage.session.study.propose("P01")
+        with pytest.raises(AskError, match="the experiment has no design"):
+            stage.session.study.assign("P01", [])
+        for what in ("begin", "done", "begin", "aborted", "begin"):
+            stage.session.study.trial(what, "")
+
+    who = Identity(participant="P07", condition="warm")
+    stage = on_stage(tmp_path, scenario, Study(), who)
+    assert said(stage, m.TrialStarted) == [
+        "trial.started 1 warm",
+        "trial.started 2 warm",
+        "trial.started 2 warm",
+    ]
+    assert all(line.planned == 0 for line in stage.lines if isinstance(line, m.TrialStarted))
+
+
+def test_who_comes_again_goes_on_in_the_next_session(tmp_path: Path) -> None:
+    log(
+        tmp_path / "recordings",
+        "2026-02-01T10-00-00_S01",
+        had("P02", ["cold", "warm"], "ddd", row=1),
+    )
+
+    async def scenario(stage: Stage) -> None:
+        proposal = stage.session.study.propose("P02")
+        assert (proposal.condition, proposal.trial, proposal.row) == ("warm", 4, 1)
+        assert stage.session.study.propose("P01").row == 0
+        stage.session.study.assign("P02", ["cold", "warm"])
+        stage.session.study.trial("begin", "")
+        stage.session.study.trial("done", "")
+        assert stage.session.study.propose("P02").trial == 5
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, m.TrialStarted) == ["trial.started 4 warm"]
+    (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    assert (line.method, line.row) == ("latin-square", 1)
+    assert line.why == "P02 goes on with their own order: 3 of 4 trials are over"
+
+
+def test_participants_of_this_very_session_count(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        rows = []
+        for number in range(1, 5):
+            assigned(stage, f"P0{number}")
+            rows.append(stage.session.study.progress.assigned)
+        assert [row.row for row in rows if row is not None] == [0, 1, 0, 1]
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_break_inside_a_trial_ends_with_it_and_one_before_it_when_it_begins(
+    tmp_path: Path,
+) -> None:
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        for what in ("begin", "break", "done", "break", "begin", "break"):
+            stage.session.study.trial(what, "")
+
+    stage = on_stage(tmp_path, scenario)
+    ending = ["break.ended", "trial.ended 1 done", "break.started", "break.ended"]
+    assert said(stage, *TRIALS)[1:] == [
+        "trial.started 1 warm",
+        "break.started",
+        *ending,
+        "trial.started 2 warm",
+        "break.started",
+        "break.ended",
+        "trial.ended 2 aborted",
+    ]
+
+
+def test_what_is_under_way_ends_before_the_session_does(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        stage.session.study.trial("begin", "")
+
+    stage = on_stage(tmp_path, scenario)
+    (ended,) = (line for line in stage.lines if isinstance(line, m.TrialEnded))
+    assert (ended.outcome, ended.text) == ("aborted", "the session ended")
+    assert isinstance(stage.lines[-1], m.SessionEnd)
+
+
+def test_what_shapes_the_answers_is_said_at_the_beginning_and_when_it_changes(
+    tmp_path: Path,
+) -> None:
+    async def scenario(stage: Stage) -> None:
+        same = studied(tmp_path)
+        stage.session.adopt(same, [])
+        stage.session.adopt(
+            replace(same, study=replace(STUDY, shaping=None, perception=Perception())), []
+        )
+
+    stage = on_stage(tmp_path, scenario)
+    told = [
+        line for line in stage.lines if isinstance(line, m.ShapingChanged | m.PerceptionChanged)
+    ]
+    assert [(type(line).__name__, *_fields(line)) for line in told] == [
+        ("PerceptionChanged", ["distance"], ["transcript"]),
+        ("ShapingChanged", 800_000, 400_000, ["speech"]),
+        ("PerceptionChanged", [], []),
+        ("ShapingChanged", 0, 0, []),
+    ]
+
+
+def _fields(line: m.ShapingChanged | m.PerceptionChanged) -> tuple[object, ...]:
+    if isinstance(line, m.ShapingChanged):
+        return line.floor_us, line.jitter_us, line.cues
+    return line.hidden, line.blurred
+
+
+def test_without_these_sections_nothing_is_said(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        await asyncio.sleep(1)
+
+    stage = on_stage(tmp_path, scenario, Study())
+    assert not said(stage, m.ShapingChanged, m.PerceptionChanged)
+
+
+def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError) as caught:
+            stage.session.play("Greet", KEY)
+        assert caught.value.reason == (
+            "{greeting} has no value yet: it depends on the condition, and none is set"
+        )
+        only_warm = replace(stage.session.experiment, by_condition={"greeting": {"warm": "Hi"}})
+        stage.session.adopt(only_warm, [])
+        stage.session.set(condition="cold")
+        with pytest.raises(AskError, match="no text for the present one"):
+            stage.session.play("Greet", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.kinds(m.ActionEnd) == ["ActionRefused", "ActionRefused"]
+
+
+def test_a_blind_wizard_is_shown_labels_and_no_text_that_tells(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.set("P01", "cold")
+        shown = session.study.shown(session.values())
+        assert shown == {
+            "participant": "P01", "condition": "B", "session": "S01", "wizard": "",
+            "trial": "1", "place": "museum",
+        }  # fmt: skip
+        findings = {finding.subject: finding.text for finding in await preflight(session)}
+        assert findings["session"] == "P01 B"
+
+    on_stage(tmp_path, scenario)
+
+
+def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        study.check("the door is shut", True, "", "wizard")
+        study.check("the camera sees the table", True, "", "wizard")
+        study.check("the camera sees the table", False, "moved", "wizard")
+        with pytest.raises(AskError) as caught:
+            study.check("the door", True, "", "wizard")
+        assert "there are the door is shut, the camera" in caught.value.hint
+        found = await preflight(stage.session)
+        assert {finding.subject for finding in found} < {*study.progress.checks}
+        assert standing(study.progress)["preflight"] == [
+            {"check": "the door is shut", "ok": True},
+            {"check": "the camera sees the table", "ok": False},
+        ]
+
+    stage = on_stage(tmp_path, scenario)
+    lines = [line for line in stage.lines if isinstance(line, m.PreflightChecked)]
+    assert [(line.level, line.source) for line in lines[:3]] == [
+        ("ok", "wizard"),
+        ("ok", "wizard"),
+        ("warning", "wizard"),
+    ]
+    assert {line.source for line in lines[3:]} == {"robot"}
+    assert {line.level for line in lines} <= {"ok", "warning", "error"}

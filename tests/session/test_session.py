@@ -229,7 +229,10 @@ def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:
         assert kinds.count("DriverConnected") == 1
         assert "StopPressed" not in kinds
         held = [line for line in session.standing.state() if isinstance(line, m.SessionChanged)]
-        assert [(line.participant, line.condition) for line in held] == [("P08", "cold")]
+        assert [(line.participant, line.condition) for line in held] == [
+            ("P08", None),  # when they came, which is what the study goes by
+            ("P08", "cold"),
+        ]
         runs = [
             line.run for line in session.standing.state() if isinstance(line, m.ActionRequested)
         ]

@@ -10,6 +10,7 @@ from __future__ import annotations
 import asyncio
 import os
 import sys
+import tempfile
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -22,9 +23,17 @@ from woz_tui.console.feed import Feed
 from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.look import Look
+from woz_tui.console.replay.app import ReplayConsole
+from woz_tui.console.replay.keys import ReplayKeyboard
 from woz_tui.core import messages as m
 from woz_tui.core.clock import ManualClock
-from woz_tui.core.requests import Welcome
+from woz_tui.core.requests import AnyRequest, Welcome
+from woz_tui.host.plan import Shown, plan_for_log
+from woz_tui.record.index import LogIndex
+from woz_tui.replay.opened import IndexedSamples
+from woz_tui.replay.player import Player, Start
+from woz_tui.replay.reel import Reel
+from woz_tui.session.session import Session
 
 FOLDER = Path(__file__).parent / "images"
 
@@ -71,6 +80,37 @@ def _told(first: Welcome) -> ScriptedFeed:
     feed.round_trip_us = 23_000
     feed.begin_with(first)
     return feed
+
+
+def replayed() -> Feed:
+    """The demo's log, 52.8 s after it began: two gongs, one of which still sounds."""
+    folder = tempfile.TemporaryDirectory()
+    demo_session.demo(demo_session.STOPPED, watch=_shown, log=Path(folder.name))
+    index = LogIndex.open(next(Path(folder.name).glob("*demo.jsonl")))
+    reel = Reel(index.actions, IndexedSamples(index))
+    feed = _Still(Player(reel, Start(at_us=52_800_000, paused=True), demo_session.LOG))
+    feed.kept = (folder, index)  # the samples are read while it is played
+    return feed
+
+
+def _shown(session: Session) -> None:
+    session.hub.publish(plan_for_log(Shown.of(session)))
+
+
+class _Still(ScriptedFeed):
+    """A replay without a thread, at one moment."""
+
+    kept: tuple[object, ...] = ()
+
+    def __init__(self, player: Player) -> None:
+        super().__init__()
+        self._player = player
+        self.begin_with(*player.begin(0))
+
+    def ask(self, request: AnyRequest) -> int:
+        """Answer at once."""
+        self.deliver(*self._player.ask(request, 0))
+        return 0
 
 
 def knobs() -> ScriptedFeed:
@@ -127,6 +167,9 @@ SHOTS = (
     Shot("guide", 160, 50, guide),
     Shot("engagement", 100, 36, guide, keys=("=",)),
     Shot("knobs", 80, 24, knobs, keys=("+",)),
+    Shot("replay", 100, 36, replayed),
+    Shot("replay-small", 80, 24, replayed),
+    Shot("replay-go", 80, 24, replayed, keys=("g",)),
     Shot("stop", 80, 24, stopped),
     Shot("help", 80, 24, demo, keys=("?",)),
     Shot("say", 80, 24, demo, keys=("/", "P", "l", "e")),
@@ -142,12 +185,18 @@ async def shoot(shot: Shot, feed: Feed, folder: Path) -> Path:
     os.environ.pop("NO_COLOR", None)
     if not shot.colours:
         os.environ["NO_COLOR"] = "1"
-    console = Console(feed, Keyboard(feed), look=shot.look, clock=ManualClock())
+    clock = ManualClock()
+    if isinstance(feed, _Still):
+        console: Console = ReplayConsole(feed, ReplayKeyboard(feed), look=shot.look, clock=clock)
+    else:
+        console = Console(feed, Keyboard(feed), look=shot.look, clock=clock)
     async with console.run_test(size=(shot.width, shot.height)) as pilot:
         await pilot.pause()
         for key in shot.keys:
             await pilot.press(key)
         await pilot.pause()
+        if isinstance(feed, _Still):
+            clock.advance(10)  # what it says at the beginning is gone
         console.paint()
         await pilot.pause()
         path = folder / f"{shot.name}.svg"

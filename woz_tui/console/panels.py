@@ -77,13 +77,14 @@ def panel_rows(picture: Picture, frame: Frame, arranged: Plan, board: Board) -> 
             row += grid.get((y, column), blank)
         rows.append(cut(row, frame.width, frame.glyphs.ellipsis))
     if arranged.pages > 1 and rows:
-        rows[-1] = _pager(page, arranged.pages, frame)
+        rows[-1] = _pager(page, arranged.pages, frame, plays=picture.replay is None)
     return rows
 
 
-def _pager(page: int, pages: int, frame: Frame) -> Row:
+def _pager(page: int, pages: int, frame: Frame, *, plays: bool) -> Row:
     glyphs = frame.glyphs
-    text = f" page {page + 1} of {pages} {glyphs.middle} tab turns it; every key plays on any page"
+    text = f" page {page + 1} of {pages} {glyphs.middle} tab turns it"
+    text += "; every key plays on any page" if plays else ""
     return ((fit(text, frame.width, glyphs.ellipsis), "muted"),)
 
 
@@ -212,6 +213,12 @@ class Panels(Cells):
         if picture.panels:
             chosen = (self.board.chosen + by) % len(picture.panels)
             self.board = replace(self.board, chosen=chosen)
+
+    def turn_to(self, picture: Picture, action: str) -> None:
+        """Choose the panel on which an action is."""
+        for index, panel in enumerate(picture.panels):
+            if any(each.name == action for each in panel.actions):
+                self.board = replace(self.board, chosen=index)
 
     def bear(self, caps: Mapping[str, Cap]) -> None:
         """Show these key caps."""

@@ -147,7 +147,7 @@ def _log(picture: Picture, glyphs: Glyphs) -> Row:
     began = wall_at(picture.settings, 0)
     day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
     damaged = bool(notes(picture.settings))
-    state = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log whole ", "muted")
+    state = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
     return (day, "plain"), state
 
 

@@ -11,6 +11,11 @@ from woz_tui.replay.reel import Reel
 _CLOCK = re.compile(r"(?:(\d+):)?(\d+):(\d{1,2}(?:\.\d*)?)")
 _SECONDS = re.compile(r"\d+(?:\.\d*)?|\.\d+")
 
+#: Sorts of marks at which going from one to the next does not halt.
+MANY = frozenset({"engagement", "end"})
+#: Going back from a mark within so much after it, in microseconds, goes to the one before.
+AGAIN_US = 1_000_000
+
 
 class PlaceError(ValueError):
     """There is no such place; `hint` says what would help."""
@@ -37,12 +42,16 @@ def said(us: int) -> str:
 
 
 def find(text: str, reel: Reel, now: int) -> int:
-    """The time that is meant: `start`, `end`, a time, or the text of a mark: the next one after
-    `now` that is called so, begins so or has it in itself, or else the first. Raises `PlaceError`.
+    """The time that is meant: `start`, `end`, `next` and `before` (marks, seen from `now`), a time,
+    or the text of a mark: the next one after `now` that is called so, begins so or has it in
+    itself, or else the first. Raises `PlaceError`.
     """
     wanted = text.strip()
-    if wanted.casefold() in ("start", "end"):
-        return 0 if wanted.casefold() == "start" else reel.length_us
+    word = wanted.casefold()
+    if word in ("start", "end"):
+        return 0 if word == "start" else reel.length_us
+    if word in ("next", "before"):
+        return _beside(reel.marks, now, later=word == "next")
     t = time_of(wanted)
     if t is not None:
         if t > reel.length_us:
@@ -52,6 +61,16 @@ def find(text: str, reel: Reel, now: int) -> int:
     if mark is None:
         raise PlaceError(f"there is no {wanted!r} in this log", "g lists what there is")
     return mark.t
+
+
+def _beside(marks: Sequence[Mark], now: int, *, later: bool) -> int:
+    places = [mark.t for mark in marks if mark.sort not in MANY]
+    found = (
+        [t for t in places if t > now] if later else [t for t in places[::-1] if t < now - AGAIN_US]
+    )
+    if not found:
+        raise PlaceError(f"there is no marker, stop, trial ... {'later' if later else 'before'}")
+    return found[0]
 
 
 def _named(wanted: str, marks: Sequence[Mark], now: int) -> Mark | None:

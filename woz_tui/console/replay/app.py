@@ -79,7 +79,9 @@ class ReplayConsole(Console):
         if self._news_until == 1:  # a stop of then; what the viewer is told stays
             self._news_until = self._said_until
         while self._inbox.played:
-            self._panels.press(self._inbox.played.popleft())
+            action = self._inbox.played.popleft()
+            self._panels.turn_to(self.picture, action)
+            self._panels.press(action)
             self._flash_until = local + round(FLASH_S * 1_000_000)
 
     def news(self, text: str, look: str = "muted") -> None:

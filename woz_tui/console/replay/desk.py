@@ -4,11 +4,7 @@ from __future__ import annotations
 
 from woz_tui.console.desk import Desk
 from woz_tui.console.figures import elapsed
-from woz_tui.console.replay.timeline import SIGNS
 from woz_tui.core import requests as r
-
-#: Going back from a place within so much after it, in microseconds, goes to the one before.
-AGAIN_US = 1_000_000
 
 
 class ReplayDesk(Desk):
@@ -44,26 +40,3 @@ class ReplayDesk(Desk):
     def do_leave(self) -> None:
         """Leave at once: nothing is lost by it."""
         self._console.exit("left")
-
-    def do_mark_on(self) -> None:
-        """The next place on the line."""
-        now = self._now()
-        self._to(next((t for t in self._places() if t > now), None), "later")
-
-    def do_mark_back(self) -> None:
-        """The place before."""
-        before = [t for t in self._places() if t < self._now() - AGAIN_US]
-        self._to(before[-1] if before else None, "before")
-
-    def _places(self) -> list[int]:
-        replay = self._console.picture.replay
-        return [place.t for place in replay.places if place.sort in SIGNS] if replay else []
-
-    def _now(self) -> int:
-        return self._console.picture.now(self._console.clock.now_us())
-
-    def _to(self, t: int | None, where: str) -> None:
-        if t is None:
-            self._console.news(f"there is no marker, stop, trial ... {where}")
-        else:
-            self.ask(r.AskReplay(what="go", to=f"{t / 1_000_000:.6f}"))

@@ -55,6 +55,8 @@ _REQUESTS: Mapping[str, AskReplay] = {
     "on": AskReplay(what="seek", by_s=NEAR_S),
     "far_back": AskReplay(what="seek", by_s=-FAR_S),
     "far_on": AskReplay(what="seek", by_s=FAR_S),
+    "mark_back": AskReplay(what="go", to="before"),
+    "mark_on": AskReplay(what="go", to="next"),
     "begin": AskReplay(what="go", to="start"),
     "end": AskReplay(what="go", to="end"),
 }

@@ -56,5 +56,5 @@ class AboutDialog(Report):
     def _state(self) -> list[Row]:
         told = notes(self.picture.settings)
         if not told:
-            return [((f"{self.glyphs.yes} ", "good"), ("The log is whole.", "plain"))]
+            return [((f"{self.glyphs.yes} ", "good"), ("The log is complete.", "plain"))]
         return [((f"{self.glyphs.warning} ", "warn"), (clean(note), "plain")) for note in told]

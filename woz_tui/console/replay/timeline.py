@@ -21,7 +21,7 @@ SIGNS: Mapping[str, tuple[str, str]] = {
     "lost": ("error", "bad"),
     "mistake": ("warning", "warn"),
     "marker": ("marker", "run"),
-    "note": ("note", "muted"),
+    "note": ("note", "plain"),
     "questionnaire": ("queued", "wait"),
     "trial": ("tick", "strong"),
     "break": ("tick", "muted"),

@@ -1,0 +1,316 @@
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+from typing import Any
+
+import pytest
+from textual.events import Key
+from textual.keys import _character_to_key, key_to_character
+from textual.pilot import Pilot
+from textual.widgets import OptionList
+
+from tests.console.driving import screen_text
+from tests.console.scripted import ScriptedFeed
+from tests.replay.logs import SECOND, reel_of, story
+from woz_tui.console.cells import Cells
+from woz_tui.console.feed import OnLost, OnMessages
+from woz_tui.console.glyphs import ASCII, UNICODE
+from woz_tui.console.look import Look
+from woz_tui.console.replay.app import ReplayConsole
+from woz_tui.console.replay.keys import ReplayKeyboard
+from woz_tui.core import requests as r
+from woz_tui.core.clock import ManualClock
+from woz_tui.replay.player import Player, Start
+from woz_tui.replay.reel import Reel
+
+
+class StillReplay(ScriptedFeed):
+    """A replay that goes on when the test says so."""
+
+    def __init__(self, player: Player, clock: ManualClock) -> None:
+        super().__init__()
+        self.player = player
+        self.clock = clock
+
+    def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
+        super().start(on_messages, on_lost)
+        self.deliver(*self.player.begin(self.clock.now_us()))
+
+    def ask(self, request: r.AnyRequest) -> int:
+        self.asked.append(request)
+        self.deliver(*self.player.ask(request, self.clock.now_us()))
+        return request.ref
+
+    def tick(self) -> None:
+        told = self.player.tick(self.clock.now_us())
+        if told:
+            self.deliver(*told)
+
+
+@dataclass
+class Seat:
+    console: ReplayConsole
+    feed: StillReplay
+    pilot: Pilot[str]
+    clock: ManualClock
+
+    async def settle(self) -> None:
+        for _ in range(3):
+            await self.pilot.pause(0)
+
+    async def press(self, *keys: str) -> None:
+        for key in keys:
+            name = _character_to_key(key) if len(key) == 1 else key
+            self.console.post_message(Key(name, key_to_character(name)))
+            await self.settle()
+        self.console.paint()
+        await self.settle()
+
+    async def pass_time(self, seconds: float) -> None:
+        self.clock.advance(seconds)
+        await asyncio.to_thread(self.feed.tick)
+        await self.settle()
+        self.console.paint()
+        await self.settle()
+
+    def text(self, name: str) -> str:
+        return self.console.screen_stack[0].query_one(name, Cells).text
+
+    @property
+    def drawn(self) -> str:
+        return screen_text(self.console)
+
+    @property
+    def t(self) -> int:
+        return self.feed.player.t
+
+
+@asynccontextmanager
+async def watching(
+    start: Start | None = None,
+    *,
+    size: tuple[int, int] = (80, 24),
+    reel: Reel | None = None,
+    notes: tuple[str, ...] = (),
+    **options: Any,
+) -> AsyncIterator[Seat]:
+    clock = ManualClock()
+    player = Player(reel or reel_of(story()), start, "recordings/x_S01.jsonl", notes)
+    feed = StillReplay(player, clock)
+    console = ReplayConsole(feed, ReplayKeyboard(feed, clock), clock=clock, **options)
+    async with console.run_test(size=size) as pilot:
+        seat = Seat(console, feed, pilot, clock)
+        await seat.settle()
+        console.paint()
+        await seat.settle()
+        yield seat
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50), (60, 20)])
+async def test_it_says_what_it_is_and_of_which_session(size: tuple[int, int]) -> None:
+    async with watching(Start(at_us=9 * SECOND), size=size) as seat:
+        status = seat.text("Status")
+        for part in (" REPLAY ", "Museum guide", "00:09", "2026-03-01", "log complete"):
+            assert part in status
+        assert "REC" not in status
+        line = seat.text("StopBar").splitlines()[-1]
+        for part in ("▶", "00:09 / 01:00", "●", "10:00:09 UTC", "1x", "? keys"):
+            assert part in line
+        assert len(line) == size[0]
+
+
+async def test_the_line_has_a_sign_for_each_place_and_never_moves() -> None:
+    async with watching(Start(paused=True)) as seat:
+        first = seat.text("StopBar").splitlines()[-1]
+        assert [sign for sign in first if sign in "◆▲■✎│"] == ["◆", "▲", "■", "✎", "│"]
+        await seat.press("end")
+        last = seat.text("StopBar").splitlines()[-1]
+        assert [last.index(sign) for sign in "◆▲✎"] == [first.index(sign) for sign in "◆▲✎"]
+        assert last.index("UTC") == first.index("UTC")
+
+
+@pytest.mark.parametrize("look", [Look(ASCII, "woz-16"), Look(UNICODE, "woz-16")])
+async def test_the_line_can_be_read_without_colours_and_in_ascii(look: Look) -> None:
+    async with watching(Start(at_us=20 * SECOND, paused=True), look=look) as seat:
+        line = seat.text("StopBar").splitlines()[-1]
+        if look.glyphs.ascii:
+            assert line.isascii()
+            assert line.startswith(" || 00:20 / 01:00 ")
+            assert [sign for sign in line if sign in "*!#nO|"][2:] == ["*", "!", "#", "O", "n", "|"]
+        else:
+            assert line.startswith(" ┃┃ 00:20 / 01:00 ")
+
+
+async def test_space_stands_still_and_goes_on_and_nothing_ages_meanwhile() -> None:
+    async with watching(Start(at_us=9 * SECOND)) as seat:
+        assert "▶ Go" in seat.text("Panels")
+        await seat.press("space")
+        before = seat.text("Panels"), seat.text("Meters"), seat.text("Status")
+        await seat.pass_time(60)
+        assert (seat.text("Panels"), seat.text("Meters"), seat.text("Status")) == before
+        assert "┃┃ 00:09" in seat.text("StopBar")
+        await seat.press("space")
+        await seat.pass_time(5)
+        assert "▶  00:14" in seat.text("StopBar")
+        assert "✓ Go" in seat.text("Events")
+
+
+@pytest.mark.parametrize(
+    ("keys", "seconds"),
+    [
+        (["right"], 35),
+        (["left"], 25),
+        (["shift+right"], 60),
+        (["alt+left"], 0),
+        (["home"], 0),
+        (["end"], 60),
+        (["pageup"], 15),
+        (["pagedown"], 50),
+        (["pagedown", "pagedown"], 55),
+        (["right", "left"], 30),
+    ],
+)
+async def test_keys_move_through_the_log(keys: list[str], seconds: float) -> None:
+    async with watching(Start(at_us=30 * SECOND, paused=True)) as seat:
+        await seat.press(*keys)
+        assert seat.t == seconds * SECOND
+
+
+@pytest.mark.parametrize(("keys", "rate"), [("]]", 4.0), ("[", 0.5), (">><", 2.0), ("[[[", 0.25)])
+async def test_brackets_change_the_speed(keys: str, rate: float) -> None:
+    async with watching() as seat:
+        await seat.press(*keys)
+        assert seat.console.picture.rate == rate
+        assert f"{rate:g}x" in seat.text("StopBar")
+
+
+async def test_a_dot_steps_and_says_to_which_line() -> None:
+    async with watching(Start(at_us=5_900_000)) as seat:
+        await seat.press(".")
+        assert seat.t == 6 * SECOND
+        assert "00:06.000 marker" in seat.text("StopBar")
+        assert "┃┃" in seat.text("StopBar")
+        assert "Marker  smile" in seat.text("Events")
+
+
+async def test_the_list_follows_many_steps_while_time_stands_still() -> None:
+    async with watching(Start(paused=True)) as seat:
+        for _ in range(80):
+            await seat.press("left", "end")
+        assert "Session ended" in seat.text("Events")
+        await seat.press("home")
+        assert "Session ended" not in seat.text("Events")
+
+
+async def test_an_action_of_then_lights_its_cap_up() -> None:
+    async with watching(Start(at_us=2_500_000)) as seat:
+        await seat.pass_time(0.6)
+        panels = seat.console._panels
+        assert [text.strip() for row in panels.rows for text, look in row if look == "flash"] == [
+            "h"
+        ]
+        await seat.pass_time(1)
+        assert not [look for row in panels.rows for _, look in row if look == "flash"]
+
+
+async def test_the_keys_of_the_session_are_shown_but_play_nothing() -> None:
+    async with watching() as seat:
+        assert "h" in seat.text("Panels")
+        await seat.press("h")
+        assert "h plays nothing" in seat.text("StopBar")
+        assert seat.feed.asked == []
+
+
+async def test_the_stop_of_then_is_seen_and_what_is_said_too() -> None:
+    async with watching(Start(at_us=14_900_000, paused=True)) as seat:
+        await seat.press(".")
+        assert "stop.pressed" in seat.text("StopBar")
+        await seat.pass_time(20)
+        assert "STOPPED by key at 00:15" in seat.text("StopBar")
+        await seat.press(".")
+        await seat.pass_time(20)
+        assert "confirmed: robot" in seat.text("StopBar")
+
+
+@pytest.mark.parametrize("key", ["escape", "ctrl+c"])
+async def test_escape_moves_nothing_says_so_and_closes_dialogs(key: str) -> None:
+    async with watching() as seat:
+        await seat.press("g")
+        assert len(seat.console.screen_stack) == 2
+        await seat.press(key)
+        assert len(seat.console.screen_stack) == 1
+        assert "nothing moves" in seat.text("StopBar")
+        assert not seat.console.picture.stop
+
+
+async def test_ctrl_q_leaves_at_once() -> None:
+    async with watching() as seat:
+        await seat.press("ctrl+q")
+        assert seat.console.return_value == "left"
+
+
+async def test_going_to_a_typed_time() -> None:
+    async with watching(Start(paused=True)) as seat:
+        await seat.press("g", *"0:42", "enter")
+        assert seat.t == 42 * SECOND
+        assert seat.console.dialog is None
+
+
+async def test_going_to_a_place_that_is_found_by_its_letters() -> None:
+    async with watching(Start(paused=True)) as seat:
+        await seat.press("g")
+        assert all(
+            word in seat.drawn for word in ("smile", "Go too late", "stop by key", "trial 2")
+        )
+        await seat.press(*"back")
+        found = seat.console.screen.query_one("#found", OptionList)
+        assert found.option_count == 1
+        await seat.press("enter")
+        assert seat.t == 50 * SECOND
+
+
+async def test_the_list_of_places_begins_with_the_next_one() -> None:
+    async with watching(Start(at_us=14 * SECOND, paused=True)) as seat:
+        await seat.press("g", "down", "enter")
+        assert seat.t == 50 * SECOND
+
+
+async def test_a_place_that_is_not_there() -> None:
+    async with watching(Start(paused=True)) as seat:
+        await seat.press("g", *"zzz", "enter")
+        assert "there is no 'zzz' in this log" in seat.text("StopBar")
+        await seat.press("g", *"9:99", "enter")
+        assert "the session is 01:00 long" in seat.text("StopBar")
+
+
+async def test_help_shows_the_keys_of_the_replay() -> None:
+    async with watching(size=(100, 50)) as seat:
+        await seat.press("?")
+        for part in ("stand still, go on", "5 s back", "twice the speed", "Hello"):
+            assert part in seat.drawn
+        assert "drive forward" not in seat.drawn
+
+
+async def test_what_is_missing_is_in_the_header_and_can_be_read() -> None:
+    async with watching(notes=("3 damaged line(s) left out",)) as seat:
+        assert "▲ log incomplete" in seat.text("Status")
+        assert "This log: 3 damaged line(s)" in seat.text("Events")
+        await seat.press("i")
+        for part in ("3 damaged line(s) left out", "guide.yaml", "W2", "x_S01.jsonl"):
+            assert part in seat.drawn
+
+
+async def test_idle_time_that_was_cut_is_shown() -> None:
+    async with watching(Start(at_us=18 * SECOND, max_idle_us=4 * SECOND)) as seat:
+        await seat.pass_time(4)
+        assert "00:28 cut" in seat.text("StopBar")
+
+
+async def test_an_old_burst_of_keys_is_not_refused() -> None:
+    async with watching(Start(paused=True)) as seat:
+        assert seat.console.keyboard.arrive("right", stale=True)
+        await seat.settle()
+        assert seat.t == 5 * SECOND

@@ -176,6 +176,10 @@ class Cues:
         given = self._taught.pop(message.cue, None)
         if given is None:
             return
+        if message.judged == "void":  # the stop came in between, or the end: nobody's failure
+            self._given -= 1
+            self._close(given[1], "cut")
+            return
         reaction = message.reaction_us if message.reaction_us >= 0 else None
         fate = "answered" if message.judged in ("right", "wrong") else "missed"
         if reaction is not None and fate == "answered":

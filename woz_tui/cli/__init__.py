@@ -14,6 +14,7 @@ from woz_tui import __version__
 COMMANDS = {
     "run": "start the robot process and the console: a session",
     "demo": "a session with a simulated robot and a simulated visitor",
+    "train": "train a wizard: a simulated visitor gives cues, answers are scored",
     "host": "start the robot process alone",
     "attach": "join a running session",
     "replay": "a session again, on the screen or on the robot",

@@ -34,6 +34,18 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="with --rerun: how long the drivers may take to be connected (default 20)",
     )
+    parser.add_argument(
+        "--train",
+        action="store_true",
+        help="train a wizard: cues by a simulated visitor, and nothing moves (see `woz train`)",
+    )
+    parser.add_argument(
+        "--train-count",
+        type=int,
+        default=None,
+        metavar="N",
+        help="with --train: how many cues (default: what the file says)",
+    )
     parser.add_argument("--announce", action="store_true", help=argparse.SUPPRESS)
     parser.set_defaults(run=run)
 
@@ -42,6 +54,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Serve until the session ends."""
     from woz_tui.host import process  # noqa: PLC0415 - only this command needs it
     from woz_tui.host.rerun import RerunOptions  # noqa: PLC0415
+    from woz_tui.host.training import TrainingOptions  # noqa: PLC0415
 
     logging.basicConfig(
         stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(name)s %(message)s"
@@ -62,6 +75,7 @@ def run(arguments: argparse.Namespace) -> int:
                 announce=arguments.announce,
                 profile=arguments.profile,
                 rerun=rerun,
+                training=TrainingOptions(arguments.train_count) if arguments.train else None,
             )
         )
 

@@ -203,8 +203,8 @@ class CueGiven(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.
 
 class CueAnswered(Message, frozen=True, kw_only=True, omit_defaults=True, tag="cue.answered"):
     """What the wizard made of it. `judged`: right, wrong (another action), missed (nothing in time)
-    or uncalled (an action without a cue, then `cue` is empty). `reaction_us`: from the cue to the
-    request (-1: none).
+    uncalled (an action without a cue, then `cue` is empty) or void (the stop was pressed, or the
+    training ended meanwhile). `reaction_us`: from the cue to the request (-1: none).
     """
 
     cue: str

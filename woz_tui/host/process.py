@@ -22,12 +22,15 @@ from woz_tui.host.desk import Desk
 from woz_tui.host.place import bind, socket_path
 from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
 from woz_tui.host.server import Host
+from woz_tui.host.training import TrainingOptions, TrainingSession, read_cues
 from woz_tui.plugins import Catalogue, installed
 from woz_tui.record.recorder import Recorder, stem
 from woz_tui.replay.plan import Plan
 from woz_tui.session.identity import Identity, check_code, check_participant
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.session import Session
+from woz_tui.training.plan import PlannedCue
+from woz_tui.training.rehearsal import rehearsed
 
 #: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
 GC_THRESHOLDS = (50_000, 20, 100)
@@ -48,7 +51,7 @@ class HostOptions:
     `name` is the socket's; `recordings` the folder of logs; `spill` a second folder for when the
     first one fails. `announce` writes one JSON line with socket and log to standard output.
     `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
-    commands are run again.
+    commands are run again. `training`: a wizard is trained, and nothing moves.
     """
 
     experiment: Path
@@ -59,6 +62,7 @@ class HostOptions:
     announce: bool = False
     profile: str = ""
     rerun: RerunOptions | None = None
+    training: TrainingOptions | None = None
 
 
 def run(options: HostOptions) -> int:
@@ -74,7 +78,10 @@ def run(options: HostOptions) -> int:
     if options.profile:
         Profiles(lambda message: None).use(options.profile, experiment, "")
     plan = read_plan(options.rerun, experiment) if options.rerun is not None else None
-    return asyncio.run(_serve(options, catalogue, experiment, plan))
+    cues: tuple[PlannedCue, ...] = ()
+    if options.training is not None:
+        cues = read_cues(options.training, experiment, options.identity.seed)
+    return asyncio.run(_serve(options, catalogue, experiment, plan, cues))
 
 
 def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
@@ -102,7 +109,11 @@ def _check_identity(identity: Identity, experiment: Experiment) -> None:
 
 
 async def _serve(
-    options: HostOptions, catalogue: Catalogue, experiment: Experiment, plan: Plan | None
+    options: HostOptions,
+    catalogue: Catalogue,
+    experiment: Experiment,
+    plan: Plan | None,
+    cues: tuple[PlannedCue, ...],
 ) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
     clock = RealClock()
@@ -123,13 +134,15 @@ async def _serve(
         on_state=recorder_moved,
         defer=functools.partial(asyncio.get_running_loop().call_later, SYNC_AFTER_S),
     )
-    session = Session(experiment, catalogue, options.identity, recorder, clock)
+    offered = rehearsed(catalogue) if options.training is not None else catalogue
+    session = Session(experiment, offered, options.identity, recorder, clock)
     sessions.append(session)
     if options.profile:
         session.use_profile(options.profile, "start")
     desk = Desk(session, lambda: _read(options, catalogue))
     host = Host(session, path, desk)
     rerun = Rerun(host, plan, options.rerun) if plan is not None and options.rerun else None
+    training = TrainingSession(host, cues) if options.training is not None else None
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
     reason = "crashed"
@@ -148,6 +161,8 @@ async def _serve(
         _leave_within(CLOSE_LIMIT_S)
         if rerun is not None:
             rerun.end("the session ends")
+        if training is not None:
+            training.end()
         await session.close(reason)
         await host.close()
         _leave_within(EXIT_LIMIT_S)

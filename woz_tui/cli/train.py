@@ -1,0 +1,178 @@
+"""`woz train EXPERIMENT`: cues by a simulated visitor, the wizard's answers, and a score."""
+
+from __future__ import annotations
+
+import argparse
+import random
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.cli.failure import explained
+from woz_tui.cli.keymap import add_keymap, builtins
+from woz_tui.cli.numbers import number
+from woz_tui.host import place
+
+if TYPE_CHECKING:
+    from woz_tui.training.history import Score
+
+#: Beside the recordings of sessions with participants, never among them.
+FOLDER = Path("recordings/training")
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("experiment", type=Path, nargs="?", help="experiment file")
+    parser.add_argument("--wizard", default="", help="the wizard's code, under which scores count")
+    parser.add_argument(
+        "--count",
+        type=lambda text: round(number(text, 1, 1000)),
+        default=None,
+        metavar="N",
+        help="how many cues (default: what the file says, or 20)",
+    )
+    parser.add_argument(
+        "--seed", type=int, default=0, help="the same cues again (default: others each time)"
+    )
+    parser.add_argument(
+        "--recordings", type=Path, default=FOLDER, help=f"folder of the logs (default: {FOLDER})"
+    )
+    parser.add_argument(
+        "--history", action="store_true", help="only show the scores so far, of --wizard or all"
+    )
+    parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
+    add_keymap(parser)
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Train, or show the scores."""
+    if arguments.history:
+        return explained(lambda: _history(arguments))
+    wrong = _wrong(arguments)
+    if wrong:
+        print(f"woz: {wrong}", file=sys.stderr)
+        return 2
+    return explained(lambda: _train(arguments))
+
+
+def _wrong(arguments: argparse.Namespace) -> str:
+    """Why no training can begin; empty if one can."""
+    from woz_tui.cli import screen  # noqa: PLC0415
+
+    if arguments.experiment is None:
+        return "which experiment? woz train EXPERIMENT --wizard W1"
+    if not arguments.wizard:
+        return "whose training is it? --wizard W1 (a code, never a name)"
+    return screen.refusal()
+
+
+def _history(arguments: argparse.Namespace) -> int:
+    from woz_tui.training.history import history  # noqa: PLC0415
+
+    scores = history(arguments.recordings, arguments.wizard)
+    if not scores:
+        whose = f" of {arguments.wizard}" if arguments.wizard else ""
+        print(f"woz: no training{whose} in {arguments.recordings}", file=sys.stderr)
+        return 1
+    _print(scores)
+    return 0
+
+
+def _train(arguments: argparse.Namespace) -> int:
+    from woz_tui.cli import screen  # noqa: PLC0415
+    from woz_tui.cli.launch import Launch, LaunchError  # noqa: PLC0415
+    from woz_tui.session.identity import check_code  # noqa: PLC0415
+
+    check_code(arguments.wizard, "wizard")
+    own_keys = builtins(arguments)
+    command = _host_command(arguments)
+    launch = Launch(command)
+    try:
+        screen.load_modules()
+        robot = launch.wait()
+        console = screen.make_console(
+            screen.ScreenOptions(socket=robot.socket, restart=None, builtins=own_keys)
+        )
+    except LaunchError as error:
+        print(error, file=sys.stderr)
+        return 1
+    except BaseException:
+        launch.abandon()
+        raise
+    left, _ = screen.run_console(console)
+    if left != "ended":
+        launch.abandon()  # nobody comes back to a training
+    return _farewell(arguments, robot.log)
+
+
+def _host_command(arguments: argparse.Namespace) -> list[str]:
+    from woz_tui.cli.launch import host_arguments  # noqa: PLC0415
+    from woz_tui.cli.options import next_session  # noqa: PLC0415
+
+    session = next_session(arguments.recordings, place.running())
+    words = host_arguments(
+        arguments.experiment,
+        recordings=arguments.recordings,
+        spill=None,
+        name=arguments.name or session,
+        codes={
+            "session": session,
+            "wizard": arguments.wizard,
+            "seed": str(arguments.seed or random.SystemRandom().randrange(1, 1 << 31)),
+        },
+    )
+    words.append("--train")
+    if arguments.count is not None:
+        words += ["--train-count", str(arguments.count)]
+    return words
+
+
+def _farewell(arguments: argparse.Namespace, log: Path) -> int:
+    from woz_tui.training.history import history, score_of  # noqa: PLC0415
+
+    score = score_of(log)
+    if score is None:
+        print(f"No cue was given. Log: {log}")
+        return 0
+    _print(history(arguments.recordings, arguments.wizard) or [score])
+    print(f"Log: {log}")
+    return 0
+
+
+def _print(scores: Sequence[Score]) -> None:
+    from rich.console import Console  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+
+    table = Table(box=None, pad_edge=False, header_style="bold")
+    table.add_column("wizard")
+    table.add_column("when (UTC)", no_wrap=True)
+    table.add_column("experiment", overflow="ellipsis")
+    for name in ("cues", "right", "wrong", "missed", "uncalled"):
+        table.add_column(name, justify="right")
+    for name in ("median", "p95"):
+        table.add_column(f"{name}", justify="right", no_wrap=True)
+    for score in scores:
+        table.add_row(*_row(score))
+    Console(highlight=False).print(table)
+
+
+def _row(score: Score) -> tuple[str, ...]:
+    training = score.training
+    return (
+        score.wizard or "-",
+        score.started[:16].replace("T", " "),
+        score.title,
+        str(training.cues),
+        "-" if training.score is None else f"{training.score:.0%}",
+        str(training.wrong),
+        str(training.missed),
+        str(training.uncalled),
+        _seconds(training.times.median),
+        _seconds(training.times.p95),
+    )
+
+
+def _seconds(microseconds: float | None) -> str:
+    return "-" if microseconds is None else f"{microseconds / 1_000_000:.2f} s"

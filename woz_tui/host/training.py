@@ -1,0 +1,98 @@
+"""A session in which a wizard is trained: when the cues begin, and what is said at the end."""
+
+from __future__ import annotations
+
+import asyncio
+from collections import Counter
+from dataclasses import dataclass
+
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import Experiment, Together
+from woz_tui.experiment.verbs import PERFORMERS
+from woz_tui.host.server import Host
+from woz_tui.session.identity import AskError
+from woz_tui.training.plan import PlannedCue, planned
+from woz_tui.training.trainer import Trainer
+from woz_tui.training.visitor import TrainingVisitor
+
+#: From the notice that it begins to the first cue's pause, in seconds.
+WARNING_S = 3.0
+
+
+@dataclass(frozen=True, slots=True)
+class TrainingOptions:
+    """`count`: how many cues; None: as the experiment says."""
+
+    count: int | None = None
+
+
+def read_cues(
+    options: TrainingOptions, experiment: Experiment, seed: int
+) -> tuple[PlannedCue, ...]:
+    """The cues to be given. Raises `AskError` if the experiment has nothing to train."""
+    try:
+        return planned(experiment, options.count, seed)
+    except ValueError as error:
+        raise AskError(str(error), "add training: {cues: [...]} to the file") from error
+
+
+class TrainingSession:
+    """Begins the training once a wizard is attached, and sums it up.
+
+    Args:
+        host: Whose session it happens in.
+        cues: What is to be given.
+    """
+
+    def __init__(self, host: Host, cues: tuple[PlannedCue, ...]) -> None:
+        self._host = host
+        self._session = host.session
+        self._cues = cues
+        self._begun = False
+        self._verdicts: Counter[str] = Counter()
+        self._starting: asyncio.TimerHandle | None = None
+        self._trainer = Trainer(
+            self._session.hub,
+            cues,
+            TrainingVisitor.of(self._session.experiment, self._session.identity.seed),
+            self._acts,
+            self._over,
+        )
+        self._session.hub.listen(self._hear)
+
+    def end(self) -> None:
+        """The session ends: no more cues."""
+        if self._starting is not None:
+            self._starting.cancel()
+        self._trainer.end()
+
+    def _acts(self, name: str) -> bool:
+        action = self._session.experiment.action(name)
+        return action is not None and any(
+            call.driver not in PERFORMERS
+            for step in action.steps
+            if isinstance(step, Together)
+            for call in step.calls
+        )
+
+    def _hear(self, message: m.AnyMessage) -> None:
+        match message:
+            case m.ConsoleAttached(role="wizard") if not self._begun:
+                self._begun = True
+                self._notice(
+                    f"training: {len(self._cues)} cues, the first one soon; nothing moves",
+                    "answer each with the right key; ctrl+q ends it",
+                )
+                loop = asyncio.get_running_loop()
+                self._starting = loop.call_later(WARNING_S, self._trainer.begin)
+            case m.CueAnswered(judged=judged):
+                self._verdicts[judged] += 1
+
+    def _over(self) -> None:
+        said = ", ".join(
+            f"{count} {judged}" for judged, count in sorted(self._verdicts.items()) if count
+        )
+        self._notice(f"the training is over: {said}", "ctrl+q shows the score")
+
+    def _notice(self, text: str, remedy: str) -> None:
+        self._session.hub.publish(m.Notice(level="info", text=text, remedy=remedy))

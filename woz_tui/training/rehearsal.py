@@ -1,0 +1,104 @@
+"""Any robot without its hardware: every verb takes its time, and nothing moves.
+
+A wizard learns the keys of the real experiment, so the experiment stays as it is; only what would
+move is left out. A rehearsal of a driver class offers what the class offers with the same settings.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from typing import Any
+
+from woz_tui.core.driver import Driver, Finding, Health, Job, Outlet, Probe, Scope, Verb
+from woz_tui.core.messages import Json
+
+#: Calm speech: about 150 words a minute.
+WORDS_PER_S = 2.5
+#: What a verb takes that says nothing of its length, in seconds.
+USUAL_S = 0.8
+
+
+def seconds_of(verb: Verb | None, args: Mapping[str, Json]) -> float:
+    """How long a command takes in a rehearsal: its own seconds, its words, or the usual time."""
+    if verb is None or verb.stream or verb.brief:
+        return 0.0
+    seconds, text = args.get("seconds"), args.get("text")
+    if isinstance(seconds, int | float):
+        wanted = float(seconds)
+    elif isinstance(text, str):
+        wanted = 0.3 + len(text.split()) / WORDS_PER_S
+    else:
+        wanted = USUAL_S
+    return min(max(wanted, 0.0), verb.limit_s * 0.9)
+
+
+class Rehearsal:
+    """A driver that only pretends; `rehearsal_of` makes one for each class."""
+
+    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
+        self.name = name
+        self._outlet = outlet
+        self._offered = {verb.name: verb for verb in type(self).verbs(settings)}
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        """What the real driver offers."""
+        raise NotImplementedError
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """None: in a training the visitor gives all signs."""
+        return ()
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """There is nothing to look at."""
+        return []
+
+    async def open(self) -> None:
+        """Ready at once."""
+        self._outlet.health(Health.CONNECTED, "rehearsed: nothing moves")
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Take as long as the real one roughly would."""
+        seconds = seconds_of(self._offered.get(job.verb), job.args)
+        if seconds:
+            job.expects(seconds)
+            await asyncio.sleep(seconds)
+        return dict(job.args)
+
+    async def stop(self, scope: Scope) -> None:
+        """Nothing moves anyway."""
+
+    async def rest(self) -> None:
+        """Nothing moves anyway."""
+
+    async def close(self) -> None:
+        """There is nothing to let go of."""
+
+
+#: What consoles ask a driver class for beside its contract; it is passed on where it is there.
+_TELLS = ("joints", "outline")
+
+
+def rehearsal_of(real: type[Driver]) -> type[Driver]:
+    """A class that offers what `real` does, without its hardware."""
+    told = {
+        name: staticmethod(tell) for name in _TELLS if callable(tell := getattr(real, name, None))
+    }
+    return type(
+        f"Rehearsed{real.__name__}",
+        (Rehearsal,),
+        {
+            "Settings": real.Settings,
+            "summary": f"{real.summary} (rehearsed)",
+            "verbs": classmethod(lambda cls, settings: real.verbs(settings)),
+            **told,
+        },
+    )
+
+
+def rehearsed(catalogue: Mapping[str, type[Driver]]) -> dict[str, type[Driver]]:
+    """The whole catalogue, by type, with nothing in it that moves."""
+    return {name: rehearsal_of(real) for name, real in catalogue.items()}

@@ -1,0 +1,200 @@
+"""A training: gives one cue after the other, and judges what the wizard makes of them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+
+from woz_tui.core import messages as m
+from woz_tui.core.hub import Hub
+from woz_tui.training.plan import APPROACH, LEAVE, PlannedCue
+from woz_tui.training.visitor import DRIVER, PERIOD_S, TrainingVisitor, seconds_to_say
+
+#: Whoever does these did not answer anybody.
+_NO_ANSWERS = frozenset({"engagement", "replay", "program"})
+RIGHT, WRONG, MISSED, UNCALLED, VOID = "right", "wrong", "missed", "uncalled", "void"
+
+
+@dataclass
+class _Open:
+    """A cue that waits for its answer."""
+
+    id: str
+    cue: PlannedCue
+    since: int
+    answered: asyncio.Event = field(default_factory=asyncio.Event)
+
+
+class Trainer:
+    """See the module's text.
+
+    Args:
+        hub: Where cues and verdicts are published, and presses are heard.
+        cues: What is to be given.
+        visitor: Who gives them.
+        acts: Whether the action of this name makes the robot do something; other presses (markers,
+            locks) are no answers.
+        over: Called once all cues have been given, or the training was ended.
+    """
+
+    def __init__(
+        self,
+        hub: Hub,
+        cues: Sequence[PlannedCue],
+        visitor: TrainingVisitor,
+        acts: Callable[[str], bool],
+        over: Callable[[], None],
+    ) -> None:
+        self._hub = hub
+        self._cues = cues
+        self._visitor = visitor
+        self._acts = acts
+        self._over = over
+        self._open: _Open | None = None
+        self._busy: set[str] = set()
+        self._calm = asyncio.Event()
+        self._calm.set()
+        self._there = asyncio.Event()
+        self._stopped = False
+        self._segment = 0
+        self._tasks: list[asyncio.Task[None]] = []
+        hub.listen(self._hear)
+
+    def begin(self) -> None:
+        """Let the visitor live and give the first cue after its pause."""
+        loop = asyncio.get_running_loop()
+        self._tasks = [loop.create_task(self._live()), loop.create_task(self._train())]
+
+    def end(self) -> None:
+        """No more cues; the one that waits for an answer does not count."""
+        for task in self._tasks:
+            task.cancel()
+        self._judge(VOID)
+
+    # -- the course ----------------------------------------------------------------------------
+
+    async def _live(self) -> None:
+        while True:
+            for reading in self._visitor.step():
+                self._hub.publish(reading)
+            if self._visitor.arrived:
+                self._there.set()
+            await asyncio.sleep(PERIOD_S)
+
+    async def _train(self) -> None:
+        for number, cue in enumerate(self._cues, 1):
+            await asyncio.sleep(cue.pause_us / 1_000_000)
+            await self._quiet()
+            await self._place(cue)
+            await self._quiet()
+            await self._give(f"q{number:04d}", cue)
+        self._over()
+
+    async def _quiet(self) -> None:
+        """Until the robot does nothing and the stop is released."""
+        while self._stopped or self._busy:
+            self._calm.clear()
+            await self._calm.wait()
+
+    async def _place(self, cue: PlannedCue) -> None:
+        """The visitor stands where the cue can happen; that they go there is no cue."""
+        if cue.sort == APPROACH:
+            self._visitor.leave()
+        elif not self._visitor.near:
+            self._visitor.approach()
+        else:
+            self._visitor.turn(away=False)
+        if not self._visitor.arrived:
+            self._there.clear()
+            await self._there.wait()
+
+    async def _give(self, name: str, cue: PlannedCue) -> None:
+        if cue.text:
+            await self._say(cue.text)
+        self._show(cue.sort)
+        given = self._hub.publish(
+            m.CueGiven(
+                cue=name,
+                sort=cue.sort,
+                text=cue.text,
+                expects=[*cue.expects],
+                window_us=cue.window_us,
+            )
+        )
+        self._open = waiting = _Open(name, cue, given.t)
+        try:
+            async with asyncio.timeout(cue.window_us / 1_000_000):
+                await waiting.answered.wait()
+        except TimeoutError:
+            self._judge(MISSED)
+
+    def _show(self, sort: str) -> None:
+        """What can be seen of a cue begins with its moment."""
+        if sort == APPROACH:
+            self._visitor.approach()
+        elif sort == LEAVE:
+            self._visitor.leave()
+        elif sort == "turn-away":
+            self._visitor.turn(away=True)
+
+    async def _say(self, text: str) -> None:
+        """The visitor speaks: the cue is the end of it."""
+        self._segment += 1
+        began = self._hub.now()
+        self._visitor.speaks = True
+        self._hub.publish(m.SpeechStarted(driver=DRIVER, segment=self._segment, began=began))
+        try:
+            await asyncio.sleep(seconds_to_say(text))
+        finally:
+            self._visitor.speaks = False
+        ended = self._hub.now()
+        self._hub.publish(
+            m.SpeechEnded(driver=DRIVER, segment=self._segment, began=began, ended=ended)
+        )
+        self._hub.publish(m.SpeechText(driver=DRIVER, segment=self._segment, text=text, took_us=0))
+
+    # -- the answers -----------------------------------------------------------------------------
+
+    def _hear(self, message: m.AnyMessage) -> None:
+        match message:
+            case m.ActionRequested(run=run, action=action, source=source):
+                self._busy.add(run)
+                if source not in _NO_ANSWERS and self._acts(action):
+                    self._answer(message)
+            case m.ActionEnd(run=run):
+                self._busy.discard(run)
+            case m.StopPressed(scope="all"):
+                self._stopped = True
+                self._judge(VOID)
+            case m.StopReleased():
+                self._stopped = False
+        if not self._stopped and not self._busy:
+            self._calm.set()
+
+    def _answer(self, press: m.ActionRequested) -> None:
+        waiting = self._open
+        if waiting is None:
+            if self._tasks and not self._stopped:
+                self._hub.publish(
+                    m.CueAnswered(cue="", judged=UNCALLED, action=press.action, run=press.run)
+                )
+            return
+        right = press.action in waiting.cue.expects
+        self._judge(RIGHT if right else WRONG, press)
+
+    def _judge(self, judged: str, press: m.ActionRequested | None = None) -> None:
+        """Close the cue that waits, if one does."""
+        waiting, self._open = self._open, None
+        if waiting is None:
+            return
+        waiting.answered.set()
+        self._hub.publish(
+            m.CueAnswered(
+                cue=waiting.id,
+                judged=judged,
+                action=press.action if press else "",
+                run=press.run if press else "",
+                reaction_us=press.t - waiting.since if press else -1,
+            )
+        )

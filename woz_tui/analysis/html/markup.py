@@ -13,6 +13,7 @@ from typing import TypeAlias
 
 #: What HTML has no place for: control characters but tab and newline, halves of pairs.
 _UNPRINTABLE = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]")
+_HALVES = re.compile("[\ud800-\udfff]")
 _SEPARATORS = re.compile("[\u2028\u2029]")
 #: Elements without content or end.
 _VOID = frozenset({"br", "col", "hr", "input", "link", "meta"})
@@ -95,4 +96,4 @@ def json_block(content: object, name: str) -> Markup:
     text = json.dumps(content, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
     for character in "<>&\u2028\u2029":
         text = text.replace(character, f"\\u{ord(character):04x}")
-    return tag("script", Markup(_UNPRINTABLE.sub("\ufffd", text)), type="application/json", id=name)
+    return tag("script", Markup(_HALVES.sub("\ufffd", text)), type="application/json", id=name)

@@ -104,4 +104,5 @@ def _strips(found: Sequence[Entry]) -> Markup:
     head = tag("tr", tag("th", "Session", scope="col"), tag("th", ruler(longest), scope="col"))
     words = "Courses; from the top of each: trials and stops, engagement, speech, actions"
     caption = tag("caption", words)
-    return tag("table", caption, tag("thead", head), tag("tbody", rows), class_="strips")
+    inner = tag("table", caption, tag("thead", head), tag("tbody", rows), class_="strips")
+    return tag("div", inner, class_="wide", tabindex=0, role="region", aria_label="Courses")

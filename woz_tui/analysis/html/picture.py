@@ -135,7 +135,8 @@ def _on(item: Item, x0: float, x1: float, y: float) -> Iterator[Markup]:
         inside = room > 8
         center = x0 if item.end is None else (x1 - 6.5 if inside else x1 + 6.5)
         place = {"x": center - 5.5, "y": middle - 5.5, "width": 11, "height": 11}
-        yield tag("use", href=f"#g-{item.sort}", class_=f"glyph s-{item.sort}", **place)
+        where = " within" if inside and item.end is not None else ""
+        yield tag("use", href=f"#g-{item.sort}", class_=f"glyph s-{item.sort}{where}", **place)
         room -= 11
     if room > 3 * _LETTER:
         yield tag("text", cut(item.label, room), x=x0 + 4, y=middle, class_=f"on s-{item.sort}")

@@ -9,7 +9,7 @@ from woz_tui.analysis.html.markup import Markup, joined, short, tag
 from woz_tui.analysis.html.picture import Scale
 from woz_tui.analysis.timeline import LANES
 
-_WIDTH, _BAND = 560, 6
+_WIDTH, _BAND = 1000, 6
 #: Bands of a strip, from the top: which sorts of lanes they show.
 _BANDS = (("trial", "stop", "driver"), ("engagement",), ("speech",), ("panel",))
 _ABOVE = {"stop", "lost", "failed"}
@@ -40,7 +40,7 @@ def ruler(longest_us: int) -> Markup:
     ticks = [
         tag("text", text, x=x, y=8, class_="tick" if x else "tick first")
         for x, text in scale.ticks()
-        if x < 550
+        if x < _WIDTH - 20
     ]
     return tag("svg", ticks, class_="strip", viewBox=f"0 0 {_WIDTH} 14", aria_hidden="true")
 

@@ -47,7 +47,7 @@ def _measures(grouped: Grouped, experiment: str, name: str) -> Markup | None:
 
 def _items(grouped: Grouped, experiment: str, name: str) -> Markup | None:
     found = grouped.items(experiment)
-    conditions = list(dict.fromkeys(item.condition for item in found))
+    conditions = sorted({item.condition for item in found})
     by_item: dict[tuple[str, str], dict[str, Total]] = {}
     for item in found:
         scale = "" if item.low is None else f" ({item.low:g} to {item.high:g})"

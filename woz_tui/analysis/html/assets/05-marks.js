@@ -7,10 +7,10 @@ const LETTER = 6.1;
 // Sorts that have a symbol. The others need none: it would only repeat what the lane says.
 const MARKED = new Set([...document.querySelectorAll("symbol")].map((one) => one.id.slice(2)));
 
-function symbol(sort, x, y) {
+function symbol(sort, x, y, where = "") {
   const half = SYMBOL / 2;
   const place = { x: x - half, y: y - half, width: SYMBOL, height: SYMBOL };
-  return svg("use", { href: `#g-${sort}`, class: `glyph s-${sort}`, ...place });
+  return svg("use", { href: `#g-${sort}`, class: `glyph s-${sort} ${where}`, ...place });
 }
 
 function _label(text, x, y, room, sort) {
@@ -28,7 +28,7 @@ function _bar(item, x0, x1, y, height) {
   ];
   const marked = MARKED.has(item.sort);
   const inside = marked && width > SYMBOL + 2;
-  if (inside) parts.push(symbol(item.sort, x1 - SYMBOL / 2 - 1, middle));
+  if (inside) parts.push(symbol(item.sort, x1 - SYMBOL / 2 - 1, middle, "within"));
   if (marked && !inside) parts.push(symbol(item.sort, x1 + SYMBOL / 2 + 1, middle));
   const room = width - 8 - (inside ? SYMBOL : 0);
   return parts.concat(_label(item.label, x0 + 4, middle, room, item.sort));

@@ -1,16 +1,16 @@
 // What is known of one item, beside it; and the same in words for a screen reader.
 
-function _facts(item, zero) {
+function _facts(item, zero, titles) {
   const when = wallTime(zero, item.begin);
-  const rows = [["at", `${clockTime(item.begin)}${when ? `  (${when} UTC)` : ""}`]];
+  const rows = [["what", titles[item.sort] ?? item.sort]];
+  rows.push(["at", `${clockTime(item.begin)}${when ? ` (${when} UTC)` : ""}`]);
   if (!item.instant) rows.push(["for", duration(item.end - item.begin)]);
   return rows.concat(item.facts);
 }
 
 class Tip {
-  constructor(holder, zero) {
-    this.holder = holder;
-    this.zero = zero;
+  constructor(holder, zero, titles) {
+    Object.assign(this, { holder, zero, titles });
     this.box = el("div", { class: "tip", role: "tooltip", hidden: "" });
     this.spoken = el("p", { class: "unseen", role: "status", "aria-live": "polite" });
     holder.append(this.box);
@@ -19,7 +19,7 @@ class Tip {
 
   // Shows `item` near `x`, `y` pixels of the holder.
   show(item, x, y) {
-    const rows = _facts(item, this.zero).flatMap(([name, value]) => [
+    const rows = _facts(item, this.zero, this.titles).flatMap(([name, value]) => [
       el("dt", {}, name),
       el("dd", {}, said(value)),
     ]);
@@ -36,7 +36,7 @@ class Tip {
   }
 
   say(item) {
-    const facts = _facts(item, this.zero).map(([name, value]) => `${name} ${value}`);
+    const facts = _facts(item, this.zero, this.titles).map(([name, value]) => `${name} ${value}`);
     this.spoken.textContent = `${item.lane.title}: ${item.label}. ${facts.join(", ")}`;
   }
 

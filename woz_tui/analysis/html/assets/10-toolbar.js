@@ -36,8 +36,12 @@ function laneMenu(lanes, changed) {
       menu.firstElementChild.focus();
     }
   });
+  // A press on a label takes the focus away for a moment, to nowhere: that is no leaving.
   menu.addEventListener("focusout", (event) => {
-    if (!menu.contains(event.relatedTarget)) menu.open = false;
+    if (event.relatedTarget && !menu.contains(event.relatedTarget)) menu.open = false;
+  });
+  document.addEventListener("pointerdown", (event) => {
+    if (!menu.contains(event.target)) menu.open = false;
   });
   return menu;
 }

@@ -32,7 +32,7 @@ class Timeline {
     const chips = legend(this.items, titles, this.plot.hidden, changed);
     const help = el("p", { class: "help" }, HELP);
     figure.querySelector(".static").replaceWith(tools, chips, this.holder, this.minimap.root, help);
-    this.tip = new Tip(this.holder, zero);
+    this.tip = new Tip(this.holder, zero, titles);
     keysMove(this.holder, keyTable(this.view, this));
     wheelZooms(this.plot, this.holder);
     new Drags(this.plot, this.holder, (event) => this.choose(this._at(event)));

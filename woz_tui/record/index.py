@@ -26,6 +26,7 @@ from typing import Self
 from woz_tui.record.blocks import Samples, State, steady
 from woz_tui.record.damage import Damage
 from woz_tui.record.files import files_of
+from woz_tui.record.lines import BLOCK
 from woz_tui.record.order import seq_of, t_of
 from woz_tui.record.scan import Scan, scan
 from woz_tui.record.stream import Item
@@ -54,14 +55,15 @@ class LogIndex:
         self.length_us = max(0, self._samples.last_us, _last(self._times))
 
     @classmethod
-    def open(cls, path: Path, *, places: Iterable[Path] | None = None) -> Self:
+    def open(cls, path: Path, *, places: Iterable[Path] | None = None, block: int = BLOCK) -> Self:
         """Open the session to which `path` belongs; any of its files will do.
 
-        A log that is still being written is opened as far as it has got. Raises what
-        `woz_tui.record.log.files_of` raises; nothing damaged raises, now or later.
+        A log that is still being written is opened as far as it has got. `block`: bytes of samples
+        that are read at once when they are needed. Raises what `woz_tui.record.log.files_of`
+        raises; nothing damaged raises, now or later.
         """
         with ExitStack() as files:
-            found = scan(files_of(path, places), files)
+            found = scan(files_of(path, places), files, block)
             return cls(found, files.pop_all())
 
     def at(self, t_us: int) -> State:

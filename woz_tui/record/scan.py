@@ -35,12 +35,14 @@ class _OutOfOrderError(Exception):
     """The files do not hold the samples in order, each once."""
 
 
-def scan(files: LogFiles, opened: ExitStack) -> Scan:
-    """Go through all files; those that blocks point to are opened and put into `opened`."""
+def scan(files: LogFiles, opened: ExitStack, block: int) -> Scan:
+    """Go through all files, `block` bytes at a time; those that are needed later are opened and put
+    into `opened`.
+    """
     try:
-        return _in_place(files, opened)
+        return _in_place(files, opened, block)
     except _OutOfOrderError:
-        return _copied(files)
+        return _copied(files, block)
 
 
 def is_sample(item: Entry) -> bool:
@@ -55,10 +57,10 @@ def is_sample(item: Entry) -> bool:
 # -- files as they should be ----------------------------------------------------------------------
 
 
-def _in_place(files: LogFiles, opened: ExitStack) -> Scan:
+def _in_place(files: LogFiles, opened: ExitStack, block: int) -> Scan:
     """Blocks are pieces of the files of samples themselves."""
     found = Scan()
-    for batch in batches(files.actions, found.damage, gaps=False):
+    for batch in batches(files.actions, found.damage, gaps=False, block=block):
         if any(map(is_sample, batch)):
             raise _OutOfOrderError
         found.actions += batch
@@ -66,7 +68,7 @@ def _in_place(files: LogFiles, opened: ExitStack) -> Scan:
     weave = _Weave(found.actions, found.damage)
     for path in files.samples:
         source = _open(path, opened)
-        for chunk in chunks_of(path, found.damage):
+        for chunk in chunks_of(path, found.damage, block):
             quick = entries_in(chunk)
             entries = list[Entry](quick) or _looked_at(chunk, found.damage)
             if entries and source is not None:
@@ -148,10 +150,10 @@ class _Weave:
 # -- files as they should not be ------------------------------------------------------------------
 
 
-def _copied(files: LogFiles) -> Scan:
+def _copied(files: LogFiles, block: int) -> Scan:
     """Blocks are copies, compressed and in memory: all samples, each once and in order."""
     found = Scan()
-    for batch in batches(files.paths, found.damage, gaps=True):
+    for batch in batches(files.paths, found.damage, gaps=True, block=block):
         found.actions += [item for item in batch if not is_sample(item)]
         samples = list(filter(is_sample, batch))
         if samples:

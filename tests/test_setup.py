@@ -98,6 +98,13 @@ def test_the_wheel_has_the_pictures_and_the_sound_of_signals(
     assert data <= set(zipfile.ZipFile(packages[1]).namelist())
 
 
+def test_the_wheel_has_all_parts_of_the_reports_page(packages: tuple[list[str], Path]) -> None:
+    ends = (".js", ".css", ".html")
+    parts = {f"woz_tui/{name}" for end in ends for name in tracked("woz_tui", end)}
+    assert len(parts) > 10
+    assert parts <= set(zipfile.ZipFile(packages[1]).namelist())
+
+
 def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path]) -> None:
     with zipfile.ZipFile(packages[1]) as wheel:
         [name] = [name for name in wheel.namelist() if name.endswith("/entry_points.txt")]

@@ -50,7 +50,7 @@ def play(arguments: argparse.Namespace) -> int:
 
 
 def _play(arguments: argparse.Namespace) -> int:
-    prepared = _prepare(Path(arguments.file), arguments.experiment)
+    prepared = _prepare(arguments.file, arguments.experiment)
     if prepared is None:
         return 1
     if arguments.dry_run:
@@ -80,21 +80,33 @@ def _admitted(prepared: _Prepared, arguments: argparse.Namespace) -> bool:
     return True
 
 
-def _prepare(log: Path, given: Path | None) -> _Prepared | None:
+def _prepare(file: Path, given: Path | None) -> _Prepared | None:
     """Everything that has to be known before; None after saying why it cannot be."""
     from woz_tui.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import origin  # noqa: PLC0415
     from woz_tui.replay.fitting import fitted  # noqa: PLC0415
+    from woz_tui.replay.opened import LogError, chosen  # noqa: PLC0415
     from woz_tui.replay.plan import plan_of  # noqa: PLC0415
 
     try:
+        log = chosen(file)
         plan = plan_of(log)
-        experiment = origin.find(log, plan.origin, installed(), given and Path(given))
-    except (ValueError, origin.OriginError) as error:
+        place = given or _bundled(log, plan.origin.name)
+        experiment = origin.find(log, plan.origin, installed(), place)
+    except (ValueError, LogError, origin.OriginError) as error:
         print(f"woz: {error}", file=sys.stderr)
         return None
     changed = origin.differences(plan.origin, experiment)
     return _Prepared(log, experiment, fitted(plan, experiment), changed)
+
+
+def _bundled(log: Path, name: str) -> Path | None:
+    """The experiment of this name that comes with woz-tui, if there is none near the log."""
+    from woz_tui.cli.demo import demo_file  # noqa: PLC0415
+    from woz_tui.replay.origin import places  # noqa: PLC0415
+
+    name = Path(name).name
+    return demo_file(name) if name and not places(log, name) else None
 
 
 def _dry_run(prepared: _Prepared, arguments: argparse.Namespace) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 from woz_tui.experiment.shape import Experiment
@@ -15,6 +15,8 @@ from woz_tui.replay.plan import Plan, Step
 ARGS = 56
 #: Different reasons for leaving something out that the summary tells.
 REASONS = 8
+#: Lines of a difference that are shown at most; the rest is counted.
+DIFFERENCE = 200
 
 
 def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
@@ -103,7 +105,9 @@ def plain(text: str) -> str:
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
 
 
-def diff(lines: Iterable[str], file: Path) -> Iterator[str]:
+def diff(lines: Sequence[str], file: Path) -> Iterator[str]:
     """The difference between the experiment of then and of now."""
-    yield f"{file} has changed since the session:"
-    yield from (plain(line) for line in lines)
+    yield f"{file} has changed since the session was played:"
+    yield from (plain(line) for line in lines[:DIFFERENCE])
+    if len(lines) > DIFFERENCE:
+        yield f"... {len(lines) - DIFFERENCE} more lines"

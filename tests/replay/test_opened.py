@@ -1,0 +1,199 @@
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+from pathlib import Path
+
+import pytest
+
+from tests.replay.logs import SECOND, Viewer, story
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.record.index import LogIndex
+from woz_tui.replay.opened import (
+    IndexedSamples,
+    LogError,
+    chosen,
+    has_beginning,
+    notes_of,
+    opened,
+    origin_of,
+)
+from woz_tui.replay.reel import Reel
+
+STEM = "2026-03-01T10-00-00_P07_S01"
+GOLDEN = Path(__file__).parent.parent / "record" / "golden"
+
+
+def written(folder: Path, messages: list[m.AnyMessage] | None = None) -> Path:
+    """A log in `folder`: its file of actions; the samples lie beside it."""
+    path = folder / f"{STEM}.jsonl"
+    lines, samples = b"", b""
+    for message in story() if messages is None else messages:
+        if wire.is_sample(message):
+            samples += wire.encode(message)
+        else:
+            lines += wire.encode(message)
+    path.write_bytes(lines)
+    path.with_name(f"{STEM}.samples.jsonl").write_bytes(samples)
+    return path
+
+
+def seen(index: LogIndex) -> tuple[Viewer, tuple[str, ...]]:
+    reel = Reel(index.actions, IndexedSamples(index))
+    notes = notes_of(index, reel)
+    return Viewer(reel, notes=notes), notes
+
+
+def test_a_whole_log_is_played_with_its_samples(tmp_path: Path) -> None:
+    with opened(written(tmp_path)) as index:
+        it, notes = seen(index)
+        assert notes == ()
+        it.wait(6, ticks=60)
+        assert it.picture.sensors["distance"].t == 6 * SECOND
+        it.go(42.2)
+        assert it.picture.sensors["distance"].t == 42 * SECOND
+        it.wait(30, ticks=30)
+        assert it.player.ended
+
+
+def test_any_file_of_the_session_will_do(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    with opened(path.with_name(f"{STEM}.samples.jsonl")) as index:
+        assert has_beginning(index)
+
+
+def test_of_a_folder_the_newest_session_is_taken(tmp_path: Path) -> None:
+    older = written(tmp_path)
+    newer = tmp_path / "2026-03-02T10-00-00_P08_S02.jsonl"
+    newer.write_bytes(older.read_bytes())
+    os.utime(older, (1, 1))
+    assert chosen(tmp_path) == newer
+    assert chosen(older) == older
+    (tmp_path / "empty").mkdir()
+    with pytest.raises(LogError, match="no log in this folder"):
+        chosen(tmp_path / "empty")
+
+
+@pytest.mark.parametrize(
+    ("name", "content", "words"),
+    [
+        (f"{STEM}.jsonl", b"", "is empty"),
+        (f"{STEM}.jsonl", b"\0" * 300, "holds no line of a session"),
+        (f"{STEM}.jsonl", b"title: Museum guide\nrobot: simulated\n", "holds no line of a session"),
+        ("guide.yaml", b"title: Museum guide\n", "name of a log ends in .jsonl"),
+    ],
+)
+def test_what_is_no_log_is_said(tmp_path: Path, name: str, content: bytes, words: str) -> None:
+    path = tmp_path / name
+    path.write_bytes(content)
+    with pytest.raises(LogError, match=words):
+        opened(path)
+    with pytest.raises(LogError, match="there is no such log"):
+        opened(tmp_path / "other.jsonl")
+
+
+def _torn(data: bytes) -> bytes:
+    return data[:-40]
+
+
+def _nul(data: bytes) -> bytes:
+    return data + b"\0" * 500
+
+
+def _flipped(data: bytes) -> bytes:
+    at = data.index(b'"marker"')
+    return data[:at] + bytes([data[at] ^ 0x10]) + data[at + 1 :]
+
+
+def _wild(data: bytes) -> bytes:
+    return data.replace(b'"t":6000000,', b'"t":6000000000000,')
+
+
+def _swapped(data: bytes) -> bytes:
+    lines = data.splitlines(keepends=True)
+    return b"".join([*lines[:6], lines[7], lines[6], *lines[8:]])
+
+
+def _twice(data: bytes) -> bytes:
+    lines = data.splitlines(keepends=True)
+    return b"".join([*lines[:9], *lines[5:]])
+
+
+def _strange(data: bytes) -> bytes:
+    line = (
+        b'{"kind":"weather","seq":9999,"t":60000000,"ts":"2027-01-01T00:00:00Z","sky":["blue"]}\n'
+    )
+    return data + line
+
+
+def _headless(data: bytes) -> bytes:
+    return data[data.index(b"\n") + 1 :]
+
+
+@pytest.mark.parametrize(
+    ("harm", "words"),
+    [
+        (_torn, "torn last line"),
+        (_nul, "NUL byte"),
+        (_flipped, "damaged line"),
+        (_swapped, ""),
+        (_twice, ""),
+        (_wild, ""),
+        (_strange, "weather"),
+        (_headless, "its beginning is missing"),
+    ],
+)
+def test_no_damage_keeps_the_rest_from_being_seen(
+    tmp_path: Path, harm: Callable[[bytes], bytes], words: str
+) -> None:
+    path = written(tmp_path)
+    path.write_bytes(harm(path.read_bytes()))
+    with opened(path) as index:
+        it, notes = seen(index)
+        assert words in "; ".join(notes)
+        it.wait(61, ticks=61)
+        assert it.player.ended
+        told = [event.text for event in it.picture.events]
+        assert [text for text in told if text in ("Hello", "Go")] == ["Hello", "Go"]
+        assert "comes back" in told
+        it.go(16)
+        assert it.picture.stop is not None
+
+
+def test_a_log_without_samples_is_played(tmp_path: Path) -> None:
+    path = written(tmp_path)
+    path.with_name(f"{STEM}.samples.jsonl").unlink()
+    with opened(path) as index:
+        it, _ = seen(index)
+        it.go(30)
+        assert it.picture.sensors == {}
+
+
+def test_a_session_that_was_killed_says_that_it_has_no_end(tmp_path: Path) -> None:
+    with opened(written(tmp_path, story()[:-1])) as index:
+        _, notes = seen(index)
+        assert any("it has no end" in note for note in notes)
+
+
+@pytest.mark.parametrize("schema", ["v1", "v2"])
+def test_golden_logs_of_every_schema_are_played(schema: str) -> None:
+    path = next((GOLDEN / schema / "spill").glob("*.jsonl"))
+    with opened(path) as index:
+        it, _ = seen(index)
+        it.wait(index.length_us / SECOND + 1, ticks=40)
+        assert it.player.ended
+        assert it.picture.ended == "wizard"
+        assert it.picture.panels
+        it.go(2)
+        assert it.picture.participant == "P07"
+
+
+def test_what_a_log_says_of_its_experiment() -> None:
+    path = next((GOLDEN / "v2" / "spill").glob("*.jsonl"))
+    with opened(path) as index:
+        origin = origin_of(index.actions)
+    assert origin.name == "guide.yaml"
+    assert len(origin.hashes) == 2
+    assert origin.files is not None
+    assert "museum.yaml" in origin.files.files

@@ -1,0 +1,87 @@
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from woz_tui.core import wire
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Experiment
+from woz_tui.plugins import installed
+from woz_tui.session.beginning import FILES_BYTES, experiment_files, name_beside, without_home
+
+ROBOT = "name: robot\ndrivers:\n  robot: {type: simulated}\n"
+
+
+def experiment(folder: Path, robot: str = "robots/one.yaml", more: str = "") -> Experiment:
+    (folder / "robots").mkdir(exist_ok=True)
+    (folder / "robots" / "one.yaml").write_text(ROBOT, encoding="utf-8")
+    file = folder / "guide.yaml"
+    file.write_text(
+        f"title: Guide\nrobot: {robot}\npanels:\n"
+        f"  - title: Speech\n    actions:\n      - {{key: h, label: Hello, say: Hello}}\n{more}",
+        encoding="utf-8",
+    )
+    return load(file, installed())
+
+
+def test_the_files_are_kept_as_they_were_read_the_experiment_first(tmp_path: Path) -> None:
+    read = experiment(tmp_path)
+    (tmp_path / "guide.yaml").write_text("edited since", encoding="utf-8")
+    kept = experiment_files(read)
+    assert list(kept.files) == ["guide.yaml", "robots/one.yaml"]
+    assert kept.files["guide.yaml"].startswith("title: Guide\n")
+    assert kept.files["robots/one.yaml"] == ROBOT
+    assert kept.experiment_sha256 == read.sha256
+    assert kept.left_out == []
+
+
+def test_what_is_too_large_is_named_instead(tmp_path: Path) -> None:
+    kept = experiment_files(experiment(tmp_path, more="#" + "é" * (FILES_BYTES // 5) + "\n"))
+    assert kept.left_out == ["guide.yaml"]
+    assert list(kept.files) == ["robots/one.yaml"]
+    assert len(wire.encode(kept)) < wire.MAX_LINE // 2
+
+
+def test_no_line_is_longer_than_one_may_be(tmp_path: Path) -> None:
+    kept = experiment_files(experiment(tmp_path, more="#" + "\\" * 900_000 + "\n"))
+    assert len(wire.encode(kept)) < wire.MAX_LINE
+
+
+def test_the_home_folder_is_in_no_name_and_no_text(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    home = tmp_path / "home" / "jane"
+    (home / "lab").mkdir(parents=True)
+    monkeypatch.setenv("HOME", str(home))
+    read = experiment(home / "lab", more=f"variables: {{photo: {home}/photo.png}}\n")
+    kept = experiment_files(read)
+    assert "jane" not in wire.encode(kept).decode()
+    assert "photo: ~/photo.png" in kept.files["guide.yaml"]
+
+    shared = tmp_path / "srv"
+    shared.mkdir()
+    assert name_beside(home / "robots" / "x.yaml", shared) == "~/robots/x.yaml"
+    assert name_beside(home / "robots" / "x.yaml", home / "lab") == "../robots/x.yaml"
+    assert name_beside(shared / "x.yaml", home / "lab") == "../../../srv/x.yaml"
+
+
+@pytest.mark.parametrize(
+    ("text", "expected"),
+    [
+        ("/home/jane/a.wav", "~/a.wav"),
+        ("port: '/home/jane/tty'", "port: '~/tty'"),
+        ("/mnt/home/jane/a.wav", "/mnt/home/jane/a.wav"),
+        ("/home/janet/a.wav", "/home/janet/a.wav"),
+    ],
+)
+def test_only_paths_that_begin_at_home_are_shortened(
+    text: str, expected: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("HOME", "/home/jane")
+    assert without_home(text) == expected
+
+
+def test_a_home_at_the_root_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", "/")
+    assert without_home("/srv/a.wav") == "/srv/a.wav"

@@ -18,7 +18,6 @@ from woz_tui.export.folder import README, Folder
 from woz_tui.export.options import Options, Told
 from woz_tui.export.readme import readme
 from woz_tui.export.sources import Source
-from woz_tui.export.tables import conditions_of
 from woz_tui.export.text import letters
 
 VERSION = "1.11.1"
@@ -76,7 +75,8 @@ class BidsExporter:
         answers = [answer for answer in session.answers if answer.participant == code]
         label = self._label(session, code)
         known = self._conditions.setdefault(label, [])
-        known += [each for each in conditions_of(session, events) if each not in known]
+        conditions = dict.fromkeys(event.condition for event in events if event.condition)
+        known += [each for each in conditions if each not in known]
         run = self._run(session, label)
         path = run.path(len(self._runs[run.path()]))
         write_events(self._folder, path, session, events, _common(session))

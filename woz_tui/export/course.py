@@ -151,4 +151,7 @@ class Session:
     @property
     def participants(self) -> list[str]:
         """Codes of all who took part, in order of appearance."""
-        return list(dict.fromkeys(event.participant for event in self.events if event.participant))
+        codes = dict.fromkeys(event.participant for event in self.events if event.participant)
+        if not codes and self.start and self.start.participant:
+            return [self.start.participant]
+        return list(codes)

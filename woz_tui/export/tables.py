@@ -5,7 +5,7 @@ data dictionary and BIDS' sidecars come.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, Generic, TypeVar
 
@@ -261,9 +261,7 @@ SESSIONS: Table[None] = Table(
             "conditions",
             "string",
             "all conditions in order, a JSON list",
-            lambda s, _: (
-                json.dumps(conditions_of(s), ensure_ascii=False) if conditions_of(s) else None
-            ),
+            lambda s, _: json.dumps(conditions_of(s), ensure_ascii=False),
         ),
         Column("wizard", "string", "the wizard's code", lambda s, _: s.wizard or None),
         Column("experiment", "string", "the experiment file", lambda s, _: _start(s, "experiment")),
@@ -317,10 +315,11 @@ SESSIONS: Table[None] = Table(
 )
 
 
-def conditions_of(session: Session, events: Iterable[Event] | None = None) -> list[str]:
-    """The conditions of a session's events, or of some of them, in the order in which they came."""
-    some = session.events if events is None else events
-    return list(dict.fromkeys(event.condition for event in some if event.condition))
+def conditions_of(session: Session) -> list[str]:
+    """All conditions of a session in the order in which they came."""
+    first = session.start.condition if session.start else ""
+    conditions = dict.fromkeys([first, *(event.condition for event in session.events)])
+    return [condition for condition in conditions if condition]
 
 
 def _of(event: Event, name: str) -> Cell:

@@ -1,0 +1,179 @@
+"""BIDS datasets, checked with the validator of the standard's own authors.
+
+It is run by Deno without leave to use the network, so what it says does not hang on one.
+"""
+
+from __future__ import annotations
+
+import csv
+import gzip
+import json
+import subprocess
+from importlib import resources
+from pathlib import Path
+from typing import Any
+
+import deno
+from hypothesis import HealthCheck, given, settings
+
+from tests.export.logs import Timed, courses, start, visit, write
+from tests.export.out import course_to, exported
+from woz_tui.core import messages as m
+
+VALIDATOR = resources.files("bids_validator_deno") / "bids-validator.js"
+#: What nobody but the researcher can know; the README's readers are told to add it.
+UNKNOWN = {
+    *("Instructions", "TaskDescription", "CogAtlasID", "CogPOID", "License", "HEDVersion"),
+    *("InstitutionName", "InstitutionAddress", "InstitutionalDepartmentName", "Authors"),
+    *("SourceDatasets", ""),
+}
+
+
+def validated(dataset: Path) -> list[dict[str, Any]]:
+    """What the validator has to say; no error."""
+    leave = ["--no-remote", "--cached-only", "--no-lock", "--allow-env", "--allow-read"]
+    ran = subprocess.run(
+        [
+            *(deno.find_deno_bin(), "run", *leave, str(VALIDATOR)),
+            *(dataset.name, "--format", "json", "--max-rows", "-1"),
+        ],
+        cwd=dataset.parent,
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    issues: list[dict[str, Any]] = json.loads(ran.stdout)["issues"]["issues"]
+    errors = [issue for issue in issues if issue["severity"] == "error"]
+    assert errors == []
+    assert ran.returncode == 0, ran.stderr
+    return issues
+
+
+def table(path: Path) -> list[dict[str, str]]:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE, strict=True))
+
+
+def files(dataset: Path) -> list[str]:
+    found = (path.relative_to(dataset) for path in dataset.rglob("*") if path.is_file())
+    return sorted(map(str, found))
+
+
+def test_a_visit_is_valid(tmp_path: Path) -> None:
+    dataset = course_to(tmp_path, "bids", visit(), samples=True)
+    issues = validated(dataset)
+    assert {issue.get("subCode", "") for issue in issues} <= UNKNOWN
+    beh = "sub-P07/ses-S01/beh/sub-P07_ses-S01_task-museumguide"
+    assert files(dataset) == [
+        *("README.md", "dataset_description.json", "participants.json", "participants.tsv"),
+        *(f"{beh}_{suffix}" for suffix in ("beh.json", "beh.tsv", "events.json", "events.tsv")),
+        *(f"{beh}_physio.json", f"{beh}_physio.tsv.gz"),
+        "sub-P07/ses-S01/sub-P07_ses-S01_scans.tsv",
+    ]
+    events = table(dataset / f"{beh}_events.tsv")
+    assert [float(row["onset"]) for row in events] == sorted(float(row["onset"]) for row in events)
+    (hello, *_) = (row for row in events if row["trial_type"] == "action")
+    assert (hello["onset"], hello["duration"], hello["label"]) == ("2.000000", "1.500000", "Hello")
+    note = next(row for row in events if row["trial_type"] == "note")
+    assert (note["duration"], note["text"]) == ("0", "a child␊has joined")
+    assert [row["value"] for row in table(dataset / f"{beh}_beh.tsv")] == ["6.0", "n/a"]
+    assert table(dataset / "participants.tsv") == [
+        {"participant_id": "sub-P07", "conditions": "cold"}
+    ]
+
+
+def test_every_column_is_described(tmp_path: Path) -> None:
+    dataset = course_to(tmp_path, "bids", visit())
+    for path in dataset.rglob("*_events.tsv"):
+        described = json.loads(path.with_suffix(".json").read_text(encoding="utf-8"))
+        assert set(table(path)[0]) - {"onset", "duration"} <= set(described)
+        assert set(described["trial_type"]["Levels"]) == {row["trial_type"] for row in table(path)}
+
+
+def test_values_of_sensors_come_at_one_rate(tmp_path: Path) -> None:
+    course: list[Timed] = [(0, start())]
+    course += [(0.05, m.reading("distance", 1.5, unit="m")), (0.07, m.reading("loudness", 0.25))]
+    course += [(0.09, m.reading("distance", 2.5, unit="m"))]
+    beh = course_to(tmp_path, "bids", course, samples=True) / "sub-P07" / "ses-S01" / "beh"
+    (path,) = beh.glob("*_physio.json")
+    described = json.loads(path.read_text(encoding="utf-8"))
+    assert (described["SamplingFrequency"], described["StartTime"]) == (50, 0)
+    assert described["Columns"] == ["distance", "loudness"]
+    assert described["distance"]["Units"] == "m"
+    with gzip.open(beh / path.with_suffix(".tsv.gz").name, "rt") as file:
+        rows = [line.rstrip("\n").split("\t") for line in file]
+    assert rows == [  # at 0, 20, 40, 60, 80, 100 ms
+        *[["n/a", "n/a"]] * 3,
+        ["1.5", "n/a"],
+        ["1.5", "0.25"],
+        ["2.5", "0.25"],
+    ]
+
+
+def test_a_time_far_off_fills_no_disk(tmp_path: Path) -> None:
+    course: list[Timed] = [(0, start()), (1, m.reading("distance", 1.5))]
+    course += [(10**9, m.reading("distance", 2.5))]
+    log = write(tmp_path / "recordings", course)
+    (told,) = exported(log, "bids", tmp_path / "out", samples=True)
+    assert "values after a gap of more than an hour were left out" in told.notes
+    (path,) = (tmp_path / "out").rglob("*_physio.tsv.gz")
+    assert len(gzip.decompress(path.read_bytes()).splitlines()) == 51
+
+
+def test_many_sessions_are_one_valid_dataset(tmp_path: Path) -> None:
+    folder = tmp_path / "recordings"
+    write(folder, visit(), "2026-03-01T10-00-00_P07_S01")
+    write(folder, visit(), "2026-03-02T10-00-00_P07_S01")
+    others = [("P08", "S02"), ("", "S03"), ("", "S04")]
+    for number, (participant, code) in enumerate(others):
+        course = [(0.0, start(participant, code)), *visit()[1:]]
+        write(folder, course, f"2026-03-0{3 + number}T10-00-00_{code}")
+    told = exported(folder, "bids", tmp_path / "out")
+    validated(tmp_path / "out")
+    subjects = [row["participant_id"] for row in table(tmp_path / "out" / "participants.tsv")]
+    assert subjects == ["sub-P07", "sub-P08", "sub-unknown01", "sub-unknown02"]
+    assert told[3].notes == ["no participant's code: it is in sub-unknown01"]
+    runs = [name for name in files(tmp_path / "out") if "P07" in name and "_events.tsv" in name]
+    assert [name.split("_")[-2] for name in runs] == ["run-1", "run-2"]
+    scans = table(tmp_path / "out/sub-P07/ses-S01/sub-P07_ses-S01_scans.tsv")
+    assert len(scans) == 4, "events and answers of both runs"
+
+
+def test_each_participant_of_a_session_has_what_happened_under_their_code(tmp_path: Path) -> None:
+    course: list[Timed] = [
+        (0, start()),
+        (1, m.Note(text="first")),
+        (2, m.SessionChanged(participant="P08")),
+        (3, m.Note(text="second")),
+    ]
+    dataset = course_to(tmp_path, "bids", course)
+    validated(dataset)
+    for code, text in (("P07", "first"), ("P08", "second")):
+        (path,) = (dataset / f"sub-{code}").rglob("*_events.tsv")
+        notes = [row["text"] for row in table(path) if row["trial_type"] == "note"]
+        assert notes == [text]
+
+
+@settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))
+@given(courses())
+def test_tables_of_any_course_have_a_cell_for_each_column(
+    tmp_path: Path, course: list[Timed]
+) -> None:
+    for path in course_to(tmp_path, "bids", course).rglob("*.tsv"):
+        names, *rows = path.read_text(encoding="utf-8").split("\n")[:-1]
+        for row in rows:
+            cells = row.split("\t")
+            assert len(cells) == len(names.split("\t"))
+            assert all(cell and cell == cell.strip() for cell in cells)
+
+
+def test_a_wild_course_is_valid(tmp_path: Path) -> None:
+    """One dataset of all that the other tests make up at random: the validator needs a second."""
+    course: list[Timed] = [(0, start())]
+    wild = ["", " ", "n/a", "\t", "\x00\x0b", "\u2028", '"', "=1", "😀\u202e", "\ufffe"]
+    course += [(1 + number, m.Note(text=text)) for number, text in enumerate(wild)]
+    course += [
+        (20, m.ActionRequested(run="a", action=text, panel=text, source="key")) for text in wild
+    ]
+    validated(course_to(tmp_path, "bids", course))

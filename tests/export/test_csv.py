@@ -1,0 +1,164 @@
+"""Tidy tables, read back with the standard library and checked against their own dictionary."""
+
+from __future__ import annotations
+
+import csv
+import json
+from datetime import datetime
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from tests.export.logs import STEM, Timed, courses, session_of, start, visit, write
+from tests.export.out import course_to, exported
+from woz_tui.core import messages as m
+from woz_tui.export.tables import EVENTS
+from woz_tui.export.text import visible
+
+Rows = list[dict[str, str]]
+
+
+def read_back(path: Path) -> Rows:
+    with path.open(encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file, strict=True))
+
+
+def plain(cell: str) -> str:
+    """A text without the guard against formulas, as the README says."""
+    return cell[1:] if cell.startswith("'") else cell
+
+
+def package(out: Path) -> dict[str, Any]:
+    found: dict[str, Any] = json.loads((out / "datapackage.json").read_text(encoding="utf-8"))
+    return found
+
+
+_TYPES = {
+    "string": str,
+    "number": float,
+    "integer": int,
+    "boolean": {"true": True, "false": False}.__getitem__,
+    "datetime": datetime.fromisoformat,
+}
+
+
+def check_dictionary(out: Path) -> None:
+    """Every file and column is described, and every cell is of its column's type."""
+    resources = {resource["path"]: resource for resource in package(out)["resources"]}
+    assert set(resources) == {path.name for path in out.glob("*.csv")}
+    for name, resource in resources.items():
+        fields = resource["schema"]["fields"]
+        rows = read_back(out / name)
+        for row in rows:
+            assert list(row) == [field["name"] for field in fields]
+            for field in fields:
+                if row[field["name"]]:
+                    _TYPES[field["type"]](row[field["name"]])
+        key = resource["schema"].get("primaryKey", [])
+        if key:
+            assert len({tuple(row[name] for name in key) for row in rows}) == len(rows)
+        assert all(field["description"] for field in fields)
+
+
+def test_a_visit_in_tables(tmp_path: Path) -> None:
+    out = course_to(tmp_path, "csv", visit())
+    check_dictionary(out)
+    hello = next(row for row in read_back(out / "events.csv") if row["kind"] == "action")
+    assert hello == {
+        **dict.fromkeys(hello, ""),
+        "log": STEM,
+        "session": "S01",
+        "participant": "P07",
+        "condition": "cold",
+        "trial": "1",
+        "onset_s": "2.000000",
+        "duration_s": "1.500000",
+        "kind": "action",
+        "label": "Hello",
+        "panel": "Speech",
+        "action": "Hello",
+        "source": "key",
+        "key": "h",
+        "outcome": "done",
+        "latency_s": "0.011000",
+        "mistake": "true",
+        "run": "r1",
+        "seq": "6",
+    }
+    states = [(row["state"], row["duration_s"]) for row in read_back(out / "engagement.csv")]
+    assert states == [("Idle", "1.000000"), ("Engaged", "10.000000")]
+    answers = [
+        (row["item"], row["value"], row["text"]) for row in read_back(out / "questionnaires.csv")
+    ]
+    assert answers == [("friendly", "6.0", ""), ("else", "", "'-it blinked")]
+    (session,) = read_back(out / "sessions.csv")
+    assert (session["started"], session["end"]) == ("2026-03-01T10:00:00+00:00", "wizard")
+    assert json.loads(session["conditions"]) == ["warm", "cold"]
+
+
+def test_rows_end_as_in_rfc_4180(tmp_path: Path) -> None:
+    out = course_to(tmp_path, "csv", visit())
+    for path in out.glob("*.csv"):
+        content = path.read_bytes()
+        assert content.endswith(b"\r\n")
+        assert not content.startswith(b"\xef\xbb\xbf")
+
+
+def test_nothing_can_be_taken_for_a_formula(tmp_path: Path) -> None:
+    wicked = ["=cmd|' /C calc'!A0", "+1", "-1", "@SUM(A1)", "\t=1", "\r=1", "'quoted'", "\uff1d1"]
+    course: list[Timed] = [(0, start())]
+    course += [(1, m.Note(text=text)) for text in wicked]
+    rows = read_back(course_to(tmp_path, "csv", course) / "events.csv")
+    cells = [row["text"] for row in rows if row["kind"] == "note"]
+    assert all(cell.startswith("'") for cell in cells)
+    assert [plain(cell) for cell in cells] == [visible(text) for text in wicked]
+
+
+@settings(max_examples=40, deadline=None, suppress_health_check=list(HealthCheck))
+@given(courses())
+def test_any_course_comes_back(tmp_path: Path, course: list[Timed]) -> None:
+    out = course_to(tmp_path, "csv", course)
+    check_dictionary(out)
+    session = session_of(tmp_path, course)
+    rows = read_back(out / "events.csv")
+    assert len(rows) == len(session.events)
+    for row, event in zip(rows, session.events, strict=True):
+        assert plain(row["text"]) == visible(event.text)
+        assert float(row["onset_s"]) == event.begin / 1e6
+        assert float(row["duration_s"] or 0) == event.duration / 1e6
+        if event.details:
+            json.loads(plain(row["details"]))
+
+
+def test_samples_are_there_when_asked_for(tmp_path: Path) -> None:
+    assert not (course_to(tmp_path, "csv", visit()) / "samples.csv").exists()
+    out = course_to(tmp_path, "csv", visit(), samples=True)
+    check_dictionary(out)
+    rows = read_back(out / "samples.csv")
+    assert [
+        (row["t_s"], row["sensor"], row["value"], row["unit"], row["text"]) for row in rows
+    ] == [
+        ("1.200000", "distance", "1.25", "m", ""),
+        ("1.300000", "distance", "", "m", ""),
+        ("1.400000", "identity", "", "", "V012"),
+    ]
+
+
+def test_several_sessions_stand_in_the_same_tables_under_names_of_their_own(tmp_path: Path) -> None:
+    one = write(tmp_path / "monday", visit())
+    two = write(tmp_path / "tuesday", visit())
+    exported([one, two, one.parent], "csv", tmp_path / "out")
+    check_dictionary(tmp_path / "out")
+    sessions = read_back(tmp_path / "out" / "sessions.csv")
+    assert [row["log"] for row in sessions] == [STEM, f"{STEM}-2"], "each session once"
+    logs = {row["log"] for row in read_back(tmp_path / "out" / "events.csv")}
+    assert logs == {STEM, f"{STEM}-2"}
+
+
+@pytest.mark.parametrize("column", ["onset_s", "kind", "label", "outcome", "text"])
+def test_the_guide_names_the_columns(column: str) -> None:
+    guide = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
+    assert f"`{column}`" in guide
+    assert column in {each.name for each in EVENTS.columns}

@@ -1,0 +1,140 @@
+"""Lines become events: requests find their ends, changes become episodes, nothing gets lost."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+
+from tests.export.logs import Timed, courses, session_of, start, visit
+from woz_tui.core import messages as m
+from woz_tui.export.course import Event, Session
+
+
+def only(session: Session, kind: str) -> Event:
+    events = [event for event in session.events if event.kind == kind]
+    assert len(events) == 1, [event.kind for event in session.events]
+    return events[0]
+
+
+def test_an_action_lasts_from_its_request_to_its_end(tmp_path: Path) -> None:
+    session = session_of(tmp_path, visit())
+    hello, nod, dance = (event for event in session.events if event.kind == "action")
+    assert (hello.begin, hello.end, hello.outcome) == (2_000_000, 3_500_000, "done")
+    assert (hello.panel, hello.key, hello.source, hello.mistake) == ("Speech", "h", "key", True)
+    assert hello.latency == 11_000, "from the key to the driver's start"
+    assert (nod.outcome, nod.reason, nod.duration) == ("refused", "locked", 0)
+    assert (dance.outcome, dance.end) == ("open", session.duration)
+
+
+def test_a_command_has_what_was_asked_and_what_was_sent(tmp_path: Path) -> None:
+    command = only(session_of(tmp_path, visit()), "command")
+    assert (command.begin, command.acted, command.end) == (2_001_000, 2_011_000, 3_500_000)
+    assert (command.latency, command.driver) == (10_000, "voice")
+    assert command.text.startswith("Hello")
+    assert command.details["args"] == command.details["sent"] == {"text": command.text}
+
+
+def test_speech_stands_where_it_was_spoken(tmp_path: Path) -> None:
+    speech = only(session_of(tmp_path, visit()), "speech")
+    assert (speech.begin, speech.end, speech.text) == (3_550_000, 4_900_000, "What is this?")
+
+
+def test_states_of_engagement_follow_each_other(tmp_path: Path) -> None:
+    session = session_of(tmp_path, visit())
+    idle, engaged = (event for event in session.events if event.kind == "engagement")
+    assert (idle.label, idle.begin, idle.end) == ("Idle", 0, 1_000_000)
+    assert idle.details["left_by"] == engaged.outcome == "came"
+    assert (engaged.label, engaged.end) == ("Engaged", session.duration)
+
+
+def test_events_know_their_trial_and_condition(tmp_path: Path) -> None:
+    session = session_of(tmp_path, visit())
+    trial = only(session, "trial")
+    assert (trial.label, trial.outcome, trial.duration) == ("1", "done", 8_000_000)
+    assert [(e.trial, e.condition) for e in session.events if e.kind == "note"] == [(1, "cold")]
+    assert only(session, "questionnaire").trial is None, "after the trial's end"
+
+
+def test_the_last_answer_counts_and_has_its_scale(tmp_path: Path) -> None:
+    session = session_of(tmp_path, visit())
+    friendly, other = session.answers
+    assert (friendly.value, friendly.low, friendly.high, friendly.took) == (6.0, 1, 7, 500_000)
+    assert (other.item, other.text, other.value) == ("else", "-it blinked", None)
+
+
+def test_a_stop_lasts_until_its_release(tmp_path: Path) -> None:
+    stop = only(session_of(tmp_path, visit()), "stop")
+    assert (stop.label, stop.source, stop.duration) == ("all", "key", 1_000_000)
+    assert stop.details["confirmed"] == ["voice"]
+
+
+def test_what_came_before_the_first_code_belongs_to_it(tmp_path: Path) -> None:
+    session = session_of(
+        tmp_path,
+        [
+            (0, start(participant="")),
+            (1, m.Note(text="early")),
+            (2, m.SessionChanged(participant="P08")),
+            (3, m.Note(text="first")),
+            (4, m.SessionChanged(participant="P09")),
+            (5, m.Note(text="second")),
+        ],
+    )
+    notes = [(event.text, event.participant) for event in session.events if event.kind == "note"]
+    assert notes == [("early", "P08"), ("first", "P08"), ("second", "P09")]
+    assert session.participants == ["P08", "P09"]
+
+
+@pytest.mark.parametrize(
+    ("message", "kind"),
+    [
+        (m.ActionDone(run="r9", action="Hello"), "action.done"),
+        (m.Failed(command="c9", reason="hot"), "command.failed"),
+        (m.TrialEnded(trial=3, outcome="done"), "trial.ended"),
+        (m.StopReleased(source="key"), "stop.released"),
+        (m.QuestionnaireEnded(questionnaire="q", reason="done", answered=1), "questionnaire.ended"),
+    ],
+)
+def test_an_end_without_a_beginning_is_a_moment(
+    tmp_path: Path, message: m.AnyMessage, kind: str
+) -> None:
+    event = only(session_of(tmp_path, [(0, start()), (1, message)]), kind)
+    assert (event.begin, event.end) == (1_000_000, None)
+
+
+def test_a_run_that_begins_twice_is_two_events(tmp_path: Path) -> None:
+    request = m.ActionRequested(run="r1", action="Nod", source="key")
+    session = session_of(tmp_path, [(0, start()), (1, request), (2, request)])
+    assert [(e.begin, e.end, e.outcome) for e in session.events] == [
+        (1_000_000, 2_000_000, "open"),
+        (2_000_000, 2_000_000, "open"),
+    ]
+
+
+def test_a_kind_of_tomorrow_is_kept_with_all_it_says(tmp_path: Path) -> None:
+    log = tmp_path / "2026-03-01T10-00-00_P07_S01.jsonl"
+    log.write_text('{"seq":0,"t":5,"kind":"robot.dreamt","of":["sheep"],"driver":"head"}\n')
+    from woz_tui.export.sources import found, read  # noqa: PLC0415
+
+    session = read(found([log])[0])
+    event = only(session, "robot.dreamt")
+    assert (event.driver, event.details) == ("head", {"of": ["sheep"]})
+    assert any("robot.dreamt" in sentence for sentence in session.damage)
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(courses())
+def test_whatever_happened_events_are_in_order_and_within_the_session(
+    tmp_path: Path, course: list[Timed]
+) -> None:
+    session = session_of(tmp_path, course)
+    assert session.events == sorted(session.events, key=lambda event: (event.begin, event.seq))
+    for event in session.events:
+        assert 0 <= event.begin <= session.duration
+        assert event.end is None or event.begin <= event.end <= session.duration
+    noted = [message for _, message in course if isinstance(message, m.Note)]
+    assert [e.text for e in session.events if e.kind == "note"] == [note.text for note in noted]
+    asked = [message for _, message in course if isinstance(message, m.ActionRequested)]
+    assert len([event for event in session.events if event.kind == "action"]) == len(asked)

@@ -1,0 +1,90 @@
+"""On tiers nothing overlaps, nothing is too short, nothing is lost."""
+
+from __future__ import annotations
+
+from collections import Counter
+from itertools import pairwise
+from pathlib import Path
+
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from tests.export.logs import Timed, courses, session_of, visit
+from woz_tui.export.tiers import Span, Tier, apart, tiers_of, unique_names
+
+SPANS = st.lists(
+    st.builds(
+        lambda begin, length: Span(begin, begin + length, f"{begin}+{length}"),
+        st.integers(0, 100),
+        st.integers(0, 60),
+    ),
+    max_size=30,
+)
+
+
+@given(SPANS, st.integers(1, 50))
+def test_spans_find_room_on_as_many_tiers_as_it_takes(spans: list[Span], shortest: int) -> None:
+    tiers = apart(Tier("panel", spans=spans), shortest)
+    for tier in tiers:
+        for one, other in pairwise(tier.spans):
+            assert one.end <= other.begin
+        assert all(span.end - span.begin >= shortest for span in tier.spans)
+    kept = Counter((span.begin, span.text) for tier in tiers for span in tier.spans)
+    assert kept == Counter((span.begin, span.text) for span in spans)
+    for span in (span for tier in tiers for span in tier.spans):
+        before = Span(span.begin, int(span.text.split("+")[1]) + span.begin, "")
+        assert span.end == max(before.end, span.begin + shortest)
+
+
+@given(SPANS)
+def test_only_what_overlaps_spills(spans: list[Span]) -> None:
+    tiers = apart(Tier("panel", spans=spans), 1)
+    moments = Counter(t for span in spans for t in range(span.begin, max(span.end, span.begin + 1)))
+    assert len(tiers) == max(moments.values(), default=0), "no more tiers than are needed"
+
+
+def test_tiers_that_spill_have_a_number() -> None:
+    spans = [Span(0, 10, "a"), Span(5, 15, "b"), Span(6, 7, "c"), Span(10, 11, "d")]
+    tiers = apart(Tier("panel", spans=spans))
+    assert [(tier.name, [span.text for span in tier.spans]) for tier in tiers] == [
+        ("panel", ["a", "d"]),
+        ("panel-2", ["b"]),
+        ("panel-3", ["c"]),
+    ]
+
+
+def test_names_are_told_apart() -> None:
+    names = [tier.name for tier in unique_names([Tier("a"), Tier("a"), Tier("a (2)"), Tier("b")])]
+    assert names == ["a", "a (2)", "a (2) (2)", "b"]
+
+
+def test_what_stands_on_the_tiers(tmp_path: Path) -> None:
+    tiers = {tier.name: tier for tier in tiers_of(session_of(tmp_path, visit()))}
+    texts = {name: [span.text for span in tier.spans] for name, tier in tiers.items()}
+    assert texts == {
+        "trials": ["1"],
+        "engagement": ["Idle", "Engaged"],
+        "visitor speech": ["What is this?"],
+        "robot speech": ['Hello, "dear"\tvisitor!\nÇa va? <&>'],
+        "panel Speech": ["Hello [mistake]"],
+        "panel Gestures": ["Nod [refused]", "Dance [open]"],
+        "stops": ["all (key)"],
+        "questionnaires": ["robot"],
+        "markers": ["=1+1", "smile"],
+        "notes": ["a child\r\nhas joined"],
+        "mistakes": ["Hello too early"],
+    }
+    assert [name for name, tier in tiers.items() if tier.points] == ["markers", "notes", "mistakes"]
+    spoken = tiers["robot speech"].spans[0]
+    assert (spoken.begin, spoken.end) == (2_011_000, 3_500_000), "from the driver's start"
+
+
+@settings(max_examples=60, deadline=None, suppress_health_check=list(HealthCheck))
+@given(courses())
+def test_every_action_of_any_course_is_on_a_tier(tmp_path: Path, course: list[Timed]) -> None:
+    session = session_of(tmp_path, course)
+    spans = [span for tier in tiers_of(session) for span in tier.spans]
+    assert all(span.text.strip() for span in spans), "an empty annotation cannot be told from none"
+    actions = [event for event in session.events if event.kind == "action"]
+    panels = [tier for tier in tiers_of(session) if tier.name.startswith(("panel ", "actions"))]
+    assert sum(len(tier.spans) for tier in panels) == len(actions)

@@ -11,7 +11,7 @@ import logging
 import os
 import signal
 import threading
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from woz_tui.core import messages as m
@@ -22,7 +22,12 @@ from woz_tui.host.desk import Desk
 from woz_tui.host.place import bind, socket_path
 from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
 from woz_tui.host.server import Host
-from woz_tui.host.training import TrainingOptions, TrainingSession, read_cues
+from woz_tui.host.training import (
+    TrainingOptions,
+    TrainingSession,
+    in_training,
+    read_cues,
+)
 from woz_tui.plugins import Catalogue, installed
 from woz_tui.record.recorder import Recorder, stem
 from woz_tui.replay.plan import Plan
@@ -81,6 +86,7 @@ def run(options: HostOptions) -> int:
     cues: tuple[PlannedCue, ...] = ()
     if options.training is not None:
         cues = read_cues(options.training, experiment, options.identity.seed)
+        options = replace(options, identity=in_training(options.identity, experiment))
     return asyncio.run(_serve(options, catalogue, experiment, plan, cues))
 
 

@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import asyncio
 from collections import Counter
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from woz_tui.core import messages as m
 from woz_tui.experiment.shape import Experiment, Together
 from woz_tui.experiment.verbs import PERFORMERS
 from woz_tui.host.server import Host
-from woz_tui.session.identity import AskError
+from woz_tui.session.identity import AskError, Identity
 from woz_tui.training.plan import PlannedCue, planned
 from woz_tui.training.trainer import Trainer
 from woz_tui.training.visitor import TrainingVisitor
 
 #: From the notice that it begins to the first cue's pause, in seconds.
 WARNING_S = 3.0
+#: The code of the participant who is none.
+NOBODY = "TRAINING"
 
 
 @dataclass(frozen=True, slots=True)
@@ -34,6 +36,12 @@ def read_cues(
         return planned(experiment, options.count, seed)
     except ValueError as error:
         raise AskError(str(error), "add training: {cues: [...]} to the file") from error
+
+
+def in_training(identity: Identity, experiment: Experiment) -> Identity:
+    """Nobody takes part, but utterances with `{participant}` and `{condition}` can be said."""
+    condition = experiment.conditions[0] if experiment.conditions else ""
+    return replace(identity, participant=NOBODY, condition=identity.condition or condition)
 
 
 class TrainingSession:

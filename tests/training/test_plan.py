@@ -1,0 +1,65 @@
+"""Which cues a training gives: fair, repeatable, and never one that nobody can answer."""
+
+from __future__ import annotations
+
+from collections import Counter
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.session.rig import experiment
+from woz_tui.experiment.shape import Experiment
+from woz_tui.experiment.study import Study, Training, TrainingCue
+from woz_tui.training.plan import REQUEST, planned
+
+CUES = (
+    TrainingCue("approach", ("Hello", "Welcome")),
+    TrainingCue("question", ("Map",), says=("Where am I?", "Is there a map?"), window=6.0),
+    TrainingCue("silence", ("Hello",)),
+)
+MADE = experiment(Path("/nowhere"))
+
+
+def with_cues(*cues: TrainingCue) -> Experiment:
+    return replace(MADE, study=Study(training=Training(cues=cues, count=9, window=3.0, pause=2.0)))
+
+
+def test_the_files_cues_are_given_as_often_as_it_says() -> None:
+    cues = planned(with_cues(*CUES), None, 1)
+    assert Counter(cue.sort for cue in cues) == {"approach": 3, "question": 3, "silence": 3}
+    question = next(cue for cue in cues if cue.sort == "question")
+    assert question.expects == ("Map",)
+    assert question.text in CUES[1].says
+    assert question.window_us == 6_000_000
+    assert {cue.window_us for cue in cues if cue.sort == "silence"} == {3_000_000}
+
+
+def test_without_cues_the_actions_are_asked_for_by_their_labels() -> None:
+    cues = planned(MADE, 50, 1)
+    asked = {cue.expects[0]: cue.text for cue in cues}
+    assert {cue.sort for cue in cues} == {REQUEST}
+    assert asked["Welcome"] == "Welcome, please."
+    assert "Never" not in asked, "locked"
+    assert "Cold" not in asked, "the robot does nothing"
+
+
+def test_nothing_to_train_is_said() -> None:
+    with pytest.raises(ValueError, match="nothing to train"):
+        planned(replace(MADE, panels=()), None, 1)
+
+
+@given(st.integers(0, 1 << 31), st.integers(1, 60))
+def test_every_cue_comes_about_equally_often_and_pauses_differ(seed: int, count: int) -> None:
+    cues = planned(with_cues(*CUES), count, seed)
+    assert len(cues) == count
+    times = Counter(cue.sort for cue in cues)
+    assert max(times.values()) - min(times[cue.sort] for cue in CUES) <= 1
+    assert all(1_000_000 <= cue.pause_us <= 3_000_000 for cue in cues)
+    assert cues == planned(with_cues(*CUES), count, seed)
+
+
+def test_another_seed_gives_another_order() -> None:
+    assert planned(with_cues(*CUES), 30, 1) != planned(with_cues(*CUES), 30, 2)

@@ -1,0 +1,48 @@
+"""A rehearsed driver offers what the real one does, takes its time, and touches nothing."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tests.session.rig import Nothing, Puppet
+from woz_tui.core.driver import Argument, Driver, Verb
+from woz_tui.plugins import installed
+from woz_tui.training.rehearsal import rehearsal_of, rehearsed, seconds_of
+
+SAY = Verb("say", "", (Argument("text", "text", required=True),), limit_s=20.0)
+
+
+def test_it_offers_what_the_class_offers() -> None:
+    made = rehearsal_of(Puppet)
+    told: Any = made
+    assert made.verbs(Nothing()) == Puppet.verbs(Nothing())
+    assert told.joints(Nothing()) == Puppet.joints(Nothing())
+    assert made.sensors(Nothing()) == ()
+    assert made.Settings is Puppet.Settings
+
+
+def test_every_bundled_driver_can_be_rehearsed() -> None:
+    catalogue = installed()
+    assert set(rehearsed(catalogue)) == set(catalogue)
+    for made in rehearsed(catalogue).values():
+        driver: type[Driver] = made
+        assert "rehearsed" in driver.summary
+
+
+@pytest.mark.parametrize(
+    ("verb", "args", "seconds"),
+    [
+        (SAY, {"text": "one two three four five"}, 2.3),
+        (SAY, {"text": "word " * 1000}, 18.0),
+        (Verb("pose", ""), {"joints": {}, "seconds": 1.5}, 1.5),
+        (Verb("pose", ""), {"seconds": -3}, 0.0),
+        (Verb("nod", ""), {}, 0.8),
+        (Verb("gaze", "", stream=True), {"yaw": 3}, 0.0),
+        (Verb("volume", "", brief=True), {}, 0.0),
+        (None, {}, 0.0),
+    ],
+)
+def test_how_long_it_takes(verb: Verb | None, args: dict[str, Any], seconds: float) -> None:
+    assert seconds_of(verb, args) == pytest.approx(seconds)

@@ -1,0 +1,157 @@
+"""A re-run in the robot process: who must be there for it, and what ends it."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.host.rig import WAIT_S, Peer, Served, served
+from tests.replay.again import written
+from tests.replay.test_plan import END, LOG, START, command, dispatched, done
+from woz_tui.core import messages as m
+from woz_tui.host import rerun as host_rerun
+from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
+from woz_tui.session.identity import AskError
+
+
+def log_of(tmp_path: Path, *verbs: str, every: float = 0.2) -> Path:
+    """A log with these verbs, one every `every` seconds."""
+    args: dict[str, dict[str, Any]] = {
+        "say": {"text": "Hello"},
+        "play": {"move": "nod"},
+        "drive": {"x": 1.0},
+    }
+    lines: list[tuple[float, m.AnyMessage]] = [(0, START)]
+    for n, verb in enumerate(verbs):
+        at = 1 + n * every
+        lines += [(at, command(f"c{n}", verb, args=args[verb])), (at, dispatched(f"c{n}"))]
+    lines += [(100 + n, done(f"c{n}")) for n in range(len(verbs))]
+    return written(tmp_path / "original" / LOG, [*lines, (900, END)])
+
+
+def begun(it: Served, log: Path, *, headless: bool = False) -> Rerun:
+    options = RerunOptions(log, headless, wait_s=WAIT_S)
+    rerun = Rerun(it.host, read_plan(options, it.session.experiment), options)
+    rerun.begin_when_ready()
+    return rerun
+
+
+@pytest.fixture(autouse=True)
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first command comes at once."""
+    monkeypatch.setattr(host_rerun, "WARNING_US", 20_000)
+    monkeypatch.setattr(host_rerun, "LEAD_US", 20_000)
+
+
+async def ended(it: Served) -> m.RerunEnded:
+    over = await it.published(lambda message: isinstance(message, m.RerunEnded))
+    assert isinstance(over, m.RerunEnded)
+    return over
+
+
+async def beating(peer: Peer) -> None:
+    while True:
+        await peer.say(kind="beat")
+        await asyncio.sleep(0.2)
+
+
+async def test_with_a_console_it_begins_when_a_wizard_is_there(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        begun(it, log_of(tmp_path, "say"))
+        watcher = await it.connect()
+        await watcher.hello("watcher")
+        await watcher.ask("marker", text="nobody plays yet")
+        assert not [line for line in it.lines if isinstance(line, m.RerunStarted)]
+        wizard = await it.connect()
+        await wizard.hello("wizard")
+        over = await ended(it)
+        assert (over.reason, over.sent_again) == ("done", 1)
+        notices = [line for line in it.lines if isinstance(line, m.Notice)]
+        assert "begins in" in notices[-2].text
+        assert "1 sent, 0 skipped; lateness p50" in notices[-1].text
+        assert notices[-1].remedy == "ctrl+q ends the session"
+        assert not it.session.ended
+
+
+async def test_drives_go_while_a_wizard_watches_and_end_with_them(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        wizard = await it.connect()
+        await wizard.hello("wizard")
+        beats = asyncio.create_task(beating(wizard))
+        begun(it, log_of(tmp_path, "drive", "play", "drive", "play", every=0.4))
+        await it.published(lambda message: isinstance(message, m.Dispatched))
+        beats.cancel()
+        wizard.leave()
+        stopped = await it.published(lambda message: isinstance(message, m.Stopped))
+        over = await ended(it)
+        assert over.reason == "done"
+        assert isinstance(stopped, m.Stopped)
+        refused = [line for line in it.lines if isinstance(line, m.Refused)]
+        assert {line.code for line in refused} == {"unwatched"}
+        moves = [line for line in it.lines if isinstance(line, m.Done)]
+        assert len(moves) == 2  # what does not drive has gone on
+
+
+async def test_headless_nothing_drives_and_the_session_ends_with_it(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        begun(it, log_of(tmp_path, "drive", "play"), headless=True)
+        reason = await asyncio.wait_for(it.host.serve(), WAIT_S)
+        assert reason == "the re-run is over"
+        (refused,) = [line for line in it.lines if isinstance(line, m.Refused)]
+        assert refused.code == "unwatched"
+        (notice,) = [
+            line
+            for line in it.lines
+            if isinstance(line, m.Notice) and "re-run is over" in line.text
+        ]
+        assert "2 sent, 1 refused, 0 skipped" in notice.text
+
+
+async def test_headless_it_is_stopped_when_whoever_watched_is_gone(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        program = await it.connect()
+        await program.hello("program")
+        begun(it, log_of(tmp_path, *["play"] * 30), headless=True)
+        await program.kind("rerun.sent")
+        program.leave()
+        over = await ended(it)
+        assert over.reason == "stopped"
+        assert it.session.bus.latched
+        reason = await asyncio.wait_for(it.host.serve(), WAIT_S)
+        assert reason == "the re-run: stopped"
+        assert [line for line in it.lines if isinstance(line, m.StopConfirmed)]
+
+
+async def test_a_stop_before_it_begins_ends_it_too(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        begun(it, log_of(tmp_path, "say"))
+        wizard = await it.connect()
+        await wizard.say(kind="stop")
+        await ended(it)
+        await wizard.hello("wizard")
+        await wizard.ask("release")
+        await wizard.ask("marker", text="and nothing comes")
+        assert not [line for line in it.lines if isinstance(line, m.Command)]
+
+
+async def test_the_sessions_end_ends_it(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        rerun = begun(it, log_of(tmp_path, *["play"] * 30), headless=True)
+        await it.published(lambda message: isinstance(message, m.RerunSent))
+        rerun.end("the session ends")
+        over = await ended(it)
+        assert over.reason == "the session ends"
+        assert over.sent_again < 30
+
+
+async def test_a_log_without_a_command_is_refused(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        log = written(tmp_path / "original" / LOG, [(0, START), (1, END)])
+        with pytest.raises(AskError, match="no command in it"):
+            read_plan(RerunOptions(log), it.session.experiment)
+        with pytest.raises(AskError, match="name of a log ends"):
+            read_plan(RerunOptions(Path(__file__)), it.session.experiment)
+        assert without_model(it.session.experiment).engagement is None

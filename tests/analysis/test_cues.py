@@ -1,0 +1,128 @@
+"""Cues, the acts that answer them, and what becomes of those that nothing answers."""
+
+from __future__ import annotations
+
+from tests.analysis.told import SECOND, Told, in_time, seconds
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.gather import Options, figures_of
+from woz_tui.core import messages as m
+
+
+def told(it: Told, options: Options | None = None) -> SessionFigures:
+    return figures_of(in_time(it), options or Options())
+
+
+def fates(figures: SessionFigures) -> list[tuple[str, str, float | None]]:
+    return [
+        (cue.sort, cue.fate, None if cue.reaction_us is None else cue.reaction_us / SECOND)
+        for cue in figures.cues
+    ]
+
+
+def test_the_next_act_answers() -> None:
+    it = Told().speech(1, 3).act(4.5).act(5).end(20)
+    figures = told(it)
+    assert fates(figures) == [("speech", "answered", 1.5)]
+    assert (figures.cues[0].action, figures.cues[0].run) == ("Hello", "a00001")
+    assert figures.whole.reactions["all"].answered == 1
+
+
+def test_an_act_that_is_refused_is_a_reaction_all_the_same() -> None:
+    assert fates(told(Told().speech(1, 3).act(4, end="refused").end(20)))[0][1] == "answered"
+
+
+def test_the_robot_by_itself_answers_nothing() -> None:
+    it = Told().speech(1, 3).act(4, source="engagement").end(20)
+    assert fates(told(it)) == [("speech", "missed", None)]
+
+
+def test_at_the_end_of_the_window_an_answer_still_counts() -> None:
+    it = Told().speech(1, 3).act(13).speech(20, 22, 2).act(32.001).end(60)
+    assert fates(told(it)) == [("speech", "answered", 10.0), ("speech", "missed", None)]
+    wide = told(it, Options(window_us=11 * SECOND))
+    assert [fate for _, fate, _ in fates(wide)] == ["answered", "answered"]
+
+
+def test_who_speaks_on_wants_no_answer_to_what_came_before() -> None:
+    it = Told().speech(1, 3).speech(4, 6, 2).act(7).end(20)
+    assert fates(told(it)) == [("speech", "overtaken", None), ("speech", "answered", 1.0)]
+
+
+def test_what_is_overtaken_after_the_window_was_missed() -> None:
+    it = Told().speech(1, 3).speech(40, 42, 2).act(43).end(60)
+    assert [fate for _, fate, _ in fates(told(it))] == ["missed", "answered"]
+
+
+def test_a_cue_at_the_end_of_the_log_is_cut() -> None:
+    figures = told(Told().speech(1, 3).end(9))
+    assert fates(figures) == [("speech", "cut", None)]
+    assert figures.whole.reactions["speech"].missed == 0
+
+
+def test_an_answer_may_come_before_the_line_that_tells_of_the_cue() -> None:
+    it = Told().speech(1, 3, late=1.0).act(3.4).end(20)
+    assert fates(told(it)) == [("speech", "answered", 0.4)]
+
+
+def test_one_event_is_not_two_cues() -> None:
+    it = Told().speech(1, 3)
+    it.state(3.1, "UserSpeaks", "RobotThinks").act(5).end(20)
+    figures = told(it)
+    assert [(cue.sort, cue.echo) for cue in figures.cues] == [
+        ("speech", False),
+        ("engagement", True),
+    ]
+    assert figures.whole.reactions["all"].cues == 1
+    assert seconds(figures.whole.reactions["engagement"].times.values) == [1.9]
+
+
+def test_a_state_that_is_left_wants_no_answer_any_more() -> None:
+    it = Told().state(3, "UserSpeaks", "RobotThinks").state(6, "RobotThinks", "PersonDetected")
+    assert fates(told(it.act(7).end(20))) == [("engagement", "overtaken", None)]
+
+
+def test_which_states_are_cues_can_be_said() -> None:
+    it = Told().state(3, "PersonDetected", "EngagedWithUnknown").act(4).end(20)
+    assert told(it).cues == ()
+    figures = told(it, Options(waiting=("EngagedWithUnknown",)))
+    assert fates(figures) == [("engagement", "answered", 1.0)]
+    assert figures.cues[0].what == "EngagedWithUnknown"
+
+
+def test_markers_of_humans_are_cues() -> None:
+    it = Told().add(3, m.Marker(text="asks", source="wizard")).act(5)
+    it.add(7, m.Marker(text="x", source="action")).add(8, m.Marker(text="y", source="preflight"))
+    figures = told(it.end(30))
+    assert fates(figures) == [("marker", "answered", 2.0)]
+    assert (figures.whole.markers, figures.cues[0].what) == (2, "asks")
+
+
+def test_trained_cues_are_judged_by_the_training() -> None:
+    it = Told()
+    for number, judged in enumerate(("right", "wrong", "missed", "right")):
+        cue = f"q{number}"
+        it.add(
+            number * 10 + 1,
+            m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4 * SECOND),
+        )
+        reaction = -1 if judged == "missed" else (number + 1) * 100_000
+        it.add(
+            number * 10 + 3,
+            m.CueAnswered(cue=cue, judged=judged, action="Hello", reaction_us=reaction),
+        )
+    it.add(50, m.CueAnswered(cue="", judged="uncalled", action="Nod"))
+    it.add(51, m.CueGiven(cue="q9", sort="leave", expects=["Nod"], window_us=SECOND)).end(60)
+    figures = told(it)
+    training = figures.training
+    assert training is not None
+    assert (training.cues, training.right, training.wrong, training.missed) == (5, 2, 1, 1)
+    assert (training.uncalled, training.score) == (1, 0.4)
+    assert seconds(training.times.values) == [0.1, 0.2, 0.4]
+    assert [cue.fate for cue in figures.cues] == [
+        *("answered", "answered", "missed", "answered", "cut")
+    ]
+    assert "all" not in figures.whole.reactions
+
+
+def test_without_training_there_is_none() -> None:
+    assert told(Told().act(1).end(2)).training is None

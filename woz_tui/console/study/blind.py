@@ -16,6 +16,7 @@ import msgspec
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.messages import Json
+from woz_tui.experiment.template import fill
 
 Told = TypeVar("Told", bound=msgspec.Struct)
 
@@ -47,14 +48,15 @@ class Blind:
         self._labels = _told_apart(labels or {})
         self._names = {label: name for name, label in self._labels.items()}
         self._variables = frozenset(("condition", *(texts or {})))
-        self._instead = {
+        instead = {
             text.casefold(): f"{{{name}}}"
             for name, found in (texts or {}).items()
             for text in found
         }
-        self._instead |= {name.casefold(): label for name, label in self._labels.items()}
-        longest_first = sorted(self._instead, key=len, reverse=True)
-        words = "|".join(re.escape(words) for words in longest_first if words)
+        instead |= {name.casefold(): label for name, label in self._labels.items()}
+        longest_first = sorted(filter(None, instead), key=len, reverse=True)
+        self._instead = [instead[words] for words in longest_first]
+        words = "|".join(f"(?P<w{at}>{_as_said(each)})" for at, each in enumerate(longest_first))
         self._pattern = re.compile(rf"(?<!\w)(?:{words})(?!\w)", re.IGNORECASE)
 
     def __bool__(self) -> bool:
@@ -81,7 +83,9 @@ class Blind:
         """Words with every condition in them replaced."""
         if not self:
             return text
-        return self._pattern.sub(lambda found: self._instead[found[0].casefold()], text)
+        return self._pattern.sub(
+            lambda found: self._instead[int((found.lastgroup or "w0")[1:])], text
+        )
 
     def keeps(self, variable: str, value: object) -> bool:
         """Whether an utterance is shown with this variable's name instead of its value."""
@@ -133,6 +137,11 @@ def blind_of(study: Mapping[str, Json]) -> Blind:
         for name, told in (texts.items() if isinstance(texts, dict) else ())
     }
     return Blind({name: str(label) for name, label in labels.items()}, depending)
+
+
+def _as_said(text: str) -> str:
+    """A pattern of a variable's text, which may hold other variables, as it is said."""
+    return re.escape(fill(text, lambda name: "\0")).replace("\0", ".+?")
 
 
 @cache

@@ -13,12 +13,16 @@ from woz_tui.console.study.round import WIDE, Page, Round
 
 #: Cells of a page's column, and of a box on a scale.
 COLUMN, BOX = 72, 7
-#: Lines beneath the page: hints.
-_SUMMARY_LINE = 30
+#: Cells below which nothing is drawn.
+NARROWEST = 16
+#: Lines from which there is room for air.
+_AIRY = 15
 
 
 def page_rows(taken: Round, frame: Frame) -> list[Row]:
     """The whole page, as many rows as the frame is high."""
+    if frame.width < NARROWEST:
+        return []  # not laid out yet, or nothing that could be read
     width = min(COLUMN, frame.width - 4)
     inner = Frame(width, frame.height, frame.now, frame.glyphs)
     head = [*_head(taken, inner), ()]
@@ -32,6 +36,8 @@ def page_rows(taken: Round, frame: Frame) -> list[Row]:
 
 def foot_rows(taken: Round, frame: Frame) -> list[Row]:
     """What is wrong, and the keys."""
+    if frame.width < NARROWEST:
+        return []
     width = min(COLUMN, frame.width - 4)
     left: Piece = (" " * max(0, (frame.width - width) // 2), "plain")
     glyphs = frame.glyphs
@@ -71,21 +77,29 @@ def _head(taken: Round, frame: Frame) -> list[Row]:
 
 
 def _introduction(taken: Round, frame: Frame) -> list[Row]:
-    told = clean(taken.asked.questionnaire.introduction)
-    rows: list[Row] = [((line, "plain"),) for line in textwrap.wrap(told, frame.width)]
+    told = taken.asked.questionnaire.introduction
+    rows: list[Row] = [((line, "plain"),) for line in _wrapped(told, frame.width)]
     count = len(taken.asked.items)
     return [*rows, (), ((f"{count} question{'' if count == 1 else 's'}.", "muted"),)]
+
+
+def _wrapped(text: str, width: int) -> list[str]:
+    """Its lines, each as long as the column at the most; an empty one stays."""
+    return [part for line in text.strip().split("\n") for part in _folded(clean(line), width)]
+
+
+def _folded(line: str, width: int) -> list[str]:
+    return textwrap.wrap(line, width) or [""]
 
 
 def _item(taken: Round, frame: Frame) -> list[Row]:
     item = taken.item
     if item is None:
         return []
-    lines = textwrap.wrap(clean(item.question), frame.width) or [""]
-    rows: list[Row] = [((line, "strong"),) for line in lines]
+    rows: list[Row] = [((line, "strong"),) for line in _wrapped(item.question, frame.width)]
     if item.optional:
         rows.append((("may be left out", "muted"),))
-    rows += [(), ()] if frame.height >= _SUMMARY_LINE // 2 else [()]
+    rows += [(), ()] if frame.height >= _AIRY else [()]
     if item.text:
         return rows
     scale = _boxes(item, taken, frame) if item.high - item.low < WIDE else _line(item, taken, frame)
@@ -190,8 +204,8 @@ def _keys(taken: Round, glyphs: Glyphs) -> str:
         case _ if item is not None and item.text:
             keys = f"enter goes on · {glyphs.up} on the first line: back"
         case _ if item is not None:
-            arrows = f"{glyphs.left} {glyphs.right} and enter"
-            keys = f"{item.low} to {item.high}, or {arrows} · {glyphs.up} back"
+            arrows = f", or {glyphs.left} {glyphs.right} and enter" if item.digits else " and enter"
+            keys = f"{item.low} to {item.high}{arrows} · {glyphs.up} back"
         case _:
             keys = ""
     leave = " · tab leaves it out" if item is not None and item.optional else ""

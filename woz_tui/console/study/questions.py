@@ -10,6 +10,8 @@ from woz_tui.core.messages import Json
 
 #: A scale as the experiment file has it if nothing else is said.
 _LOW, _HIGH = 1, 7
+#: The highest number of one digit.
+_DIGIT = 9
 
 
 @dataclass(frozen=True, slots=True)
@@ -26,6 +28,11 @@ class Item:
     ends: tuple[str, str] = ("", "")
     text: bool = False
     optional: bool = False
+
+    @property
+    def digits(self) -> bool:
+        """Whether each point of the scale is one digit."""
+        return self.low >= 0 and self.high <= _DIGIT
 
 
 @dataclass(frozen=True, slots=True)

@@ -213,14 +213,14 @@ class Round:
             self.mark, self.typed, self.complaint = min(item.high, max(item.low, value)), "", ""
 
     def _type(self, item: Item, digit: str) -> None:
-        """Digits are taken at once where no longer number could be meant."""
+        """A digit answers at once where each point is one; else enter follows the number."""
         typed = self.typed + digit
-        fitting = [value for value in range(item.low, item.high + 1) if _begins(value, typed)]
-        if not fitting:
+        fits = any(_begins(value, typed) for value in range(item.low, item.high + 1))
+        if not fits:
             self._set_typed(item, "")
             self.complaint = f"A number from {item.low} to {item.high}, please."
-        elif fitting == [_number(typed)]:
-            self._take(item, Answer(fitting[0]))
+        elif item.digits:
+            self._take(item, Answer(int(typed)))
         else:
             self._set_typed(item, typed)
 
@@ -230,12 +230,12 @@ class Round:
         self.mark = value if value is not None and item.low <= value <= item.high else None
 
     def _confirm(self, item: Item) -> None:
+        """Not with nothing chosen: an enter too many must leave nothing out."""
         if self.mark is not None:
             self._take(item, Answer(self.mark))
-        elif item.optional:
-            self._skip(item)
         else:
-            self.complaint = f"A number from {item.low} to {item.high}, please."
+            leave = ", or tab leaves it out." if item.optional else ", please."
+            self.complaint = f"A number from {item.low} to {item.high}{leave}"
 
     def _skip(self, item: Item) -> None:
         if item.optional:

@@ -1,0 +1,198 @@
+"""Condition-blind: no screen, dialog or sentence tells which condition it is."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+import pytest
+
+from tests.console import studied
+from tests.console.dialogs import OPENERS, opened
+from tests.console.driving import Sitting, sitting
+from tests.console.scripted import Answer
+from woz_tui.console.picture import Picture
+from woz_tui.console.study.blind import Blind, blind_of
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.views import ActionView, PanelView
+
+NOW = studied.NOW
+#: What must not stand anywhere: the conditions, and what only one of them has the robot say.
+SECRETS = ("warm", "cold", "How lovely", "Good day")
+OVERLOADED = "the voice cannot say 'Good day.' in the cold condition"
+
+
+def panels() -> list[PanelView]:
+    """Utterances whose words depend on the condition."""
+    texts = {"g": "{greeting}", "c": "This is {condition}, {participant}."}
+    actions = [
+        ActionView(name=f"say {key}", label=f"Say {key}", key=key, verbs=["say"], utterances=[text])
+        for key, text in texts.items()
+    ]
+    return [PanelView(title="Speech", actions=actions)]
+
+
+def blind_messages() -> list[m.AnyMessage]:
+    """A robot process that tells everything it knows."""
+    return [
+        m.SessionChanged(condition="cold", trial=3, t=NOW),
+        studied.trial(),
+        m.Notice(level="info", text="the condition is cold now", remedy="warm is over", t=NOW),
+        m.Note(text="cold seems to work", t=NOW),
+        m.Marker(text="preflight: warm", t=NOW),
+        m.ActionRequested(run="a1", action="say g", source="key", t=NOW),
+        m.Command(
+            command="c1",
+            verb="say",
+            args={"text": "Good day."},
+            source="key",
+            t=NOW,
+        ),
+        m.Failed(command="c1", driver="voice", reason=OVERLOADED, remedy="try warm", t=NOW),
+        m.ActionFailed(run="a1", action="say g", reason=OVERLOADED, t=NOW),
+        m.ExperimentReloaded(
+            experiment_sha256="0" * 64, changes=["conditions: warm, cold, none"], t=NOW
+        ),
+        m.TrialEnded(trial=3, outcome="aborted", text="cold was too cold", t=NOW),
+        studied.trial(4),
+    ]
+
+
+def welcome(**more: Any) -> r.Welcome:
+    values: dict[str, m.Json] = {"condition": "cold", "greeting": "Good day.", "participant": "P07"}
+    told = studied.welcome(
+        *blind_messages(),
+        study=studied.told(blind=studied.LABELS),
+        settings={"values": values},
+        recent=blind_messages(),
+        shown=panels(),
+        **more,
+    )
+    told.script[:] = ["say g", "say c"]
+    return told
+
+
+def answering(reply: r.Reply) -> Answer:
+    return lambda asked, ref: msgspec.structs.replace(reply, ref=ref)
+
+
+def robot_that_tells(seat: Sitting) -> None:
+    """Every reply has the true conditions in it."""
+    proposal: m.Json = {"order": ["cold", "warm"], "why": "cold first", "condition": "cold"}
+    finding: m.Json = [{"level": "ok", "subject": "session", "text": "P07 cold", "remedy": "warm"}]
+    told: dict[type, r.Reply] = {
+        r.AskProposal: r.Reply(ref=0, ok=True, data=proposal),
+        r.AskPreflight: r.Reply(ref=0, ok=True, data=finding),
+        r.AskReload: r.Reply(ref=0, ok=True, data=["the variable greeting: warm, cold"]),
+        r.AskTrial: r.Reply(ref=0, ok=False, reason="not in the cold condition", hint="take warm"),
+    }
+    for kind, reply in told.items():
+        seat.feed.answers[kind] = answering(reply)
+
+
+def assert_blind(seat: Sitting, where: str) -> None:
+    screens = seat.console.screen_stack
+    drawn = seat.drawn() + "".join(
+        seat.text(name) for name in ("Status", "Panels", "Meters", "Events", "StopBar", "Script")
+    )
+    assert screens
+    for secret in SECRETS:
+        assert secret.casefold() not in drawn.casefold(), (where, secret)
+
+
+@pytest.mark.parametrize(("role", "size"), [("wizard", (80, 24)), ("watcher", (160, 50))])
+async def test_no_screen_and_no_dialog_tells_the_condition(
+    role: str, size: tuple[int, int]
+) -> None:
+    async with sitting(welcome(role=role), size=size) as seat:
+        robot_that_tells(seat)
+        assert "Orange" in seat.text("Status")
+        assert_blind(seat, "main screen")
+        for name in (*OPENERS, "TrialDialog"):
+            if name == "TrialDialog":
+                await seat.press("asterisk")
+            else:
+                await opened(seat, name)
+            await seat.settle()
+            assert_blind(seat, name)
+            await seat.press("ctrl+q")
+        assert "{greeting}" in seat.text("Script") or size == (80, 24)
+        await seat.press("asterisk", "d")
+        assert_blind(seat, "a refusal")
+        await seat.press("colon")
+        await seat.type("greet")
+        assert_blind(seat, "find")
+
+
+async def test_the_wizard_chooses_labels_and_the_robot_process_gets_conditions() -> None:
+    async with sitting(welcome()) as seat:
+        robot_that_tells(seat)
+        await opened(seat, "StartDialog")
+        assert "1. Orange" in seat.drawn()
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskAssign)
+        assert isinstance(asked, r.AskAssign)
+        assert asked.order == ["cold", "warm"]
+
+
+async def test_without_a_design_a_label_stands_for_its_condition() -> None:
+    study = studied.told(blind=studied.LABELS, design=None)
+    async with sitting(studied.welcome(study=study)) as seat:
+        await opened(seat, "StartDialog")
+        assert "Lemon" in seat.drawn()
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert asked.condition == "warm"
+
+
+async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
+    async with sitting(studied.welcome()) as seat:
+        changed = r.PanelsChanged(
+            title="Museum guide",
+            panels=panels(),
+            script=[],
+            verbs={},
+            conditions=["warm", "cold"],
+            keyboard="us",
+            study=studied.told(blind=studied.LABELS),
+        )
+        await seat.tell(changed, m.SessionChanged(condition="cold", t=NOW))
+        assert "Orange" in seat.text("Status")
+        assert seat.console.picture.conditions == ("Lemon", "Orange")
+        assert seat.console.picture.study.order == ("Lemon", "Orange")
+
+
+def test_words_are_replaced_and_parts_of_words_are_not() -> None:
+    blind = Blind({"warm": "Lemon", "cold": "Orange", "warm-2": "Plum"})
+    assert blind.text("Warm, warmth, COLD and warm-2") == "Lemon, warmth, Orange and Plum"
+    assert blind.label("") == ""
+    assert blind.label("unheard of") == "?"
+    assert blind.name("Plum") == "warm-2"
+
+
+def test_one_label_for_all_still_lets_the_wizard_choose() -> None:
+    blind = Blind({"warm": "hidden", "cold": "hidden"})
+    assert blind.labels(["warm", "cold"]) == ("hidden", "hidden (2)")
+    assert blind.name("hidden (2)") == "cold"
+
+
+def test_nothing_is_changed_where_nobody_is_blind() -> None:
+    message = m.Notice(level="info", text="the condition is cold now", t=NOW)
+    assert Blind().message(message) is message
+    assert not blind_of({"blind": {}})
+    assert not blind_of({"blind": "yes"})
+
+
+def test_names_of_actions_stay_what_they_are() -> None:
+    blind = Blind(studied.LABELS)
+    told = blind.message(m.ActionRequested(run="a1", action="cold water", source="key", t=NOW))
+    assert isinstance(told, m.ActionRequested)
+    assert told.action == "cold water"
+
+
+def test_an_utterance_shows_the_variable_and_not_its_value() -> None:
+    picture = Picture()
+    picture.take([welcome()], 0)
+    assert picture.filled("{greeting} {condition} {participant}") == "{greeting} {condition} P07"

@@ -1,0 +1,189 @@
+"""The questionnaire on the wizard's screen."""
+
+from __future__ import annotations
+
+import pytest
+from textual.widgets import TextArea
+
+from tests.console import studied
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.glyphs import ASCII
+from woz_tui.console.look import Look
+from woz_tui.console.screens.questionnaire import QuestionnaireDialog
+from woz_tui.console.study.questions import Questionnaire, items_of, questionnaires_of
+from woz_tui.console.study.sheet import Sheet
+from woz_tui.core import requests as r
+
+SIZES = [(80, 24), (160, 50), (60, 20)]
+
+
+async def asking(seat: Sitting) -> None:
+    """Open the dialog on a questionnaire that has begun."""
+    await seat.tell(studied.started())
+    await seat.press("asterisk", "q")
+    await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
+    await seat.settle()
+    await seat.settle()
+
+
+def answers(seat: Sitting) -> list[r.AskAnswer]:
+    return [asked for asked in seat.feed.asked if isinstance(asked, r.AskAnswer)]
+
+
+@pytest.mark.parametrize("size", SIZES)
+async def test_all_of_it_is_answered_by_keys(size: tuple[int, int]) -> None:
+    async with sitting(studied.welcome(), size=size) as seat:
+        await asking(seat)
+        assert "there is no right" in seat.drawn()
+        await seat.press("enter")
+        drawn = seat.drawn()
+        for part in ("How pleasant was it", "1 of 4", "not at all", "very much", "7"):
+            assert part in drawn, part
+        await seat.press("6", "1", "0", "enter", "4", "2", "enter")
+        assert "Anything else?" in seat.drawn()
+        await seat.type("It was kind")
+        await seat.press("enter")
+        assert "It was kind" in seat.drawn()
+        assert "finish" in seat.drawn()
+        await seat.press("enter")
+        ended = seat.feed.last(r.AskQuestionnaire)
+        assert isinstance(ended, r.AskQuestionnaire)
+        assert ended.what == "done"
+        assert [answer.value for answer in answers(seat)] == [6.0, 10.0, 42.0, None]
+        assert answers(seat)[-1].text == "It was kind"
+        await seat.tell(studied.ended())
+        await seat.until(lambda: seat.console.dialog is None)
+        assert seat.console.keyboard.free
+
+
+async def test_the_stop_goes_through_it_and_it_goes_on_where_it_was() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat)
+        await seat.press("enter", "6")
+        await seat.press("escape")
+        assert seat.feed.last(r.AskStop) is not None
+        await seat.until(lambda: seat.console.dialog is None)
+        await seat.tell(studied.answered("pleasant", 6.0))
+        await seat.press("ctrl+r", "asterisk", "q")
+        await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
+        await seat.settle()
+        assert "2 of 4" in seat.drawn()
+
+
+async def test_the_stop_goes_through_a_text_field() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat)
+        await seat.press("enter", "6", "tab", "4", "2", "enter")
+        field = seat.console.screen.query_one(TextArea)
+        await seat.until(lambda: field.has_focus)
+        await seat.type("half a")
+        await seat.press("escape")
+        assert seat.feed.last(r.AskStop) is not None
+        await seat.until(lambda: seat.console.dialog is None)
+
+
+async def test_no_key_of_the_experiment_plays_meanwhile() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat)
+        await seat.press("enter", "h", "f1", "space", "full_stop")
+        for kind in (r.AskAction, r.AskScript, r.AskMarker):
+            assert seat.feed.last(kind) is None
+
+
+async def test_back_from_a_text_and_back_to_it() -> None:
+    async with sitting(studied.welcome(studied.started())) as seat:
+        await seat.tell(
+            studied.answered("pleasant", 3.0),
+            studied.answered("again", skipped=True),
+            studied.answered("sure", 42.0),
+            studied.answered("else", text="as before"),
+        )
+        await seat.press("asterisk", "q")
+        await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
+        await seat.settle()
+        assert "left out" in seat.drawn()
+        await seat.press("up", "enter")
+        await seat.settle()
+        field = seat.console.screen.query_one(TextArea)
+        await seat.until(lambda: field.text == "as before" and field.has_focus)
+        await seat.press("up")
+        await seat.until(lambda: "3 of 4" in seat.drawn())
+        assert "[ 42 ]" in seat.drawn()
+
+
+async def test_a_refusal_is_shown_and_the_item_is_open_again() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat)
+        seat.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason="the questionnaire 'robot' is not under way"
+        )
+        await seat.press("enter", "6")
+        assert "not under way" in seat.drawn()
+        assert "1 of 4" in seat.drawn()
+
+
+async def test_an_answer_that_was_lost_with_the_line_goes_out_again() -> None:
+    async with sitting(studied.welcome(studied.started())) as seat:
+        await asking(seat)
+        await seat.press("enter")
+        seat.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
+        await seat.press("6")
+        sent = answers(seat)
+        seat.feed.cut("the line was cut")
+        await seat.settle()
+        seat.console.paint()
+        await seat.settle()
+        del seat.feed.answers[r.AskAnswer]
+        await seat.tell(studied.welcome(studied.started()))
+        await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
+        await seat.settle()
+        again = answers(seat)
+        assert len(again) == len(sent) + 1
+        assert again[-1].item == sent[-1].item
+        assert again[-1].value == sent[-1].value
+
+
+async def test_signs_of_a_plain_terminal() -> None:
+    async with sitting(studied.welcome(), look=Look(ASCII, "woz-16")) as seat:
+        await asking(seat)
+        await seat.press("enter", "right", "right")
+        assert seat.drawn().isascii()
+        assert "[2]" in seat.drawn()
+
+
+async def test_nothing_jumps_while_an_answer_is_chosen() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat)
+        await seat.press("enter")
+        before = seat.drawn().splitlines()
+        await seat.press("right", "right", "right")
+        after = seat.drawn().splitlines()
+        changed = [
+            y for y, pair in enumerate(zip(before, after, strict=True)) if len(set(pair)) > 1
+        ]
+        assert len(changed) <= 1
+        assert [line.replace("[", " ").replace("]", " ") for line in after] == before
+
+
+async def test_the_header_tells_how_far_it_is() -> None:
+    async with sitting(studied.welcome(studied.started()), size=(120, 40)) as seat:
+        assert "asked 0/4" in seat.text("Status")
+        await seat.tell(studied.answered("pleasant", 3.0))
+        assert "asked 1/4" in seat.text("Status")
+        assert "pleasant" not in seat.text("Events")
+        await seat.tell(studied.ended(reason="declined", count=1))
+        assert "asked" not in seat.text("Status")
+        assert "declined" in seat.text("Events")
+
+
+async def test_the_sheet_says_nothing_before_it_is_put_together() -> None:
+    sheet = Sheet(lambda request, reply: None, lambda: 0, ASCII)
+    sheet.follow(None, [("Please wait.", "strong")])
+    assert sheet.taken is None
+
+
+def test_items_of_another_version_are_left_out() -> None:
+    assert questionnaires_of([1, {"name": ""}, {"name": "x", "items": 3}]) == (Questionnaire("x"),)
+    assert questionnaires_of("none") == ()
+    (item,) = items_of([{"name": "x", "low": 5, "high": 2, "ends": 3}, "y"])
+    assert (item.low, item.high, item.ends) == (5, 5, ("", ""))

@@ -1,0 +1,233 @@
+"""One way through a questionnaire, without a screen."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.console import studied
+from woz_tui.console.study.questions import Answer, Asked, Item, Questionnaire, items_of
+from woz_tui.console.study.round import Page, Round
+from woz_tui.core.requests import AskAnswer, AskQuestionnaire
+
+KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
+KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]
+
+
+@dataclass
+class Sitting:
+    """A round with what it has sent, and a clock that a test turns."""
+
+    items: tuple[Item, ...] = items_of(studied.SCALES)
+    sent: list[AskAnswer | AskQuestionnaire] = field(default_factory=list)
+    now: int = 0
+    answers: dict[str, Answer] = field(default_factory=dict)
+
+    def __post_init__(self) -> None:
+        self.asked = Asked(Questionnaire("robot", "You", items=self.items), self.answers)
+        self.taken = Round(self.asked, self.sent.append, lambda: self.now)
+
+    def press(self, *keys: str) -> None:
+        for key in keys:
+            self.taken.key(key)
+
+    def page(self) -> Page:
+        return self.taken.page
+
+    def value(self, item: str) -> int | None:
+        answer = self.asked.answers.get(item)
+        return None if answer is None else answer.value
+
+
+def scale(low: int, high: int, *, optional: bool = False) -> Sitting:
+    return Sitting((Item("one", "One?", low, high, optional=optional), Item("two", "Two?", 1, 5)))
+
+
+def test_it_begins_with_an_introduction_and_goes_through_all_items() -> None:
+    seat = Sitting()
+    assert seat.page() is Page.INTRODUCTION
+    seat.press("enter", "6", "1", "0", "enter", "4", "2", "enter")
+    seat.taken.write("nothing else")
+    assert seat.page() is Page.SUMMARY
+    seat.press("enter")
+    assert [type(sent).__name__ for sent in seat.sent] == ["AskAnswer"] * 4 + ["AskQuestionnaire"]
+    values = [sent.value for sent in seat.sent if isinstance(sent, AskAnswer)]
+    assert values == [6.0, 10.0, 42.0, None]
+    last = seat.sent[-1]
+    assert isinstance(last, AskQuestionnaire)
+    assert last.what == "done"
+
+
+def test_an_answer_is_timed_from_its_item_on() -> None:
+    seat = Sitting()
+    seat.now = 5_000_000
+    seat.press("enter")
+    seat.now = 7_300_000
+    seat.press("3")
+    sent = seat.sent[0]
+    assert isinstance(sent, AskAnswer)
+    assert sent.answered_us == 2_300_000
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "keys", "value"),
+    [
+        (1, 7, "4", 4),
+        (0, 10, ["7", "enter"], 7),
+        (0, 10, ["1", "0", "enter"], 10),
+        (0, 10, ["1", "enter"], 1),
+        (1, 10, ["1", "backspace", "9", "enter"], 9),
+        (0, 100, ["7", "enter"], 7),
+        (0, 100, ["7", "3", "enter"], 73),
+        (0, 100, ["1", "0", "0", "enter"], 100),
+        (-3, 3, ["-", "2", "enter"], -2),
+        (-3, 3, ["2", "enter"], 2),
+        (-20, 20, ["-", "1", "enter"], -1),
+        (1, 7, ["right", "right", "enter"], 2),
+        (1, 7, ["left", "enter"], 7),
+        (1, 7, ["end", "right", "enter"], 7),
+        (0, 100, ["home", "pageup", "right", "enter"], 11),
+    ],
+)
+def test_numbers_are_typed_or_reached_with_arrows(
+    low: int, high: int, keys: str | list[str], value: int
+) -> None:
+    seat = scale(low, high)
+    seat.press("enter", *keys)
+    assert seat.value("one") == value
+    assert seat.taken.position == 1
+
+
+def test_a_number_that_is_not_on_the_scale_is_not_taken() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "9")
+    assert seat.value("one") is None
+    assert "from 1 to 7" in seat.taken.complaint
+    seat.press("enter")
+    assert seat.value("one") is None
+    assert seat.sent == []
+
+
+def test_only_what_is_optional_can_be_left_out() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "tab")
+    assert "wants an answer" in seat.taken.complaint
+    assert seat.sent == []
+    seat = scale(1, 7, optional=True)
+    seat.press("enter", "tab")
+    sent = seat.sent[0]
+    assert isinstance(sent, AskAnswer)
+    assert (sent.skipped, sent.value) == (True, None)
+    assert seat.taken.position == 1
+
+
+def test_an_enter_too_many_leaves_nothing_out() -> None:
+    seat = scale(1, 7, optional=True)
+    seat.press("enter", "enter", "enter")
+    assert (seat.taken.position, seat.sent) == (0, [])
+    assert "tab leaves it out" in seat.taken.complaint
+
+
+def test_an_empty_text_is_left_out_only_where_it_may_be() -> None:
+    seat = Sitting(
+        (Item("why", "Why?", text=True), Item("else", "Else?", text=True, optional=True))
+    )
+    seat.press("enter")
+    seat.taken.write("   ")
+    assert seat.sent == []
+    seat.taken.write(" because ")
+    seat.taken.write("")
+    first, second = seat.sent
+    assert isinstance(first, AskAnswer)
+    assert isinstance(second, AskAnswer)
+    assert first.text == "because"
+    assert second.skipped
+
+
+def test_back_shows_the_answer_and_a_new_one_replaces_it() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "3", "up")
+    assert (seat.taken.position, seat.taken.mark) == (0, 3)
+    seat.press("down")
+    assert seat.taken.position == 1
+    seat.press("backspace", "5")
+    assert seat.value("one") == 5
+    assert [sent.value for sent in seat.sent if isinstance(sent, AskAnswer)] == [3.0, 5.0]
+
+
+def test_nobody_goes_past_a_question_without_an_answer() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "down")
+    assert seat.taken.position == 0
+    assert seat.taken.complaint
+
+
+def test_a_line_of_the_summary_is_changed_and_the_summary_comes_back() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "3", "4")
+    assert seat.page() is Page.SUMMARY
+    seat.press("up", "up", "enter")
+    assert (seat.page(), seat.taken.position) == (Page.ITEM, 0)
+    seat.press("7")
+    assert seat.page() is Page.SUMMARY
+    assert seat.value("one") == 7
+
+
+def test_to_decline_is_asked_about_first() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "ctrl+d", "n")
+    assert (seat.page(), seat.sent) == (Page.ITEM, [])
+    seat.press("ctrl+d", "y")
+    sent = seat.sent[0]
+    assert isinstance(sent, AskQuestionnaire)
+    assert sent.what == "declined"
+
+
+def test_it_goes_on_where_it_was() -> None:
+    seat = Sitting(answers={"pleasant": Answer(4), "again": Answer(skipped=True)})
+    assert (seat.page(), seat.taken.position) == (Page.ITEM, 2)
+
+
+def test_what_was_not_confirmed_goes_out_again_after_a_lost_line() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "3", "4")
+    first, second = seat.sent
+    assert isinstance(first, AskAnswer)
+    seat.taken.confirmed(first)
+    again = Asked(seat.asked.questionnaire, {"one": Answer(3)})
+    seat.taken.go_on(again)
+    assert seat.sent == [first, second, second]
+    assert again.answers == {"one": Answer(3), "two": Answer(4)}
+
+
+def test_a_refused_answer_opens_its_item_again() -> None:
+    seat = scale(1, 7)
+    seat.press("enter", "3")
+    sent = seat.sent[0]
+    assert isinstance(sent, AskAnswer)
+    seat.taken.refused(sent, "no")
+    assert (seat.taken.position, seat.taken.complaint, seat.value("one")) == (0, "no", None)
+
+
+@settings(max_examples=150, deadline=None)
+@given(st.lists(st.sampled_from(KEYS), max_size=60))
+def test_no_keys_bring_it_off_its_way(keys: list[str]) -> None:
+    seat = Sitting()
+    for key in keys:
+        if seat.taken.writes and key == "enter":
+            seat.taken.write("words")
+        else:
+            seat.press(key)
+        assert 0 <= seat.taken.position <= len(seat.items)
+    by_name = {item.name: item for item in seat.items}
+    for sent in seat.sent:
+        if isinstance(sent, AskAnswer):
+            item = by_name[sent.item]
+            assert not sent.skipped or item.optional
+            assert sent.value is None or item.low <= sent.value <= item.high
+        elif sent.what == "done":
+            open_items = [item for item in seat.items if item.name not in seat.asked.answers]
+            assert not open_items

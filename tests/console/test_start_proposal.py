@@ -1,0 +1,144 @@
+"""The start dialog in an experiment with a design: the order is proposed."""
+
+from __future__ import annotations
+
+import pytest
+from textual.widgets import Input
+
+from tests.console import scenes, studied
+from tests.console.dialogs import opened
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.screens.start import proposal_of
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+WHY = "row 1 was given to 2 participants so far, row 0 to 3"
+DATA: dict[str, m.Json] = {
+    "order": ["cold", "warm"],
+    "method": "latin-square",
+    "row": 1,
+    "why": WHY,
+    "condition": "cold",
+    "trial": 1,
+    "planned": 4,
+}
+
+
+def propose(seat: Sitting, **other: m.Json) -> None:
+    seat.feed.answers[r.AskProposal] = lambda asked, ref: r.Reply(
+        ref=ref, ok=True, data={**DATA, **other}
+    )
+
+
+async def named(seat: Sitting, code: str = "P08") -> None:
+    """Open the dialog and write another code."""
+    await opened(seat, "StartDialog")
+    field = seat.console.screen.query_one("#participant", Input)
+    field.value = ""
+    await seat.type(code)
+    await seat.settle()
+
+
+def last(seat: Sitting) -> r.AskAssign:
+    asked = seat.feed.last(r.AskAssign)
+    assert isinstance(asked, r.AskAssign)
+    return asked
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_a_code_brings_its_order_and_enter_accepts_it(size: tuple[int, int]) -> None:
+    async with sitting(studied.welcome(), size=size) as seat:
+        propose(seat)
+        await named(seat)
+        asked = seat.feed.last(r.AskProposal)
+        assert isinstance(asked, r.AskProposal)
+        assert asked.participant == "P08"
+        drawn = seat.drawn()
+        for part in ("1. cold", "2. warm", "next: trial 1 in cold", "latin-square", "so far"):
+            assert part in drawn, part
+        await seat.press("enter")
+        assert (last(seat).participant, last(seat).order) == ("P08", ["cold", "warm"])
+        assert seat.feed.last(r.AskSet) is None
+        assert seat.console.dialog is None
+
+
+async def test_an_incomplete_code_asks_for_nothing() -> None:
+    async with sitting(studied.welcome()) as seat:
+        propose(seat)
+        await named(seat, "P0")
+        codes = {asked.participant for asked in seat.feed.asked if isinstance(asked, r.AskProposal)}
+        assert codes == {"P07"}
+        assert "Proposed" not in seat.drawn()
+
+
+async def test_another_order_is_written_by_hand() -> None:
+    async with sitting(studied.welcome()) as seat:
+        propose(seat)
+        await named(seat)
+        order = seat.console.screen.query_one("#order", Input)
+        order.value = "warm, colt"
+        await seat.press("enter")
+        assert "There is no condition 'colt'" in seat.drawn()
+        order.value = "warm, cold"
+        await seat.press("enter")
+        assert last(seat).order == ["warm", "cold"]
+
+
+async def test_who_gets_one_condition_is_offered_a_choice() -> None:
+    async with sitting(studied.welcome()) as seat:
+        propose(seat, order=["cold"])
+        await named(seat)
+        await seat.press("enter")
+        assert last(seat).order == ["cold"]
+
+
+async def test_one_condition_is_chosen_by_hand() -> None:
+    async with sitting(studied.welcome()) as seat:
+        propose(seat, order=["cold"])
+        await named(seat)
+        await seat.press("tab", "up", "enter")
+        await seat.press("tab", "enter")
+        assert last(seat).order == ["warm"]
+
+
+async def test_another_trial_is_set_behind_the_order() -> None:
+    async with sitting(studied.welcome()) as seat:
+        propose(seat, trial=3)
+        await named(seat)
+        trial = seat.console.screen.query_one("#trial", Input)
+        assert trial.value == "3"
+        trial.value = "2"
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert (asked.participant, asked.condition, asked.trial) == (None, None, 2)
+
+
+async def test_a_refused_order_keeps_the_dialog_open() -> None:
+    async with sitting(studied.welcome()) as seat:
+        propose(seat)
+        seat.feed.answers[r.AskAssign] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason="a trial is under way"
+        )
+        await named(seat)
+        await seat.press("enter")
+        assert "a trial is under way" in seat.drawn()
+
+
+async def test_without_a_design_nothing_is_proposed() -> None:
+    async with sitting(scenes.welcome()) as seat:
+        await named(seat)
+        assert seat.feed.last(r.AskProposal) is None
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert (asked.participant, asked.condition) == ("P08", "warm")
+
+
+def test_what_is_no_proposal_is_none() -> None:
+    nothing: list[m.Json] = [None, [], "x", {}, {"order": []}, {"order": 3}]
+    for data in nothing:
+        assert proposal_of(data) is None
+    found = proposal_of({"order": ["a"], "trial": "x", "row": None})
+    assert found is not None
+    assert (found.order, found.trial, found.row) == (("a",), None, -1)

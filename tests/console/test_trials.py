@@ -1,0 +1,217 @@
+"""Trials, breaks and what is offered after them, on the wizard's screen."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.console import scenes, studied
+from tests.console.driving import sitting
+from woz_tui.console.screens.trial import OfferDialog, TrialDialog, stands
+from woz_tui.console.study.picture import Study
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+NOW, SECOND = studied.NOW, studied.SECOND
+
+
+def over(number: int = 3, outcome: str = "done", t: int = NOW) -> m.TrialEnded:
+    return m.TrialEnded(trial=number, outcome=outcome, t=t)
+
+
+async def test_to_begin_and_to_end_a_trial_are_two_keys_each() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await seat.press("asterisk", "b")
+        asked = seat.feed.last(r.AskTrial)
+        assert isinstance(asked, r.AskTrial)
+        assert asked.what == "begin"
+        assert seat.console.dialog is None
+        await seat.tell(studied.trial(1, "warm", ago=0))
+        await seat.press("asterisk", "d")
+        asked = seat.feed.last(r.AskTrial)
+        assert isinstance(asked, r.AskTrial)
+        assert asked.what == "done"
+
+
+async def test_enter_does_what_comes_next() -> None:
+    async with sitting(studied.welcome()) as seat:
+        for message, what in ((studied.trial(ago=0), "begin"), (over(), "done")):
+            await seat.press("asterisk", "enter")
+            asked = seat.feed.last(r.AskTrial)
+            assert isinstance(asked, r.AskTrial)
+            assert asked.what == what
+            await seat.tell(message)
+
+
+@pytest.mark.parametrize(("key", "what"), [("a", "aborted"), ("x", "excluded")])
+async def test_a_trial_that_does_not_count_gets_a_word(key: str, what: str) -> None:
+    async with sitting(studied.welcome(studied.trial())) as seat:
+        await seat.press("asterisk", key)
+        await seat.type("fire alarm")
+        assert seat.feed.last(r.AskTrial) is None
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskTrial)
+        assert isinstance(asked, r.AskTrial)
+        assert (asked.what, asked.text) == (what, "fire alarm")
+
+
+async def test_a_break_and_its_end() -> None:
+    async with sitting(studied.welcome(), size=(120, 40)) as seat:
+        await seat.press("asterisk", "p")
+        await seat.tell(m.BreakStarted(t=NOW))
+        await seat.pass_time(65)
+        assert "break 01:05" in seat.text("Status")
+        await seat.press("asterisk", "r")
+        asked = [request.what for request in seat.feed.asked if isinstance(request, r.AskTrial)]
+        assert asked == ["break", "resume"]
+        await seat.tell(m.BreakEnded(t=NOW + 66 * SECOND))
+        assert "break" not in seat.text("Status")
+
+
+async def test_the_header_counts_trials_and_their_time_without_jumping() -> None:
+    async with sitting(studied.welcome(studied.trial(ago=59)), size=(120, 40)) as seat:
+        first = seat.text("Status").splitlines()[0]
+        assert "trial 3 of 4 00:59" in first
+        await seat.pass_time(62)
+        second = seat.text("Status").splitlines()[0]
+        assert "trial 3 of 4 02:01" in second
+        assert first.index("session") == second.index("session")
+
+
+async def test_a_small_screen_has_the_trial_too() -> None:
+    async with sitting(studied.welcome(studied.trial())) as seat:
+        assert "trial 3/4 02:41" in seat.text("Status")
+        assert "cold" in seat.text("Status")
+
+
+async def test_what_a_trial_demands_is_offered_when_it_is_done() -> None:
+    async with sitting(studied.welcome(studied.trial())) as seat:
+
+        def done(asked: r.AnyRequest, ref: int) -> r.Reply:
+            seat.feed.deliver(over())
+            return r.Reply(ref=ref, ok=True)
+
+        seat.feed.answers[r.AskTrial] = done
+        await seat.press("asterisk", "d")
+        await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+        await seat.settle()
+        assert "This visit" in seat.drawn()
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskQuestionnaire)
+        assert isinstance(asked, r.AskQuestionnaire)
+        assert (asked.questionnaire, asked.what) == ("quick", "begin")
+
+
+async def test_at_the_participants_terminal_the_wizard_goes_on_playing() -> None:
+    there = m.ConsoleAttached(console="con2", role="participant", t=NOW)
+    async with sitting(studied.welcome(there)) as seat:
+        await seat.press("asterisk", "1")
+        await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+        await seat.settle()
+        await seat.press("down", "enter")
+        assert seat.feed.last(r.AskQuestionnaire) is not None
+        await seat.tell(studied.started())
+        assert seat.console.dialog is None
+
+
+async def test_a_refusal_is_told() -> None:
+    async with sitting(studied.welcome()) as seat:
+        seat.feed.answers[r.AskTrial] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason="no condition is set", hint="choose the order first"
+        )
+        await seat.press("asterisk", "b")
+        assert "no condition is set" in seat.text("StopBar")
+
+
+async def test_what_was_not_ticked_is_told_with_the_first_trial() -> None:
+    async with sitting(studied.welcome(), size=(160, 50)) as seat:
+        await seat.tell(studied.trial(1, "warm", ago=0))
+        assert "not ticked in the preflight" in seat.text("StopBar")
+        assert studied.CHECKS[0] in seat.text("StopBar")
+        assert seat.console.dialog is None
+
+
+async def test_a_console_that_comes_later_is_told_no_old_news() -> None:
+    async with sitting(studied.welcome(studied.trial())) as seat:
+        assert "not ticked" not in seat.text("StopBar")
+
+
+async def test_the_dialog_shows_the_order_and_a_time_that_goes_on() -> None:
+    async with sitting(studied.welcome(studied.trial())) as seat:
+        await seat.press("asterisk")
+        assert isinstance(seat.console.dialog, TrialDialog)
+        assert "trial 3 of 4, 02:41" in seat.drawn()
+        assert "2. cold" in seat.drawn()
+        await seat.pass_time(2)
+        assert "trial 3 of 4, 02:43" in seat.drawn()
+
+
+async def test_leaving_offers_what_is_asked_at_the_end_first() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await seat.press("ctrl+q", "down", "down", "enter")
+        await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+        await seat.settle()
+        assert "You and the robot" in seat.drawn()
+        assert seat.feed.last(r.AskEnd) is None
+        await seat.press("down", "enter")
+        assert seat.feed.last(r.AskEnd) is not None
+
+
+async def test_what_was_declined_is_not_offered_again() -> None:
+    async with sitting(studied.welcome(studied.ended(reason="declined"))) as seat:
+        await seat.press("ctrl+q", "down", "down", "enter")
+        assert seat.feed.last(r.AskEnd) is not None
+
+
+# -- what follows from the messages ---------------------------------------------------------------
+
+
+def study(*messages: m.Message, **told: m.Json) -> Study:
+    made = Study()
+    made.tell(studied.told(**told))
+    for message in (scenes.start(), studied.assigned(), *messages):
+        made.take(message)
+    return made
+
+
+@pytest.mark.parametrize(
+    ("number", "outcome", "due"),
+    [
+        (1, "done", ["each"]),
+        (2, "done", ["each", "block"]),
+        (2, "excluded", ["block"]),
+        (2, "aborted", []),
+        (4, "done", ["each", "block", "last"]),
+    ],
+)
+def test_what_is_due_after_a_trial(number: int, outcome: str, due: list[str]) -> None:
+    whens = {"each": "trial", "block": "condition", "last": "end", "own": "hand"}
+    listed: list[m.Json] = [{"name": name, "when": when} for name, when in whens.items()]
+    made = study(studied.trial(number), over(number, outcome), questionnaires=listed)
+    assert made.due == due
+    made.take(studied.trial(number + 1))
+    assert made.due == []
+
+
+def test_what_was_left_stays_due_and_what_was_answered_does_not() -> None:
+    made = study(studied.trial(1), over(1))
+    made.take(studied.started(studied.QUICK))
+    made.take(studied.ended("quick", "left"))
+    assert made.due == ["quick"]
+    made.take(studied.ended("quick"))
+    assert made.due == []
+
+
+def test_another_participant_begins_anew() -> None:
+    made = study(studied.trial(1), over(1), studied.ended())
+    assert made.open_at_end() == []
+    made.take(m.SessionChanged(participant="P08", t=NOW))
+    assert (made.order, made.planned, made.due, made.last) == ((), 0, [], None)
+    assert made.open_at_end() == ["robot"]
+
+
+def test_where_a_session_stands_in_words() -> None:
+    assert stands(Study(), NOW) == "no trial yet"
+    assert stands(study(), NOW) == "no trial yet, 4 planned"
+    assert (
+        stands(study(studied.trial(2), over(2, "aborted")), NOW) == "trial 2 of 4 is over: aborted"
+    )

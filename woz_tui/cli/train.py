@@ -146,13 +146,11 @@ def _print(scores: Sequence[Score]) -> None:
     from rich.table import Table  # noqa: PLC0415
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("wizard")
+    table.add_column("wizard", no_wrap=True)
     table.add_column("when (UTC)", no_wrap=True)
-    table.add_column("experiment", overflow="ellipsis")
-    for name in ("cues", "right", "wrong", "missed", "uncalled"):
-        table.add_column(name, justify="right")
-    for name in ("median", "p95"):
-        table.add_column(f"{name}", justify="right", no_wrap=True)
+    table.add_column("experiment", no_wrap=True, overflow="ellipsis", ratio=1)
+    for name in ("cues", "right", "wrong", "missed", "uncalled", "median", "p95"):
+        table.add_column(name, justify="right", no_wrap=True)
     for score in scores:
         table.add_row(*_row(score))
     Console(highlight=False).print(table)
@@ -175,4 +173,4 @@ def _row(score: Score) -> tuple[str, ...]:
 
 
 def _seconds(microseconds: float | None) -> str:
-    return "-" if microseconds is None else f"{microseconds / 1_000_000:.2f} s"
+    return "-" if microseconds is None else f"{microseconds / 1_000_000:.2f}s"

@@ -146,11 +146,11 @@ def _print(scores: Sequence[Score]) -> None:
     from rich.table import Table  # noqa: PLC0415
 
     table = Table(box=None, pad_edge=False, header_style="bold")
-    table.add_column("wizard", no_wrap=True)
-    table.add_column("when (UTC)", no_wrap=True)
-    table.add_column("experiment", no_wrap=True, overflow="ellipsis", ratio=1)
+    table.add_column("wizard", no_wrap=True, min_width=6)
+    table.add_column("when (UTC)", no_wrap=True, min_width=16)
+    table.add_column("experiment", no_wrap=True, overflow="ellipsis")
     for name in ("cues", "right", "wrong", "missed", "uncalled", "median", "p95"):
-        table.add_column(name, justify="right", no_wrap=True)
+        table.add_column(name, justify="right", no_wrap=True, min_width=len(name))
     for score in scores:
         table.add_row(*_row(score))
     Console(highlight=False).print(table)

@@ -123,6 +123,7 @@ def demo(
     experiment: str = "demo",
     watch: Callable[[Session], None] = lambda session: None,
     who: Identity = WARM,
+    *,
     log: Path | None = None,
 ) -> Welcome:
     """What a console is told that attaches at `moment`; `watch` gets the session as it begins, and
@@ -130,7 +131,7 @@ def demo(
     """
     file = EXPERIMENTS / f"{experiment}.yaml"
     with tempfile.TemporaryDirectory() as folder:
-        return run_virtual(_demo(steps, moment, file, watch, who, log or Path(folder)))
+        return run_virtual(_demo(steps, moment, file, watch, who, log=log or Path(folder)))
 
 
 async def _demo(
@@ -139,6 +140,7 @@ async def _demo(
     file: Path,
     watch: Callable[[Session], None],
     who: Identity,
+    *,
     log: Path,
 ) -> Welcome:
     loop = asyncio.get_running_loop()

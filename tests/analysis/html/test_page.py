@@ -189,9 +189,14 @@ def test_figures_stand_in_the_page_as_they_were_found(text: str, tmp_path: Path)
 def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
     (tmp_path / "report.html").write_text("old")
     (tmp_path / ".report.html.part").mkdir()
-    with pytest.raises(OSError, match="part"):
+    with pytest.raises(OSError, match="report.html'$"):
         write([Story().report(tmp_path)], tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text() == "old"
+
+
+def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
+    with pytest.raises(OSError, match="missing/report.html'$"):
+        write([Story().report(tmp_path)], tmp_path / "missing" / "report.html")
 
 
 def test_writing_leaves_one_file(tmp_path: Path) -> None:

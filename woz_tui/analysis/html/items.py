@@ -17,6 +17,8 @@ from woz_tui.sensing.machine import ENGAGED
 POINTS = 1500
 #: A curve goes on over pauses of up to this, in microseconds.
 _PAUSE = 1_000_000
+#: What the detail of an interval is called.
+_DETAILS = {"state": "why", "trial": "condition", "stop": "reach"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -84,10 +86,10 @@ def _facts(thing: Interval) -> Iterator[tuple[str, str]]:
     if thing.sort != "action":  # whose outcome is its sort
         yield from _stated(outcome=thing.outcome)
     if thing.sort != "speech":  # whose detail is its label
-        yield from _stated(detail=thing.detail)
+        yield from _stated(**{_DETAILS.get(thing.sort, "detail"): thing.detail})
     yield from _stated(source=thing.source)
     if thing.cut:
-        yield "end", "not in the log"
+        yield "end", "not in the log: drawn to its last moment"
     yield from _stated(run=thing.run)
 
 

@@ -41,6 +41,11 @@ def percent(share: float | None) -> str:
     return DASH if share is None else f"{share * 100:.1f} %"
 
 
+def counted(number: int, what: str) -> str:
+    """`1 row`, `2 rows`."""
+    return f"{number} {what}" if number == 1 else f"{number} {what}s"
+
+
 def value(number: float | None) -> str:
     """What a column is sorted by: the number itself; empty: there is none."""
     return "" if number is None else f"{number:g}"

@@ -8,6 +8,7 @@ from __future__ import annotations
 import base64
 import hashlib
 from collections.abc import Sequence
+from contextlib import suppress
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -36,8 +37,11 @@ def write(reports: Sequence[Report], path: Path) -> None:
     try:
         draft.write_text(render(reports), encoding="utf-8")
         draft.replace(path)
-    except OSError:
-        draft.unlink(missing_ok=True)
+    except OSError as error:
+        with suppress(OSError):
+            draft.unlink(missing_ok=True)
+        # Nobody asked for the draft: what cannot be written is the page.
+        error.filename, error.filename2 = str(path), None
         raise
 
 

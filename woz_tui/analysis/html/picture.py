@@ -13,7 +13,7 @@ from woz_tui.analysis.timeline import Curve, Timeline
 
 WIDTH, GUTTER, RIGHT = 960, 150, 10
 RULER, ROW, GAP, CURVE = 22, 18, 5, 46
-_LETTER = 6.1
+_LETTER = 6.7
 #: Points of a curve in the picture: one for each pixel or two.
 _POINTS = 500
 #: Distances between the ruler's ticks, in seconds.

@@ -10,7 +10,7 @@ from woz_tui.analysis.html import tables
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.items import Item, Row, by_time, page_data, rows
 from woz_tui.analysis.html.markup import Child, Markup, json_block, said, tag
-from woz_tui.analysis.html.numbers import DASH, calendar, clock, duration, percent
+from woz_tui.analysis.html.numbers import DASH, calendar, clock, counted, duration, percent
 from woz_tui.analysis.html.picture import picture
 from woz_tui.analysis.html.plots import distribution, transitions
 from woz_tui.analysis.html.sorts import SORTS, swatch
@@ -70,7 +70,7 @@ def section(entry: Entry, *, every_event: bool) -> Markup:
     """The session; `every_event`: the list of events is whole without a script, too."""
     figures = entry.figures
     damage = figures.wholeness.sentences
-    brief = f"{clock(figures.duration_us)}, {figures.whole.acts} acts"
+    brief = f"{clock(figures.duration_us)}, {counted(figures.whole.acts, 'act')}"
     summary = tag(
         "summary",
         tag("h2", said(entry.title), id=f"{entry.name}-title"),
@@ -140,15 +140,15 @@ def _tiles(figures: SessionFigures) -> Iterator[Markup]:
     yield _tile("press", duration(whole.press.median), f"p95 {duration(whole.press.p95)}")
     if whole.engagement.share is not None:
         episodes = whole.engagement.episodes
-        more = f"{episodes.n} episodes, median {duration(episodes.median)}"
+        more = f"{counted(episodes.n, 'episode')}, median {duration(episodes.median)}"
         yield _tile("engaged", percent(whole.engagement.share), more)
     yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of acts")
     ends = whole.outcomes
     more = f"actions failed: {ends.failed}, refused: {ends.refused}"
     yield _tile("stops", str(len(figures.stops)), more)
     if figures.trials:
-        counted = sum(trial.counted for trial in figures.trials)
-        yield _tile("trials", str(counted), f"of {len(figures.trials)} begun")
+        number = sum(trial.counted for trial in figures.trials)
+        yield _tile("trials", str(number), f"of {len(figures.trials)} begun")
 
 
 def _rate(number: float | None) -> str:

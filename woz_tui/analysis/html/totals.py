@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from woz_tui.analysis.groups import Grouped, Total
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
-from woz_tui.analysis.html.numbers import DASH
+from woz_tui.analysis.html.numbers import DASH, counted
 from woz_tui.analysis.html.tables import table
 from woz_tui.analysis.measures import BY_NAME, Measure
 from woz_tui.analysis.report import Report
@@ -35,7 +35,7 @@ def _measures(grouped: Grouped, experiment: str, name: str) -> Markup | None:
     found = grouped.totals(experiment)
     heads: list[Child] = ["Figure"]
     for each in found:
-        who = f" ({_counted(each.participants, 'participant')}, {_counted(each.rows, 'row')})"
+        who = f" ({counted(each.participants, 'participant')}, {counted(each.rows, 'row')})"
         heads.append([said(each.condition or "no condition"), tag("small", who)])
     rows = [
         [_title(BY_NAME[shown]), *(_cell(each.values[shown], BY_NAME[shown]) for each in found)]
@@ -63,10 +63,6 @@ def _items(grouped: Grouped, experiment: str, name: str) -> Markup | None:
     ]
     heads = ["Question", "Questionnaire", *(said(one or "no condition") for one in conditions)]
     return table(f"{name}Questionnaires by condition: mean ± SD (n participants)", heads, rows)
-
-
-def _counted(number: int, what: str) -> str:
-    return f"{number} {what}" if number == 1 else f"{number} {what}s"
 
 
 def _title(measure: Measure) -> Markup:

@@ -2,7 +2,7 @@
 // does the symbol, for those who see colours differently and for black and white print.
 
 const SYMBOL = 11;
-const LETTER = 6.1;
+const LETTER = 6.7;
 
 // Sorts that have a symbol. The others need none: it would only repeat what the lane says.
 const MARKED = new Set([...document.querySelectorAll("symbol")].map((one) => one.id.slice(2)));

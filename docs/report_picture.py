@@ -1,0 +1,71 @@
+"""Draws the picture of the HTML report: `python -m docs.report_picture [file]`.
+
+A minute of the demo is played in virtual time and recorded; a browser without a window opens the
+report of its log. Needs the programs chromium and chromedriver.
+"""
+
+from __future__ import annotations
+
+import base64
+import io
+import shutil
+import sys
+import tempfile
+from pathlib import Path
+
+from PIL import Image
+
+from docs import demo_session
+from tests.analysis.html.browser import Page, browser
+from woz_tui.analysis.html.items import rows
+from woz_tui.analysis.html.page import write
+from woz_tui.analysis.report import Report
+from woz_tui.analysis.session import Wanted, examine
+
+FILE = Path(__file__).parent / "images" / "report.png"
+STEM = "2026-03-01T10-00-00_P07_S01"
+WIDTH, HEIGHT = 1280, 960
+#: The action that is pointed at.
+SHOWN = "Welcome"
+
+
+def recorded(folder: Path) -> Report:
+    """What is found out about a minute of the demo."""
+    demo_session.demo(demo_session.WORKING, log=folder)
+    for path in folder.glob("demo*.jsonl"):
+        path.rename(path.with_name(path.name.replace("demo", STEM)))
+    return examine(folder / f"{STEM}.jsonl", wanted=Wanted(timeline=True, curves=True))
+
+
+def shot(page: Page, report: Report, folder: Path) -> bytes:
+    """The report's upper part, with the details of one action, as PNG."""
+    write([report], folder / "report.html")
+    assert report.timeline is not None
+    items = [item for row in rows(report.timeline) for item in row.items]
+    number = next(item.number for item in items if item.label == SHOWN)
+    page.size(WIDTH, HEIGHT)
+    page.driver.execute_cdp_cmd("Emulation.setScrollbarsHidden", {"hidden": True})
+    page.open(folder / "report.html", f"#t=0-{report.timeline.duration_us / 1e6}&n={number}")
+    page.run("scrollTo(0, 0)")
+    page.view()
+    taken = page.driver.execute_cdp_cmd("Page.captureScreenshot", {"format": "png"})
+    return base64.b64decode(taken["data"])
+
+
+def main() -> None:
+    """Draw it."""
+    missing = [name for name in ("chromium", "chromedriver") if shutil.which(name) is None]
+    if missing:
+        sys.exit(f"Needs {' and '.join(missing)}: sudo apt-get install chromium chromium-driver")
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        (folder / "profile").mkdir()
+        report = recorded(folder)
+        with browser(folder / "profile") as page:
+            picture = Image.open(io.BytesIO(shot(page, report, folder)))
+    file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE
+    picture.convert("RGB").save(file, optimize=True)
+
+
+if __name__ == "__main__":
+    main()

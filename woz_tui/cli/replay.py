@@ -14,8 +14,11 @@ from woz_tui.cli.failure import explained
 if TYPE_CHECKING:
     from woz_tui.console.replay.app import ReplayConsole
     from woz_tui.core.messages import SessionPlan
+    from woz_tui.experiment.shape import Experiment
+    from woz_tui.plugins import Catalogue
     from woz_tui.record.index import LogIndex
     from woz_tui.replay.feed import ReplayFeed
+    from woz_tui.replay.origin import Origin
 
 #: Lines of a difference that are shown at most; the rest is counted.
 DIFFERENCE = 200
@@ -103,7 +106,7 @@ def _show(arguments: argparse.Namespace) -> int:
     try:
         path = chosen(arguments.file)
         with opened(path) as index:
-            feed = _feed(index, path, arguments)
+            feed = feed_of(index, path, arguments)
             if feed is None:
                 return 1
             _, code = screen.run_console(_console(feed))
@@ -114,7 +117,7 @@ def _show(arguments: argparse.Namespace) -> int:
         return 1
 
 
-def _feed(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
+def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> ReplayFeed | None:
     """What plays the log; None after saying what stands against it."""
     from woz_tui.replay.feed import ReplayFeed  # noqa: PLC0415
     from woz_tui.replay.opened import IndexedSamples, has_beginning, notes_of  # noqa: PLC0415
@@ -151,7 +154,6 @@ def _experiment(
     An experiment that is not there any more stands against nothing: the log has what is needed.
     """
     from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
-    from woz_tui.host.plan import Shown, plan_of  # noqa: PLC0415
     from woz_tui.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import origin  # noqa: PLC0415
     from woz_tui.replay.opened import origin_of  # noqa: PLC0415
@@ -159,10 +161,9 @@ def _experiment(
     told = origin_of(index.actions)
     catalogue = installed()
     try:
-        given = arguments.experiment or _bundled(path, told.name)
-        experiment = origin.find(path, told, catalogue, given)
+        experiment = origin.find(path, told, catalogue, arguments.experiment)
     except origin.OriginError:
-        return None, []
+        return _bundled_plan(told, catalogue), []
     except ExperimentError as error:
         return None, [
             *map(str, error.problems),
@@ -170,8 +171,7 @@ def _experiment(
         ]
     changed = origin.differences(told, experiment)
     if not changed:
-        shown = Shown(experiment, catalogue, values=dict(experiment.variables))
-        return plan_of(shown), []
+        return _plan(experiment, catalogue), []
     more = len(changed) - DIFFERENCE
     return None, [
         f"woz: {experiment.path} has changed since the session was played:",
@@ -180,13 +180,27 @@ def _experiment(
     ]
 
 
-def _bundled(log: Path, name: str) -> Path | None:
-    """The experiment of this name that comes with woz-tui, if there is none near the log."""
+def _bundled_plan(told: Origin, catalogue: Catalogue) -> SessionPlan | None:
+    """What the experiment of this name shows that comes with woz-tui, if it is the very same."""
     from woz_tui.cli.demo import demo_file  # noqa: PLC0415
-    from woz_tui.replay.origin import places  # noqa: PLC0415
+    from woz_tui.experiment.decode import load  # noqa: PLC0415
+    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
 
-    name = Path(name).name
-    return demo_file(name) if name and not places(log, name) else None
+    file = demo_file(Path(told.name).name) if told.name else None
+    if file is None:
+        return None
+    try:
+        experiment = load(file, catalogue)
+    except ExperimentError:
+        return None
+    return _plan(experiment, catalogue) if told.made_with(experiment) else None
+
+
+def _plan(experiment: Experiment, catalogue: Catalogue) -> SessionPlan:
+    """What it shows."""
+    from woz_tui.host.plan import Shown, plan_of  # noqa: PLC0415
+
+    return plan_of(Shown(experiment, catalogue, values=dict(experiment.variables)))
 
 
 def _console(feed: ReplayFeed) -> ReplayConsole:

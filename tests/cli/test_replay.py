@@ -1,0 +1,192 @@
+from __future__ import annotations
+
+import argparse
+import io
+import sys
+from pathlib import Path
+
+import msgspec
+import pytest
+
+from tests.replay.logs import SECOND, START, story
+from tests.replay.test_opened import written
+from woz_tui.cli import main, replay
+from woz_tui.core import messages as m
+from woz_tui.core.requests import Welcome
+from woz_tui.experiment.decode import load
+from woz_tui.plugins import installed
+from woz_tui.replay.feed import ReplayFeed
+from woz_tui.replay.opened import opened
+from woz_tui.replay.places import PlaceError
+from woz_tui.session.beginning import experiment_files
+
+GUIDE = """\
+title: Guide
+robot: simulated
+panels:
+  - title: Speech
+    actions:
+      - {key: h, label: Hello, say: Hello}
+      - {key: b, label: Bye, say: Bye}
+"""
+
+
+def arguments(*words: str) -> argparse.Namespace:
+    parser = argparse.ArgumentParser()
+    replay.add(parser)
+    return parser.parse_args(words)
+
+
+def log(folder: Path, *, schema: int = 2) -> Path:
+    """A log beside its experiment; one of schema 1 does not hold it."""
+    (folder / "tale.yaml").write_text(GUIDE, encoding="utf-8")
+    read = load(folder / "tale.yaml", installed())
+    start = msgspec.structs.replace(
+        START, experiment="tale.yaml", experiment_sha256=read.sha256, seq=0, t=0, schema=schema
+    )
+    rest = [each for each in story()[1:] if schema > 1 or not isinstance(each, m.SessionPlan)]
+    kept = msgspec.structs.replace(experiment_files(read), seq=900, t=1)
+    return written(folder, [start, *rest, *([kept] if schema > 1 else [])])
+
+
+def shown(path: Path, *words: str) -> ReplayFeed | None:
+    given = arguments(str(path), *words)
+    with opened(path) as index:
+        return replay.feed_of(index, path, given)
+
+
+def title(feed: ReplayFeed | None) -> tuple[str, list[str]]:
+    assert feed is not None
+    first = feed._player.begin(0)[0]
+    assert isinstance(first, Welcome)
+    return first.title, [action.label for panel in first.panels for action in panel.actions]
+
+
+def test_without_a_terminal_it_refuses(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(sys, "stdin", io.StringIO())
+    assert main(["replay", str(log(tmp_path))]) == 2
+    assert capsys.readouterr().err.startswith("woz: ")
+
+
+def test_a_log_beside_its_experiment_is_shown(tmp_path: Path) -> None:
+    assert title(shown(log(tmp_path))) == ("Museum guide", ["Hello", "Go"])
+
+
+def test_an_old_log_shows_the_experiment_as_it_still_is(tmp_path: Path) -> None:
+    assert title(shown(log(tmp_path, schema=1))) == ("Guide", ["Hello", "Bye"])
+
+
+def test_an_old_log_without_its_experiment_shows_what_was_played(tmp_path: Path) -> None:
+    path = log(tmp_path, schema=1)
+    (tmp_path / "tale.yaml").unlink()
+    assert title(shown(path)) == ("tale", ["Hello", "Go"])
+
+
+def test_an_experiment_that_is_gone_stands_against_nothing(tmp_path: Path) -> None:
+    path = log(tmp_path)
+    (tmp_path / "tale.yaml").unlink()
+    assert title(shown(path)) == ("Museum guide", ["Hello", "Go"])
+
+
+def test_a_changed_experiment_is_refused_with_what_has_changed(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = log(tmp_path)
+    file = tmp_path / "tale.yaml"
+    file.write_text(GUIDE.replace("say: Bye", "say: Goodbye"), encoding="utf-8")
+    assert shown(path) is None
+    said = capsys.readouterr().err
+    assert "tale.yaml has changed since the session was played" in said
+    assert "-      - {key: b, label: Bye, say: Bye}" in said
+    assert "+      - {key: b, label: Bye, say: Goodbye}" in said
+    assert "--changed" in said
+    assert title(shown(path, "--changed")) == ("Museum guide", ["Hello", "Go"])
+
+
+def test_of_an_old_log_only_the_hashes_can_be_compared(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = log(tmp_path, schema=1)
+    (tmp_path / "tale.yaml").write_text(GUIDE + "# edited\n", encoding="utf-8")
+    assert shown(path) is None
+    assert "its hash was" in capsys.readouterr().err
+    assert title(shown(path, "--changed")) == ("tale", ["Hello", "Go"])
+
+
+def test_an_experiment_with_errors_is_not_the_one_of_then(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = log(tmp_path)
+    (tmp_path / "tale.yaml").write_text("title: [\n", encoding="utf-8")
+    assert shown(path) is None
+    said = capsys.readouterr().err
+    assert "tale.yaml:" in said
+    assert "has errors now" in said
+    assert shown(path, "--changed") is not None
+
+
+def test_the_demo_that_comes_with_woz_counts_only_where_it_is_the_same(tmp_path: Path) -> None:
+    path = log(tmp_path)
+    (tmp_path / "tale.yaml").unlink()
+    data = path.read_bytes()
+    path.write_bytes(data.replace(b'"experiment":"tale.yaml"', b'"experiment":"bundled.yaml"'))
+    with pytest.MonkeyPatch.context() as patch:
+        bundled = tmp_path / "installed" / "bundled.yaml"
+        bundled.parent.mkdir()
+        bundled.write_text("title: Another one\n", encoding="utf-8")
+        patch.setattr("woz_tui.cli.demo.demo_file", lambda name: bundled)
+        assert shown(path) is not None
+
+
+def test_the_experiment_may_be_said_to_be_elsewhere(tmp_path: Path) -> None:
+    path = log(tmp_path)
+    elsewhere = tmp_path / "elsewhere"
+    elsewhere.mkdir()
+    (tmp_path / "tale.yaml").rename(elsewhere / "other.yaml")
+    assert shown(path, "--experiment", str(elsewhere / "other.yaml")) is not None
+
+
+def test_a_log_without_its_beginning_is_refused_unless_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = written(tmp_path, story()[3:])
+    assert shown(path) is None
+    said = capsys.readouterr().err
+    assert "has no beginning" in said
+    assert "segment" in said
+    feed = shown(path, "--changed")
+    assert feed is not None
+    assert any("beginning is missing" in note for note in feed._player.notes)
+
+
+def test_how_it_begins_can_be_said(tmp_path: Path) -> None:
+    feed = shown(log(tmp_path), "--at", "0:20", "--speed", "4x", "--paused", "--max-idle", "4")
+    assert feed is not None
+    player = feed._player
+    assert (player.t, player.rate, player.paused) == (20 * SECOND, 4.0, True)
+    by_name = shown(log(tmp_path), "--at", "smile")
+    assert by_name is not None
+    assert by_name._player.t == 6 * SECOND
+
+
+def test_a_beginning_that_is_not_there(tmp_path: Path) -> None:
+    with pytest.raises(PlaceError, match="01:00 long"):
+        shown(log(tmp_path), "--at", "9:00")
+
+
+@pytest.mark.parametrize(
+    ("words", "said"),
+    [
+        (["--speed", "40"], "0.25 to 16"),
+        (["--speed", "fast"], "no number"),
+        (["--max-idle", "0"], "more than 0"),
+    ],
+)
+def test_options_that_make_no_sense(
+    words: list[str], said: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        arguments("x.jsonl", *words)
+    assert said in capsys.readouterr().err

@@ -1,0 +1,53 @@
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import msgspec
+
+from tests.host.rig import served
+from tests.session.rig import experiment
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.experiment.shape import Profile
+
+
+async def test_the_log_says_what_a_console_is_welcomed_with(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        welcome = await peer.hello()
+        (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
+        told = msgspec.json.decode(wire.encode(plan))
+        own = {"kind", "seq", "t", "ts", "settings"}
+        assert {name: value for name, value in told.items() if name not in own}.items() <= (
+            welcome.items()
+        )
+        assert told["settings"] | {"values": None} == welcome["settings"] | {"values": None}
+        assert (plan.title, plan.script) == ("Made by hand", ["Hello", "Welcome"])
+
+
+async def test_nobody_who_takes_part_is_in_it(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
+        assert plan.settings["values"] == {"place": "museum"}
+        assert "P07" not in wire.encode(plan).decode()
+
+
+async def test_it_is_said_again_when_panels_change(tmp_path: Path) -> None:
+    made = replace(experiment(tmp_path), profiles={"child": Profile("child", frozenset({"Base"}))})
+    async with served(tmp_path, made=made) as host:
+        peer = await host.connect()
+        await peer.hello()
+        assert (await peer.ask("profile", profile="child"))["ok"]
+        plans = [line for line in host.lines if isinstance(line, m.SessionPlan)]
+        assert [plan.settings["profile"] for plan in plans] == ["", "child"]
+        assert [line["profile"] for line in peer.seen if line["kind"] == "panels"] == ["child"]
+
+
+async def test_a_newcomers_history_has_neither_files_nor_plan(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        welcome = await peer.hello()
+        told = {line["kind"] for line in [*welcome["state"], *welcome["recent"]]}
+        assert "session.start" in told
+        assert told.isdisjoint({"session.plan", "experiment.files"})

@@ -1,0 +1,170 @@
+"""Trials, stops, questionnaires, marks, hardware, and what the wizard could see."""
+
+from __future__ import annotations
+
+from tests.analysis.told import SECOND, Told, in_time
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.gather import Options, figures_of
+from woz_tui.core import messages as m
+from woz_tui.core.views import ActionView, PanelView
+
+
+def told(it: Told, *, all_trials: bool = False) -> SessionFigures:
+    return figures_of(in_time(it), Options(all_trials=all_trials))
+
+
+def trials() -> Told:
+    """One action before, two trials of which one was aborted, a break, one after."""
+    it = Told(condition="").act(1)
+    it.add(5, m.TrialStarted(trial=1, condition="warm")).act(6).act(7)
+    it.add(10, m.TrialEnded(trial=1, outcome="done"))
+    it.add(11, m.BreakStarted(text="water")).add(14, m.BreakEnded())
+    it.add(15, m.TrialStarted(trial=2, condition="cold")).speech(16, 17).act(18)
+    it.add(20, m.TrialEnded(trial=2, outcome="aborted", text="fire alarm"))
+    it.add(21, m.TrialStarted(trial=2, condition="cold")).act(22)
+    return it.add(30, m.TrialEnded(trial=2, outcome="done")).end(40)
+
+
+def test_an_aborted_trial_does_not_count() -> None:
+    figures = told(trials())
+    assert [(part.condition, part.actions, part.trials) for part in figures.parts] == [
+        ("", 1, 0),
+        ("warm", 2, 1),
+        ("cold", 1, 1),
+    ]
+    assert figures.whole.actions == 4
+    assert figures.whole.us == (40 - 5) * SECOND
+    assert [cue.counted for cue in figures.cues] == [False]
+    assert "speech" not in figures.whole.reactions
+
+
+def test_all_trials_count_if_somebody_wants_them() -> None:
+    figures = told(trials(), all_trials=True)
+    assert (figures.whole.actions, figures.whole.trials) == (5, 3)
+    assert figures.whole.us == 40 * SECOND
+    assert figures.whole.reactions["speech"].answered == 1
+
+
+def test_trials_and_breaks_are_rows() -> None:
+    figures = told(trials())
+    assert [(each.trial, each.outcome, each.actions, each.counted) for each in figures.trials] == [
+        (1, "done", 2, True),
+        (2, "aborted", 1, False),
+        (2, "done", 1, True),
+    ]
+    assert figures.trials[1].text == "fire alarm"
+    assert [(each.begin, each.end, each.text) for each in figures.breaks] == [
+        (11 * SECOND, 14 * SECOND, "water")
+    ]
+
+
+def test_a_trial_without_an_end_counts() -> None:
+    figures = told(Told().add(1, m.TrialStarted(trial=1)).act(2))
+    assert (figures.trials[0].end, figures.trials[0].outcome) == (None, "")
+    assert figures.whole.actions == 1
+
+
+def test_stops_know_who_confirmed_them() -> None:
+    it = Told().add(1, m.StopPressed(source="key"))
+    it.add(1.4, m.StopConfirmed(confirmed=["head"], missing=["base"], elapsed_us=400_000))
+    it.add(3, m.StopReleased(source="key")).add(5, m.StopPressed(source="program", scope="drive"))
+    first, second = told(it.end(9)).stops
+    assert (first.confirmed, first.missing, first.elapsed_us) == (("head",), ("base",), 400_000)
+    assert (first.released, second.released) == (3 * SECOND, None)
+    assert (second.scope, second.elapsed_us, second.confirmed) == ("drive", None, ())
+    assert told(it).whole.stops == 2
+
+
+def test_marks_are_in_order() -> None:
+    it = Told().add(1, m.Note(text="shy")).add(2, m.Marker(text="laughs", source="wizard"))
+    it.add(3, m.Marker(text="4 checks", source="preflight")).act(4)
+    it.add(5, m.Mistake(run="a00001", action="Hello", text="wrong key"))
+    figures = told(it.end(9))
+    assert [(each.sort, each.text, each.action) for each in figures.marks] == [
+        ("note", "shy", ""),
+        ("marker", "laughs", ""),
+        ("mistake", "wrong key", "Hello"),
+    ]
+    assert (figures.whole.notes, figures.whole.markers, figures.whole.mistakes) == (1, 1, 1)
+
+
+def questionnaire() -> Told:
+    scale = {"name": "liked", "question": "I liked it", "low": 1, "high": 7}
+    free = {"name": "why", "question": "Why?", "text": True}
+    it = Told().add(1, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free]))
+
+    def answer(at: float, item: str, **given: object) -> None:
+        message = m.QuestionnaireAnswered(
+            questionnaire="ux",
+            item=item,
+            question="?",
+            **given,  # type: ignore[arg-type]
+        )
+        it.add(at, message)
+
+    answer(2, "liked", value=3.0, answered_us=900_000)
+    answer(3, "why", text="it was kind")
+    answer(4, "liked", value=5.0)
+    it.add(5, m.QuestionnaireEnded(questionnaire="ux", reason="done", answered=2))
+    it.add(6, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[scale, free], trial=3))
+    answer(7, "liked", skipped=True)
+    return it.add(8, m.QuestionnaireEnded(questionnaire="ux", reason="left", answered=0)).end(9)
+
+
+def test_the_last_answer_of_a_round_counts() -> None:
+    figures = told(questionnaire())
+    liked, why, skipped = figures.answers
+    assert (liked.value, liked.round, liked.low, liked.high) == (5.0, 1, 1.0, 7.0)
+    assert (why.value, why.text, why.low) == (None, "it was kind", None)
+    assert (skipped.value, skipped.skipped, skipped.round, skipped.trial) == (None, True, 2, 3)
+    assert [(each.reason, each.answered, each.items) for each in figures.rounds] == [
+        ("done", 2, 2),
+        ("left", 0, 2),
+    ]
+
+
+def test_answers_whose_beginning_is_lost_are_kept() -> None:
+    it = Told().add(
+        2, m.QuestionnaireAnswered(questionnaire="ux", item="liked", question="?", value=2.0)
+    )
+    assert [each.value for each in told(it.end(3)).answers] == [2.0]
+
+
+def test_lost_drivers_and_consoles() -> None:
+    it = Told().add(0, m.DriverConnected(driver="head"), m.DriverConnected(driver="voice"))
+    it.add(1, m.DriverLost(driver="head", detail="cable")).add(2, m.DriverFaulted(driver="head"))
+    it.add(4, m.DriverConnected(driver="head")).add(6, m.DriverLost(driver="voice"))
+    it.add(7, m.ConsoleAttached(console="k1", role="wizard"))
+    it.add(8, m.ConsoleLost(console="k1", role="wizard", why="silent"))
+    figures = told(it.end(9))
+    assert [(each.name, each.begin, each.end, each.text) for each in figures.lost_drivers] == [
+        ("head", 1 * SECOND, 4 * SECOND, "cable"),
+        ("voice", 6 * SECOND, None, ""),
+    ]
+    assert figures.drivers == ("head", "voice")
+    assert [(each.lost, each.why) for each in figures.consoles] == [(False, ""), (True, "silent")]
+
+
+def test_what_the_wizard_had_and_could_see() -> None:
+    action = ActionView(name="Hello", label="Hello")
+    plan = m.SessionPlan(
+        title="Guide", panels=[PanelView(title="Speech", actions=[action], locked=True)],
+        script=[], verbs={}, variables=[], conditions=[], keyboard="us", drivers=[], settings={},
+    )  # fmt: skip
+    it = Told().add(0, plan).add(1, m.PerceptionChanged(hidden=["gaze"], blurred=["transcript"]))
+    it.add(2, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))
+    it.add(3, m.ProfileChanged(profile="child")).add(4, m.ProfileChanged())
+    it.add(5, m.ConditionsAssigned(participant="P07", order=["a", "b"], method="latin-square"))
+    it.add(6, m.ExperimentReloaded(experiment_sha256="x", changes=[]))
+    it.add(7, m.RerunStarted(original="other", original_session="S00"))
+    figures = told(it.end(9))
+    assert figures.title == "Guide"
+    assert [(each.title, each.actions, each.locked) for each in figures.panels] == [
+        ("Speech", ("Hello",), True)
+    ]
+    assert [(each.hidden, each.blurred) for each in figures.restrictions] == [
+        (("gaze",), ("transcript",))
+    ]
+    assert (figures.shaping[0].floor_us, figures.shaping[0].cues) == (800_000, ("speech",))
+    assert (figures.profiles, figures.order, figures.reloads) == (("child",), ("a", "b"), 1)
+    assert figures.rerun_of == "other"

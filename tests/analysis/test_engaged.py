@@ -1,0 +1,105 @@
+"""Time in the states of the engagement model, also while it is off."""
+
+from __future__ import annotations
+
+from tests.analysis.told import SECOND, Told, in_time, seconds
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.gather import figures_of
+from woz_tui.core import messages as m
+
+SETTINGS = m.EngagementAdopted(settings={"start": "run"})
+
+
+def told(it: Told) -> SessionFigures:
+    return figures_of(in_time(it))
+
+
+def switched(run: str) -> m.Done:
+    return m.Done(command="c", driver="engagement", sent={"run": run}, latency_us=0, duration_us=0)
+
+
+def visit() -> Told:
+    """10 s of nobody, 20 s of somebody, 30 s engaged in two states, nobody again to 100 s."""
+    it = Told().add(0, SETTINGS).state(10, "Wait", "PersonDetected", "human_presence")
+    it.state(30, "PersonDetected", "EngagedWithUnknown").state(
+        40, "EngagedWithUnknown", "EngagedWithKnown", visitor="V01", forced=True
+    )
+    return it.state(60, "EngagedWithKnown", "PersonDetected").state(70, "PersonDetected", "Wait")
+
+
+def test_time_visits_and_shares() -> None:
+    engagement = told(visit().end(100)).whole.engagement
+    assert engagement.on_us == 100 * SECOND
+    assert {name: state.us // SECOND for name, state in engagement.states.items()} == {
+        "Wait": 40,
+        "PersonDetected": 30,
+        "EngagedWithUnknown": 10,
+        "EngagedWithKnown": 20,
+    }
+    assert engagement.states["PersonDetected"].visits == 2
+    assert seconds(engagement.states["PersonDetected"].lengths.values) == [10, 20]
+    assert seconds(engagement.episodes.values) == [30]
+    assert engagement.share == 0.3
+    assert engagement.transitions["PersonDetected"] == {"EngagedWithUnknown": 1, "Wait": 1}
+    assert (engagement.forced, engagement.off_us) == (1, 0)
+
+
+def test_each_stay_is_a_row() -> None:
+    visits = told(visit().end(100)).visits
+    engaged = [each for each in visits if each.state == "engaged"]
+    assert [(each.begin, each.end, each.cut) for each in engaged] == [
+        (30 * SECOND, 60 * SECOND, False)
+    ]
+    assert [each.state for each in visits if each.cut] == ["Wait"]
+    known = next(each for each in visits if each.state == "EngagedWithKnown")
+    assert (known.visitor, known.condition) == ("V01", "warm")
+
+
+def test_time_off_is_no_time_in_any_state() -> None:
+    it = visit()
+    it.add(45, switched("off")).add(55, switched("run"))
+    engagement = told(it.end(100)).whole.engagement
+    assert (engagement.on_us, engagement.off_us) == (90 * SECOND, 10 * SECOND)
+    assert seconds(engagement.episodes.values) == [5, 15]
+    assert engagement.states["EngagedWithKnown"].us == 10 * SECOND
+    assert engagement.share == 20 / 90
+
+
+def test_a_model_that_starts_off_is_on_when_it_is_switched_on() -> None:
+    it = Told().add(0, m.EngagementAdopted(settings={"start": "off"}))
+    it.add(20, switched("hold")).state(30, "Wait", "PersonDetected").end(50)
+    engagement = told(it).whole.engagement
+    assert (engagement.on_us, engagement.off_us) == (30 * SECOND, 20 * SECOND)
+    assert engagement.states["Wait"].us == 10 * SECOND
+
+
+def test_a_section_that_is_removed_takes_the_model_along() -> None:
+    it = Told().add(0, SETTINGS).state(10, "Wait", "PersonDetected")
+    it.add(20, m.EngagementAdopted(settings={})).end(100)
+    engagement = told(it).whole.engagement
+    assert (engagement.on_us, engagement.off_us) == (20 * SECOND, 0)
+
+
+def test_a_log_of_schema_1_has_a_model_if_it_ever_moved() -> None:
+    it = Told().state(10, "Wait", "PersonDetected").end(40)
+    engagement = told(it).whole.engagement
+    assert engagement.on_us == 40 * SECOND
+    assert engagement.states["Wait"].us == 10 * SECOND
+    assert told(Told().end(40)).whole.engagement.share is None
+
+
+def test_time_counts_in_its_condition_and_a_stay_where_it_ends() -> None:
+    it = visit()
+    it.add(50, m.SessionChanged(condition="cold")).end(100)
+    warm, cold = told(it).parts
+    assert (warm.engagement.on_us, cold.engagement.on_us) == (50 * SECOND, 50 * SECOND)
+    assert (warm.engagement.engaged_us, cold.engagement.engaged_us) == (20 * SECOND, 10 * SECOND)
+    assert (warm.engagement.episodes.n, cold.engagement.episodes.n) == (0, 1)
+    assert told(it).whole.engagement.on_us == 100 * SECOND
+
+
+def test_the_log_may_end_in_the_middle_of_an_engagement() -> None:
+    it = Told().add(0, SETTINGS).state(10, "Wait", "EngagedWithKnown")
+    figures = told(it.act(25))
+    assert seconds(figures.whole.engagement.episodes.values) == [15.5]
+    assert [each.cut for each in figures.visits if each.state == "engaged"] == [True]

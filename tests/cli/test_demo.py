@@ -18,6 +18,9 @@ def test_a_demo_can_begin_as_it_would(robot: str) -> None:
     file = demo.demo_file(name)
     assert file is not None
     experiment = load(file, installed())
+    if experiment.study.design is not None:  # who comes, and what they get, is asked at the start
+        assert (condition, participant) == ("", "")
+        return
     assert condition in (experiment.conditions or ("",))
     assert re.fullmatch(experiment.participant_pattern, participant)
 

@@ -91,7 +91,7 @@ def test_training(whole: Experiment) -> None:
 def test_variables_by_condition(whole: Experiment) -> None:
     assert whole.variables == {"place": "museum"}
     assert whole.by_condition == {
-        "greeting": {"warm": "Hello dear, in the {{museum}}!", "cold": "Hello.", "none": "No"}
+        "greeting": {"warm": "Hello {participant}, in the {place}!", "cold": "Hello.", "none": "No"}
     }
 
 

@@ -40,7 +40,7 @@ STUDY = Study(
     shaping=Shaping(0.8, 0.4, ("speech",)),
     perception=Perception(("distance",), ("transcript",)),
 )
-GREETING = {"warm": "Hello dear!", "cold": "Hello."}
+GREETING = {"warm": "Hello {participant}!", "cold": "Hello."}
 
 
 def studied(tmp_path: Path, study: Study = STUDY) -> Experiment:

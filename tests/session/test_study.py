@@ -87,7 +87,7 @@ def test_the_condition_of_a_trial_is_set_before_it_begins(tmp_path: Path) -> Non
 
     stage = on_stage(tmp_path, scenario)
     texts = [args["text"] for verb, args in stage.puppet().calls if verb == "say"]
-    assert texts == ["Hello dear! I am in the museum.", "Hello. I am in the museum."]
+    assert texts == ["Hello P01! I am in the museum.", "Hello. I am in the museum."]
     changed = [line for line in stage.lines if isinstance(line, m.SessionChanged | m.TrialStarted)]
     last = changed[-2:]
     assert isinstance(last[0], m.SessionChanged)
@@ -285,6 +285,12 @@ def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) 
         assert caught.value.reason == (
             "{greeting} has no value yet: it depends on the condition, and none is set"
         )
+        stage.session.set(condition="warm")
+        with pytest.raises(AskError) as caught:
+            stage.session.play("Greet", KEY)
+        assert caught.value.reason == (
+            "{greeting} has no value yet: {participant} has no value yet"
+        )
         only_warm = replace(stage.session.experiment, by_condition={"greeting": {"warm": "Hi"}})
         stage.session.adopt(only_warm, [])
         stage.session.set(condition="cold")
@@ -292,7 +298,7 @@ def test_a_variable_that_depends_on_the_condition_waits_for_one(tmp_path: Path) 
             stage.session.play("Greet", KEY)
 
     stage = on_stage(tmp_path, scenario)
-    assert stage.kinds(m.ActionEnd) == ["ActionRefused", "ActionRefused"]
+    assert stage.kinds(m.ActionEnd) == ["ActionRefused"] * 3
 
 
 def test_a_blind_wizard_is_shown_labels_and_no_text_that_tells(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ import argparse
 import json
 import os
 import sys
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
 from rich.console import Console
@@ -14,6 +14,7 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui import plugins
+from woz_tui.cli import study_summary
 from woz_tui.cli.engagement_summary import as_json, lines
 from woz_tui.core.driver import Argument, Driver, Verb
 from woz_tui.core.messages import Json
@@ -119,6 +120,11 @@ def _print(
         console.print(_engagement_table(experiment, experiment.engagement))
         console.print()
         console.print(_verbs_table(engagement_verbs(), ()))
+    study = [*study_summary.lines(experiment)]
+    if study:
+        console.print()
+        console.print(Text("study", style="bold"))
+        console.print(_table(study))
 
 
 def _keys_table(experiment: Experiment, keymap: keys.KeyMap) -> Table:
@@ -174,9 +180,13 @@ def _pairs() -> Table:
 
 
 def _engagement_table(experiment: Experiment, engagement: Engagement) -> Table:
-    table = _pairs()
     mains = main_arguments(experiment)
-    for about, text in lines(experiment, engagement, lambda action: described(action, mains)):
+    return _table(lines(experiment, engagement, lambda action: described(action, mains)))
+
+
+def _table(rows: Iterable[tuple[str, str]]) -> Table:
+    table = _pairs()
+    for about, text in rows:
         table.add_row(Text(about, style="dim"), Text(text))
     return table
 
@@ -280,6 +290,7 @@ def _report(
         "notes": list(keymap.warnings),
         "drivers": [_driver(spec) for spec in experiment.drivers],
         "engagement": _engagement(experiment, engagement, mains) if engagement else None,
+        "study": study_summary.as_json(experiment),
     }
 
 

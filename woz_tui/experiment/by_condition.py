@@ -2,7 +2,7 @@
 
 variables:
   exhibit: this whale
-  greeting: {warm: "Hello, how nice to see you!", cold: "Hello."}
+  greeting: {warm: "Hello {participant}, how nice to see you!", cold: "Hello."}
 """
 
 from __future__ import annotations
@@ -45,6 +45,9 @@ def read_variables(
             depending[name] = texts(entry, conditions)
         else:
             always[name] = read_text(entry, "text, or a text for each condition") or ""
+    for name, found in depending.items():
+        for condition, entry in (table or {})[name].entries():
+            template.check(entry, found.get(condition, ""), (*filled, *always))
     return Variables(always, depending)
 
 

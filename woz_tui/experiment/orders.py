@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import random
 import string
-from collections.abc import Sequence
+from collections.abc import Sequence, Sized
 from typing import TypeVar
 
 from woz_tui.experiment.study import Design
@@ -57,7 +57,7 @@ def order_at(design: Design, conditions: Sequence[str], row: int) -> Order:
     return known[row % len(known)]
 
 
-def block_size(design: Design, conditions: Sequence[str]) -> int:
+def block_size(design: Design, conditions: Sized) -> int:
     """Participants of one block."""
     return design.block or max(len(conditions), 1)
 

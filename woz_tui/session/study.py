@@ -92,7 +92,7 @@ class LiveStudy:
     def filled(self, values: Mapping[str, str]) -> Values:
         """`values`, and the variables that depend on the condition."""
         texts = self._session.experiment.by_condition
-        now, why = by_condition(texts, self._session.identity.condition)
+        now, why = by_condition(texts, self._session.identity.condition, values)
         return Values({**now, **values}, why)
 
     def shown(self, values: Mapping[str, str]) -> dict[str, str]:

@@ -43,13 +43,22 @@ def _value(name: str, values: Mapping[str, str]) -> str:
 
 
 def by_condition(
-    texts: Mapping[str, Mapping[str, str]], condition: str
+    texts: Mapping[str, Mapping[str, str]], condition: str, values: Mapping[str, str]
 ) -> tuple[dict[str, str], dict[str, str]]:
     """The variables that depend on the condition: those with a value now, and why others have none.
 
-    No condition is named, since the wizard may not be told.
+    Their texts may hold the other variables, whose `values` are filled in. No condition is named,
+    since the wizard may not be told.
     """
-    values = {name: found[condition] for name, found in texts.items() if condition in found}
-    waits = "it depends on the condition, and "
-    waits += "the file has no text for the present one" if condition else "none is set"
-    return values, {name: waits for name in texts if not values.get(name)}
+    now: dict[str, str] = {}
+    why: dict[str, str] = {}
+    for name, found in texts.items():
+        if condition not in found:
+            waits = "the file has no text for the present one" if condition else "none is set"
+            why[name] = f"it depends on the condition, and {waits}"
+            continue
+        try:
+            now[name] = fill(found[condition], lambda inner: _value(inner, values))
+        except MissingError as error:
+            why[name] = str(error)
+    return now, why

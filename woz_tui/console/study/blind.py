@@ -54,7 +54,7 @@ class Blind:
             for text in found
         }
         instead |= {name.casefold(): label for name, label in self._labels.items()}
-        longest_first = sorted(filter(None, instead), key=len, reverse=True)
+        longest_first = sorted(filter(_has_words, instead), key=len, reverse=True)
         self._instead = [instead[words] for words in longest_first]
         words = "|".join(f"(?P<w{at}>{_as_said(each)})" for at, each in enumerate(longest_first))
         self._pattern = re.compile(rf"(?<!\w)(?:{words})(?!\w)", re.IGNORECASE)
@@ -137,6 +137,11 @@ def blind_of(study: Mapping[str, Json]) -> Blind:
         for name, told in (texts.items() if isinstance(texts, dict) else ())
     }
     return Blind({name: str(label) for name, label in labels.items()}, depending)
+
+
+def _has_words(text: str) -> bool:
+    """Whether there is anything beside variables, by which the text can be known."""
+    return bool(fill(text, lambda name: "").strip())
 
 
 def _as_said(text: str) -> str:

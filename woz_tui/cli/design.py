@@ -1,0 +1,226 @@
+"""`woz design FILE`: who gets which conditions, what has been used so far, what comes next."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import os
+import sys
+from collections.abc import Mapping
+from dataclasses import dataclass
+from pathlib import Path
+
+from rich.console import Console
+from rich.table import Table
+from rich.text import Text
+
+from woz_tui import plugins
+from woz_tui.cli.study_summary import spoken, summary
+from woz_tui.core.driver import Driver
+from woz_tui.core.messages import Json
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.orders import block_size, planned, rows
+from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.experiment.study import Design
+from woz_tui.session.earlier import Earlier, Found
+from woz_tui.session.proposal import Past, Proposal, Used, propose
+
+#: Columns of a page that goes into a file or a pipe.
+_PAGE = 120
+#: What those are called who have not come yet.
+_NEXT = "next"
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("file", type=Path, help="experiment file")
+    parser.add_argument(
+        "--participants",
+        type=_count,
+        metavar="N",
+        help="plan for so many that are still to come (default: until every row is used equally)",
+    )
+    parser.add_argument(
+        "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
+    )
+    parser.add_argument(
+        "--labels", action="store_true", help="labels alone: what a blind wizard may see"
+    )
+    parser.add_argument(
+        "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
+    )
+    parser.set_defaults(run=run)
+
+
+def _count(text: str) -> int:
+    count = int(text) if text.isdecimal() else 0
+    if not 1 <= count <= 1000:
+        raise argparse.ArgumentTypeError("expected a whole number from 1 to 1000")
+    return count
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Print the plan and return 0, or say what is wrong and return 1."""
+    try:
+        return design(arguments, plugins.installed())
+    except plugins.PluginError as error:
+        _complain(str(error))
+    except ExperimentError as error:
+        for problem in error.problems:
+            print(problem, file=sys.stderr)
+    return 1
+
+
+def design(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+    """`run` with the drivers of `catalogue`."""
+    experiment = load(arguments.file, catalogue)
+    if experiment.study.design is None:
+        _complain("the file has no design; add one, such as design: {order: latin-square}")
+        return 1
+    found = Earlier(arguments.recordings).read(experiment.title, experiment.path.name)
+    plan = _plan(experiment, experiment.study.design, found, arguments.participants)
+    if arguments.format == "json":
+        print(json.dumps(_report(plan, arguments.recordings), indent=2, ensure_ascii=False))
+    else:
+        _print(plan, arguments.recordings, labels=arguments.labels)
+    for name in found.unreadable:
+        _complain(f"{arguments.recordings / name} could not be read and is left out")
+    return 0
+
+
+def _complain(text: str) -> None:
+    print(f"woz design: {text}", file=sys.stderr)
+
+
+# -- the plan -------------------------------------------------------------------------------------
+
+
+@dataclass(frozen=True, slots=True)
+class _Plan:
+    experiment: Experiment
+    design: Design
+    found: Found
+    used: Used
+    coming: tuple[Proposal, ...]
+
+    @property
+    def assigned(self) -> list[Past]:
+        """Everybody who was ever given an order."""
+        return [each for each in self.found.past if each.method]
+
+
+def _plan(experiment: Experiment, design: Design, found: Found, wanted: int | None) -> _Plan:
+    used = Used(design, experiment.conditions, found.past)
+    past = [*found.past]
+    coming: list[Proposal] = []
+    for _ in range(wanted or _missing(used)):
+        proposal = propose(f"{_NEXT} {len(coming) + 1}", design, experiment.conditions, past)
+        coming.append(proposal)
+        past.append(
+            Past(proposal.participant, proposal.order, proposal.method, proposal.row, done=True)
+        )
+    return _Plan(experiment, design, found, used, tuple(coming))
+
+
+def _missing(used: Used) -> int:
+    """Participants until every row was used equally often, at least one round of all."""
+    times = used.times()
+    if used.design.order == "blocks" and used.conditions:
+        size = block_size(used.design, used.conditions)
+        blocks = max(times, default=-1) // size + 1
+        return blocks * size - len(times) or size
+    count = len(rows(used.design, used.conditions))
+    return max(times.values(), default=0) * count - sum(times.values()) or count
+
+
+# -- for people -----------------------------------------------------------------------------------
+
+
+def _print(plan: _Plan, recordings: Path, *, labels: bool) -> None:
+    console = Console(highlight=False)
+    if not console.is_terminal and "COLUMNS" not in os.environ:
+        console = Console(highlight=False, width=_PAGE)
+    conditions = plan.experiment.conditions
+    console.print(Text(plan.experiment.title, style="bold"))
+    console.print(Text(summary(plan.design, len(conditions))), soft_wrap=True)
+    console.print(f"{planned(plan.design, conditions)} trials for each participant")
+    console.print()
+    logs = plan.found.logs
+    heading = f"so far ({logs} log{'' if logs == 1 else 's'} in {recordings})"
+    console.print(Text(heading, style="bold"))
+    console.print(_so_far(plan, labels) if plan.assigned else "nobody")
+    console.print()
+    console.print(Text("next", style="bold"))
+    console.print(_coming(plan, labels))
+
+
+def _so_far(plan: _Plan, labels: bool) -> Table:
+    table = _table("participant", "row", "trials", "order", "")
+    for past in plan.assigned:
+        table.add_row(
+            past.participant,
+            _row(past.row),
+            f"{past.over} of {planned(plan.design, plan.experiment.conditions)}",
+            _order(plan, past.order, labels),
+            _remark(plan, past),
+        )
+    return table
+
+
+def _remark(plan: _Plan, past: Past) -> str:
+    if not plan.used.fits(past.order):
+        return "of another design"
+    if not past.counts:
+        return "aborted or excluded: the place is free again"
+    return "chosen by hand" if past.method == "hand" else ""
+
+
+def _coming(plan: _Plan, labels: bool) -> Table:
+    table = _table("", "row", "order")
+    for number, proposal in enumerate(plan.coming, 1):
+        table.add_row(str(number), _row(proposal.row), _order(plan, proposal.order, labels))
+    return table
+
+
+def _table(*columns: str) -> Table:
+    table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
+    for column in columns:
+        table.add_column(column, header_style="dim", overflow="fold")
+    return table
+
+
+def _row(row: int) -> str:
+    return str(row) if row >= 0 else "-"
+
+
+def _order(plan: _Plan, order: tuple[str, ...], labels: bool) -> str:
+    blind = plan.design.blind
+    if labels:
+        return ", ".join(blind.get(each, each) for each in order) or "-"
+    return spoken(order, blind if set(order) <= set(blind) else {})
+
+
+# -- for programs ---------------------------------------------------------------------------------
+
+
+def _report(plan: _Plan, recordings: Path) -> Json:
+    return {
+        "file": str(plan.experiment.path),
+        "title": plan.experiment.title,
+        "recordings": str(recordings),
+        "logs": plan.found.logs,
+        "planned": planned(plan.design, plan.experiment.conditions),
+        "participants": [_past(plan, past) for past in plan.assigned],
+        "next": [{"row": each.row, "order": [*each.order]} for each in plan.coming],
+    }
+
+
+def _past(plan: _Plan, past: Past) -> Json:
+    return {
+        "participant": past.participant,
+        "order": [*past.order],
+        "method": past.method,
+        "row": past.row,
+        "over": past.over,
+        "counts": past.counts and plan.used.fits(past.order),
+    }

@@ -1,0 +1,118 @@
+"""What `woz check` says about the study around the robot: in a few lines, and for programs."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from dataclasses import asdict
+
+from woz_tui.core.messages import Json
+from woz_tui.experiment.orders import Order, block_size, planned, rows
+from woz_tui.experiment.shape import Experiment
+from woz_tui.experiment.study import Design, Questionnaire, Training
+from woz_tui.session.study_view import study_settings
+
+#: So many orders are listed; the rest is counted.
+_LISTED = 12
+_WHENS = {
+    "end": "at the end",
+    "trial": "after each trial",
+    "condition": "after each condition",
+    "hand": "by hand",
+}
+
+
+def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
+    """What it is about, and the sentence; nothing without any of these sections."""
+    study, conditions = experiment.study, experiment.conditions
+    for name, texts in experiment.by_condition.items():
+        yield f"{{{name}}}", "; ".join(f'{each}: "{text}"' for each, text in texts.items())
+    if study.design is not None:
+        yield "design", summary(study.design, len(conditions))
+        for row, order in enumerate(rows(study.design, conditions)[:_LISTED]):
+            yield f"row {row}", spoken(order, study.design.blind)
+        left = len(rows(study.design, conditions)) - _LISTED
+        if left > 0:
+            yield "", f"and {left} more: woz design"
+    for questionnaire in study.questionnaires:
+        yield questionnaire.name, _questionnaire(questionnaire)
+    for check in study.preflight:
+        yield "preflight", check
+    if study.shaping is not None:
+        first, last = study.shaping.floor, study.shaping.floor + study.shaping.jitter
+        span = f"{first:g} s" if first == last else f"{first:g} to {last:g} s"
+        yield "shaping", f"answers come no sooner than {span} after {_and(study.shaping.cues)}"
+    if study.perception.hide:
+        yield "hidden", ", ".join(study.perception.hide)
+    if study.perception.blur:
+        yield "blurred", ", ".join(study.perception.blur)
+    if study.training != Training():
+        yield "training", _training(study.training)
+
+
+def as_json(experiment: Experiment) -> dict[str, Json]:
+    """The same for programs: the sections, and the design's orders."""
+    study = experiment.study
+    told: dict[str, Json] = {**study_settings(experiment)}
+    told["training"] = _plain(asdict(study.training))
+    if study.design is not None:
+        told["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
+        told["planned"] = planned(study.design, experiment.conditions)
+    return told
+
+
+def _plain(value: object) -> Json:
+    """Tuples as lists."""
+    if isinstance(value, dict):
+        return {str(name): _plain(each) for name, each in value.items()}
+    if isinstance(value, list | tuple):
+        return [_plain(each) for each in value]
+    return value if isinstance(value, str | int | float) else None
+
+
+def summary(design: Design, conditions: int) -> str:
+    """The design in one sentence."""
+    count = f"{conditions} conditions" if conditions != 1 else "1 condition"
+    who = f"everybody gets all {count}" if design.within else f"everybody gets one of {count}"
+    trials = f"{_times(design.trials, 'trial')} in each"
+    how = {
+        "latin-square": "Latin square (Williams)",
+        "blocks": f"shuffled blocks of {block_size(design, range(conditions))}, seed {design.seed}",
+        "fixed": "in the order of the file" if design.within else "in turn",
+    }[design.order]
+    if not conditions:
+        return _times(design.trials, "trial")
+    blind = "; the wizard is told labels" if design.blind else ""
+    return f"{how}: {who}, {trials}{blind}"
+
+
+def spoken(order: Order, blind: Mapping[str, str]) -> str:
+    """`warm (A), cold (B)`."""
+    return ", ".join(f"{each} ({blind[each]})" if blind else each for each in order) or "-"
+
+
+def _questionnaire(questionnaire: Questionnaire) -> str:
+    scales = dict.fromkeys(f"{i.low} to {i.high}" for i in questionnaire.items if not i.text)
+    texts = sum(item.text for item in questionnaire.items)
+    parts = [f"{_WHENS[questionnaire.when]}: {_times(len(questionnaire.items), 'item')}"]
+    parts += [f"scales {_and(tuple(scales))}"] if scales else []
+    parts += [f"{texts} in words"] if texts else []
+    return ", ".join(parts)
+
+
+def _training(training: Training) -> str:
+    cues = ", ".join(f"{cue.sort}: {_or(cue.answers)}" for cue in training.cues)
+    count = _times(training.count, "cue")
+    made = cues or "made from the actions"
+    return f"{count}, answered within {training.window:g} s ({made})"
+
+
+def _times(count: int, what: str) -> str:
+    return f"{count} {what}{'' if count == 1 else 's'}"
+
+
+def _and(words: tuple[str, ...]) -> str:
+    return " and ".join(words)
+
+
+def _or(words: tuple[str, ...]) -> str:
+    return " or ".join(words)

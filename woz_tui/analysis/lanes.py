@@ -24,6 +24,17 @@ _ENDS: dict[type[m.Message], str] = {
     m.ActionStopped: "stopped",
     m.ActionRefused: "refused",
 }
+#: How a command that belongs to no action can end, as an action's outcome.
+_COMMAND_ENDS: dict[type[m.Message], str] = {
+    m.Done: "done",
+    m.Failed: "failed",
+    m.TimedOut: "failed",
+    m.Refused: "refused",
+    m.Stopped: "stopped",
+    m.Superseded: "stopped",
+}
+#: Name of the lane of commands that belong to no action: a sentence typed on the spot.
+DIRECT = "(direct)"
 #: Facts of one action, and characters of one.
 _FACTS, _WORDS = 12, 200
 #: A lane: its sort, its name.
@@ -55,6 +66,7 @@ class Drawing:
             m.Command: self._command,
             m.Dispatched: self._dispatched,
             **dict.fromkeys(_ENDS, self._ended),
+            **dict.fromkeys(_COMMAND_ENDS, self._command_ended),
             m.EngagementChanged: self._engagement,
             m.SpeechEnded: self._speech_ended,
             m.SpeechText: self._speech_text,
@@ -116,8 +128,8 @@ class Drawing:
             ended = replace(found.interval, end=self._t, cut=cut, **kept)  # type: ignore[arg-type]
             self._intervals.setdefault(found.lane, []).append(ended)
 
-    def _interval(self, label: str, sort: str, **more: str) -> Interval:
-        return Interval(begin=self._t, end=self._t, label=label, sort=sort, **more)  # type: ignore[arg-type]
+    def _interval(self, label: str, sort: str, **more: Any) -> Interval:
+        return Interval(begin=self._t, end=self._t, label=label, sort=sort, **more)
 
     def _plan(self, message: m.SessionPlan) -> None:
         self._panels = self._panels or [panel.title for panel in message.panels]
@@ -133,8 +145,11 @@ class Drawing:
         self._close(("run", message.run), outcome=_ENDS[type(message)], detail=message.reason)
 
     def _command(self, message: m.Command) -> None:
-        """What it does becomes a fact of its action."""
+        """What it does becomes a fact of its action; without an action it has a bar of its own."""
         if message.passing or message.driver in PERFORMERS:
+            return
+        if not message.run:
+            self._direct(message)
             return
         found = self._open.get(("run", message.run)) if message.run else None
         if found is None:
@@ -144,9 +159,23 @@ class Drawing:
             found.interval = replace(found.interval, facts=(*found.interval.facts, fact))
             self._first.setdefault(message.command, message.run)
 
+    def _direct(self, message: m.Command) -> None:
+        fact = (message.verb, told(message.args))
+        interval = self._interval(
+            message.verb, "action", source=message.source, outcome="open", facts=(fact,)
+        )
+        self._begin(("command", message.command), ("panel", DIRECT), interval)
+
+    def _command_ended(self, message: m.End) -> None:
+        self._close(
+            ("command", message.command),
+            outcome=_COMMAND_ENDS[type(message)],
+            detail=message.reason,
+        )
+
     def _dispatched(self, message: m.Dispatched) -> None:
         run = self._first.pop(message.command, "")
-        found = self._open.get(("run", run))
+        found = self._open.get(("run", run) if run else ("command", message.command))
         if found is not None and all(name != "latency" for name, _ in found.interval.facts):
             fact = ("latency", f"{message.latency_us / 1000:.1f} ms")
             found.interval = replace(found.interval, facts=(*found.interval.facts, fact))

@@ -143,6 +143,20 @@ def test_data_name_everything_that_happened(text: str) -> None:
     assert {"failed", "refused", "stopped", "left-out", "break", "stop", "lost"} <= sorts
 
 
+def test_sentences_typed_on_the_spot_have_a_lane(tmp_path: Path) -> None:
+    story = Story()
+    told: dict[str, m.Json] = {"text": "Mind the step."}
+    story.tell(3, m.Command(command="c1", verb="say", args=told, driver="voice", source="wizard"))
+    story.tell(3.02, m.Dispatched(command="c1", driver="voice", latency_us=20_000))
+    story.tell(5, m.TimedOut(command="c1", driver="voice", reason="it took too long"))
+    [lane] = data(render([story.report(tmp_path)]), 1)["lanes"]
+    assert lane["title"] == "(direct)"
+    [[*what, facts]] = lane["items"]
+    assert what == [3, 5, "say", "failed"]
+    assert ["say", "Mind the step."] in facts
+    assert ["detail", "it took too long"] in facts
+
+
 def test_slow_sensors_have_curves_without_holes(text: str) -> None:
     lanes = {lane["title"]: lane for lane in data(text, 1)["lanes"]}
     points = lanes["distance"]["points"]
@@ -189,13 +203,13 @@ def test_figures_stand_in_the_page_as_they_were_found(text: str, tmp_path: Path)
 def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
     (tmp_path / "report.html").write_text("old")
     (tmp_path / ".report.html.part").mkdir()
-    with pytest.raises(OSError, match="report.html'$"):
+    with pytest.raises(OSError, match=r"report\.html'$"):
         write([Story().report(tmp_path)], tmp_path / "report.html")
     assert (tmp_path / "report.html").read_text() == "old"
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:
-    with pytest.raises(OSError, match="missing/report.html'$"):
+    with pytest.raises(OSError, match=r"missing/report\.html'$"):
         write([Story().report(tmp_path)], tmp_path / "missing" / "report.html")
 
 

@@ -41,7 +41,7 @@ def write(reports: Sequence[Report], path: Path) -> None:
         with suppress(OSError):
             draft.unlink(missing_ok=True)
         # Nobody asked for the draft: what cannot be written is the page.
-        error.filename, error.filename2 = str(path), None
+        error.filename = str(path)
         raise
 
 

@@ -33,10 +33,11 @@ function clockTime(seconds, step = 0.001) {
   return hours ? `${hours}:${_two(minutes)}:${tail}` : `${minutes}:${tail}`;
 }
 
-// "180 ms", "12.34 s", "3:07 min".
+// "180 ms", "12.34 s", "3:07 min", "1:03:07 h".
 function duration(seconds) {
   if (seconds < 1) return `${Math.round(seconds * 1000)} ms`;
-  return seconds < 100 ? `${seconds.toFixed(2)} s` : `${clockTime(seconds, 1)} min`;
+  if (seconds < 100) return `${seconds.toFixed(2)} s`;
+  return `${clockTime(seconds, 1)} ${seconds < 3599.5 ? "min" : "h"}`;
 }
 
 // The calendar's time at `seconds`, UTC; empty if the log does not tell when it began.

@@ -128,7 +128,7 @@ class Participant(App[str]):
             self.exit("ended")
         self._begin()
         for sheet in self.query(Sheet):
-            sheet.follow(self._asked(), self._words())
+            sheet.follow(self._asked(), self._words(), away=bool(self.picture.lost))
 
     def _begin(self) -> None:
         """Whoever waits for one questionnaire alone asks for it as soon as it is due."""
@@ -149,7 +149,7 @@ class Participant(App[str]):
     def _asked(self) -> Asked | None:
         asked = self.picture.study.asked
         wanted = asked is not None and self._only in ("", asked.name)
-        return asked if wanted and not self.picture.lost else None
+        return asked if wanted else None
 
     def _words(self) -> Words:
         if self.picture.lost:

@@ -46,6 +46,8 @@ from woz_tui.core.wire import WireError, decode_message
 DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
 #: Events kept for the list; the log on disk has them all.
 EVENTS = 400
+#: Events that may tell what the wizard was not to see, when that changes in the middle.
+_TELLING = ("info", "forced", "heard")
 _LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US, "waits": STOPPED_US}
 
 
@@ -209,9 +211,8 @@ class Picture:
         if perception.hides("face"):
             self.faces.clear()
             self.bodies.clear()
-        if perception.keeps("transcript"):
-            told = [event for event in self.events if event.mark != "heard"]
-            self.events = deque(told, maxlen=EVENTS)
+        told = [event for event in self.events if event.mark not in _TELLING]
+        self.events = deque(told, maxlen=EVENTS)
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged) -> None:
         self.title = plan.title

@@ -14,7 +14,7 @@ import msgspec
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import STATES
-from woz_tui.experiment.study import PERCEIVED
+from woz_tui.experiment.study import BLURRED, PERCEIVED
 from woz_tui.sensing.proxemics import ZONES
 
 #: What stands in the place of something hidden.
@@ -39,7 +39,7 @@ class Perception:
 
     def __init__(self, hidden: Iterable[str] = (), blurred: Iterable[str] = ()) -> None:
         self.hidden = frozenset(hidden) & frozenset(PERCEIVED)
-        self.blurred = frozenset(blurred) - self.hidden
+        self.blurred = (frozenset(blurred) & frozenset(BLURRED)) - self.hidden
         self._thresholds: dict[str, float] = {}
 
     def __bool__(self) -> bool:

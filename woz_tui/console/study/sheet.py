@@ -80,6 +80,8 @@ class Sheet(Vertical):
         self._taken: Round | None = None
         self._words: Words = []
         self._written_for = ""
+        self._kept: Round | None = None
+        self._away = False
 
     def compose(self) -> ComposeResult:
         """Page, field, keys."""
@@ -105,15 +107,24 @@ class Sheet(Vertical):
 
     # -- what is asked ------------------------------------------------------------------------
 
-    def follow(self, asked: Asked | None, words: Words | None = None) -> None:
-        """Show what is asked at this moment, or else some words."""
-        taken = self._taken
-        self._words = words or []
-        if asked is None:
+    def follow(
+        self, asked: Asked | None, words: Words | None = None, *, away: bool = False
+    ) -> None:
+        """Show what is asked at this moment, or else some words.
+
+        `away`: nobody knows what is asked, as the line is lost. What has not been confirmed is
+        kept until it is back.
+        """
+        taken = self._kept if self._away else self._taken
+        if away and not self._away:
+            self._kept = taken
+        self._words, self._away = words or [], away
+        if asked is None or away:
             self._taken = None
         elif taken is None or taken.asked.name != asked.name:
             self._taken = Round(asked, self._send, self._now_us)
         elif taken.asked is not asked:
+            self._taken = taken
             taken.go_on(asked)
         self.draw()
 

@@ -1,0 +1,168 @@
+"""The participant's own terminal: a questionnaire or nothing, and no key plays the robot."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass
+
+import pytest
+from textual.pilot import Pilot
+
+from tests.console import scenes, studied
+from tests.console.driving import PATIENCE
+from tests.console.scripted import ScriptedFeed
+from woz_tui.console.feed import Incoming
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.participant import Participant
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core.clock import ManualClock
+
+#: Keys that play, mark, open, suspend or leave on a wizard's console.
+WIZARDS = ["h", "f1", "space", "full_stop", "slash", "colon", "backspace", "up", "ctrl+t"]
+WIZARDS += ["ctrl+r", "ctrl+z", "ctrl+p", "question_mark", "asterisk", "tab", "enter", "ctrl+e"]
+
+
+@dataclass
+class Seat:
+    app: Participant
+    feed: ScriptedFeed
+    pilot: Pilot[str]
+
+    def drawn(self) -> str:
+        strips = self.app.screen._compositor.render_strips()
+        return "\n".join("".join(segment.text for segment in strip) for strip in strips)
+
+    async def settle(self) -> None:
+        for _ in range(3):
+            await self.pilot.pause(0)
+
+    async def tell(self, *messages: Incoming) -> None:
+        await asyncio.to_thread(self.feed.deliver, *messages)
+        await self.settle()
+        self.app.look_in()
+        await self.settle()
+
+    async def press(self, *keys: str) -> None:
+        for key in keys:
+            await self.pilot.press(key)
+        self.app.look_in()
+        await self.settle()
+
+    def kinds(self) -> set[str]:
+        return {type(asked).__name__ for asked in self.feed.asked}
+
+
+@asynccontextmanager
+async def seated(
+    *first: Incoming, size: tuple[int, int] = (80, 24), only: str = ""
+) -> AsyncIterator[Seat]:
+    feed = ScriptedFeed()
+    feed.begin_with(*(first or (studied.welcome(role="participant"),)))
+    app = Participant(feed, Keyboard(feed), only=only, clock=ManualClock())
+    async with app.run_test(size=size) as pilot:
+        seat = Seat(app, feed, pilot)
+        await seat.settle()
+        app.look_in()
+        await seat.settle()
+        yield seat
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_it_waits_asks_and_thanks(size: tuple[int, int]) -> None:
+    async with seated(size=size) as seat:
+        assert "Please wait." in seat.drawn()
+        await seat.tell(studied.started(studied.QUICK))
+        assert "This visit" in seat.drawn()
+        await seat.press("enter", "6", "enter")
+        answer = seat.feed.last(r.AskAnswer)
+        assert isinstance(answer, r.AskAnswer)
+        assert (answer.item, answer.value) == ("pleasant", 6.0)
+        ended = seat.feed.last(r.AskQuestionnaire)
+        assert isinstance(ended, r.AskQuestionnaire)
+        assert ended.what == "done"
+        await seat.tell(studied.ended("quick"))
+        assert "Thank you!" in seat.drawn()
+        assert seat.app.is_running
+
+
+async def test_it_shows_nothing_of_the_session() -> None:
+    first = studied.welcome(*scenes.sensors(), role="participant", recent=scenes.history())
+    async with seated(first, size=(160, 50)) as seat:
+        assert seat.drawn().split() == ["Please", "wait."]
+
+
+async def test_no_key_plays_marks_releases_or_opens_anything() -> None:
+    async with seated() as seat:
+        await seat.tell(m.StopPressed(source="key", t=studied.NOW))
+        await seat.press(*WIZARDS)
+        assert seat.kinds() == set()
+        await seat.tell(m.StopReleased(source="key", t=studied.NOW), studied.started())
+        await seat.press("h", "f1", "ctrl+r", "ctrl+z", "ctrl+t", "full_stop", "asterisk")
+        assert seat.kinds() == set()
+        for chord in ("h", "ctrl+r", "ctrl+z", ".", "up"):
+            assert seat.app.keyboard.arrive(chord) is False
+        assert seat.kinds() == set()
+
+
+@pytest.mark.parametrize("key", ["escape", "ctrl+c"])
+async def test_the_stop_works_as_everywhere(key: str) -> None:
+    async with seated() as seat:
+        await seat.tell(studied.started())
+        await seat.press("enter", key)
+        assert seat.kinds() == {"AskStop"}
+        assert seat.app.is_running
+        assert "How pleasant" in seat.drawn()
+
+
+async def test_it_is_left_by_the_wizards_key_alone() -> None:
+    async with seated() as seat:
+        await seat.press("q", "ctrl+d", "ctrl+z", "enter")
+        assert seat.app.is_running
+        await seat.pilot.press("ctrl+q")
+        await seat.pilot.pause()
+        assert seat.app.return_value == "detached"
+
+
+async def test_a_lost_line_keeps_the_answers_and_sends_them_again() -> None:
+    async with seated() as seat:
+        await seat.tell(studied.started())
+        await seat.press("enter")
+        seat.feed.answers[r.AskAnswer] = lambda asked, ref: r.Reply(ref=0, ok=True)
+        await seat.press("6")
+        await asyncio.to_thread(seat.feed.cut, "gone")
+        await seat.settle()
+        seat.app.look_in()
+        await seat.settle()
+        assert "Just a moment" in seat.drawn()
+        del seat.feed.answers[r.AskAnswer]
+        await seat.tell(studied.welcome(studied.started(), role="participant"))
+        sent = [asked for asked in seat.feed.asked if isinstance(asked, r.AskAnswer)]
+        assert [(asked.item, asked.value) for asked in sent] == [("pleasant", 6.0)] * 2
+        assert "2 of 4" in seat.drawn()
+
+
+async def test_the_end_of_the_session_ends_it() -> None:
+    async with seated() as seat:
+        await seat.tell(m.SessionEnd(reason="wizard", t=studied.NOW))
+        await asyncio.to_thread(seat.feed.cut, "gone")
+        deadline = asyncio.get_running_loop().time() + PATIENCE
+        while seat.app.return_value is None and asyncio.get_running_loop().time() < deadline:
+            await seat.pilot.pause(0.01)
+        assert seat.app.return_value == "ended"
+
+
+async def test_one_questionnaire_alone_begins_when_it_is_due() -> None:
+    async with seated(only="quick") as seat:
+        await seat.tell(studied.started())
+        assert "Please wait." in seat.drawn()
+        await seat.tell(studied.ended(), studied.trial(1))
+        assert seat.kinds() == set()
+        await seat.tell(m.TrialEnded(trial=1, outcome="done", t=studied.NOW))
+        asked = seat.feed.last(r.AskQuestionnaire)
+        assert isinstance(asked, r.AskQuestionnaire)
+        assert (asked.questionnaire, asked.what) == ("quick", "begin")
+        await seat.tell(studied.started(studied.QUICK))
+        assert "This visit" in seat.drawn()

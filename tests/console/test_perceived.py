@@ -1,0 +1,241 @@
+"""What the wizard does not get to see: nowhere on any screen, and with its place kept."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import pytest
+
+from tests.console import bodies, engaged, scenes, studied
+from tests.console.dialogs import OPENERS, opened
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.picture import Picture
+from woz_tui.console.study.perceived import Perception, dots, kind_of
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+NOW, SECOND = scenes.NOW, scenes.SECOND
+EVERYTHING = ["transcript", "distance", "loudness", "presence", "gaze", "identity", "direction"]
+EVERYTHING += ["engagement", "joints", "face"]
+
+#: For each thing that can be hidden, what would give it away in the session of `told`.
+TRACES = {
+    "transcript": ["hello robot", "roman glass", "where is"],
+    "distance": ["0.84", "0.8 m", "personal"],
+    "loudness": ["-31 dB", " dB"],
+    "identity": ["v12", "visitor 12", "introduced"],
+    "engagement": ["RobotThinks", "EngagedWith", "UserSpeaks", "attention"],
+    "joints": ["14°", "30°", "-6°"],
+    "direction": ["77"],
+}
+
+
+def told(hide: list[str], blur: list[str] | None = None, **more: Any) -> r.Welcome:
+    """A session with a model, sensors, a talk; some of it is kept from the wizard."""
+    study = studied.told(perception={"hide": hide, "blur": blur or []})
+    direction = scenes.reading(NOW, "direction", 77.0, unit="deg")
+    return scenes.welcome(
+        state=[*scenes.healthy(), *scenes.sensors(), direction, engaged.waits()],
+        recent=sorted(
+            [*scenes.history(), *engaged.way(), *engaged.talk()], key=lambda message: message.t
+        ),
+        settings={"study": study},
+        shown=[],  # the labels of actions say nothing of sensors
+        **more,
+    )
+
+
+def everything(seat: Sitting) -> str:
+    parts = ("Status", "Meters", "BodyPane", "Events", "StopBar", "Script")
+    return seat.drawn() + "\n" + "\n".join(map(seat.text, parts))
+
+
+def readings(asked: r.AnyRequest, ref: int) -> r.Reply:
+    """The preflight tells the sensors' last values."""
+    found: list[m.Json] = [
+        {"level": "ok", "subject": subject, "text": text, "remedy": ""}
+        for subject, text in (
+            ("distance", "0.84 m"),
+            ("loudness", "0.028"),
+            ("identity", "visitor 12"),
+            ("direction", "77 deg"),
+            ("head", "3 servos XL330"),
+        )
+    ]
+    return r.Reply(ref=ref, ok=True, data=found)
+
+
+@pytest.mark.parametrize("what", TRACES)
+async def test_without_it_the_traces_are_there(what: str) -> None:
+    """The search below would not find anything in a session that has nothing to hide."""
+    async with sitting(told([]), size=(160, 50)) as seat:
+        shown = everything(seat)
+        await opened(seat, "EngagementDialog")
+        shown += everything(seat)
+        assert any(trace in shown for trace in TRACES[what]), shown
+
+
+@pytest.mark.parametrize(
+    ("role", "size", "hidden"),
+    [
+        ("wizard", (80, 24), EVERYTHING),
+        ("watcher", (160, 50), EVERYTHING),
+        *(("wizard", (160, 50), [what]) for what in TRACES),
+    ],
+)
+async def test_what_is_hidden_stands_nowhere(
+    role: str, size: tuple[int, int], hidden: list[str]
+) -> None:
+    async with sitting(told(hidden, role=role), size=size) as seat:
+        seat.feed.answers[r.AskPreflight] = readings
+        names = OPENERS if len(hidden) > 1 else ["EngagementDialog", "PreflightDialog"]
+        shown = {"main": everything(seat)}
+        for name in names:
+            await opened(seat, name)
+            await seat.settle()
+            shown[name] = everything(seat)
+            await seat.press("ctrl+q")
+        for what in set(hidden) & set(TRACES):
+            for where, text in shown.items():
+                found = [trace for trace in TRACES[what] if trace in text]
+                assert not found, (what, where, text)
+
+
+@pytest.mark.parametrize("what", ["distance", "loudness", "identity", "joints", "direction"])
+async def test_its_place_stays_with_a_quiet_word(what: str) -> None:
+    async with sitting(told([what]), size=(160, 50)) as seat:
+        assert "hidden" in seat.text("Meters")
+        before = seat.text("Meters")
+        await seat.tell(
+            scenes.reading(NOW + SECOND, "distance", 3.1, unit="m"),
+            scenes.reading(NOW + SECOND, "loudness", 0.5),
+            scenes.reading(NOW + SECOND, "identity", None, text="visitor 13"),
+            scenes.reading(NOW + SECOND, "direction", 12.0, unit="deg"),
+        )
+        lines = zip(before.splitlines(), seat.text("Meters").splitlines(), strict=True)
+        hidden = [pair for pair in lines if "hidden" in pair[0]]
+        assert hidden
+        assert all(was == now for was, now in hidden)
+
+
+async def test_nothing_tells_how_old_something_hidden_is() -> None:
+    async with sitting(told(["distance", "loudness"]), size=(160, 50)) as seat:
+        await seat.pass_time(30)
+        rows = [row for row in seat.text("Meters").splitlines() if "hidden" in row]
+        assert len(rows) >= 2
+        assert not any("old" in row for row in rows)
+
+
+async def test_blurred_figures_are_words() -> None:
+    async with sitting(told([], ["distance", "loudness", "transcript"]), size=(160, 50)) as seat:
+        shown = everything(seat)
+        for what in ("distance", "loudness", "transcript"):
+            assert not [trace for trace in TRACES[what] if trace in shown], what
+        rows = {row.split()[0]: row for row in seat.text("Meters").splitlines() if row.strip()}
+        assert "near" in rows["distance"]
+        assert "loud" in rows["loudness"].replace("loudness", "")
+        assert "“● ●”" in shown
+        await seat.tell(
+            scenes.reading(NOW + SECOND, "distance", 3.1, unit="m"),
+            scenes.reading(NOW + SECOND, "loudness", 0.001),
+        )
+        rows = {row.split()[0]: row for row in seat.text("Meters").splitlines() if row.strip()}
+        assert "far" in rows["distance"]
+        assert "quiet" in rows["loudness"]
+        await opened(seat, "EngagementDialog")
+        assert "0.84" not in seat.drawn()
+
+
+async def test_a_hidden_face_is_not_drawn_and_keeps_its_place() -> None:
+    study: dict[str, m.Json] = {"study": studied.told(perception={"hide": ["face", "joints"]})}
+    shown, kept = bodies.welcome(bodies.alive()), bodies.welcome(bodies.alive())
+    kept.settings.update(study)
+    async with sitting(shown, size=(160, 50)) as seat:
+        seen = seat.text("BodyPane").splitlines()
+    async with sitting(kept, size=(160, 50)) as seat:
+        hidden = seat.text("BodyPane").splitlines()
+        assert "hidden" in "".join(hidden)
+        assert len(hidden) == len(seen)
+        emotion = next(row for row in seen if "shows" in row).split("shows")[1].split()[0]
+        assert emotion not in "".join(hidden)
+
+
+async def test_it_may_change_while_the_session_runs() -> None:
+    async with sitting(told([]), size=(160, 50)) as seat:
+        assert "roman glass" in seat.text("Events")
+        everything_kept = m.PerceptionChanged(hidden=EVERYTHING, blurred=[], t=NOW + 1)
+        await seat.tell(everything_kept)
+        shown = everything(seat)
+        for what, traces in TRACES.items():
+            assert not [trace for trace in traces if trace in shown], what
+        assert "Kept from you" in seat.text("Events")
+
+
+# -- message by message ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("sensor", "kind"),
+    [
+        ("distance", "distance"),
+        ("left.distance", "distance"),
+        ("loudness.threshold", "loudness"),
+        ("joint.head.yaw", "joints"),
+        ("left.setpoint.pan", "joints"),
+        ("joint.head.direction", "joints"),
+        ("direction.azimuth", "direction"),
+        ("battery", ""),
+    ],
+)
+def test_what_a_sensor_tells(sensor: str, kind: str) -> None:
+    assert kind_of(sensor) == kind
+
+
+@pytest.mark.parametrize(
+    ("text", "shown"),
+    [("", ""), ("yes", "●"), ("a b c", "●"), ("a b c d", "● ●"), ("w " * 11, "● ● ●")],
+)
+def test_how_long_an_utterance_is(text: str, shown: str) -> None:
+    assert dots(text) == shown
+
+
+def test_a_reason_that_may_tell_a_sign_is_left_out() -> None:
+    changed = engaged.way()[1]
+    told = Perception(["distance"]).message(changed)
+    assert isinstance(told, m.EngagementChanged)
+    assert told.why == ""
+    assert "distance" not in told.verdicts
+    assert Perception(["joints"]).message(changed) is changed
+
+
+def test_an_effect_of_a_hidden_state_has_no_name_that_tells_it() -> None:
+    kept = Perception(["engagement"])
+    told = kept.message(m.ActionFailed(run="a1", action="on RobotThinks", reason="x", t=NOW))
+    assert isinstance(told, m.ActionFailed)
+    assert told.action == "on engagement"
+    other = m.ActionFailed(run="a1", action="on the way", reason="x", t=NOW)
+    assert kept.message(other) is other
+
+
+def test_what_nobody_knows_cannot_be_hidden() -> None:
+    assert not Perception(["tea"], ["cake"])
+    assert Perception(["distance"], ["distance"]).blurred == frozenset()
+
+
+def test_a_picture_never_holds_what_is_hidden() -> None:
+    picture = Picture()
+    picture.take([told(EVERYTHING)], 0)
+    assert picture.engagement is None
+    assert picture.engaged.shown is None
+    assert not picture.faces
+    assert not [sensor for sensor in picture.sensors.values() if sensor.value is not None]
+
+
+async def test_hidden_signs_of_the_model_have_no_verdict() -> None:
+    async with sitting(told(["presence", "gaze"]), size=(160, 50)) as seat:
+        rows = [row for row in seat.text("Meters").splitlines() if "hidden" in row]
+        assert {row.split()[0] for row in rows} >= {"person", "looks"}
+        await opened(seat, "EngagementDialog")
+        drawn = seat.drawn()
+        assert "presence hidden AND gaze hidden" in drawn
+        assert "5 of 8" not in drawn

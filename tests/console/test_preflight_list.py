@@ -1,0 +1,163 @@
+"""The preflight's list for humans, held actions, and what the wizard is told of cues."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.console import scenes, studied
+from tests.console.dialogs import opened
+from tests.console.driving import sitting
+from woz_tui.console.glyphs import ASCII
+from woz_tui.console.look import Look
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+NOW, SECOND = studied.NOW, studied.SECOND
+
+
+def ticked(check: str = studied.CHECKS[0], level: str = "ok") -> m.PreflightChecked:
+    return m.PreflightChecked(check=check, level=level, source="wizard", t=NOW)
+
+
+@pytest.mark.parametrize("key", ["space", "enter"])
+async def test_a_line_is_ticked_and_the_tick_taken_away(key: str) -> None:
+    async with sitting(studied.welcome()) as seat:
+        await opened(seat, "PreflightDialog")
+        assert f"○ {studied.CHECKS[0]}" in seat.drawn()
+        await seat.press("down", key)
+        asked = seat.feed.last(r.AskCheck)
+        assert isinstance(asked, r.AskCheck)
+        assert (asked.check, asked.ok) == (studied.CHECKS[1], True)
+        await seat.tell(ticked(studied.CHECKS[1]))
+        assert f"✓ {studied.CHECKS[1]}" in seat.drawn()
+        await seat.press(key)
+        asked = seat.feed.last(r.AskCheck)
+        assert isinstance(asked, r.AskCheck)
+        assert asked.ok is False
+
+
+async def test_a_newcomer_sees_what_is_ticked() -> None:
+    listed: list[m.Json] = [{"check": check, "ok": True} for check in studied.CHECKS]
+    async with sitting(studied.welcome(study=studied.told(preflight=listed))) as seat:
+        await opened(seat, "PreflightDialog")
+        assert seat.drawn().count("✓ the") == 2
+
+
+async def test_the_verdict_counts_what_is_left_to_do() -> None:
+    async with sitting(studied.welcome(), size=(160, 50)) as seat:
+        await opened(seat, "PreflightDialog")
+        await seat.until(lambda: "2 to see to yourself" in seat.drawn())
+        await seat.tell(*map(ticked, studied.CHECKS))
+        assert "to see to yourself" not in seat.drawn()
+
+
+async def test_checks_run_again_by_letter_and_nothing_is_ticked() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await opened(seat, "PreflightDialog")
+        await seat.press("c")
+        asked = [one for one in seat.feed.asked if isinstance(one, r.AskPreflight)]
+        assert len(asked) == 2
+        assert seat.feed.last(r.AskCheck) is None
+
+
+async def test_without_a_list_enter_checks_again() -> None:
+    async with sitting(scenes.welcome()) as seat:
+        await opened(seat, "PreflightDialog")
+        await seat.press("enter")
+        asked = [one for one in seat.feed.asked if isinstance(one, r.AskPreflight)]
+        assert len(asked) == 2
+
+
+async def test_a_refusal_is_said() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await opened(seat, "PreflightDialog")
+        await seat.until(lambda: "to see to yourself" in seat.drawn())
+        seat.feed.answers[r.AskCheck] = lambda asked, ref: r.Reply(
+            ref=ref, ok=False, reason="you are watching"
+        )
+        await seat.press("space")
+        assert "you are watching" in seat.drawn()
+
+
+async def test_signs_of_a_plain_terminal() -> None:
+    async with sitting(studied.welcome(), look=Look(ASCII, "woz-16")) as seat:
+        await seat.tell(ticked())
+        await opened(seat, "PreflightDialog")
+        assert f"+ {studied.CHECKS[0]}" in seat.drawn()
+        assert f"o {studied.CHECKS[1]}" in seat.drawn()
+
+
+# -- held actions ---------------------------------------------------------------------------------
+
+
+def held(seconds: float = 1.2) -> list[m.AnyMessage]:
+    """Hello was pressed, and waits until it may answer."""
+    return [
+        m.ActionRequested(run="a20", action="Hello", source="key", t=NOW),
+        m.ActionHeld(
+            run="a20",
+            action="Hello",
+            sort="speech",
+            cued=NOW - 300_000,
+            until=NOW + round(seconds * SECOND),
+            t=NOW,
+        ),
+    ]
+
+
+async def test_a_held_action_shows_that_it_waits_and_how_long() -> None:
+    async with sitting(studied.welcome(), size=(160, 50)) as seat:
+        await seat.tell(*held())
+        row = next(row for row in seat.text("Panels").splitlines() if "Hello" in row)
+        assert "waits 1.2" in row
+        assert "waits 1.2 s" in seat.text("Events")
+        await seat.pass_time(0.5)
+        row = next(row for row in seat.text("Panels").splitlines() if "Hello" in row)
+        assert "waits 0.7" in row
+        await seat.tell(
+            m.Command(
+                command="c20",
+                run="a20",
+                action="Hello",
+                verb="say",
+                args={},
+                source="key",
+                t=NOW + 2 * SECOND,
+            )
+        )
+        await seat.tell(
+            m.Dispatched(command="c20", driver="voice", latency_us=1, t=NOW + 2 * SECOND)
+        )
+        row = next(row for row in seat.text("Panels").splitlines() if "Hello" in row)
+        assert "waits" not in row
+
+
+async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await seat.tell(held()[1])
+        assert "waits" not in seat.text("Panels")
+
+
+# -- cues of a training ---------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("judged", "reaction_us", "told"),
+    [
+        ("right", 1_240_000, "right, 1.2 s"),
+        ("wrong", 2_000_000, "wrong, 2.0 s"),
+        ("missed", -1, "missed"),
+        ("uncalled", -1, "nothing asked for it"),
+    ],
+)
+async def test_a_trainee_is_told_how_it_was(judged: str, reaction_us: int, told: str) -> None:
+    async with sitting(studied.welcome(), size=(160, 50)) as seat:
+        given = m.CueGiven(
+            cue="q1", sort="question", text="where is it?", expects=["Map"], window_us=1, t=NOW
+        )
+        await seat.tell(given)
+        assert "Cue: question" in seat.text("Events")
+        assert "Map" not in seat.text("Events")
+        await seat.tell(m.CueAnswered(cue="q1", judged=judged, reaction_us=reaction_us, t=NOW))
+        assert told in seat.text("StopBar")
+        assert f"Cue {judged}" in seat.text("Events")

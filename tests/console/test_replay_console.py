@@ -230,6 +230,8 @@ async def test_the_stop_of_then_is_seen_and_what_is_said_too() -> None:
         assert "stop.pressed" in seat.text("StopBar")
         await seat.pass_time(20)
         assert "STOPPED by key at 00:15" in seat.text("StopBar")
+        await seat.press("escape")
+        assert "nothing moves" in seat.text("StopBar")
         await seat.press(".")
         await seat.pass_time(20)
         assert "confirmed: robot" in seat.text("StopBar")

@@ -49,7 +49,7 @@ def find(text: str, reel: Reel, now: int) -> int:
     wanted = text.strip()
     word = wanted.casefold()
     if word in ("start", "end"):
-        return 0 if word == "start" else reel.length_us
+        return reel.begin_us if word == "start" else reel.length_us
     if word in ("next", "before"):
         return _beside(reel.marks, now, later=word == "next")
     t = time_of(wanted)

@@ -69,7 +69,7 @@ class Player:
         self.rate = min(FASTEST, max(SLOWEST, start.speed))
         self.paused = start.paused
         self._cuts = reel.cuts(start.max_idle_us)
-        self._t = max(0, min(start.at_us, reel.length_us))
+        self._t = max(reel.begin_us, min(start.at_us, reel.length_us))
         self._index = 0
         self._local = 0
         self._told = 0
@@ -134,7 +134,7 @@ class Player:
     def _go(self, t: int, now: int, index: int | None = None) -> list[Incoming]:
         """Begin anew at `t`."""
         reel = self.reel
-        self._t = max(0, min(t, reel.length_us))
+        self._t = max(reel.begin_us, min(t, reel.length_us))
         self._index = reel.index(self._t) if index is None else index
         self._local = now
         moment = reel.moment(self._index, self._t)

@@ -93,6 +93,8 @@ class Reel:
         known = self.samples.length_us
         self.times = steady([min(t, known) if known else t for _, t in found])
         self.length_us = max(self.times[-1] if self.times else 0, known)
+        #: The first moment at which anything is known.
+        self.begin_us = self.times[0] if self.times else 0
         self.start = next((line for line in self.lines if isinstance(line, m.SessionStart)), None)
         self._plans = [
             (index, line)

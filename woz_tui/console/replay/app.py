@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from woz_tui.console.app import FLASH_S, Console
+from woz_tui.console.app import FLASH_S, NEWS_S, Console
 from woz_tui.console.caps import cap_of
 from woz_tui.console.feed import Feed, Incoming
 from woz_tui.console.inbox import Inbox
@@ -86,8 +86,8 @@ class ReplayConsole(Console):
 
     def news(self, text: str, look: str = "muted") -> None:
         """A sentence above the time line, for a few seconds."""
+        self._said_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
         super().news(text, look)
-        self._said_until = self._news_until
 
     def _welcomed(self, welcome: Welcome) -> None:
         """The first time it says how to go on."""

@@ -1,0 +1,75 @@
+"""A session is played, ended, and seen again on another terminal."""
+
+from __future__ import annotations
+
+import psutil
+
+from tests.e2e import scenes
+from tests.e2e.lab import Lab, end_session, until
+
+
+def test_a_session_is_seen_again(lab: Lab) -> None:
+    file = lab.file("guide.yaml", scenes.guide())
+    wizard = lab.run(file)
+    log = lab.log
+    wizard.send("n")
+    log.wait("action.done", action="Nod")
+    wizard.send(".")
+    log.wait("marker")
+    wizard.send("\x1b")
+    log.wait("stop.confirmed")
+    wizard.send("\x12")
+    log.wait("stop.released")
+    end_session(wizard)
+    assert wizard.process.wait(20) == 0
+    until(lambda: not lab.processes(), "the end of the robot process")
+    before = log.path.read_bytes()
+
+    viewer = lab.terminal(["replay", str(log.path), "--paused"])
+    viewer.wait_text("REPLAY")
+    viewer.wait_text("┃┃")
+    first, last = viewer.text.splitlines()[0], viewer.text.splitlines()[23]
+    assert "Long way" in first
+    assert "P01" in first
+    assert "log complete" in first
+    assert "■" in last
+    assert "UTC" in last
+    (process,) = (each for each in lab.processes() if "replay" in each.cmdline())
+    assert not lab.sockets()  # no robot process, and nobody who could be one
+    assert not [each for each in process.net_connections() if each.status == psutil.CONN_LISTEN]
+
+    viewer.send("\x1b[6~")  # page down: the marker
+    viewer.wait_text("◆ Marker")
+    assert "✓ Nod" in viewer.text
+    viewer.send("\x1b[6~")
+    viewer.wait_text("STOPPED by key")
+    viewer.send("\x1b")
+    viewer.wait_text("nothing moves")
+    viewer.send("n")
+    viewer.wait_text("n plays nothing")
+    viewer.send("\x1b[F")
+    viewer.wait_text("Session ended")
+    viewer.send("g")
+    viewer.wait_text("─ Go to ─")
+    viewer.send("0:00\r")
+    viewer.wait_for(lambda screen: "Session ended" not in screen and "Go to" not in screen)
+    viewer.send("]")
+    viewer.wait_text("2x")
+    viewer.send(" ")
+    viewer.wait_text("▶  00:0")
+    viewer.wait_text("Session ended")
+    viewer.wait_text("■  00:")
+    viewer.send("\x11")
+    assert viewer.process.wait(20) == 0
+    assert log.path.read_bytes() == before
+    assert len(list(lab.recordings.glob("*.jsonl"))) == 2
+
+
+def test_what_cannot_be_shown_is_said_on_the_terminal(lab: Lab) -> None:
+    file = lab.file("guide.yaml", scenes.guide())
+    missing = lab.terminal(["replay", str(lab.folder / "nothing.jsonl")])
+    missing.wait_text("there is no such log")
+    assert missing.process.wait(20) == 1
+    wrong = lab.terminal(["replay", str(file)])
+    wrong.wait_text("the name of a log")
+    assert wrong.process.wait(20) == 1

@@ -6,6 +6,7 @@ session has thousands of lines and a dozen of these. Whatever is damaged is pass
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -16,8 +17,8 @@ from woz_tui.record.names import FileName
 from woz_tui.session.progress import OVER
 from woz_tui.session.proposal import Past
 
-#: Bytes read at once.
-CHUNK = 1 << 20
+#: Bytes read at once: a thread that looks through more of them keeps others waiting.
+CHUNK = 64 << 10
 #: A piece without a line's end that is longer is no log.
 LONGEST = 4 << 20
 #: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
@@ -108,14 +109,21 @@ def _candidates(path: Path) -> Iterator[bytes]:
             if not newline and len(tail) > LONGEST:
                 tail = b""
             rest = tail
-            if any(word in whole for word in _WORDS):
-                yield from (line for line in whole.split(b"\n") if _is_candidate(line))
-    if _is_candidate(rest):
-        yield rest
+            yield from _in(whole)
+            time.sleep(0)  # the robot's thread first
+    yield from _in(rest)
 
 
-def _is_candidate(line: bytes) -> bool:
-    return any(word in line for word in _WORDS)
+def _in(piece: bytes) -> list[bytes]:
+    """Lines of a piece that have one of the words, found without looking at the others."""
+    starts: set[int] = set()
+    for word in _WORDS:
+        at = piece.find(word)
+        while at >= 0:
+            starts.add(piece.rfind(b"\n", 0, at) + 1)
+            at = piece.find(word, at + 1)
+    ends = ((start, piece.find(b"\n", start)) for start in sorted(starts))
+    return [piece[start:end] if end >= 0 else piece[start:] for start, end in ends]
 
 
 def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:

@@ -157,6 +157,17 @@ def test_sentences_typed_on_the_spot_have_a_lane(tmp_path: Path) -> None:
     assert ["detail", "it took too long"] in facts
 
 
+def test_a_training_has_its_score(tmp_path: Path) -> None:
+    story = Story()
+    for place, judged in enumerate(("right", "right", "right", "missed")):
+        cue = f"q{place}"
+        given = m.CueGiven(cue=cue, sort="question", expects=["Hello"], window_us=4_000_000)
+        story.tell(place * 5, given)
+        story.tell(place * 5 + 2, m.CueAnswered(cue=cue, judged=judged, reaction_us=2_000_000))
+    plain = re.sub(r"<[^>]+>", " ", render([story.report(tmp_path)]))
+    assert "75.0 %  3 of 4 cues right, 1 missed, 0 wrong, 0 uncalled" in plain
+
+
 def test_slow_sensors_have_curves_without_holes(text: str) -> None:
     lanes = {lane["title"]: lane for lane in data(text, 1)["lanes"]}
     points = lanes["distance"]["points"]

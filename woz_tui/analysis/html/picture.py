@@ -154,7 +154,8 @@ def _curve(curve: Curve, scale: Scale, y: float) -> Markup | None:
             command = "M"
             continue
         up = y + CURVE - 2 - (number - low) / ((high - low) or 1) * (CURVE - 4)
-        path += f"{command}{short(scale.x(t))} {short(up)}"
+        # A line of no length makes a value that stands alone a dot.
+        path += f"{command}{short(scale.x(t))} {short(up)}" + ("h0" if command == "M" else "")
         command = "L"
     right = WIDTH - RIGHT - 3
     return joined(

@@ -149,6 +149,13 @@ def _tiles(figures: SessionFigures) -> Iterator[Markup]:
     if figures.trials:
         number = sum(trial.counted for trial in figures.trials)
         yield _tile("trials", str(number), f"of {len(figures.trials)} begun")
+    if figures.training:
+        training = figures.training
+        more = f"{training.right} of {training.cues} cues right, {training.missed} missed, "
+        more += f"{training.wrong} wrong, {training.uncalled} uncalled"
+        yield tag(
+            "li", tag("span", "Training"), tag("b", percent(training.score)), tag("small", more)
+        )
 
 
 def _rate(number: float | None) -> str:

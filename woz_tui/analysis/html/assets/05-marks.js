@@ -51,7 +51,8 @@ function drawItem(item, x0, x1, left, right, y, height) {
   return svg("g", { class: "item", "data-number": item.number }, ...parts);
 }
 
-// A step curve through the values, with gaps where nothing was measured.
+// A line through the values, with gaps where nothing was measured. A line of no length at each
+// beginning makes a value that stands alone a dot.
 function curvePath(points, x, y) {
   let path = "";
   let drawing = false;
@@ -59,7 +60,8 @@ function curvePath(points, x, y) {
     if (value === null) {
       drawing = false;
     } else {
-      path += `${drawing ? "L" : "M"}${x(at).toFixed(1)} ${y(value).toFixed(1)}`;
+      const place = `${x(at).toFixed(1)} ${y(value).toFixed(1)}`;
+      path += drawing ? `L${place}` : `M${place}h0`;
       drawing = true;
     }
   }

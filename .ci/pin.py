@@ -18,7 +18,14 @@ ROOT = Path(__file__).resolve().parent.parent
 FILE = ROOT / "constraints.txt"
 PYTHONS = ("3.11", "3.12", "3.13")
 PROCESSORS = ("x86_64", "aarch64")
-GLIBCS = ("manylinux_2_28", "manylinux_2_17", "manylinux2014", "manylinux_2_12", "manylinux2010")
+GLIBCS = (
+    "manylinux_2_28",
+    "manylinux_2_27",
+    "manylinux_2_17",
+    "manylinux2014",
+    "manylinux_2_12",
+    "manylinux2010",
+)
 HEADER = """\
 # Exact versions of everything woz-tui runs and is developed with, for Python 3.11 to 3.13 on
 # x86-64 and 64-bit ARM. Made by `make constraints`; do not edit.

@@ -48,7 +48,11 @@ def write(folder: Path, course: Iterable[Timed], stem: str = STEM, *, ended: boo
     seq, t = -1, 0
     for seq, (seconds, message) in enumerate(course):
         t = round(seconds * 1_000_000)
-        ts = "" if wire.is_sample(message) else timestamp(BEGIN + timedelta(seconds=seconds))
+        ts = (
+            ""
+            if wire.is_sample(message)
+            else timestamp(BEGIN + timedelta(seconds=min(seconds, 1e9)))
+        )
         line = wire.encode(msgspec.structs.replace(message, seq=seq, t=t, ts=ts))
         (others if wire.is_sample(message) else actions).extend(line)
     if ended:
@@ -78,7 +82,7 @@ def speak(folder: Path, name: str, seconds: float, level: int = 1000, rate: int 
 
 def visit() -> list[Timed]:
     """A short visit in which something of every sort happens."""
-    say = {"text": 'Hello, "dear"\tvisitor!\nÇa va? <&>'}
+    say: dict[str, m.Json] = {"text": 'Hello, "dear"\tvisitor!\nÇa va? <&>'}
     return [
         (0, start()),
         (0.5, m.TrialStarted(trial=1, condition="cold", planned=2)),

@@ -4,17 +4,16 @@ from __future__ import annotations
 
 import csv
 import json
+from collections.abc import Callable
 from datetime import datetime
 from pathlib import Path
 from typing import Any
 
-import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import STEM, Timed, courses, session_of, start, visit, write
 from tests.export.out import course_to, exported
 from woz_tui.core import messages as m
-from woz_tui.export.tables import EVENTS
 from woz_tui.export.text import visible
 
 Rows = list[dict[str, str]]
@@ -35,7 +34,7 @@ def package(out: Path) -> dict[str, Any]:
     return found
 
 
-_TYPES = {
+_TYPES: dict[str, Callable[[str], object]] = {
     "string": str,
     "number": float,
     "integer": int,
@@ -155,10 +154,3 @@ def test_several_sessions_stand_in_the_same_tables_under_names_of_their_own(tmp_
     assert [row["log"] for row in sessions] == [STEM, f"{STEM}-2"], "each session once"
     logs = {row["log"] for row in read_back(tmp_path / "out" / "events.csv")}
     assert logs == {STEM, f"{STEM}-2"}
-
-
-@pytest.mark.parametrize("column", ["onset_s", "kind", "label", "outcome", "text"])
-def test_the_guide_names_the_columns(column: str) -> None:
-    guide = (Path(__file__).parents[2] / "docs" / "export.md").read_text(encoding="utf-8")
-    assert f"`{column}`" in guide
-    assert column in {each.name for each in EVENTS.columns}

@@ -42,7 +42,9 @@ class Folder:
 
     def _open(self, name: str) -> int:
         path = self.path / name
-        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        missing = [each for each in path.parents if not each.exists()]
+        for parent in reversed(missing):
+            parent.mkdir(mode=0o700)
         return os.open(path, _FLAGS, 0o600)
 
 

@@ -15,10 +15,9 @@ from woz_tui.export.course import Session
 from woz_tui.export.extract import Extractor
 from woz_tui.export.redaction import redacted
 from woz_tui.export.text import letters
-from woz_tui.record.log import Damage, Line, LogFiles, files_of
-from woz_tui.record.log import read as read_log
+from woz_tui.record.log import Damage, Line, LogFiles, files_of, merge
 from woz_tui.record.names import FileName
-from woz_tui.record.stream import messages
+from woz_tui.record.stream import batches
 
 _encoder = msgspec.json.Encoder()
 
@@ -43,18 +42,27 @@ class Source:
         """Its first file."""
         return self.files.paths[0]
 
+    # The files are those that were found: looked for again from the first one, a segment in
+    # another folder would be missing.
+
     def lines(self, damage: Damage) -> Iterator[Line]:
         """Every line that is no sample, in order."""
-        return (line for line in read_log(self.log, damage, samples=False) if not line.sample)
+        actions = [path for path in self.files.paths if not _holds_samples(path)]
+        return (line for line in merge(actions, damage, gaps=False) if not line.sample)
 
     def samples(self, damage: Damage) -> Iterator[Reading]:
         """Every sample of a sensor, in order; memory stays flat."""
-        items = messages(self.log, damage, samples=True)
-        return (item for item in items if isinstance(item, Reading))
+        for batch in batches(self.files.paths, damage, gaps=True):
+            yield from (item for item in batch if isinstance(item, Reading))
 
     def everything(self, damage: Damage) -> Iterator[Line]:
         """Every line, in order."""
-        return read_log(self.log, damage)
+        return merge(self.files.paths, damage)
+
+
+def _holds_samples(path: Path) -> bool:
+    name = FileName.parse(path.name)
+    return name is not None and name.samples
 
 
 def redacted_line(line: Line) -> Line:
@@ -84,7 +92,13 @@ def found(given: Iterable[Path]) -> list[Source]:
             sources.setdefault(files.paths, Source(files))
     if not sources:
         raise ExportError("there is nothing to export", "name a log, *.jsonl, or a folder of them")
-    return list(sources.values())
+    # From a later segment the earlier ones are found, from those the later ones not always.
+    known = [set(paths) for paths in sources]
+    return [
+        source
+        for paths, source in sources.items()
+        if not any(set(paths) < others for others in known)
+    ]
 
 
 def _files(log: Path) -> LogFiles:

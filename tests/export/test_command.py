@@ -1,0 +1,76 @@
+"""`woz export` as it is typed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import pytest
+
+from tests.export.logs import STEM, visit, write
+from tests.record.story import GOLDEN
+from woz_tui.cli import main
+from woz_tui.export.export import FORMATS
+
+
+def test_it_says_what_it_did_and_what_was_wrong(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    log = write(tmp_path / "recordings", visit(), ended=False)
+    assert main(["export", str(log), "--to", "csv", "--out", str(tmp_path / "out")]) == 0
+    told = capsys.readouterr()
+    assert told.out == f"{STEM}: 14 events, 11.0 s\n1 session in {tmp_path / 'out'}\n"
+    assert told.err == (
+        f"woz export: {STEM}: damage: the session has no end: it runs still, or it was cut off\n"
+    )
+
+
+@pytest.mark.parametrize(
+    ("options", "told"),
+    [
+        (["nowhere.jsonl", "--to", "csv"], "nowhere.jsonl: there is no such log"),
+        (["LOG", "--to", "csv", "--media", "LOG"], "--media goes with --to eaf alone"),
+        (["LOG", "--to", "eaf", "--media", "no.mp4"], "no.mp4: there is no such file"),
+        (
+            ["LOG", "--to", "eaf", "--media", "LOG", "--redact-text"],
+            "leaves sound and pictures out",
+        ),
+        (["LOG", "OTHER", "--to", "eaf", "--media", "LOG"], "of one session, and here are 2"),
+        (["LOG", "--to", "eaf", "--offset", "3"], "--offset goes with --media"),
+        (["LOG", "--to", "eaf", "--media", "LOG", "--offset", "nan"], "is no time"),
+    ],
+)
+def test_what_cannot_be_done_is_told(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], options: list[str], told: str
+) -> None:
+    paths = {
+        "LOG": str(write(tmp_path / "one", visit())),
+        "OTHER": str(write(tmp_path / "two", visit())),
+    }
+    given = [paths.get(option, option) for option in options]
+    assert main(["export", *given, "--out", str(tmp_path / "out")]) == 1
+    error = capsys.readouterr().err
+    assert told in error
+    assert error.startswith("woz export: ")
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_format_that_there_is_not_is_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with pytest.raises(SystemExit):
+        main(["export", "x.jsonl", "--to", "xls", "--out", str(tmp_path)])
+    error = capsys.readouterr().err
+    assert all(name in error for name in FORMATS)
+
+
+@pytest.mark.parametrize("to", FORMATS)
+@pytest.mark.parametrize("version", ["v1", "v2"])
+def test_golden_logs_of_every_schema_can_be_exported(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], version: str, to: str
+) -> None:
+    golden = GOLDEN.parent / version
+    logs = [str(path) for path in sorted(golden.rglob("*.jsonl")) if "samples" not in path.name]
+    folders = list(dict.fromkeys(str(Path(log).parent) for log in logs))
+    out = str(tmp_path / "out")
+    assert main(["export", *folders, "--to", to, "--out", out, "--samples"]) == 0
+    assert capsys.readouterr().out

@@ -1,0 +1,152 @@
+"""`--redact-text`: of every text in every kind of message only codes and labels are left."""
+
+from __future__ import annotations
+
+import gzip
+import json
+import re
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from tests.export import secrets as told_secrets
+from tests.export.logs import STEM, speak, start, visit, write
+from tests.export.out import exported
+from tests.export.secrets import Secrets
+from woz_tui.core import messages as m
+from woz_tui.export.export import FORMATS
+from woz_tui.export.redaction import KEPT_IN, PLACEHOLDER, redacted
+from woz_tui.record.verify import verify
+
+GUIDE = Path(__file__).parents[2] / "docs" / "export.md"
+#: Whatever else is decided one day: these are never left.
+NEVER = {
+    *("text", "args", "sent", "reason", "remedy", "detail", "why", "question", "title", "about"),
+    *("files", "changes", "file", "path", "check", "wall", "ts", "settings", "visitor"),
+}
+
+
+def content(folder: Path) -> str:
+    """Everything that stands in the files of a folder, and their names."""
+    parts = []
+    for path in sorted(folder.rglob("*")):
+        parts.append(str(path.relative_to(folder)))
+        if path.is_file():
+            raw = path.read_bytes()
+            parts.append((gzip.decompress(raw) if path.suffix == ".gz" else raw).decode())
+    return "\n".join(parts)
+
+
+def promised() -> set[str]:
+    """Fields of which the guide says that their texts stay."""
+    section = (
+        GUIDE.read_text(encoding="utf-8").split("<!-- kept: begin")[1].split("<!-- kept: end")[0]
+    )
+    return set(re.findall(r"`([a-z_0-9.]+)`", section))
+
+
+def _field(path: str) -> str:
+    """As the guide names it: the field, or the field and the name within it."""
+    first, *inside = path.partition("{")[0].split(".")
+    return first if first in promised() or not inside else f"{first}.{inside[-1]}"
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_no_secret_of_any_message_gets_out(tmp_path: Path, to: str) -> None:
+    secrets = Secrets()
+    log = told_secrets.write(tmp_path / "recordings", secrets)
+    exported(log, to, tmp_path / "out", redact=True, samples=True)
+    leaked = secrets.leaked(content(tmp_path / "out"))
+    assert {_field(path) for _, path in leaked} <= promised()
+    assert {kind for kind, path in leaked if path == "was"} <= set(KEPT_IN)
+    assert not {_field(path).partition(".")[0] for _, path in leaked} & NEVER
+    assert ("strange", "anything") not in leaked
+
+
+def test_without_redaction_all_of_it_is_there(tmp_path: Path) -> None:
+    """So the search for secrets finds what is there to be found."""
+    secrets = Secrets()
+    log = told_secrets.write(tmp_path / "recordings", secrets)
+    exported(log, "jsonl", tmp_path / "out")
+    anew = {("session.start", "format"), ("checkpoint", "sha256"), ("session.end", "sha256")}
+    assert secrets.leaked(content(tmp_path / "out")) == set(secrets.told.values()) - anew
+    exported(log, "csv", tmp_path / "csv", samples=True)
+    texts = {path for kind, path in secrets.leaked(content(tmp_path / "csv")) if kind == "note"}
+    assert texts == {"text"}
+
+
+def test_the_copy_of_a_log_has_all_that_is_promised(tmp_path: Path) -> None:
+    secrets = Secrets()
+    log = told_secrets.write(tmp_path / "recordings", secrets)
+    exported(log, "jsonl", tmp_path / "out", redact=True)
+    leaked = {path for _, path in secrets.leaked(content(tmp_path / "out"))}
+    everywhere = {field for field in promised() if "." not in field}
+    assert everywhere - leaked == {"kind", "format", "sha256"}, "fixed, or computed anew"
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_no_date_is_left(tmp_path: Path, to: str) -> None:
+    log = write(tmp_path / "recordings", visit())
+    exported(log, to, tmp_path / "out", redact=True, samples=True)
+    assert "2026" not in content(tmp_path / "out")
+    exported(log, to, tmp_path / "dated", samples=True)
+    assert "2026" in content(tmp_path / "dated")
+
+
+@pytest.mark.parametrize("to", ["eaf", "textgrid"])
+def test_no_voice_is_left(tmp_path: Path, to: str) -> None:
+    speak(tmp_path / "recordings" / f"{STEM}.media", "speech-1.wav", 1)
+    file = f"{STEM}.media/speech-1.wav"
+    spoken = m.SpeechEnded(driver="ears", segment=1, began=0, ended=1_000_000, file=file)
+    log = write(tmp_path / "recordings", [(0, start()), (2, spoken)])
+    exported(log, to, tmp_path / "out", redact=True)
+    assert list((tmp_path / "out").glob("*.wav")) == []
+    assert "speech-1" not in content(tmp_path / "out")
+
+
+def test_a_redacted_log_is_whole_and_says_what_it_is(tmp_path: Path) -> None:
+    log = write(tmp_path / "recordings", visit())
+    exported(log, "jsonl", tmp_path / "out", redact=True)
+    copy = tmp_path / "out" / "P07_S01.jsonl"
+    assert (
+        verify(copy).sentences() == verify(log).sentences() == ["1 request(s) without an end: r3"]
+    )
+    assert verify(copy).checkpoints == 1
+    first = json.loads(copy.read_bytes().splitlines()[0])
+    assert (first["redacted"], first["participant"]) == (True, "P07")
+
+
+def test_visitors_with_a_name_lose_it() -> None:
+    for name, left in (("V012", "V012"), ("", ""), ("Anna", PLACEHOLDER), ("V1 Anna", PLACEHOLDER)):
+        line = {"kind": "visitor.changed", "visitor": name, "was": "Anna"}
+        assert redacted(line)["visitor"] == left
+        assert redacted(line)["was"] == PLACEHOLDER
+
+
+_JSON = st.recursive(
+    st.one_of(st.none(), st.booleans(), st.integers(), st.text(max_size=5)),
+    lambda inner: (
+        st.lists(inner, max_size=3) | st.dictionaries(st.text(max_size=5), inner, max_size=3)
+    ),
+    max_leaves=10,
+)
+_FIELDS = st.dictionaries(
+    st.sampled_from(["text", "args", "action", "verbs", "items", "visitor", "experiment", "new"]),
+    _JSON,
+)
+
+
+@given(_FIELDS)
+def test_types_stay_as_they_are(fields: dict[str, object]) -> None:
+    after = redacted(fields)
+    assert list(after) == list(fields)
+    for name, value in fields.items():
+        if not isinstance(value, dict):
+            assert type(after[name]) is type(value)
+
+
+@given(_FIELDS)
+def test_twice_is_as_once(fields: dict[str, object]) -> None:
+    assert redacted(redacted(fields)) == redacted(fields)

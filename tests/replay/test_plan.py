@@ -72,7 +72,7 @@ def test_a_command_is_repeated_at_the_moment_at_which_it_began(tmp_path: Path) -
         (command(), [m.Refused(command="c1", code="busy", reason="it is busy")], "it is busy"),
         (command(), [m.Refused(command="c1", code="late")], "refused then: late"),
         (command(), [dispatched(), m.Refused(command="c1", code="args", reason="no")], "no"),
-        (command(), [m.Superseded(command="c1", by="c2")], "never began: c2 took its place"),
+        (command(), [m.Superseded(command="c1", by="c2")], "never began: another one took its place"),
         (command(), [m.Stopped(command="c1", reason="stop pressed")], "never began: stop pressed"),
         (command(), [], "never began: the log ends"),
         (command(verb="set", driver="session"), [dispatched(), done()], "session of then"),

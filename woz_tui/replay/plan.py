@@ -244,8 +244,8 @@ def _never(end: m.End | None) -> str:
     match end:
         case None:
             return "it never began: the log ends before"
-        case m.Superseded(by=by):
-            return f"it never began: {by} took its place"
+        case m.Superseded():
+            return "it never began: another one took its place"
         case m.Stopped(reason=reason):
             return f"it never began: {reason}"
         case _:

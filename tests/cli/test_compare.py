@@ -1,0 +1,143 @@
+"""`woz compare` on the terminal: what it prints, and its exit code."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+
+import pytest
+
+from tests.replay.again import recorded, run_again, written
+from tests.replay.test_plan import END, command, dispatched, done
+from tests.replay.test_rerun import tour
+from woz_tui.cli import main
+from woz_tui.core import messages as m
+
+STEM = "2026-03-01T10-00-00_P07_S07"
+
+
+@dataclass(frozen=True)
+class Logs:
+    original: Path
+    again: Path
+
+
+@pytest.fixture(scope="module")
+def logs(tmp_path_factory: pytest.TempPathFactory) -> Logs:
+    folder = tmp_path_factory.mktemp("logs")
+    original = recorded(folder / "a", tour)
+    return Logs(original, run_again(folder / "b", original).log)
+
+
+def log(path: Path, *names: str, sha: str = "0" * 64, file: str = "made.yaml") -> Path:
+    """A log with these commands, one a second."""
+    start = m.SessionStart(
+        session="S01",
+        participant="P01",
+        condition="",
+        wizard="",
+        software={},
+        experiment=file,
+        experiment_sha256=sha,
+        seed=0,
+        clock={},
+    )
+    lines: list[tuple[float, m.AnyMessage]] = [(0, start)]
+    for n, name in enumerate(names):
+        own = f"c{n}"
+        lines += [(n + 1, command(own, verb=name)), (n + 1, dispatched(own)), (n + 1.5, done(own))]
+    return written(path, [*lines, (99, END)])
+
+
+def test_a_re_run_is_the_same_and_its_lateness_is_told(
+    logs: Logs, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["compare", str(logs.original), str(logs.again)]) == 0
+    out = capsys.readouterr().out
+    assert "command by command" in out
+    assert "in both 6, only in A 0, only in B 0" in out
+    assert "drift +0.000 ms a second" in out or "drift -0.000 ms a second" in out
+    assert "Both have done the same in the same order." in out
+
+
+def test_a_session_against_itself_has_no_difference(
+    logs: Logs, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert main(["compare", str(logs.original), str(logs.original)]) == 0
+    assert "different 0" in capsys.readouterr().out
+
+
+def test_what_is_missing_and_what_is_extra_is_named(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a = log(tmp_path / "a" / f"{STEM}.jsonl", "say", "nod", "wave")
+    b = log(tmp_path / "b" / f"{STEM}.jsonl", "say", "wave", "bow")
+    assert main(["compare", str(a), str(b)]) == 1
+    missing, extra = capsys.readouterr().out.split("only in A:")[1].split("only in B:")
+    assert "0:02.000  robot.nod c1  done" in missing
+    assert "0:03.000  robot.bow c2  done" in extra
+
+
+def test_all_of_it_as_json(logs: Logs, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["compare", str(logs.original), str(logs.again), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert (told["same"], told["by"], told["experiments"]) == (True, "commands", "")
+    assert len(told["pairs"]) == 6
+
+
+def test_long_lists_are_cut_unless_all_is_wanted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a = log(tmp_path / "a" / f"{STEM}.jsonl", *[f"verb{n}" for n in range(30)])
+    b = log(tmp_path / "b" / f"{STEM}.jsonl", "else")
+    main(["compare", str(a), str(b)])
+    assert "and 10 more (--all shows them)" in capsys.readouterr().out
+    main(["compare", str(a), str(b), "--all"])
+    assert "robot.verb29" in capsys.readouterr().out
+
+
+def test_other_experiments_are_refused_unless_that_is_wanted(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a = log(tmp_path / "a" / f"{STEM}.jsonl", "say")
+    b = log(tmp_path / "b" / f"{STEM}.jsonl", "say", sha="1" * 64, file="other.yaml")
+    assert main(["compare", str(a), str(b)]) == 2
+    assert "different experiments: made.yaml and other.yaml" in capsys.readouterr().err
+    assert main(["compare", str(a), str(b), "--changed"]) == 0
+
+
+def test_a_changed_experiment_is_told_and_borne(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a = log(tmp_path / "a" / f"{STEM}.jsonl", "say")
+    b = log(tmp_path / "b" / f"{STEM}.jsonl", "say", sha="1" * 64)
+    assert main(["compare", str(a), str(b)]) == 0
+    assert "made.yaml was changed between the two sessions" in capsys.readouterr().err
+
+
+def test_damage_is_told_and_no_log_is_no_session(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a = log(tmp_path / "a" / f"{STEM}.jsonl", "say", "nod")
+    b = log(tmp_path / "b" / f"{STEM}.jsonl", "say", "nod")
+    b.write_bytes(b.read_bytes()[:-20])
+    assert main(["compare", str(a), str(b)]) == 0
+    assert "torn" in capsys.readouterr().err
+    b.write_bytes(b"")
+    assert main(["compare", str(a), str(b)]) == 2
+    assert "this is no session's log" in capsys.readouterr().err
+    assert main(["compare", str(a), str(tmp_path / "nothing.jsonl")]) == 2
+    assert "there is no such log" in capsys.readouterr().err
+    assert main(["compare", str(a), __file__]) == 2
+
+
+def test_nothing_in_a_log_reaches_the_terminal_as_an_order(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    a = log(tmp_path / "a" / f"{STEM}.jsonl", "say\x1b[2J")
+    b = log(tmp_path / "b" / f"{STEM}.jsonl", "nod")
+    main(["compare", str(a), str(b)])
+    out = capsys.readouterr().out
+    assert "\x1b" not in out
+    assert "say\\x1b[2J" in out

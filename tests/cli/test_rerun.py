@@ -1,0 +1,192 @@
+"""`woz replay FILE --robot` and `--dry-run`: what is said before anything moves."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.terminal import FakeTerminal
+from tests.replay.again import written
+from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
+from woz_tui.cli import main
+from woz_tui.cli.rerun_headless import Progress
+from woz_tui.cli.rerun_table import clock
+from woz_tui.core import messages as m
+from woz_tui.experiment.decode import load
+from woz_tui.plugins import installed
+
+EXPERIMENT = """\
+title: Small
+robot: simulated
+panels:
+  - title: Speech
+    actions:
+      - {key: h, label: Hello, say: Hello.}
+"""
+
+
+def log(tmp_path: Path, *messages: Timed) -> Path:
+    """A log beside its experiment."""
+    file = tmp_path / "small.yaml"
+    file.write_text(EXPERIMENT, encoding="utf-8")
+    start = m.SessionStart(
+        session="S07",
+        participant="P07",
+        condition="",
+        wizard="",
+        software={},
+        experiment="small.yaml",
+        experiment_sha256=load(file, installed()).sha256,
+        seed=3,
+        clock={},
+    )
+    return written(tmp_path / LOG, [(0, start), *messages])
+
+
+def one(at: float, name: str, verb: str = "say") -> list[Timed]:
+    return [
+        (at, command(name, verb)),
+        (at, dispatched(name)),
+        (at + 1, done(name)),
+    ]
+
+
+def test_the_dry_run_tells_every_command_and_what_becomes_of_it(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = log(
+        tmp_path,
+        *one(1, "c1"),
+        (2.5, command("c2", "drive", args={"x": 1.0})),
+        (2.5, dispatched("c2")),
+        (3, m.Stopped(command="c2", reason="stop pressed")),
+        (4, command("c3")),
+        (4, m.Refused(command="c3", code="stopped", reason="the stop is pressed")),
+        (9, END),
+    )
+    assert main(["replay", str(path), "--dry-run"]) == 0
+    out = capsys.readouterr().out
+    assert "session     S07" in out
+    assert "commands    2 in 0:02.000" in out
+    assert "robot: 1 say, 1 drive" in out
+    assert "drives      1: they need you at the console" in out
+    assert '0:00.000  robot.say    {"text": "Hello"}' in out
+    assert "drives, cut at 0:02.000 (stop pressed)" in out
+    assert "left out: refused then: the stop is pressed" in out
+    assert out.endswith("2 would be sent, 1 left out\n")
+    main(["replay", str(path), "--dry-run", "--headless"])
+    assert "are refused, because nobody watches" in capsys.readouterr().out
+
+
+def test_what_the_robot_cannot_do_gives_the_exit_code_1(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = log(tmp_path, *one(1, "c1"), *one(2, "c2", "fly"), (9, END))
+    assert main(["replay", str(path), "--dry-run"]) == 1
+    out = capsys.readouterr().out
+    assert "not possible now: robot does not offer 'fly'" in out
+    assert "1 of them because this robot cannot do them" in out
+
+
+def test_a_changed_experiment_is_shown_and_refused(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    path = log(tmp_path, *one(1, "c1"), (9, END))
+    (tmp_path / "small.yaml").write_text(EXPERIMENT.replace("Hello.", "Hi."), encoding="utf-8")
+    assert main(["replay", str(path), "--dry-run"]) == 1
+    assert "its hash was" in capsys.readouterr().out
+    assert main(["replay", str(path), "--dry-run", "--changed"]) == 0
+    capsys.readouterr()
+    assert main(["replay", str(path), "--robot", "--headless", "--yes"]) == 1
+    assert "it is run all the same with --changed" in capsys.readouterr().err
+
+
+def test_nobody_to_ask_is_a_no(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = log(tmp_path, *one(1, "c1"), (9, END))
+    assert main(["replay", str(path), "--robot", "--headless"]) == 1
+    assert "--yes runs it without asking" in capsys.readouterr().err
+    assert [each.name for each in tmp_path.glob("*.jsonl")] == [LOG]
+
+
+def replay(words: Sequence[str], tmp_path: Path) -> FakeTerminal:
+    env = {"XDG_RUNTIME_DIR": str(tmp_path), "WOZ_SOCKET": str(tmp_path / "s")}
+    command = [sys.executable, "-m", "woz_tui", "replay", *words, "--robot", "--headless"]
+    return FakeTerminal(command, columns=100, env=env)
+
+
+def test_it_asks_and_only_the_whole_word_counts(tmp_path: Path) -> None:
+    path = log(tmp_path, *one(1, "c1"), (9, END))
+    with replay([str(path)], tmp_path) as terminal:
+        terminal.wait_text("Type yes to run it again")
+        terminal.send("y\r")
+        terminal.wait_text("Nothing was run.")
+        assert terminal.process.wait(30) == 1
+    with replay([str(path)], tmp_path) as terminal:
+        terminal.wait_text("Type yes to run it again")
+        terminal.send("yes\r")
+        terminal.wait_text("robot.say text Hello")
+        terminal.wait_text("1 sent, 0 skipped")
+        assert terminal.process.wait(30) == 0
+    assert len([each for each in tmp_path.glob("*.jsonl") if "samples" not in each.name]) == 2
+
+
+def test_escape_stops_it(tmp_path: Path) -> None:
+    commands = [line for n in range(50) for line in one(1 + n * 3, f"c{n}")]
+    path = log(tmp_path, *commands, (999, END))
+    with replay([str(path), "--yes"], tmp_path) as terminal:
+        terminal.wait_text("robot.say text Hello")
+        terminal.send("\x1b")
+        terminal.wait_text("the re-run has ended (stopped)")
+        assert terminal.process.wait(30) == 130
+
+
+def test_no_log_is_told(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    for name in ("nothing.jsonl", "small.yaml"):
+        assert main(["replay", str(tmp_path / name), "--dry-run"]) == 1
+        assert "woz: " in capsys.readouterr().err
+
+
+# -- the lines of a headless re-run --------------------------------------------------------------
+
+
+def lines(progress: Progress, *messages: m.AnyMessage) -> list[str]:
+    return [line.strip() for message in messages for line in progress.take(message)]
+
+
+def test_each_command_has_a_line_with_its_lateness_and_streams_have_none() -> None:
+    progress = Progress(frozenset({("robot", "gaze")}))
+    told = lines(
+        progress,
+        m.RerunStarted(original="x", original_session="S01", commands=2, t=1_000_000),
+        m.Command(command="c1", verb="say", args={"text": "Hi"}, driver="robot", source="replay"),
+        m.RerunSent(command="c1", original_command="c9", due=2_500_000, late_us=700),
+        m.Command(command="c2", verb="gaze", args={}, driver="robot", source="replay"),
+        m.RerunSent(command="c2", original_command="c8", due=2_600_000, late_us=900),
+        m.Done(command="c1", sent={}, latency_us=1, duration_us=1),
+        m.Failed(command="c2", reason="pulled", t=3_000_000),
+        m.RerunSkipped(original_command="c7", reason="refused then", t=3_500_000),
+    )
+    assert told == [
+        "2 commands of x",
+        "0:01.500  robot.say text Hi  (0.7 ms late)",
+        "0:02.000  robot.gaze failed: pulled",
+        "0:02.500  c7 is left out: refused then",
+    ]
+    assert progress.failed == 1
+
+
+def test_other_peoples_commands_are_none_of_it() -> None:
+    progress = Progress()
+    own = m.Command(command="c1", verb="say", args={}, driver="robot", source="key")
+    assert lines(progress, own, m.Failed(command="c1", reason="pulled")) == []
+    assert progress.failed == 0
+
+
+@pytest.mark.parametrize(
+    ("us", "said"), [(0, "0:00.000"), (-1500, "-0:00.002"), (62_345_000, "1:02.345")]
+)
+def test_times_are_read_easily(us: int, said: str) -> None:
+    assert clock(us) == said

@@ -78,9 +78,12 @@ class Course:
     @property
     def tallies(self) -> list[Tally]:
         """All in the order in which they came; those in which nothing was are left out."""
-        return [
-            tally for tally in self._tallies.values() if tally.us or tally.counts or tally.cues
-        ] or [self.tally]
+        found = [
+            tally
+            for tally in self._tallies.values()
+            if tally != Tally(tally.participant, tally.condition, tally.run)
+        ]
+        return found or [self.tally]
 
     def counts(self, tally: Tally) -> bool:
         """Whether what stands in it is to be analysed, as far as the trials' outcomes say."""

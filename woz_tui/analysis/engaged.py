@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from woz_tui.analysis.course import Course, Handlers
 from woz_tui.analysis.figures import Visit
+from woz_tui.analysis.tally import Tally
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import RUNS, STATES
 from woz_tui.experiment.verbs import ENGAGEMENT
@@ -25,6 +26,10 @@ class Engaged:
         self._course = course
         self._there = False
         self._on = False
+        #: The log has told of settings: without them, no model was there.
+        self._told = False
+        #: Time before anything was told of a model, and where it would count.
+        self._before: list[tuple[Tally, int]] = []
         self._state = STATES[0]
         self._outcome = ""
         self._visitor = ""
@@ -53,11 +58,12 @@ class Engaged:
             self._disengage(cut=True)
 
     def _adopted(self, message: m.EngagementAdopted) -> None:
+        self._settle()
+        self._told = True
         if not message.settings:
             self._switch(on=False)
             self._there = False
         elif not self._there:
-            self._settle()
             self._there = True
             self._state = STATES[0]
             self._switch(on=message.settings.get("start", "run") != _OFF)
@@ -71,13 +77,9 @@ class Engaged:
 
     def _changed(self, message: m.EngagementChanged) -> None:
         course = self._course
-        if not self._there:  # a log that tells no settings
-            self._there = self._on = True
-            self._settled = self._entered = 0
-            self._state = message.was
-            self._here()
-            self._engage()
         self._settle()
+        if not self._there:
+            self._appear(message.was)
         course.tally.transitions[message.was, message.now] += 1
         course.tally.forced += message.forced
         if self._on:
@@ -86,6 +88,20 @@ class Engaged:
         self._visitor = message.visitor
         if self._on:
             self._enter()
+
+    def _appear(self, state: str) -> None:
+        """A log that tells no settings has a model all the same: from the beginning on."""
+        self._there = self._on = True
+        self._state = state
+        self._enter()
+        if self._told:
+            return
+        self._entered = 0
+        if self._engaged_since is not None:
+            self._engaged_since = 0
+        for tally, us in self._before:
+            self._spend(tally, us)
+        self._before.clear()
 
     def _switch(self, *, on: bool) -> None:
         if on == self._on:
@@ -105,11 +121,18 @@ class Engaged:
         """Count the time up to now where it belongs."""
         tally, us = self._course.tally, self._course.t - self._settled
         self._settled = self._course.t
-        if not self._there or us <= 0:
+        if us <= 0:
             return
-        if not self._on:
+        if not self._there:
+            if not self._told:
+                self._before.append((tally, us))
+        elif self._on:
+            self._spend(tally, us)
+        else:
             tally.off_us += us
-            return
+
+    def _spend(self, tally: Tally, us: int) -> None:
+        """So long the model was on, in this state."""
         tally.on_us += us
         tally.state_us[self._state] += us
         if self._engaged_since is not None:

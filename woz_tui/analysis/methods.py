@@ -225,7 +225,12 @@ def _acted(facts: Facts) -> Iterator[str]:
         for end, (one, many) in _ENDS.items()
         if (count := facts.outcomes[end])
     ]
-    yield f"Of these, {listed(ends)}."
+    if len(ends) == 1 and total > 1:
+        yield f"All of them {ends[0].partition(' ')[2]}."
+    elif len(ends) == 1:
+        yield f"It {ends[0].partition(' ')[2]}."
+    else:
+        yield f"Of these, {listed(ends)}."
     if facts.direct:
         yield f"Besides, {some(facts.direct, 'command')} {_were(facts.direct)} given on the spot."
 

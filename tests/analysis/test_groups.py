@@ -1,0 +1,178 @@
+"""Many sessions: rows by participant and condition, totals over participants, CSV, sentences."""
+
+from __future__ import annotations
+
+import csv
+import json
+import re
+from pathlib import Path
+
+import pytest
+
+from tests.analysis.told import SECOND, Told, in_time, study
+from woz_tui.analysis import plain
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.gather import figures_of
+from woz_tui.analysis.groups import Grouped, Row, totals
+from woz_tui.analysis.measures import MEASURES
+from woz_tui.analysis.session import examine
+from woz_tui.analysis.sheets import SHEETS
+from woz_tui.analysis.tidy import Folder, cell, dictionary
+from woz_tui.core import messages as m
+
+
+def sessions(folder: Path) -> list[SessionFigures]:
+    return [examine(path, places=[]).figures for path in study(folder)]
+
+
+def grouped(folder: Path) -> Grouped:
+    found = Grouped()
+    for figures in sessions(folder):
+        found.add(figures)
+    return found
+
+
+def test_one_row_for_each_participant_and_condition(tmp_path: Path) -> None:
+    found = grouped(tmp_path)
+    assert found.experiments == ["guide.yaml"]
+    assert [
+        (row.participant, row.condition, row.session, row.values["reaction_median_s"])
+        for row in found.of("guide.yaml")
+    ] == [
+        ("P01", "cold", "S02", 2.0),
+        ("P01", "warm", "S01", 2.0),
+        ("P02", "cold", "S04", 4.0),
+        ("P02", "warm", "S03", 5.0),
+    ]
+
+
+def test_totals_are_over_participants(tmp_path: Path) -> None:
+    cold, warm = grouped(tmp_path).totals("guide.yaml")
+    assert (cold.condition, cold.participants, cold.rows) == ("cold", 2, 2)
+    reaction = warm.values["reaction_median_s"]
+    assert (reaction.n, reaction.mean) == (2, 3.5)
+    assert reaction.sd == pytest.approx(4.5**0.5)
+    assert cold.values["cues_missed"].mean == 0.5
+    assert cold.values["engaged_share"].n == 0
+
+
+def test_somebody_with_two_sessions_counts_once() -> None:
+    def row(who: str, value: float | None) -> Row:
+        return Row("x", who, "c", "S", {measure.name: value for measure in MEASURES})
+
+    [total] = totals([row("P01", 1.0), row("P01", 3.0), row("P02", 6.0), row("P03", None)])
+    acts = total.values["acts"]
+    assert (total.participants, total.rows) == (3, 4)
+    assert (acts.n, acts.mean) == (2, 4.0)
+    assert acts.sd == pytest.approx(8.0**0.5)
+
+
+def test_experiments_are_kept_apart(tmp_path: Path) -> None:
+    found = grouped(tmp_path)
+    found.add(figures_of(in_time(Told(experiment="C:\\lab\\other.yaml").act(1).end(2))))
+    assert found.experiments == ["guide.yaml", "other.yaml"]
+    assert len(found.of("other.yaml")) == 1
+    assert found.versions("guide.yaml") == 1
+
+
+def answered(who: str, condition: str, *values: float | None) -> SessionFigures:
+    item = {"name": "liked", "question": "I liked it", "low": 1, "high": 7}
+    it = Told(participant=who, condition=condition)
+    for place, value in enumerate(values):
+        it.add(place, m.QuestionnaireStarted(questionnaire="ux", title="UX", items=[item]))
+        it.add(
+            place,
+            m.QuestionnaireAnswered(
+                questionnaire="ux", item="liked", question="I liked it", value=value,
+                skipped=value is None,
+            ),
+        )  # fmt: skip
+    return figures_of(in_time(it.end(60)))
+
+
+def test_scales_have_means_over_participants() -> None:
+    found = Grouped()
+    found.add(answered("P01", "warm", 4.0, 6.0))
+    found.add(answered("P02", "warm", 7.0, None))
+    found.add(answered("P03", "cold", None))
+    [item] = found.items("guide.yaml")
+    assert (item.item, item.condition, item.low, item.high) == ("liked", "warm", 1.0, 7.0)
+    assert (item.total.n, item.total.mean) == (2, 6.0)
+
+
+def test_figures_can_be_said_in_json(tmp_path: Path) -> None:
+    figures = sessions(tmp_path)[0]
+    told = json.loads(json.dumps(plain.session(figures), allow_nan=False))
+    assert told["whole"]["main"]["reaction_median_s"] == 2.0
+    assert told["whole"]["press"]["n"] == 2
+    assert told["cues"][0]["reaction_us"] == SECOND
+    [experiment] = json.loads(json.dumps(plain.grouped(grouped(tmp_path)), allow_nan=False))
+    assert experiment["conditions"][0]["values"]["acts"]["mean"] == 1.0
+
+
+# -- CSV ------------------------------------------------------------------------------------------
+
+
+def tables(folder: Path) -> dict[str, list[dict[str, str]]]:
+    return {
+        path.stem: list(csv.DictReader(path.read_text(encoding="utf-8").splitlines()))
+        for path in folder.glob("*.csv")
+    }
+
+
+@pytest.fixture
+def written(tmp_path: Path) -> dict[str, list[dict[str, str]]]:
+    with Folder(tmp_path / "csv") as folder:
+        for figures in sessions(tmp_path / "logs"):
+            folder.add(figures)
+        folder.add(answered("P09", "warm", 4.0, None))
+    return tables(tmp_path / "csv")
+
+
+def test_every_column_is_in_the_dictionary(written: dict[str, list[dict[str, str]]]) -> None:
+    told = {(row["file"], row["column"]) for row in written["columns"]}
+    assert set(written) == {sheet.name for sheet in SHEETS} | {"questionnaires_wide", "columns"}
+    for name, rows in written.items():
+        for column in [] if name == "columns" or not rows else rows[0]:
+            items = "(item)" if column.startswith("ux.") else column
+            assert (f"{name}.csv", items) in told
+    assert all(meaning for _, _, _, meaning in dictionary())
+
+
+def test_rows_are_tidy(written: dict[str, list[dict[str, str]]]) -> None:
+    rows = written["sessions"]
+    assert [(row["participant"], row["condition"]) for row in rows] == [
+        *(("P01", "warm"), ("P01", "cold"), ("P02", "warm"), ("P02", "cold"), ("P09", "warm"))
+    ]
+    assert [row["reaction_median_s"] for row in rows] == ["2", "2", "5", "4", ""]
+    assert {row["log_whole"] for row in rows} == {"true"}
+    assert [(row["fate"], row["reaction_s"]) for row in written["reactions"]] == [
+        *(("answered", "1"), ("answered", "3"), ("answered", "2"), ("missed", "")),
+        *(("answered", "5"), ("answered", "4")),
+    ]
+    assert written["actions"][0]["total"] == "2"
+    assert written["latencies"][0]["dispatch_median_ms"] == "1"
+    assert written["latencies"][0]["perform_median_s"] == "0.499"
+
+
+def test_answers_are_long_and_wide(written: dict[str, list[dict[str, str]]]) -> None:
+    assert [(row["item"], row["value"], row["skipped"]) for row in written["questionnaires"]] == [
+        ("liked", "4", "false"),
+        ("liked", "", "true"),
+    ]
+    assert [row["ux.liked"] for row in written["questionnaires_wide"]] == ["4", ""]
+
+
+def test_cells() -> None:
+    assert [cell(value) for value in (None, True, 2.0, 0.1234567894, "a", 3)] == [
+        *("", "true", 2, 0.123456789, "a", 3)
+    ]
+
+
+def test_texts_with_commas_and_lines_stay_in_their_cell(tmp_path: Path) -> None:
+    it = Told().add(1, m.Marker(text='a, "b"\nc', source="wizard")).act(2).end(3)
+    with Folder(tmp_path) as folder:
+        folder.add(figures_of(in_time(it)))
+    text = (tmp_path / "reactions.csv").read_text(encoding="utf-8")
+    [row] = csv.DictReader(text.splitlines(keepends=True))
+    assert re.sub(r"\s+", " ", row["what"]) == 'a, "b" c'

@@ -1,0 +1,166 @@
+"""From files to reports: damage is told, whatever is unreadable is named, sessions count once."""
+
+from __future__ import annotations
+
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.analysis.told import STEM, Told
+from woz_tui.analysis.session import NoSessionError, Wanted, examine
+from woz_tui.analysis.sources import sessions_in
+from woz_tui.analysis.wholeness import NO_END
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+
+GOLDEN = Path(__file__).parents[1] / "record" / "golden"
+
+
+def short() -> Told:
+    return Told().act(1).act(3).act(5).end(10)
+
+
+def test_a_whole_log_has_nothing_to_complain_of(tmp_path: Path) -> None:
+    report = examine(short().written(tmp_path), places=[])
+    assert report.timeline is None
+    assert report.figures.wholeness.sentences == ()
+    assert report.figures.stem == STEM
+    assert (report.figures.whole.actions, report.figures.ended) == (3, "enough")
+
+
+def test_a_torn_log_tells_so_and_has_its_figures(tmp_path: Path) -> None:
+    path = short().written(tmp_path)
+    data = path.read_bytes()
+    path.write_bytes(data[: len(data) - 20])
+    whole = examine(path, places=[]).figures.wholeness
+    assert (whole.left_out, whole.ended) == (1, False)
+    assert whole.sentences[0] == "1 torn last line(s) cut"
+    assert whole.sentences[-1] == NO_END
+    assert examine(path, places=[]).figures.whole.actions == 3
+
+
+def test_a_damaged_line_costs_that_line_alone(tmp_path: Path) -> None:
+    told = short()
+    lines = told.lines()
+    lines[1] = b"\xff" + lines[1]
+    path = told.written(tmp_path)
+    path.write_bytes(b"".join(lines))
+    figures = examine(path, places=[]).figures
+    assert figures.whole.actions == 2
+    assert figures.wholeness.left_out == 1
+    assert figures.wholeness.sentences[0] == "1 damaged line(s) left out"
+
+
+def test_a_second_segment_is_part_of_it_and_tells_why(tmp_path: Path) -> None:
+    told = short()
+    lines = told.lines()
+    first = told.written(tmp_path)
+    first.write_bytes(b"".join(lines[:8]))
+    segment = m.Segment(
+        log=STEM, session="S01", number=2, previous=first.name, reason="disk full", dropped=3,
+        dropped_samples=9,
+    )  # fmt: skip
+    second = tmp_path / f"{STEM}.2.jsonl"
+    second.write_bytes(wire.encode(segment) + b"".join(lines[6:]))
+    for path in (first, second):
+        figures = examine(path, places=[]).figures
+        assert figures.whole.actions == 3
+        whole = figures.wholeness
+        assert (whole.segments, whole.dropped, whole.dropped_samples) == (2, 3, 9)
+        assert whole.sentences == (
+            f"went on in {second.name}: disk full",
+            "3 line(s) of actions were never written",
+            "9 sample(s) were never written",
+        )
+
+
+def test_actions_without_an_end_are_told_of(tmp_path: Path) -> None:
+    path = Told().act(1, took=None).end(5).written(tmp_path)
+    assert examine(path, places=[]).figures.wholeness.sentences == ("1 action(s) without an end",)
+
+
+def test_checksums_are_checked_if_somebody_wants(tmp_path: Path) -> None:
+    told = short()
+    told.messages[-1] = m.SessionEnd(seq=len(told.messages) - 1, t=10, reason="x", sha256="00")
+    path = told.written(tmp_path)
+    assert examine(path, places=[]).figures.wholeness.left_out == 0
+    checked = examine(path, wanted=Wanted(verified=True), places=[]).figures.wholeness
+    assert checked.verified
+    assert any("were changed or lost" in sentence for sentence in checked.sentences)
+
+
+def test_what_is_no_log_is_named(tmp_path: Path) -> None:
+    empty = tmp_path / f"{STEM}.jsonl"
+    empty.touch()
+    with pytest.raises(NoSessionError, match=f"{STEM}.jsonl: no line of a session was found"):
+        examine(empty, places=[])
+    other = tmp_path / "notes.txt"
+    other.touch()
+    with pytest.raises(ValueError, match=r"ends in \.jsonl"):
+        examine(other, places=[])
+    with pytest.raises(FileNotFoundError, match="there is no such log"):
+        examine(tmp_path / "gone.jsonl", places=[])
+
+
+def test_curves_come_from_samples(tmp_path: Path) -> None:
+    path = short().written(tmp_path)
+    sample = m.Reading(seq=99, t=2_000_000, sensor="loudness", value=0.5)
+    (tmp_path / f"{STEM}.samples.jsonl").write_bytes(wire.encode(sample))
+    timeline = examine(path, wanted=Wanted(curves=True), places=[]).timeline
+    assert timeline is not None
+    assert [(curve.sensor, curve.values[-1]) for curve in timeline.curves] == [("loudness", 0.5)]
+
+
+@pytest.mark.parametrize("version", ["v1", "v2"])
+def test_golden_logs_of_every_version_can_be_reported(version: str, tmp_path: Path) -> None:
+    for path in (GOLDEN / version).rglob("*.jsonl"):
+        shutil.copy(path, tmp_path)
+    [log], problems = sessions_in([str(tmp_path)])
+    report = examine(log, wanted=Wanted(timeline=True, curves=True), places=[])
+    assert problems == []
+    assert report.figures.schema == int(version[1:])
+    assert report.figures.whole.actions > 0
+    assert report.figures.whole.stops == 1
+    assert report.timeline is not None
+    assert report.timeline.lanes
+
+
+# -- which sessions are meant ---------------------------------------------------------------------
+
+
+def test_folders_files_and_patterns(tmp_path: Path) -> None:
+    one = short().written(tmp_path / "a", "2026-03-01T10-00-00_P01_S01")
+    two = short().written(tmp_path / "a" / "b", "2026-03-02T10-00-00_P02_S02")
+    (tmp_path / "a" / f"{one.stem}.samples.jsonl").touch()
+    (tmp_path / "a" / f"{one.stem}.2.jsonl").touch()
+    (tmp_path / "a" / "visitors.jsonl").write_text('{"name": "V01"}\n')
+    assert sessions_in([str(tmp_path)]) == ([one, two], [])
+    assert sessions_in([str(two), str(one), str(two)]) == ([one, two], [])
+    assert sessions_in([str(tmp_path / "a" / "*S01*.jsonl")]) == ([one], [])
+    samples = tmp_path / "a" / f"{one.stem}.samples.jsonl"
+    assert sessions_in([str(samples)]) == ([samples], [])
+
+
+def test_what_leads_nowhere_is_named(tmp_path: Path) -> None:
+    empty = tmp_path / "empty"
+    empty.mkdir()
+    text = tmp_path / "notes.txt"
+    text.touch()
+    paths, problems = sessions_in([str(empty), str(tmp_path / "gone"), str(text)])
+    assert paths == []
+    assert problems == [
+        f"{empty}: there is no log in this folder",
+        f"{tmp_path / 'gone'}: there is no such file, folder, or log of this pattern",
+        f"{text}: the name of a log ends in .jsonl",
+    ]
+
+
+def test_a_segment_elsewhere_belongs_to_its_session(tmp_path: Path) -> None:
+    one = short().written(tmp_path / "first")
+    spill = tmp_path / "spill"
+    spill.mkdir()
+    alone = spill / f"{STEM}.2.jsonl"
+    alone.write_bytes(wire.encode(m.Segment(log=STEM, session="S01", number=2)))
+    assert sessions_in([str(spill), str(one)]) == ([one], [])
+    assert sessions_in([str(spill)]) == ([alone], [])

@@ -1,6 +1,5 @@
 from __future__ import annotations
 
-import random
 import tracemalloc
 from pathlib import Path
 
@@ -9,25 +8,9 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.record.bench import STEM, bench
+from tests.record.wounds import note, sample, written
 from woz_tui.core import messages as m
-from woz_tui.core import wire
 from woz_tui.record.log import Damage, Line, files_of, merge, read
-from woz_tui.record.verify import verify
-
-
-def note(seq: int, text: str = "hello") -> bytes:
-    return wire.encode(m.Note(seq=seq, t=seq * 10, ts="2026-03-01T10:00:00.000000Z", text=text))
-
-
-def sample(seq: int) -> bytes:
-    return wire.encode(m.Reading(seq=seq, t=seq * 10, sensor="distance", value=1.5))
-
-
-def written(folder: Path, content: bytes, name: str = f"{STEM}.jsonl") -> Path:
-    folder.mkdir(exist_ok=True)
-    path = folder / name
-    path.write_bytes(content)
-    return path
 
 
 def taken(path: Path) -> tuple[list[int], Damage]:
@@ -129,59 +112,6 @@ def test_a_file_that_cannot_be_read_is_reported(tmp_path: Path) -> None:
     damage = Damage()
     assert [line.seq for line in merge([path, tmp_path], damage)] == [0]
     assert str(tmp_path) in damage.sentences()[0]
-
-
-LOG = b"".join(note(2 * n) for n in range(20))
-SAMPLES = b"".join(sample(2 * n + 1) for n in range(20))
-WOUNDS = st.lists(
-    st.tuples(
-        st.sampled_from(["flip", "nul", "cut", "repeat", "swap", "insert"]),
-        st.integers(0, len(LOG) - 1),
-        st.integers(1, 300),
-    ),
-    max_size=5,
-)
-
-
-def wounded(content: bytes, wounds: list[tuple[str, int, int]]) -> bytes:
-    data = bytearray(content)
-    for what, at, size in wounds:
-        part = data[at : at + size]
-        match what:
-            case "flip" if at < len(data):
-                data[at] ^= 1 << size % 8
-            case "nul":
-                data[at : at + size] = bytes(len(part))
-            case "cut":
-                del data[at : at + size]
-            case "repeat":
-                data[at:at] = part
-            case "swap":
-                del data[at : at + size]
-                data += part
-            case "insert":
-                data[at:at] = random.Random(size).randbytes(size)
-    return bytes(data)
-
-
-@settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
-)
-@given(WOUNDS, WOUNDS)
-def test_nothing_makes_the_reader_raise(
-    tmp_path: Path, one: list[tuple[str, int, int]], two: list[tuple[str, int, int]]
-) -> None:
-    path = written(tmp_path, wounded(LOG, one))
-    written(tmp_path, wounded(SAMPLES, two), f"{STEM}.samples.jsonl")
-    found, damage = taken(path)
-    assert found == sorted(set(found))
-    whole = set((LOG + SAMPLES).splitlines())
-    kept = {line.raw for line in read(path, places=[])}
-    lost = whole - kept
-    assert len(lost) <= sum(2 + size // 60 for _, _, size in one + two)
-    verify(path, places=[]).sentences()
-    if not one and not two:
-        assert (lost, damage) == (set(), Damage())
 
 
 @given(st.binary(max_size=400))

@@ -82,7 +82,7 @@ SAMPLES = b"".join(_sample(seq) for seq in range(LINES) if seq % 10)
 WOUNDS = st.lists(
     st.tuples(
         st.sampled_from(
-            ["flip", "nul", "cut", "repeat", "swap", "insert", "strange", "line", "lines"]
+            ["flip", "nul", "cut", "repeat", "swap", "insert", "strange", "line", "lines", "number"]
         ),
         st.integers(0, len(SAMPLES) - 1),
         st.integers(1, 300),
@@ -115,6 +115,8 @@ def wounded(content: bytes, wounds: list[Wound]) -> bytes:
                 begins = data.rfind(b"\n", 0, at) + 1
                 line = STRANGE[size % len(STRANGE)]
                 data[begins:begins] = line % (place % LINES, place % LINES * 10)
+            case "number":
+                data = _misnumbered(data, at, size)
             case "line" | "lines":
                 data = _moved(data, at, size, 1 if what == "line" else 40)
     return bytes(data)
@@ -128,3 +130,12 @@ def _moved(data: bytearray, at: int, by: int, count: int) -> bytearray:
     del lines[first : first + count]
     lines[first + by : first + by] = part
     return bytearray(b"".join(lines))
+
+
+def _misnumbered(data: bytearray, at: int, size: int) -> bytearray:
+    """Another digit in the next `seq` or `t`."""
+    field = (b'"seq":', b'"t":')[size % 2]
+    digit = data.find(field, at) + len(field) + size % 3
+    if digit < len(data) and data[digit : digit + 1].isdigit():
+        data[digit] = b"0123456789"[size % 10]
+    return data

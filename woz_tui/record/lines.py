@@ -85,7 +85,7 @@ def lines_in(chunk: Chunk, damage: Damage) -> list[Line]:
         if raw:
             line = decode(raw)
             if line is None:
-                _lost(chunk, offset, damage)
+                _lost(chunk, offset + len(piece) - len(piece.lstrip(b"\0 \t\r")), damage)
             elif line.seq >= 0:
                 _judge(line, damage)
                 found.append(line)

@@ -58,6 +58,8 @@ class Grouped:
     """Takes sessions one after the other and keeps their main figures alone."""
 
     rows: list[Row] = field(default_factory=list)
+    #: Sessions whose log is not whole: who and which, and what is wrong.
+    damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
     _items: dict[tuple[str, str, str, str], _Item] = field(default_factory=dict)
     _hashes: dict[str, set[str]] = field(default_factory=dict)
 
@@ -65,6 +67,9 @@ class Grouped:
         """One more session."""
         experiment = experiment_of(figures)
         self._hashes.setdefault(experiment, set()).add(figures.experiment_sha256)
+        if figures.wholeness.sentences:
+            who = " ".join(filter(None, (figures.session, figures.participant))) or figures.stem
+            self.damaged.append((who, figures.wholeness.sentences))
         for part in figures.parts:
             self.rows.append(
                 Row(

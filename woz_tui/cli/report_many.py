@@ -34,6 +34,10 @@ def show(page: Page, grouped: Grouped) -> None:
         if items:
             page.head("Questionnaires: mean and standard deviation over participants")
             _items(page, items)
+    if grouped.damaged:
+        page.head("Logs that are not whole")
+    for who, sentences in grouped.damaged:
+        page.trouble(f"{who}: {'; '.join(sentences)}")
 
 
 def _counted(rows: Sequence[Row]) -> str:

@@ -1,0 +1,246 @@
+"""`woz report` and `woz methods`: what is printed and written, and the exit codes."""
+
+from __future__ import annotations
+
+import csv
+import json
+import os
+import subprocess
+import sys
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+
+import pytest
+
+from tests.analysis.told import Told, in_time, study
+from woz_tui.cli import main
+from woz_tui.core import messages as m
+
+GOLDEN = Path(__file__).parent / "golden"
+PLACES = {"XDG_STATE_HOME": "/nonexistent", "TMPDIR": "/nonexistent"}
+
+
+def session() -> Told:
+    """A minute with a bit of everything."""
+    it = Told().add(0, m.EngagementAdopted(settings={"start": "run"}))
+    it.add(1, m.TrialStarted(trial=1, condition="warm"))
+    it.state(4, "Wait", "PersonDetected").state(8, "PersonDetected", "EngagedWithUnknown")
+    it.speech(10, 12).state(12, "UserSpeaks", "RobotThinks").act(13.5, took=2.0)
+    it.state(16, "RobotThinks", "EngagedWithKnown").act(18, "Nod", "Body", verb="play")
+    it.act(20, "Nod", "Body", verb="play", end="failed").add(21, m.Marker(text="laughs"))
+    it.act(24, latency_ms=12.0).add(26, m.Mistake(run="a00004", action="Hello"))
+    it.add(29, m.TrialEnded(trial=1, outcome="done"))
+    it.add(30, m.StopPressed(source="key"))
+    it.add(30.2, m.StopConfirmed(confirmed=["robot"], missing=[], elapsed_us=200_000))
+    it.add(33, m.StopReleased(source="key"))
+    it.add(34, m.TrialStarted(trial=2, condition="cold")).speech(36, 38, 2).act(41)
+    it.act(45, "Drive", "Body", end="refused").add(50, m.Note(text="hesitates"))
+    it.add(52, m.DriverLost(driver="head", detail="cable pulled"))
+    it.add(55, m.DriverConnected(driver="head"))
+    it.add(57, m.TrialEnded(trial=2, outcome="done"))
+    it.end(60)
+    it.messages = in_time(it)
+    return it
+
+
+def woz(*arguments: str | Path, environ: Mapping[str, str] | None = None) -> tuple[int, str, str]:
+    """Run it in a pipe, as anybody does who keeps the output."""
+    clean = {name: value for name, value in os.environ.items() if name not in _TERMINAL}
+    done = subprocess.run(
+        [sys.executable, "-m", "woz_tui", *map(str, arguments)],
+        env={**clean, "PYTHONUTF8": "1", **PLACES, **(environ or {})},
+        capture_output=True,
+        timeout=60,
+        check=False,
+    )
+    return done.returncode, done.stdout.decode(), done.stderr.decode()
+
+
+_TERMINAL = {"COLUMNS", "NO_COLOR", "FORCE_COLOR", "LC_ALL", "LANG", "PYTHONIOENCODING"}
+
+
+def lines(text: str) -> list[str]:
+    return [line.rstrip() for line in text.splitlines()]
+
+
+def golden(name: str, found: str) -> None:
+    """`python -m tests.cli.test_report` writes these files anew."""
+    assert lines(found) == lines((GOLDEN / name).read_text(encoding="utf-8"))
+
+
+@pytest.fixture
+def here(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name in _TERMINAL:
+        monkeypatch.delenv(name, raising=False)
+    for name, value in PLACES.items():
+        monkeypatch.setenv(name, value)
+    return tmp_path
+
+
+def told(
+    capsys: pytest.CaptureFixture[str], *arguments: str | Path
+) -> tuple[int, str, Sequence[str]]:
+    code = main([str(argument) for argument in arguments])
+    out, err = capsys.readouterr()
+    return code, out, err.splitlines()
+
+
+def test_one_session_on_a_page_of_80_columns(here: Path) -> None:
+    code, out, err = woz("report", session().written(here))
+    assert (code, err) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    golden("report_session.txt", out)
+
+
+def test_many_sessions_on_a_page_of_80_columns(here: Path) -> None:
+    study(here)
+    code, out, err = woz("report", here)
+    assert (code, err) == (0, "")
+    assert max(map(len, out.splitlines())) <= 80
+    golden("report_many.txt", out)
+
+
+def test_a_wide_page_uses_its_width(here: Path) -> None:
+    path = session().written(here)
+    _, out, _ = woz("report", path, environ={"COLUMNS": "160"})
+    widths = [len(line) for line in out.splitlines()]
+    assert 140 < max(widths) <= 160
+    assert any("Figures" in line and "Actions" in line for line in out.splitlines())
+    assert "\x1b" not in out
+
+
+def test_a_locale_without_signs_gets_ascii(here: Path) -> None:
+    path = session().written(here)
+    plain = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
+    code, out, err = woz("report", path, environ=plain)
+    assert (code, err) == (0, "")
+    assert out.isascii()
+    assert "engagement" in out
+    assert max(map(len, out.splitlines())) <= 80
+
+
+def test_colours_only_where_they_are_wanted(here: Path) -> None:
+    path = session().written(here)
+    coloured = {"FORCE_COLOR": "1", "TERM": "xterm-256color", "COLUMNS": "80"}
+    assert "\x1b[" in woz("report", path, environ=coloured)[1]
+    found = woz("report", path, environ={**coloured, "NO_COLOR": "1"})[1]
+    assert "\x1b[3" not in found
+
+
+def test_what_cannot_be_read_is_named_and_the_others_go_on(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    [first, *_] = study(here)
+    empty = here / "2026-03-09T10-00-00_P09_S09.jsonl"
+    empty.touch()
+    code, out, err = told(capsys, "report", here, "gone.jsonl")
+    assert code == 1
+    assert "4 sessions, 2 participants" in out
+    assert err == [
+        "woz report: gone.jsonl: there is no such file, folder, or log of this pattern",
+        f"woz report: {empty}: no line of a session was found: the log is empty, or no log of woz",
+    ]
+    assert told(capsys, "report", "gone.jsonl")[0] == 1
+    assert first.exists()
+
+
+def test_damage_is_told_on_the_page(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    path = session().written(here)
+    path.write_bytes(path.read_bytes()[:-30])
+    code, out, _ = told(capsys, "report", path)
+    assert code == 0
+    assert "▲ 1 torn last line(s) cut" in out
+    assert "▲ the session has no end: it runs still, or it was cut off" in out
+
+
+def test_damage_is_told_for_each_of_many(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    [first, *_] = study(here)
+    first.write_bytes(first.read_bytes()[:-30])
+    _, out, _ = told(capsys, "report", here)
+    assert "▲ S01 P01: 1 torn last line(s) cut" in out
+
+
+def test_a_copy_of_a_session_counts_once(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    [first, *_] = study(here / "a")
+    copy = here / "b" / first.name
+    copy.parent.mkdir()
+    copy.write_bytes(first.read_bytes())
+    code, out, err = told(capsys, "report", "a", "b")
+    assert code == 1
+    assert "4 sessions" in out
+    assert len(err) == 1
+    assert "is the same session as" in err[0]
+
+
+def test_everything_at_once_in_files(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study(here / "logs")
+    code, out, err = told(capsys, "report", "logs", "--csv", "csv", "--html", "page.html", "--json")
+    assert (code, err) == (0, ["woz report: wrote csv", "woz report: wrote page.html"])
+    found = json.loads(out)
+    assert len(found["sessions"]) == 4
+    assert found["problems"] == []
+    assert {each["condition"] for each in found["experiments"][0]["conditions"]} == {
+        *("cold", "warm")
+    }
+    with (here / "csv" / "sessions.csv").open(encoding="utf-8") as file:
+        assert len(list(csv.DictReader(file))) == 4
+    assert "P01" in (here / "page.html").read_text(encoding="utf-8")
+
+
+def test_a_folder_that_cannot_be_written_is_told(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study(here / "logs")
+    (here / "csv").touch()
+    code, _, err = told(capsys, "report", "logs", "--csv", "csv")
+    assert code == 1
+    assert "csv" in err[0]
+
+
+def test_options_change_what_counts(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study(here)
+    narrow = json.loads(told(capsys, "report", here, "--window", "2.5", "--json")[1])
+    assert [each["whole"]["main"]["cues_answered"] for each in narrow["sessions"]] == [1, 1, 0, 0]
+    with pytest.raises(SystemExit):
+        main(["report", str(here), "--window", "soon"])
+
+
+def test_several_experiments_have_tables_of_their_own(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    study(here)
+    other = Told(experiment="other.yaml", session="S07", wall="2026-04-01T10:00:00Z").act(1).end(9)
+    other.written(here, "2026-04-01T10-00-00_P07_S07")
+    _, out, _ = told(capsys, "report", here)
+    assert "guide.yaml: 4 sessions, 2 participants" in out
+    assert "other.yaml: 1 session, 1 participant" in out
+
+
+def test_sentences(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    study(here)
+    code, out, err = told(capsys, "methods", here)
+    assert code == 0
+    assert out.startswith("In all, 2 participants took part in 4 sessions")
+    assert out.count("\n") == 1
+    assert err[0] == "woz methods: no log can know the following, write it by hand:"
+    _, out, _ = told(capsys, "methods", here, "--markdown")
+    assert out.startswith("## Method (guide.yaml)\n\n### Participants and sessions\n")
+    assert told(capsys, "methods", "gone")[0] == 1
+
+
+def _write() -> None:
+    """Write the golden pages anew."""
+    import tempfile  # noqa: PLC0415
+
+    GOLDEN.mkdir(exist_ok=True)
+    with tempfile.TemporaryDirectory() as folder:
+        one = session().written(Path(folder) / "one")
+        study(Path(folder) / "many")
+        for name, path in (("session", one), ("many", Path(folder) / "many")):
+            out = "\n".join(lines(woz("report", path)[1]))
+            (GOLDEN / f"report_{name}.txt").write_text(out + "\n", encoding="utf-8")
+
+
+if __name__ == "__main__":
+    _write()

@@ -147,10 +147,10 @@ def _print(scores: Sequence[Score]) -> None:
 
     table = Table(box=None, pad_edge=False, header_style="bold")
     table.add_column("wizard", no_wrap=True, min_width=6)
-    table.add_column("when (UTC)", no_wrap=True, min_width=16)
+    table.add_column("day (UTC)", no_wrap=True, min_width=10)
     table.add_column("experiment", no_wrap=True, overflow="ellipsis")
     for name in ("cues", "right", "wrong", "missed", "uncalled", "median", "p95"):
-        table.add_column(name, justify="right", no_wrap=True, min_width=len(name))
+        table.add_column(name, justify="right", no_wrap=True, min_width=max(5, len(name)))
     for score in scores:
         table.add_row(*_row(score))
     Console(highlight=False).print(table)
@@ -160,7 +160,7 @@ def _row(score: Score) -> tuple[str, ...]:
     training = score.training
     return (
         score.wizard or "-",
-        score.started[:16].replace("T", " "),
+        score.started[:10],
         score.title,
         str(training.cues),
         "-" if training.score is None else f"{training.score:.0%}",

@@ -145,7 +145,7 @@ def _print(scores: Sequence[Score]) -> None:
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
-    table = Table(box=None, pad_edge=False, header_style="bold")
+    table = Table(box=None, padding=(0, 1, 0, 0), header_style="bold")
     table.add_column("wizard", no_wrap=True, min_width=6)
     table.add_column("day (UTC)", no_wrap=True, min_width=10)
     table.add_column("experiment", no_wrap=True, overflow="ellipsis")

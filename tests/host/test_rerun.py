@@ -76,6 +76,20 @@ async def test_with_a_console_it_begins_when_a_wizard_is_there(tmp_path: Path) -
         assert not it.session.ended
 
 
+async def test_who_comes_in_the_middle_is_told_of_it(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        begun(it, log_of(tmp_path, *["play"] * 3), headless=True)
+        await it.published(lambda message: isinstance(message, m.RerunSent))
+        watcher = await it.connect()
+        welcome = await watcher.hello("watcher")
+        assert "rerun.started" in {line["kind"] for line in welcome["state"]}
+        assert "rerun.sent" not in {line["kind"] for line in welcome["recent"]}
+        await ended(it)
+        late = await it.connect()
+        welcome = await late.hello("watcher")
+        assert "rerun.started" not in {line["kind"] for line in welcome["state"]}
+
+
 async def test_drives_go_while_a_wizard_watches_and_end_with_them(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         wizard = await it.connect()

@@ -3,12 +3,15 @@
 from __future__ import annotations
 
 import argparse
+import contextlib
 import logging
 import sys
 from pathlib import Path
 
 from woz_tui.cli.failure import explained
 from woz_tui.cli.options import add_session, identity
+
+LONGEST_WAIT_S = 3600.0
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -29,7 +32,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--rerun-wait",
-        type=float,
+        type=_seconds,
         default=20.0,
         metavar="SECONDS",
         help="with --rerun: how long the drivers may take to be connected (default 20)",
@@ -50,8 +53,18 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.set_defaults(run=run)
 
 
+def _seconds(text: str) -> float:
+    with contextlib.suppress(ValueError):
+        if 0 <= (value := float(text)) <= LONGEST_WAIT_S:
+            return value
+    raise argparse.ArgumentTypeError(f"{text!r} is no time from 0 to {LONGEST_WAIT_S:g} seconds")
+
+
 def run(arguments: argparse.Namespace) -> int:
     """Serve until the session ends."""
+    if arguments.headless and arguments.rerun is None:
+        print("woz: --headless goes with --rerun", file=sys.stderr)
+        return 2
     from woz_tui.host import process  # noqa: PLC0415 - only this command needs it
     from woz_tui.host.rerun import RerunOptions  # noqa: PLC0415
     from woz_tui.host.training import TrainingOptions  # noqa: PLC0415

@@ -124,12 +124,15 @@ def _newer(new: str | None, old: str | None) -> str | None:
 
 
 #: What no list of events has a line for: samples, what is shown, what a log says of itself.
-_UNLISTED = m.Reading | m.Shown | m.EngagementShown | m.ExperimentFiles | m.SessionPlan
+_UNLISTED = (
+    m.Reading | m.Shown | m.EngagementShown | m.ExperimentFiles | m.SessionPlan | m.RerunSent
+)
 #: What holds no more when a message of this kind comes.
 _ENDS: dict[type, tuple[type[m.Message], ...]] = {
     m.BreakEnded: (m.BreakStarted,),
     m.QuestionnaireStarted: (m.QuestionnaireStarted, m.QuestionnaireAnswered),
     m.QuestionnaireEnded: (m.QuestionnaireStarted, m.QuestionnaireAnswered),
+    m.RerunEnded: (m.RerunStarted,),
 }
 #: Messages of one slot replace each other: the slot is the kind and these fields.
 _SLOTS: dict[type, tuple[str, ...]] = {
@@ -158,6 +161,7 @@ _SLOTS: dict[type, tuple[str, ...]] = {
     m.QuestionnaireEnded: ("questionnaire",),
     m.ShapingChanged: (),
     m.PerceptionChanged: (),
+    m.RerunStarted: (),
 }
 
 

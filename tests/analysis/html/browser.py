@@ -68,7 +68,8 @@ class Page:
 
     def visible(self, css: str) -> int:
         """How many of the elements are seen."""
-        return sum(element.is_displayed() for element in self.all(css))
+        seen = "[...document.querySelectorAll(arguments[0])].filter(one => one.checkVisibility())"
+        return int(self.run(f"return {seen}.length", css))
 
     def view(self) -> tuple[float, float]:
         """The seconds that the first timeline shows, once a picture of them has been drawn."""

@@ -257,12 +257,15 @@ def test_nothing_is_wider_than_the_window(page: Page, several: Path, width: int)
 
 def test_on_paper_there_is_everything_but_the_buttons(page: Page, single: Path) -> None:
     page.open(single)
+    page.size(700, 1000)  # between the margins of A4
     with seen_as(page, "print"):
+        assert page.run("return document.scrollingElement.scrollWidth") <= 700
         assert page.visible(".tools, .help, .minimap") == 0
         assert page.visible("svg.lanes") == 1
         assert page.visible(".chip") == 16
         whole = "const it = document.querySelector('.scroll'); return it.scrollHeight"
         assert page.run(whole) == page.run(whole.replace("scrollHeight", "clientHeight"))
+    page.size(1400, 900)
     printed = page.driver.execute_cdp_cmd("Page.printToPDF", {})
     assert base64.b64decode(printed["data"]).startswith(b"%PDF")
 

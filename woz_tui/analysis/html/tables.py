@@ -84,19 +84,22 @@ def actions(figures: SessionFigures) -> Markup | None:
 
 def verbs(figures: SessionFigures) -> Markup | None:
     """Commands by verb: how they ended, and their times."""
+    found = sorted(figures.whole.verbs.items())
+    # A column for each end that occurs: seven would make the table too wide for a sheet of paper.
+    ends = [end for end in COMMAND_ENDS if any(times.ends.get(end) for _, times in found)]
     heads = [
-        *("Verb", *(end.replace("_", " ") for end in COMMAND_ENDS)),
+        *("Verb", *(end.replace("_", " ") for end in ends)),
         *(f"To start, {one}" for one in ("median", "p95", "max")),
         *(f"To end, {one}" for one in ("median", "p95", "max")),
     ]
     rows = [
         [
             said(verb),
-            *_counts(times.ends.get(end, 0) for end in COMMAND_ENDS),
+            *_counts(times.ends.get(end, 0) for end in ends),
             *_spread(times.dispatched),
             *_spread(times.done),
         ]
-        for verb, times in sorted(figures.whole.verbs.items())
+        for verb, times in found
     ]
     return table("Commands", heads, rows)
 

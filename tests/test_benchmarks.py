@@ -23,6 +23,8 @@ TABLES = {
     "screen_bytes.py": ("calm 80x24", "demo 80x24", "load 80x24"),
     "motion_rate.py": ("robot process", "in the console's process", "bare loop"),
     "engagement_sample.py": ("bare queues", "the model, joint", "lines, fifo"),
+    "report.py": ("json.loads on every line", "woz report --csv", "woz methods"),
+    "log_reading.py": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
 

@@ -90,6 +90,27 @@ def answered(who: str, condition: str, *values: float | None) -> SessionFigures:
     return figures_of(in_time(it.end(60)))
 
 
+def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -> None:
+    given = m.CueGiven(cue="q", sort="leave", expects=["Nod"], window_us=SECOND)
+    right = m.CueAnswered(cue="q", judged="right", reaction_us=500_000)
+    trained = Told(session="T01").add(1, given, right).end(9)
+    again = Told(session="S09").add(1, m.RerunStarted(original="x", original_session="S01")).end(9)
+    found = Grouped()
+    with Folder(tmp_path) as folder:
+        for it in (trained, again, Told().act(1).end(9)):
+            figures = figures_of(in_time(it))
+            found.add(figures)
+            folder.add(figures)
+    assert [row.session for row in found.rows] == ["S01"]
+    assert [(each.session, each.training.score) for each in found.trainings] == [("T01", 1.0)]
+    assert (found.reruns, found.sessions) == (["S09"], 3)
+    rows = tables(tmp_path)
+    assert [(row["training"], row["rerun_of"]) for row in rows["sessions"]] == [
+        *(("true", ""), ("false", "x"), ("false", ""))
+    ]
+    assert [(row["right"], row["reaction_median_s"]) for row in rows["trainings"]] == [("1", "0.5")]
+
+
 def test_scales_have_means_over_participants() -> None:
     found = Grouped()
     found.add(answered("P01", "warm", 4.0, 6.0))

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.figures import SessionFigures, Training
 from woz_tui.analysis.measures import MEASURES, measured
 from woz_tui.analysis.series import mean_and_sd
 
@@ -53,11 +53,24 @@ class ItemTotal:
     total: Total
 
 
+@dataclass(frozen=True, slots=True)
+class Trained:
+    """A session in which a wizard was trained."""
+
+    wizard: str
+    session: str
+    started: str
+    training: Training
+
+
 @dataclass(slots=True)
 class Grouped:
     """Takes sessions one after the other and keeps their main figures alone."""
 
     rows: list[Row] = field(default_factory=list)
+    #: Trainings of wizards, and re-runs: no sessions of participants.
+    trainings: list[Trained] = field(default_factory=list)
+    reruns: list[str] = field(default_factory=list)
     #: Sessions whose log is not whole: who and which, and what is wrong.
     damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
     _items: dict[tuple[str, str, str, str], _Item] = field(default_factory=dict)
@@ -66,10 +79,18 @@ class Grouped:
     def add(self, figures: SessionFigures) -> None:
         """One more session."""
         experiment = experiment_of(figures)
-        self._hashes.setdefault(experiment, set()).add(figures.experiment_sha256)
         if figures.wholeness.sentences:
             who = " ".join(filter(None, (figures.session, figures.participant))) or figures.stem
             self.damaged.append((who, figures.wholeness.sentences))
+        if figures.training is not None:
+            self.trainings.append(
+                Trained(figures.wizard, figures.session, figures.started, figures.training)
+            )
+            return
+        if figures.rerun_of:
+            self.reruns.append(figures.session or figures.stem)
+            return
+        self._hashes.setdefault(experiment, set()).add(figures.experiment_sha256)
         for part in figures.parts:
             self.rows.append(
                 Row(
@@ -88,6 +109,12 @@ class Grouped:
             if item is None:
                 item = self._items[key] = _Item(answer.question, answer.low, answer.high)
             item.values.setdefault(answer.participant, []).append(answer.value)
+
+    @property
+    def sessions(self) -> int:
+        """How many there are of any kind."""
+        rows = {(row.experiment, row.participant, row.session) for row in self.rows}
+        return len(rows) + len(self.trainings) + len(self.reruns)
 
     @property
     def experiments(self) -> list[str]:

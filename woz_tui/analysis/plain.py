@@ -46,6 +46,12 @@ def session(figures: SessionFigures) -> dict[str, Any]:
     return found
 
 
+def trainings(found: Grouped) -> list[dict[str, Any]]:
+    """Each training of a wizard."""
+    told: list[dict[str, Any]] = plain(found.trainings)
+    return told
+
+
 def grouped(found: Grouped) -> list[dict[str, Any]]:
     """Each experiment's conditions and scales."""
     return [

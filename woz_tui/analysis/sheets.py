@@ -14,6 +14,7 @@ from woz_tui.analysis.figures import (
     Cue,
     Part,
     SessionFigures,
+    Training,
     Trial,
     VerbTimes,
     Visit,
@@ -63,6 +64,10 @@ class OfPart:
 
 def _whole(entry: Entry) -> Value:
     return not entry.session.wholeness.sentences
+
+
+def _trained(entry: Entry) -> Value:
+    return entry.session.training is not None
 
 
 _SESSION: tuple[Column, ...] = (
@@ -121,6 +126,10 @@ SESSIONS = Sheet(
         ),
         Column("software", "", "program and version", lambda it: it.session.software),
         Column("started", "", "wall clock at the start, UTC", lambda it: it.session.started),
+        Column("training", "", "a wizard was trained in it", _trained),
+        Column(
+            "rerun_of", "", "the log whose commands were run again", lambda it: it.session.rerun_of
+        ),
         Column("log_whole", "", "nothing is damaged, dropped or missing in the log", _whole),
         Column(
             *("damage", "", "what is damaged, dropped or missing, in words"),
@@ -332,4 +341,35 @@ QUESTIONNAIRES = Sheet(
     _answers,
 )
 
-SHEETS = (SESSIONS, ACTIONS, REACTIONS, EPISODES, LATENCIES, TRIALS, QUESTIONNAIRES)
+
+def _trainings(session: SessionFigures) -> Iterator[Entry]:
+    if session.training is not None:
+        yield Entry(session, session.training)
+
+
+def _trained_reaction(entry: Entry) -> Value:
+    training: Training = entry.row
+    return seconds(training.times.median)
+
+
+TRAININGS = Sheet(
+    "trainings",
+    "one row for each session in which a wizard was trained",
+    (
+        *_SESSION,
+        Column("wizard", "", "wizard's code", lambda it: it.session.wizard),
+        Column("started", "", "wall clock at the start, UTC", lambda it: it.session.started),
+        _of("cues", "", "lines `cue.given`"),
+        _of("right", "", "cues that were answered rightly"),
+        _of("wrong", "", "cues that were answered by another action"),
+        _of("missed", "", "cues that were not answered in time"),
+        _of("uncalled", "", "actions without a cue"),
+        _of("score", "share", "`right` / `cues`"),
+        Column(
+            "reaction_median_s", "s", "median time to right and wrong answers", _trained_reaction
+        ),
+    ),
+    _trainings,
+)
+
+SHEETS = (SESSIONS, ACTIONS, REACTIONS, EPISODES, LATENCIES, TRIALS, QUESTIONNAIRES, TRAININGS)

@@ -89,7 +89,7 @@ def run(arguments: argparse.Namespace) -> int:
         return 1
     if arguments.json:
         _print_json(sessions, grouped, reading.problems)
-    elif grouped.rows:
+    elif kept or grouped.sessions:
         _print(arguments, grouped, kept, len(reading.paths))
     for path in filter(None, (arguments.csv, arguments.html)):
         print(f"woz report: wrote {path}", file=sys.stderr)
@@ -168,7 +168,12 @@ def _plain(report: Report) -> object:
 def _print_json(sessions: list[object], grouped: Grouped, problems: list[str]) -> None:
     from woz_tui.analysis import plain  # noqa: PLC0415
 
-    told = {"sessions": sessions, "experiments": plain.grouped(grouped), "problems": problems}
+    told = {
+        "sessions": sessions,
+        "experiments": plain.grouped(grouped),
+        "trainings": plain.trainings(grouped),
+        "problems": problems,
+    }
     print(json.dumps(told, ensure_ascii=False, allow_nan=False))
 
 

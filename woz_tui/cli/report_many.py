@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from woz_tui.analysis.groups import ConditionTotal, Grouped, ItemTotal, Row, Total
 from woz_tui.analysis.measures import BY_NAME, Measure
-from woz_tui.cli.report_page import NONE, Page, clock, digits, in_unit, some, table
+from woz_tui.cli.report_page import NONE, Page, clock, digits, in_unit, s, some, table
 
 #: Columns, those first that are worth most; as many are shown as there is room for.
 _COLUMNS = (
@@ -34,10 +34,33 @@ def show(page: Page, grouped: Grouped) -> None:
         if items:
             page.head("Questionnaires: mean and standard deviation over participants")
             _items(page, items)
+    _trainings(page, grouped)
+    if grouped.reruns:
+        page.say()
+        page.trouble(f"re-runs are no sessions of their own: {', '.join(grouped.reruns)} left out")
     if grouped.damaged:
         page.head("Logs that are not whole")
     for who, sentences in grouped.damaged:
         page.trouble(f"{who}: {'; '.join(sentences)}")
+
+
+def _trainings(page: Page, grouped: Grouped) -> None:
+    if not grouped.trainings:
+        return
+    page.head("Trainings")
+    made = table(
+        *("wizard", "session", "cues", "right", "wrong", "missed", "uncalled", "score", "react s"),
+        left=2,
+    )
+    for each in sorted(grouped.trainings, key=lambda each: (each.wizard, each.started)):
+        training = each.training
+        made.add_row(
+            *(each.wizard or NONE, each.session),
+            *map(str, (training.cues, training.right, training.wrong)),
+            *map(str, (training.missed, training.uncalled)),
+            *(in_unit(training.score, "share"), s(training.times.median)),
+        )
+    page.console.print(made)
 
 
 def _counted(rows: Sequence[Row]) -> str:

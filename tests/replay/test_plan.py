@@ -72,7 +72,11 @@ def test_a_command_is_repeated_at_the_moment_at_which_it_began(tmp_path: Path) -
         (command(), [m.Refused(command="c1", code="busy", reason="it is busy")], "it is busy"),
         (command(), [m.Refused(command="c1", code="late")], "refused then: late"),
         (command(), [dispatched(), m.Refused(command="c1", code="args", reason="no")], "no"),
-        (command(), [m.Superseded(command="c1", by="c2")], "never began: another one took its place"),
+        (
+            command(),
+            [m.Superseded(command="c1", by="c2")],
+            "never began: another one took its place",
+        ),
         (command(), [m.Stopped(command="c1", reason="stop pressed")], "never began: stop pressed"),
         (command(), [], "never began: the log ends"),
         (command(verb="set", driver="session"), [dispatched(), done()], "session of then"),
@@ -151,6 +155,23 @@ def test_a_command_without_an_end_ends_with_the_log(tmp_path: Path) -> None:
     made = plan(tmp_path, (1, command()), (1, dispatched()), (7, m.Note(text="the last line")))
     assert made.sent[0].cut == 7_000_000
     assert not made.ended
+
+
+@pytest.mark.parametrize("wrong", [1 << 60, 0])
+def test_a_time_that_cannot_be_true_moves_nothing(tmp_path: Path, wrong: int) -> None:
+    """One flipped bit, and the robot would wait for years."""
+    messages: list[Timed] = [
+        (1, command()),
+        (1, dispatched()),
+        (2, done()),
+        (3, command("c2")),
+        (wrong / 1_000_000, dispatched("c2")),
+        (4, done("c2")),
+        (5, END),
+    ]
+    made = plan(tmp_path, *messages)
+    assert made.duration == pytest.approx(2_000_000, abs=1_000_000)
+    assert [step.command.command for step in made.sent] == ["c1", "c2"]
 
 
 def test_damage_is_told(tmp_path: Path) -> None:

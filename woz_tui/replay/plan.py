@@ -13,10 +13,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import msgspec
+
 from woz_tui.analysis.played import ASKED
 from woz_tui.core import messages as m
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
 from woz_tui.record.log import Damage, files_of, read
+from woz_tui.replay.marks import steady
 from woz_tui.replay.origin import Origin
 
 #: Whose commands they are, in the log of the re-run.
@@ -25,6 +28,18 @@ REPLAY = "replay"
 LEARNING = frozenset({"learn_face", "listen_room"})
 #: What of the session's own verbs has a meaning without a participant and a wizard's panels.
 SESSION_VERBS = frozenset({"mark", "note"})
+#: Lines of a log that a plan is made of.
+_TELLING = (
+    m.SessionStart
+    | m.SessionEnd
+    | m.ExperimentReloaded
+    | m.ExperimentFiles
+    | m.Command
+    | m.Dispatched
+    | m.End
+    | m.Marker
+    | m.StopPressed
+)
 #: Markers that the session itself puts: the preflight's, and those of the verb `mark`.
 _OWN_MARKS = frozenset({"preflight", "action"})
 
@@ -136,7 +151,6 @@ class _Reader:
     last: int = 0
 
     def take(self, message: m.AnyMessage) -> None:
-        self.last = max(self.last, message.t)
         match message:
             case m.Command():
                 self._life(message.command).command = message
@@ -173,11 +187,19 @@ def plan_of(path: Path) -> Plan:
     Samples are never read. Raises what `record.log.files_of` raises; nothing damaged raises.
     """
     reader, digest, damage = _Reader(), hashlib.sha256(), Damage()
+    times: list[int] = []
+    told: list[tuple[int, m.AnyMessage]] = []
     for line in read(path, damage, samples=False):
         digest.update(line.raw + b"\n")
         message = line.message
-        if message is not None:
-            reader.take(message)
+        if isinstance(message, _TELLING):
+            told.append((len(times), message))
+        times.append(line.t)
+    # A flipped bit in a time must neither hold the robot up for hours nor hurry it.
+    times = steady(times)
+    for place, message in told:
+        reader.take(msgspec.structs.replace(message, t=times[place]))
+    reader.last = times[-1] if times else 0
     start = reader.start
     return Plan(
         name=files_of(path).stem,
@@ -225,7 +247,7 @@ def _step(command: m.Command, life: _Life) -> Step:
     end = life.end
     began = life.began
     if began < 0 and isinstance(end, m.Done):  # the line that said so is damaged
-        began = command.t + end.latency_us
+        began = min(command.t + max(0, end.latency_us), end.t)
     cut, why = (end.t, _why_cut(end)) if isinstance(end, m.Stopped | m.Superseded) else (-1, "")
     kind = "" if end is None else str(end.__struct_config__.tag).removeprefix("command.")
     step = Step(command, max(began, command.t), cut, why, kind)

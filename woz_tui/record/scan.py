@@ -117,19 +117,18 @@ class _Weave:
             raise _OutOfOrderError
         end = bisect_right(self._numbers, numbers[-1], self._given)
         actions = list[Entry](self._actions[self._given : end])
-        if self._smooth(actions, numbers, times):
+        backwards = falls(times)
+        if not backwards and self._smooth(actions, numbers, times):
             self._course.pass_over(entries[-1])
         else:
             self._course.take(sorted([*actions, *entries], key=seq_of))
         self._given, self._last, self._last_us = end, numbers[-1], times[-1]
-        return min(times), max(times)
+        return (min(times), max(times)) if backwards else (times[0], times[-1])
 
     def _smooth(self, actions: list[Entry], numbers: list[int], times: list[int]) -> bool:
         """Whether no number is missing or there twice, and no time lies before another."""
-        if numbers[-1] - self._last != len(numbers) + len(actions) or falls(times):
-            return False
         last_us = self._last_us
-        if times[0] < last_us:
+        if numbers[-1] - self._last != len(numbers) + len(actions) or times[0] < last_us:
             return False
         for action in actions:
             place = bisect_left(numbers, action.seq)

@@ -66,13 +66,15 @@ def test_a_line_that_is_gone_is_found_by_the_sums(tmp_path: Path) -> None:
     lines = log.read_bytes().splitlines(keepends=True)
     log.write_bytes(b"".join(lines[:5] + lines[6:]))
     (sentence,) = read(found([log])[0]).damage
-    assert sentence == "lines after number -1 were changed or lost"
+    assert sentence == "lines before the first checkpoint were changed or lost"
 
 
 def test_a_good_checkpoint_says_up_to_where_all_is_well(tmp_path: Path) -> None:
     course: list[Timed] = [(0, start()), (1, m.Checkpoint(sha256=SHA, lines=1))]
     log = write(tmp_path, course)
-    assert read(found([log])[0]).damage == ["lines after number -1 were changed or lost"]
+    assert read(found([log])[0]).damage == [
+        "lines before the first checkpoint were changed or lost"
+    ]
     assert read(found([write(tmp_path, visit())])[0]).damage == []
 
 

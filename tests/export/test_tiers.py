@@ -53,6 +53,15 @@ def test_tiers_that_spill_have_a_number() -> None:
     ]
 
 
+def test_what_is_prolonged_gives_way_to_what_lasts() -> None:
+    spans = [Span(0, 90, "Idle"), Span(90, 91, "Passing"), Span(91, 200, "Engaged")]
+    tiers = apart(Tier("engagement", spans=spans), 40)
+    assert [(tier.name, [span.text for span in tier.spans]) for tier in tiers] == [
+        ("engagement", ["Idle", "Engaged"]),
+        ("engagement-2", ["Passing"]),
+    ]
+
+
 def test_names_are_told_apart() -> None:
     names = [tier.name for tier in unique_names([Tier("a"), Tier("a"), Tier("a (2)"), Tier("b")])]
     assert names == ["a", "a (2)", "a (2) (2)", "b"]

@@ -6,6 +6,7 @@ import csv
 import json
 from collections.abc import Iterable
 from contextlib import ExitStack
+from functools import lru_cache
 from typing import Any, TextIO
 
 from woz_tui import __version__
@@ -91,21 +92,26 @@ class _Rows:
         self._writer.writerow([column.name for column in table.columns])
 
     def write(self, session: Session, rows: Iterable[object]) -> None:
-        texts = [column.type == "string" for column in self._table.columns]
-        for row in rows:
-            cells = self._table.cells(session, row)
-            self._writer.writerow(map(_written, cells, texts))
+        columns = [(column.cell, column.type == "string") for column in self._table.columns]
+        self._writer.writerows(
+            [_written(cell(session, row), text) for cell, text in columns] for row in rows
+        )
 
 
 def _written(cell: Cell, text: bool) -> str:
-    match cell:
-        case None:
-            return ""
-        case bool():
-            return "true" if cell else "false"
-        case str():
-            return guarded(visible(cell)) if text else cell
+    if cell is None:
+        return ""
+    if isinstance(cell, str):
+        return _text(cell) if text else cell
+    if isinstance(cell, bool):
+        return "true" if cell else "false"
     return repr(cell)
+
+
+@lru_cache(maxsize=4096)
+def _text(cell: str) -> str:
+    """A text as it stands in a cell; the same few come again and again."""
+    return guarded(visible(cell))
 
 
 def _package(tables: Iterable[Table[Any]], told: list[Told]) -> dict[str, Any]:

@@ -8,6 +8,7 @@ from typing import Any, BinaryIO
 
 import msgspec
 
+from woz_tui.core.messages import Reading
 from woz_tui.export.course import Session
 from woz_tui.export.folder import README, Folder
 from woz_tui.export.options import Options, Told
@@ -16,6 +17,7 @@ from woz_tui.export.sources import Source, redacted_line
 from woz_tui.record.log import Damage, Line
 
 _encoder = msgspec.json.Encoder()
+_NO_WORDS = frozenset({"kind", "seq", "t", "sensor", "value", "unit", "driver", "raw", "bad"})
 _ABOUT = """## Files
 
 For each session two files of JSON Lines, as `woz` records them (docs/session-log.md): `.jsonl` has
@@ -49,6 +51,11 @@ class JsonlExporter:
         """Nothing is open."""
 
 
+def _wordless(line: Line) -> bool:
+    """Whether it is plain to see that there is nothing to redact, as in most samples."""
+    return isinstance(line.message, Reading) and _NO_WORDS.issuperset(line.fields)
+
+
 class _Copy:
     def __init__(self, actions: BinaryIO, samples: BinaryIO, *, redact: bool) -> None:
         self._actions, self._samples = actions, samples
@@ -57,7 +64,7 @@ class _Copy:
         self._lines = 0
 
     def take(self, line: Line) -> None:
-        line = redacted_line(line) if self._redact else line
+        line = redacted_line(line) if self._redact and not _wordless(line) else line
         if line.sample:
             self._samples.write(line.raw + b"\n")
             return

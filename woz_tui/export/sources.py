@@ -172,6 +172,8 @@ class _Sums:
     def sentences(self) -> list[str]:
         if not self._broken:
             return []
+        if self._sound_to < 0:
+            return ["lines before the first checkpoint were changed or lost"]
         return [f"lines after number {self._sound_to} were changed or lost"]
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from bisect import bisect_left, insort
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 
@@ -130,20 +131,39 @@ def _plainly(event: Event) -> str:
 
 def apart(tier: Tier, shortest: int = 0) -> list[Tier]:
     """The same spans on tiers on which none overlaps another: what finds no room goes onto
-    `<name>-2` and so on. Spans shorter than `shortest` are prolonged to it first.
+    `<name>-2` and so on. Spans shorter than `shortest` are prolonged to it, and give way to those
+    that really last.
     """
-    tiers: list[Tier] = []
-    for span in sorted(tier.spans, key=lambda span: (span.begin, span.end)):
-        long = Span(span.begin, max(span.end, span.begin + shortest), span.text)
-        for candidate in tiers:
-            last = candidate.spans[-1]
-            if last.end <= long.begin and last.begin < long.begin:
-                candidate.spans.append(long)
-                break
-        else:
-            name = tier.name if not tiers else f"{tier.name}-{len(tiers) + 1}"
-            tiers.append(Tier(name, tier.points, [long]))
-    return tiers
+    rows: list[list[Span]] = []
+    by_time = sorted(tier.spans, key=_times)
+    lasting = [span for span in by_time if span.end - span.begin >= shortest]
+    short = [span for span in by_time if span.end - span.begin < shortest]
+    prolonged = [Span(span.begin, span.begin + shortest, span.text) for span in short]
+    for span in [*lasting, *prolonged]:
+        row = next((row for row in rows if _has_room(row, span)), None)
+        if row is None:
+            rows.append(row := [])
+        insort(row, span, key=_times)
+    names = [tier.name, *(f"{tier.name}-{number}" for number in range(2, len(rows) + 1))]
+    return [Tier(name, tier.points, row) for name, row in zip(names, rows, strict=False)]
+
+
+def _times(span: Span) -> tuple[int, int]:
+    return span.begin, span.end
+
+
+def _begin(span: Span) -> int:
+    return span.begin
+
+
+def _has_room(row: list[Span], span: Span) -> bool:
+    """Whether nothing on the row overlaps the span, or begins when it does."""
+    place = bisect_left(row, span.begin, key=_begin)
+    before = row[place - 1] if place else None
+    after = row[place] if place < len(row) else None
+    return (before is None or before.end <= span.begin) and (
+        after is None or (after.begin >= span.end and after.begin > span.begin)
+    )
 
 
 def unique_names(tiers: Iterable[Tier]) -> list[Tier]:

@@ -27,6 +27,7 @@ OPENERS = {
     "KnobsDialog": "plus",
     "ProfileDialog": "minus",
     "EngagementDialog": "equals_sign",
+    "TrialDialog": "asterisk",
 }
 
 
@@ -52,7 +53,7 @@ OPENING: tuple[str, ...] = (
     "preflight",
     "reload",
 )
-OPENING += ("drivers", "leave", "body", "knobs", "profile", "engagement")
+OPENING += ("drivers", "leave", "body", "knobs", "profile", "engagement", "trial")
 #: What Textual's names of keys stand for.
 CHARACTERS = {
     "slash": "/",
@@ -63,6 +64,7 @@ CHARACTERS = {
     "plus": "+",
     "minus": "-",
     "equals_sign": "=",
+    "asterisk": "*",
     "enter": "\r",
 }
 

@@ -109,11 +109,8 @@ async def test_no_screen_and_no_dialog_tells_the_condition(
         robot_that_tells(seat)
         assert "Orange" in seat.text("Status")
         assert_blind(seat, "main screen")
-        for name in (*OPENERS, "TrialDialog"):
-            if name == "TrialDialog":
-                await seat.press("asterisk")
-            else:
-                await opened(seat, name)
+        for name in OPENERS:
+            await opened(seat, name)
             await seat.settle()
             assert_blind(seat, name)
             await seat.press("ctrl+q")
@@ -170,6 +167,14 @@ def test_words_are_replaced_and_parts_of_words_are_not() -> None:
     assert blind.label("") == ""
     assert blind.label("unheard of") == "?"
     assert blind.name("Plum") == "warm-2"
+
+
+def test_what_only_one_condition_says_is_shown_as_its_variable() -> None:
+    texts = {"look": ["Look, our {exhibit}! (It is big.)", "That is the {exhibit}."]}
+    blind = Blind(studied.LABELS, texts)
+    assert blind.text("“Look, our whale! (It is big.)” failed") == "“{look}” failed"
+    assert blind.text("that is the giant squid.") == "{look}"
+    assert blind.text("That is all.") == "That is all."
 
 
 def test_one_label_for_all_still_lets_the_wizard_choose() -> None:

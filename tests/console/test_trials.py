@@ -127,6 +127,7 @@ async def test_what_was_not_ticked_is_told_with_the_first_trial() -> None:
         await seat.tell(studied.trial(1, "warm", ago=0))
         assert "not ticked in the preflight" in seat.text("StopBar")
         assert studied.CHECKS[0] in seat.text("StopBar")
+        assert f"▲ Trial 1 of 4 begins  not ticked: {studied.CHECKS[0]}" in seat.text("Events")
         assert seat.console.dialog is None
 
 

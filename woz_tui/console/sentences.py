@@ -248,6 +248,9 @@ def _reloaded(message: m.ExperimentReloaded, picture: Picture) -> Event:
 
 def _of_study(message: m.Message, picture: Picture) -> Event | None:
     line = line_of(message)
+    missing = picture.study.unticked() if isinstance(message, m.TrialStarted) else []
+    if line is not None and missing and picture.study.last is None:
+        line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
     return Event(message.t, *line) if line is not None else None
 
 

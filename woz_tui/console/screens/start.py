@@ -116,7 +116,8 @@ class StartDialog(Form):
         picture = self.picture
         yield Static("Code of the participant (never a name)", classes="caption")
         yield Input(picture.participant, placeholder=self._pattern(), id="participant")
-        for field in (Static("", id="proposal"), Input(id="order")):
+        own = Static("Order; another one is written instead", classes="caption", id="order-caption")
+        for field in (Static("", id="proposal"), own, Input(id="order")):
             field.display = False
             yield field
         if picture.conditions:
@@ -163,8 +164,8 @@ class StartDialog(Form):
             place.update(content(proposal_rows(proposal, self.glyphs) if proposal else []))
             place.display = proposal is not None
         several = proposal is not None and len(proposal.order) > 1
-        for order in self.query("#order").results(Input):
-            order.display = several
+        for field in self.query("#order, #order-caption"):
+            field.display = several
         for field in self.query("#condition, .one"):
             field.display = not several  # one follows from the order
         if proposal is not None:

@@ -12,18 +12,23 @@ from woz_tui.console.study.questions import Item
 from woz_tui.console.study.round import WIDE, Page, Round
 
 #: Cells of a page's column, and of a box on a scale.
-COLUMN, BOX = 72, 7
+COLUMN, BOX = 72, 9
 #: Cells below which nothing is drawn.
 NARROWEST = 16
 #: Lines from which there is room for air.
 _AIRY = 15
 
 
+def column_of(width: int) -> int:
+    """Cells of the column in which everything stands, on a screen so wide."""
+    return max(1, min(COLUMN, width - 4))
+
+
 def page_rows(taken: Round, frame: Frame) -> list[Row]:
     """The whole page, as many rows as the frame is high."""
     if frame.width < NARROWEST:
         return []  # not laid out yet, or nothing that could be read
-    width = min(COLUMN, frame.width - 4)
+    width = column_of(frame.width)
     inner = Frame(width, frame.height, frame.now, frame.glyphs)
     head = [*_head(taken, inner), ()]
     body = _BODIES[taken.page](taken, inner)
@@ -38,7 +43,7 @@ def foot_rows(taken: Round, frame: Frame) -> list[Row]:
     """What is wrong, and the keys."""
     if frame.width < NARROWEST:
         return []
-    width = min(COLUMN, frame.width - 4)
+    width = column_of(frame.width)
     left: Piece = (" " * max(0, (frame.width - width) // 2), "plain")
     glyphs = frame.glyphs
     complaint: Row = ((f"{glyphs.warning} {taken.complaint}", "warn"),) if taken.complaint else ()

@@ -143,7 +143,9 @@ class Study:
         self.planned, self.due = told.planned or self.planned, []
         missing = self.unticked() if self.last is None else []
         if missing:
-            self._tidings.append((f"not ticked in the preflight: {'; '.join(missing)}", "warn"))
+            self._tidings.append(
+                (f"{len(missing)} not ticked in the preflight: {'; '.join(missing)}", "warn")
+            )
 
     def _end(self, told: m.TrialEnded) -> None:
         self.trial, self.break_began, self.last = None, None, (told.trial, told.outcome)

@@ -14,7 +14,7 @@ from textual.widgets import TextArea
 from woz_tui.console.cells import Cells
 from woz_tui.console.feed import GONE
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.study.pages import foot_rows, page_rows, words_rows
+from woz_tui.console.study.pages import column_of, foot_rows, page_rows, words_rows
 from woz_tui.console.study.questions import Asked
 from woz_tui.console.study.round import Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire, Reply
@@ -196,6 +196,9 @@ class Sheet(Vertical):
     def _show_field(self, taken: Round | None) -> None:
         """The field with what was written before, while its item is shown."""
         field = self._field
+        column = column_of(self.size.width)
+        field.styles.width = column
+        field.styles.margin = (0, 0, 1, (self.size.width - column) // 2)
         item = taken.item if taken is not None and taken.page is Page.ITEM else None
         wanted = item.name if item is not None and item.text else ""
         if wanted == self._written_for:

@@ -138,6 +138,7 @@ def test_many_sessions_are_one_valid_dataset(tmp_path: Path) -> None:
     assert [name.split("_")[-2] for name in runs] == ["run-1", "run-2"]
     scans = table(tmp_path / "out/sub-P07/ses-S01/sub-P07_ses-S01_scans.tsv")
     assert len(scans) == 4, "events and answers of both runs"
+    assert {row["acq_time"] for row in scans} == {"2026-03-01T10:00:00.000000Z"}
 
 
 def test_each_participant_of_a_session_has_what_happened_under_their_code(tmp_path: Path) -> None:

@@ -48,10 +48,18 @@ def test_force_deletes_nothing_else(tmp_path: Path) -> None:
     assert (tmp_path / "thesis" / README).read_text() == "# My thesis\n"
 
 
+def test_force_does_not_delete_the_logs_it_reads(tmp_path: Path) -> None:
+    exported(write(tmp_path / "recordings", visit()), "jsonl", tmp_path / "copies")
+    with pytest.raises(ExportError, match="lies in"):
+        exported(tmp_path / "copies", "csv", tmp_path / "copies", force=True)
+    assert list((tmp_path / "copies").glob("*.jsonl"))
+
+
 def test_neither_a_file_nor_a_link_is_replaced(tmp_path: Path) -> None:
     log = write(tmp_path / "recordings", visit())
     (tmp_path / "file").touch()
-    (tmp_path / "link").symlink_to(tmp_path / "recordings")
+    (tmp_path / "elsewhere").mkdir()
+    (tmp_path / "link").symlink_to(tmp_path / "elsewhere")
     for name in ("file", "link"):
         with pytest.raises(ExportError, match="no folder"):
             exported(log, "csv", tmp_path / name, force=True)

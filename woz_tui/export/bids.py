@@ -103,7 +103,7 @@ class BidsExporter:
         task = _task(session)
         self._experiments[session.start.experiment if session.start else task] = None
         started = session.started
-        when = started.strftime("%Y-%m-%dT%H:%M:%S.%f") if started else ""
+        when = started.strftime("%Y-%m-%dT%H:%M:%S.%fZ") if started else ""
         run = _Run(place, f"{place.replace('/', '_')}_task-{task}", when)
         self._runs.setdefault(run.path(), []).append(run)
         return run

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import datetime
+from datetime import UTC, datetime
 from pathlib import Path
 
 from woz_tui.core.messages import Json, SessionStart
@@ -144,8 +144,9 @@ class Session:
     def started(self) -> datetime | None:
         """The wall clock at 0, in UTC; None if the log does not say or dates were taken out."""
         try:
-            return datetime.fromisoformat(self.clock.get("wall_at_t0", ""))
-        except ValueError:
+            wall = datetime.fromisoformat(self.clock.get("wall_at_t0", ""))
+            return wall.astimezone(UTC) if wall.tzinfo else wall.replace(tzinfo=UTC)
+        except (ValueError, OverflowError):
             return None
 
     @property

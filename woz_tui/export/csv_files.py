@@ -16,7 +16,7 @@ from woz_tui.export.folder import README, Folder
 from woz_tui.export.options import Options, Told
 from woz_tui.export.readme import readme
 from woz_tui.export.redaction import PLACEHOLDER
-from woz_tui.export.sources import Source
+from woz_tui.export.sources import Source, nameless
 from woz_tui.export.tables import ANSWERS, ENGAGEMENT, EVENTS, SAMPLES, SESSIONS, Cell, Table
 from woz_tui.export.text import guarded, visible
 from woz_tui.record.log import Damage
@@ -66,7 +66,7 @@ class CsvExporter:
             return []
         damage = Damage()
         self._writers["samples"].write(session, self._samples(source, damage))
-        return [] if self._options.redact else damage.sentences()
+        return (nameless(damage) if self._options.redact else damage).sentences()
 
     def _samples(self, source: Source, damage: Damage) -> Iterable[tuple[Reading, str]]:
         for reading in source.samples(damage):

@@ -38,6 +38,7 @@ def export(
     """
     sources = found(given)
     _refuse(sources, to, options)
+    _keep_sources(sources, out)
     names = Names()
     told: list[Told] = []
     with (
@@ -57,6 +58,14 @@ def _told(session: Session, notes: list[str]) -> Told:
     told = Told(session, notes, session.participants, len(session.events))
     session.events, session.answers = [], []
     return told
+
+
+def _keep_sources(sources: Sequence[Source], out: Path) -> None:
+    """Replacing a folder must not delete the logs from which it is made."""
+    for source in sources:
+        for path in source.files.paths:
+            if path.resolve().is_relative_to(out.resolve()):
+                raise ExportError(f"{path.name} lies in {out} itself", "name another with --out")
 
 
 def _refuse(sources: Sequence[Source], to: str, options: Options) -> None:

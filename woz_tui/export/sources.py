@@ -128,7 +128,7 @@ def read(source: Source, *, redact: bool = False) -> Session:
         sums.take(line)
         extractor.take(redacted_line(line) if redact else line)
     extractor.finish()
-    told = _nameless(damage) if redact else damage
+    told = nameless(damage) if redact else damage
     session.damage = [*told.sentences(), *sums.sentences()]
     if session.lines and not session.end_reason:
         session.damage.append("the session has no end: it runs still, or it was cut off")
@@ -138,7 +138,7 @@ def read(source: Source, *, redact: bool = False) -> Session:
     return session
 
 
-def _nameless(damage: Damage) -> Damage:
+def nameless(damage: Damage) -> Damage:
     """The damage without names of files, which hold dates, and without names of unknown kinds."""
     unreadable = ["a file of the log could not be read to its end"] * len(damage.unreadable)
     return replace(damage, places=[], kinds=[], unreadable=unreadable)

@@ -189,3 +189,28 @@ def test_only_readings_are_samples() -> None:
 
 def test_the_longest_line_is_a_mebibyte() -> None:
     assert wire.MAX_LINE == 1024 * 1024
+
+
+def test_many_lines_are_decoded_at_once() -> None:
+    lines = [wire.encode(Note(seq=seq, t=seq, text="é")) for seq in range(3)]
+    assert wire.decode_messages(b"".join(lines)) == [wire.decode_message(line) for line in lines]
+
+
+@pytest.mark.parametrize(
+    "lines",
+    [
+        b"",
+        b'{"kind":"note","text":"a"}',
+        b'{"kind":"note","text":"a"}\n\n',
+        b'{"kind":"note","text":"a"}{"kind":"note","text":"b"}\n',
+        b'{"kind":"note","text":"a"} {"kind":"note",\n"text":"b"}\n',
+        b'{"kind":"note","text":"a"}\n{"kind":"note",\n"text":"b"}{"kind":"note","text":"c"}\n',
+        b'{"kind":"note","text":"a"}\r\n',
+        b'{"kind":"note","text":"a"}\n{"kind":"hologram"}\n',
+        b'{"kind":"note","text":"a"}\n{"kind":"note","text":"b","later":"\xff"}\n',
+        b'{"kind":"note","text":"a"}\n\0\0\0\n',
+    ],
+)
+def test_lines_with_anything_wrong_are_refused_as_a_whole(lines: bytes) -> None:
+    with pytest.raises(wire.WireError):
+        wire.decode_messages(lines)

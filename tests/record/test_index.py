@@ -72,6 +72,7 @@ def test_after_is_without_and_until_is_with_its_moment(tmp_path: Path) -> None:
     with opened(whole(tmp_path)) as log:
         assert numbers(list(log.between(50, 100))) == [6, 7, 8, 9, 10]
         assert numbers(log.actions_between(50, 100)) == [10]
+        assert numbers(list(log.samples_between(50, 100))) == [6, 7, 8, 9]
         assert list(log.between(100, 100)) == []
 
 
@@ -90,7 +91,10 @@ def test_what_comes_is_read_when_it_is_asked_for(tmp_path: Path) -> None:
 def test_a_closed_log_says_no_more_of_samples(tmp_path: Path) -> None:
     log = opened(whole(tmp_path))
     log.close()
-    assert numbers(list(log.between(3_000, 3_100))) == [310]
+    with (tmp_path / "other").open("wb+") as other:  # takes the number of the file that was closed
+        other.write(SAMPLES)
+        other.flush()
+        assert numbers(list(log.between(3_000, 3_100))) == [310]
 
 
 def test_a_log_that_is_still_written(tmp_path: Path) -> None:

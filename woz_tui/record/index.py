@@ -20,14 +20,13 @@ from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
 from itertools import chain
 from pathlib import Path
-from types import TracebackType
 from typing import Self
 
 from woz_tui.record.blocks import Samples, State, steady
 from woz_tui.record.damage import Damage
 from woz_tui.record.files import files_of
 from woz_tui.record.lines import BLOCK
-from woz_tui.record.order import seq_of, t_of
+from woz_tui.record.order import falls, seq_of, t_of
 from woz_tui.record.scan import Scan, scan
 from woz_tui.record.stream import Item
 
@@ -51,7 +50,7 @@ class LogIndex:
         self._files = files
         self._samples = Samples(found.blocks)
         self._times = list(map(t_of, self.actions))
-        self._straight = not any(map(int.__gt__, self._times, self._times[1:]))
+        self._straight = not falls(self._times)
         self.length_us = max(0, self._samples.last_us, _last(self._times))
 
     @classmethod
@@ -78,8 +77,12 @@ class LogIndex:
         They are read while one goes through them. `after_us` -1 includes the very first.
         """
         actions = self.actions_between(after_us, until_us)
-        samples = chain.from_iterable(self._samples.between(after_us, until_us))
+        samples = self.samples_between(after_us, until_us)
         return heapq.merge(actions, samples, key=seq_of) if actions else samples
+
+    def samples_between(self, after_us: int, until_us: int) -> Iterator[Item]:
+        """Those of `between` that are samples."""
+        return chain.from_iterable(self._samples.between(after_us, until_us))
 
     def actions_between(self, after_us: int, until_us: int) -> list[Item]:
         """Those of `actions` with `after_us` < t <= `until_us`."""
@@ -95,12 +98,7 @@ class LogIndex:
     def __enter__(self) -> Self:
         return self
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
+    def __exit__(self, *_: object) -> None:
         self.close()
 
 

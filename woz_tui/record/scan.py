@@ -73,7 +73,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int) -> Scan:
             entries = list[Entry](quick) or _looked_at(chunk, found.damage)
             if entries and source is not None:
                 low, high = weave.take(entries)
-                read = partial(os.pread, source.fileno(), len(chunk.data or b""), chunk.offset)
+                read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
                 found.blocks.append(Block(read, low, high, lasts(quick or _slims(entries))))
     weave.end()
     return found
@@ -84,6 +84,14 @@ def _open(path: Path, opened: ExitStack) -> BinaryIO | None:
         return opened.enter_context(path.open("rb", buffering=0))
     except OSError:
         return None  # `chunks_of` says so
+
+
+def _piece(source: BinaryIO, size: int, offset: int) -> bytes:
+    """Bytes of a file that may have been closed, cut short or lost meanwhile; then none."""
+    try:
+        return os.pread(source.fileno(), size, offset)
+    except (OSError, ValueError):
+        return b""
 
 
 def _looked_at(chunk: Chunk, damage: Damage) -> list[Entry]:

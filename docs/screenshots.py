@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from docs import demo_session
-from tests.console import bodies, scenes
+from tests.console import bodies, scenes, studied
 from tests.console.scripted import ScriptedFeed
 from woz_tui.console.app import Console
 from woz_tui.console.feed import Feed
@@ -125,6 +125,19 @@ def knobs() -> ScriptedFeed:
     return _told(bodies.welcome([*bodies.alive(), moved]))
 
 
+def questionnaire() -> ScriptedFeed:
+    """In the middle of a questionnaire."""
+    return _told(studied.welcome(studied.started(), studied.answered("pleasant", 6.0)))
+
+
+def trial() -> ScriptedFeed:
+    """A trial under way, with blind conditions and some things kept from the wizard."""
+    kept: dict[str, m.Json] = {"hide": ["loudness"], "blur": ["distance", "transcript"]}
+    told = studied.told(blind=studied.LABELS, perception=kept)
+    state = [*scenes.sensors(), m.SessionChanged(condition="cold", t=0), studied.trial()]
+    return _told(studied.welcome(*state, study=told, recent=scenes.history()))
+
+
 def working() -> ScriptedFeed:
     """In the middle of another session."""
     feed = ScriptedFeed()
@@ -172,6 +185,8 @@ SHOTS = (
     Shot("replay-go", 80, 24, replayed, keys=("g",)),
     Shot("stop", 80, 24, stopped),
     Shot("help", 80, 24, demo, keys=("?",)),
+    Shot("questionnaire", 80, 24, questionnaire, keys=("*", "q", "8")),
+    Shot("trial", 80, 24, trial, keys=("*",)),
     Shot("say", 80, 24, demo, keys=("/", "P", "l", "e")),
     Shot("find", 100, 36, working, keys=(":", "p", "o", "i")),
     Shot("light", 80, 24, demo, Look(UNICODE, "woz-light")),

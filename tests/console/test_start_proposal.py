@@ -114,6 +114,18 @@ async def test_another_trial_is_set_behind_the_order() -> None:
         assert (asked.participant, asked.condition, asked.trial) == (None, None, 2)
 
 
+async def test_who_has_the_order_already_gets_only_another_trial() -> None:
+    async with sitting(studied.welcome()) as seat:
+        propose(seat, order=["warm", "cold"], condition="warm", trial=4)
+        await opened(seat, "StartDialog")
+        await seat.settle()
+        await seat.press("enter")
+        assert seat.feed.last(r.AskAssign) is None
+        asked = seat.feed.last(r.AskSet)
+        assert isinstance(asked, r.AskSet)
+        assert (asked.participant, asked.condition, asked.trial) == (None, None, 4)
+
+
 async def test_a_refused_order_keeps_the_dialog_open() -> None:
     async with sitting(studied.welcome()) as seat:
         propose(seat)

@@ -11,6 +11,10 @@ from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.study.sheet import Sheet
 
 
+#: The hint beneath the keys.
+LEAVE = "wizard: ctrl+q closes this; it goes on where it was"
+
+
 class QuestionnaireDialog(Dialog):
     """Takes the whole screen. Closed in the middle it goes on where it was when it is opened."""
 
@@ -23,7 +27,7 @@ class QuestionnaireDialog(Dialog):
     def body(self) -> Iterable[Widget]:
         """The sheet."""
         app = self.console_app
-        yield Sheet(self.desk.ask, app.clock.now_us, self.glyphs)
+        yield Sheet(self.desk.ask, app.clock.now_us, self.glyphs, LEAVE)
 
     def on_mount(self) -> None:
         """Begin where the questionnaire stands."""

@@ -198,10 +198,17 @@ class StartDialog(Form):
             name = None if condition is None else self.picture.blind.name(condition)
             self.desk.ask(AskSet(participant=code, condition=name, trial=number), self.answered)
         else:
-            order = [self.picture.blind.name(name) for name in self._order()]
-            assign = AskAssign(participant=code, order=order)
-            other = number if number != self._proposal.trial else None
-            self.desk.ask(assign, functools.partial(self._assigned, other))
+            self._assign(code, number)
+
+    def _assign(self, code: str, trial: int | None) -> None:
+        """The order, unless it is the participant's already: then only another trial."""
+        picture, order = self.picture, self._order()
+        if code == picture.participant and tuple(order) == picture.study.order:
+            self._assigned(trial if trial != picture.trial else None, Reply(ref=0, ok=True))
+            return
+        assign = AskAssign(participant=code, order=[picture.blind.name(name) for name in order])
+        other = trial if self._proposal is not None and trial != self._proposal.trial else None
+        self.desk.ask(assign, functools.partial(self._assigned, other))
 
     def _assigned(self, trial: int | None, reply: Reply) -> None:
         """Participant, order, condition and trial are set; another trial is asked for behind it."""

@@ -30,7 +30,8 @@ def page_rows(taken: Round, frame: Frame) -> list[Row]:
         return []  # not laid out yet, or nothing that could be read
     width = column_of(frame.width)
     inner = Frame(width, frame.height, frame.now, frame.glyphs)
-    head = [*_head(taken, inner), ()]
+    air: list[Row] = [()] if frame.height >= _AIRY else []
+    head = [*air, *_head(taken, inner), ()]
     body = _BODIES[taken.page](taken, inner)
     room = max(0, frame.height - len(head))
     above = min(max(0, (room - len(body)) // 3), 4)
@@ -39,8 +40,8 @@ def page_rows(taken: Round, frame: Frame) -> list[Row]:
     return [cut((left, *row), frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def foot_rows(taken: Round, frame: Frame) -> list[Row]:
-    """What is wrong, and the keys."""
+def foot_rows(taken: Round, frame: Frame, leave: str = "") -> list[Row]:
+    """What is wrong, the keys, and how whoever may do so leaves it."""
     if frame.width < NARROWEST:
         return []
     width = column_of(frame.width)
@@ -51,6 +52,7 @@ def foot_rows(taken: Round, frame: Frame) -> list[Row]:
     return [
         cut((left, *complaint), frame.width, glyphs.ellipsis),
         cut((left, (keys, "muted")), frame.width, glyphs.ellipsis),
+        cut((left, (leave, "faint")), frame.width, glyphs.ellipsis),
     ]
 
 

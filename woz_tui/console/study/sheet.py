@@ -68,15 +68,19 @@ class Sheet(Vertical):
         ask: Sends a request.
         now_us: A clock that goes on evenly, in microseconds.
         glyphs: The terminal's signs.
+        leave: How the wizard leaves it; empty on a participant's terminal.
     """
 
     can_focus = True
 
-    def __init__(self, ask: Ask, now_us: Callable[[], int], glyphs: Glyphs) -> None:
+    def __init__(
+        self, ask: Ask, now_us: Callable[[], int], glyphs: Glyphs, leave: str = ""
+    ) -> None:
         super().__init__(id="sheet")
         self._ask = ask
         self._now_us = now_us
         self._glyphs = glyphs
+        self._leave = leave
         self._taken: Round | None = None
         self._words: Words = []
         self._written_for = ""
@@ -188,7 +192,7 @@ class Sheet(Vertical):
             foot.show([])
         else:
             page.show(page_rows(taken, frame))
-            foot.show(foot_rows(taken, self._frame(foot)))
+            foot.show(foot_rows(taken, self._frame(foot), self._leave))
 
     def _frame(self, cells: Cells) -> Frame:
         return Frame(cells.size.width, cells.size.height, 0, self._glyphs)

@@ -10,6 +10,7 @@ from typing import Any
 import msgspec
 
 from woz_tui.console.picture import Picture
+from woz_tui.console.sentences import Event
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
@@ -49,7 +50,25 @@ PLAN = m.SessionPlan(
     conditions=["warm", "cold"],
     keyboard="us",
     drivers=["robot"],
-    settings={},
+    settings={
+        "study": {
+            "design": {"order": "latin-square", "within": True, "trials": 2},
+            "blind": {},
+            "questionnaires": [
+                {
+                    "name": "robot",
+                    "title": "Robot",
+                    "introduction": "",
+                    "when": "trial",
+                    "items": [],
+                }
+            ],
+            "preflight": [{"check": "table", "ok": False}],
+            "perception": {"hide": [], "blur": []},
+            "shaping": None,
+            "by_condition": {},
+        }
+    },
 )
 
 
@@ -132,6 +151,11 @@ def story() -> list[m.AnyMessage]:
     return stamped(sorted(timed, key=lambda pair: pair[0]))
 
 
+def _words(event: Event) -> object:
+    """An event; how a trial began is told by what is known of the study when it is read."""
+    return (event.t, event.text) if event.text.startswith("Trial") else event
+
+
 class Viewer:
     """A console's picture fed by a player, in a time that the test moves on."""
 
@@ -204,7 +228,12 @@ class Viewer:
             "failures": [failure.run for failure in picture.runs.failures],
             "mistakes": set(picture.mistakes),
             "recorder": replace(picture.recorder, news=False),
-            "events": list(picture.events),
+            "events": [_words(event) for event in picture.events],
+            "study": {
+                name: getattr(picture.study, name)
+                for name in ("trial", "last", "break_began", "planned", "order", "due", "checks")
+            },
+            "asked": picture.study.asked is not None,
             "ended": picture.ended,
             "now": picture.now(self.now),
         }

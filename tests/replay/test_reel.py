@@ -2,6 +2,7 @@ from __future__ import annotations
 
 from itertools import pairwise
 
+import msgspec
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -10,6 +11,7 @@ from tests.replay.logs import (
     PLAN,
     SECOND,
     START,
+    KeptSamples,
     Viewer,
     played,
     reel_of,
@@ -39,7 +41,7 @@ _SINGLE: st.SearchStrategy[m.AnyMessage] = st.one_of(
     st.builds(m.DriverConnected, driver=_DRIVERS, detail=st.just("")),
     st.builds(m.PanelLocked, panel=st.just("Speech"), locked=st.booleans()),
     st.builds(m.ScriptMoved, position=st.integers(0, 2)),
-    st.builds(m.SessionChanged, participant=st.none() | st.just("P08"), trial=st.integers(1, 9)),
+    st.builds(m.SessionChanged, participant=st.none() | st.just("P07"), trial=st.integers(1, 9)),
     st.builds(
         m.SensorChanged,
         sensor=st.sampled_from(["distance", "loudness"]),
@@ -56,6 +58,19 @@ _SINGLE: st.SearchStrategy[m.AnyMessage] = st.one_of(
         why=st.just("because"),
         verdicts=st.just({}),
     ),
+    st.builds(m.TrialStarted, trial=st.integers(1, 3), condition=st.just("warm")),
+    st.builds(m.TrialEnded, trial=st.integers(1, 3), outcome=st.sampled_from(["done", "aborted"])),
+    st.just(m.BreakStarted()),
+    st.just(m.BreakEnded()),
+    st.just(m.PreflightChecked(check="table", level="ok", source="wizard")),
+    st.builds(
+        m.ConditionsAssigned,
+        participant=st.just("P07"),
+        order=st.just(["warm", "cold"]),
+        method=st.just("latin-square"),
+    ),
+    st.just(m.QuestionnaireStarted(questionnaire="robot", title="Robot", items=[])),
+    st.just(m.QuestionnaireEnded(questionnaire="robot", reason="done", answered=0)),
     st.builds(m.reading, st.sampled_from(["distance", "loudness"]), st.floats(0, 4)),
 )
 
@@ -191,3 +206,36 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
     assert it.picture.title == "Museum guide"
     it.go(8)
     assert it.picture.title == "Reloaded"
+
+
+def _blind() -> m.SessionPlan:
+    study = PLAN.settings["study"]
+    assert isinstance(study, dict)
+    kept = {"blind": {"warm": "A", "cold": "B"}, "perception": {"hide": ["distance"], "blur": []}}
+    return msgspec.structs.replace(PLAN, settings={"study": {**study, **kept}})
+
+
+@pytest.mark.parametrize("reveal", [False, True])
+def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(reveal: bool) -> None:
+    messages = stamped(
+        [
+            (0, START),
+            (0, _blind()),
+            (1, m.PerceptionChanged(hidden=["distance"], blurred=[])),
+            (2, m.TrialStarted(trial=1, condition="cold")),
+            (3, m.reading("distance", 1.0)),
+            (4, m.Marker()),
+        ]
+    )
+    lines = [each for each in messages if not wire.is_sample(each)]
+    samples = [each for each in messages if wire.is_sample(each)]
+    reel = Reel(lines, KeptSamples(samples, 4 * SECOND), reveal=reveal)
+    it = Viewer(reel)
+    it.wait(4)
+    for _ in range(2):  # after playing, and after going there
+        assert it.picture.condition == ("cold" if reveal else "B")
+        assert ("distance" in it.picture.sensors) is reveal
+        it.go(3.5)
+    assert it.picture.replay is not None
+    (trial,) = (place for place in it.picture.replay.places if place.sort == "trial")
+    assert trial.text == f"trial 1 {'cold' if reveal else 'B'}"

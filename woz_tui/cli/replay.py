@@ -44,6 +44,11 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="leave out what is longer of stretches in which nothing happens",
     )
     screen.add_argument("--paused", action="store_true", help="begin standing still")
+    screen.add_argument(
+        "--reveal",
+        action="store_true",
+        help="show also what was kept from the wizard: blind conditions, hidden meters",
+    )
     robot = parser.add_argument_group("on the robot")
     robot.add_argument("--robot", action="store_true", help="run its commands on the robot again")
     robot.add_argument(
@@ -136,7 +141,7 @@ def feed_of(index: LogIndex, path: Path, arguments: argparse.Namespace) -> Repla
     if against and not arguments.changed:
         print(*against, "woz: --changed shows the log all the same", sep="\n", file=sys.stderr)
         return None
-    reel = Reel(index.actions, IndexedSamples(index), plan)
+    reel = Reel(index.actions, IndexedSamples(index), plan, reveal=arguments.reveal)
     start = Start(
         speed=arguments.speed,
         at_us=find(arguments.at, reel, 0) if arguments.at.strip() else 0,

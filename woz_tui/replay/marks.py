@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -53,8 +53,12 @@ class Mark(NamedTuple):
     text: str
 
 
-def mark_of(message: object, t: int) -> Mark | None:  # noqa: PLR0911 - a table of kinds
-    """The mark that a line of the log is; None for most of them."""
+def mark_of(  # noqa: PLR0911 - a table of kinds
+    message: object, t: int, labels: Mapping[str, str] | None = None
+) -> Mark | None:
+    """The mark that a line of the log is; None for most of them. `labels`: what the wizard was told
+    instead of a condition.
+    """
     match message:
         case m.Marker(text=text):
             return Mark(t, "marker", text or "marker")
@@ -65,7 +69,8 @@ def mark_of(message: object, t: int) -> Mark | None:  # noqa: PLR0911 - a table 
         case m.StopPressed(scope="all", source=source):
             return Mark(t, "stop", f"stop by {source}")
         case m.TrialStarted(trial=trial, condition=condition):
-            return Mark(t, "trial", f"trial {trial} {condition}".rstrip())
+            label = (labels or {}).get(condition, condition)
+            return Mark(t, "trial", f"trial {trial} {label}".rstrip())
         case m.SessionChanged(trial=int(trial)):
             return Mark(t, "trial", f"trial {trial}")
         case m.BreakStarted(text=text):

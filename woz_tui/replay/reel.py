@@ -13,10 +13,13 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
 
+import msgspec
+
 from woz_tui.core import messages as m
 from woz_tui.core.envelope import Message
 from woz_tui.record.log import Line
 from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, steady
+from woz_tui.replay.studied import SEEN, labels_of, revealed, study_at
 from woz_tui.replay.told import plan_from
 from woz_tui.session.standing import Standing
 
@@ -79,6 +82,7 @@ class Reel:
         lines: Of actions, in order: messages, or lines of a kind that is not known.
         samples: Everything else.
         plan: What consoles were shown, for a log that does not say so.
+        reveal: Show also what was kept from the wizard: conditions, what restricted perception hid.
     """
 
     def __init__(
@@ -86,10 +90,12 @@ class Reel:
         lines: Iterable[m.AnyMessage | Line],
         samples: Samples | None = None,
         plan: m.SessionPlan | None = None,
+        *,
+        reveal: bool = False,
     ) -> None:
         self.samples: Samples = samples or NoSamples()
         found = [_told(line) for line in lines]
-        self.lines: list[Told] = [told for told, _ in found]
+        self.lines: list[Told] = [_revealed(told) if reveal else told for told, _ in found]
         known = self.samples.length_us
         self.times = steady([min(t, known) if known else t for _, t in found])
         self.length_us = max(self.times[-1] if self.times else 0, known)
@@ -101,14 +107,18 @@ class Reel:
             for index, line in enumerate(self.lines)
             if isinstance(line, m.SessionPlan)
         ]
-        self._plan = plan
+        self._plan = plan if plan is None or not reveal else revealed(plan)
+        self._studied = [
+            (index, line) for index, line in enumerate(self.lines) if isinstance(line, SEEN)
+        ]
         self._snapshots: list[tuple[int, Standing]] = [(0, Standing())]
         self._upto = (0, Standing())
 
     @cached_property
     def marks(self) -> list[Mark]:
         """Everything to go to, oldest first."""
-        found = (mark_of(line, t) for line, t in zip(self.lines, self.times, strict=True))
+        labels = labels_of(self.plan(0))
+        found = (mark_of(line, t, labels) for line, t in zip(self.lines, self.times, strict=True))
         return [mark for mark in found if mark is not None]
 
     def cuts(self, most_us: int | None) -> Cuts:
@@ -147,6 +157,11 @@ class Reel:
         if self._plan is None:
             self._plan = plan_from(self.lines)
         return self._plan
+
+    def study(self, index: int) -> dict[str, m.Json]:
+        """How the study around the session stood after `index` lines."""
+        place = bisect.bisect_left(self._studied, index, key=lambda entry: entry[0])
+        return study_at(self.plan(index), [line for _, line in self._studied[:place]])
 
     def moment(self, index: int, t: int) -> Moment:
         """What held after `index` lines, at `t`."""
@@ -202,6 +217,14 @@ def _told(line: m.AnyMessage | Line) -> tuple[Told, int]:
         return line, line.t
     message = line.message
     return (message if message is not None else line.fields), line.t
+
+
+def _revealed(line: Told) -> Told:
+    if isinstance(line, m.SessionPlan):
+        return revealed(line)
+    if isinstance(line, m.PerceptionChanged):
+        return msgspec.structs.replace(line, hidden=[], blurred=[])
+    return line
 
 
 def _kind(line: Told) -> str:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections import deque
 
 import msgspec
@@ -89,9 +90,8 @@ class Standing:
 
     def copy(self) -> Standing:
         """The same, to go on from here without changing this one."""
-        other = Standing()
+        other = copy.copy(self)
         other._single = dict(self._single)
-        other._changed, other._came = self._changed, self._came
         other._runs = {run: [*lines] for run, lines in self._runs.items()}
         other._recent = self._recent.copy()
         other._passing = set(self._passing)

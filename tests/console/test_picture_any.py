@@ -41,6 +41,7 @@ def _field(name: str) -> st.SearchStrategy[object]:
         "args": st.dictionaries(st.sampled_from(["text", "move", "x"]), values, max_size=2),
         "sent": st.dictionaries(texts, values, max_size=2),
         "verdicts": st.dictionaries(texts, values, max_size=4),
+        "signs": st.dictionaries(names, st.builds(m.SignShown, filter=texts), max_size=2),
         "software": st.just({}),
         "clock": st.just({}),
         "level": st.sampled_from(["ok", "warn", "alarm", "failed", "info", "error", "odd"]),

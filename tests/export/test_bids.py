@@ -38,6 +38,7 @@ def validated(dataset: Path) -> list[dict[str, Any]]:
             *(dataset.name, "--format", "json", "--max-rows", "-1"),
         ],
         cwd=dataset.parent,
+        env={"DENO_DIR": str(dataset.parent / ".deno"), "DENO_NO_UPDATE_CHECK": "1"},
         capture_output=True,
         text=True,
         timeout=60,

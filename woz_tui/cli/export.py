@@ -61,6 +61,10 @@ def _run(arguments: argparse.Namespace) -> int:
     from woz_tui.export.sources import ExportError  # noqa: PLC0415
 
     try:
+        if arguments.samples and arguments.to in ("eaf", "textgrid"):
+            raise ExportError(
+                f"--to {arguments.to} has no place for --samples", "use --to csv or bids for them"
+            )
         options = Options(
             redact=arguments.redact_text,
             samples=arguments.samples,

@@ -113,7 +113,7 @@ async def watching(
 async def test_it_says_what_it_is_and_of_which_session(size: tuple[int, int]) -> None:
     async with watching(Start(at_us=9 * SECOND), size=size) as seat:
         status = seat.text("Status")
-        for part in (" REPLAY ", "Museum guide", "00:09", "2026-03-01", "log complete"):
+        for part in (" REPLAY ", "Museum", "00:09", "2026-03-01", "log complete"):
             assert part in status
         assert "REC" not in status
         line = seat.text("StopBar").splitlines()[-1]

@@ -234,7 +234,7 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
     it.wait(4)
     for _ in range(2):  # after playing, and after going there
         assert it.picture.condition == ("cold" if reveal else "B")
-        assert ("distance" in it.picture.sensors) is reveal
+        assert (it.picture.sensors["distance"].value == 1.0) is reveal
         it.go(3.5)
     assert it.picture.replay is not None
     (trial,) = (place for place in it.picture.replay.places if place.sort == "trial")

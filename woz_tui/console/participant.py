@@ -77,6 +77,8 @@ class Participant(App[str]):
             self.register_theme(theme)
         self.look, self.theme = look, look.theme
         self.feed, self.keyboard = feed, keyboard
+        keyboard.bind({}, {})  # before a key can come: none is bound to anything
+        keyboard.free = False
         self.clock = clock or RealClock()
         self.picture = Picture()
         self._only = only
@@ -93,13 +95,11 @@ class Participant(App[str]):
         return ThriftyScreen(id="_default")
 
     def on_mount(self) -> None:
-        """Begin to listen; no key is bound to anything."""
+        """Begin to listen."""
         self._inbox.open()
         self.set_class(self.look.glyphs.ascii, "-ascii")
         self.set_class(self.no_color, "-plain")
         self.set_class(self.theme == SIXTEEN.name, "-sixteen")
-        self.keyboard.bind({}, {})
-        self.keyboard.free = False
         self.set_interval(BEAT, self.look_in)
         self.feed.start(self._inbox.heard, self._inbox.cut)
 

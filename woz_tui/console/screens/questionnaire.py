@@ -10,7 +10,6 @@ from textual.widget import Widget
 from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.study.sheet import Sheet
 
-
 #: The hint beneath the keys.
 LEAVE = "wizard: ctrl+q closes this; it goes on where it was"
 

@@ -16,8 +16,12 @@ from woz_tui.experiment.nodes import tree
 from woz_tui.experiment.report import Report
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.experiment.source import Source, text_of
+from woz_tui.experiment.studied import SECTIONS
 
-GOOD = (Path(__file__).parent / "good" / "everything.yaml").read_text(encoding="utf-8")
+GOOD, STUDY = (
+    (Path(__file__).parent / "good" / f"{name}.yaml").read_text(encoding="utf-8")
+    for name in ("everything", "study")
+)
 _ONE_FOLDER = settings(deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
 
 words = st.sampled_from(
@@ -95,6 +99,29 @@ def test_any_data_in_an_action(tmp_path: Path, value: object, where: str) -> Non
     read(tmp_path, text.encode("utf-8", "replace"))
 
 
+studied = st.recursive(
+    st.sampled_from(
+        ["name", "title", "items", "scale", "low", "high", "ends", "when", "end", "text", "yes",
+         "order", "blocks", "block", "within", "blind", "warm", "cold", "trials", "seed", "cues",
+         "cue", "question", "says", "answers", "A", "window", "speech", "floor", "jitter", "hide",
+         "blur", "distance", "transcript", "1", "-3", "2 s", "optional", "introduction", ""]
+    ),
+    lambda inner: st.lists(inner, max_size=4)
+    | st.dictionaries(st.sampled_from(["name", "title", "items", "scale", "low", "high", "ends",
+        "when", "text", "question", "order", "within", "blind", "block", "warm", "cold", "cues",
+        "cue", "says", "answers", "floor", "hide", "blur"]), inner, max_size=5),
+    max_leaves=30,
+)  # fmt: skip
+
+
+@_ONE_FOLDER
+@given(studied, st.sampled_from([*SECTIONS, "variables"]))
+def test_any_data_in_a_section_of_the_study(tmp_path: Path, value: object, section: str) -> None:
+    head = f"title: T\nrobot: simulated\nconditions: [warm, cold]\n{section}: {flow(value)}\n"
+    text = f"{head}panels: [{{title: P, actions: [{{label: A, say: Hi}}]}}]\n"
+    read(tmp_path, text.encode("utf-8", "replace"))
+
+
 @_ONE_FOLDER
 @given(nested)
 def test_any_data_as_a_robot(tmp_path: Path, value: object) -> None:
@@ -110,10 +137,12 @@ def test_any_data_as_settings(tmp_path: Path, value: object) -> None:
     read(tmp_path, text.encode("utf-8", "replace"))
 
 
+@pytest.mark.parametrize("text", [GOOD, STUDY], ids=["everything", "study"])
 @_ONE_FOLDER
-@given(st.randoms(use_true_random=False))
-def test_a_right_file_with_a_part_cut_out_or_doubled(tmp_path: Path, chance: random.Random) -> None:
-    text = GOOD
+@given(chance=st.randoms(use_true_random=False))
+def test_a_right_file_with_a_part_cut_out_or_doubled(
+    tmp_path: Path, chance: random.Random, text: str
+) -> None:
     for _ in range(chance.randint(1, 4)):
         begin = chance.randrange(len(text))
         end = min(len(text), begin + chance.randint(0, 30))

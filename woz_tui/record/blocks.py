@@ -1,4 +1,4 @@
-"""Samples of a session by time, left on the disk in blocks of some thousand lines.
+"""Samples of a session by time, left on the disk in blocks of some hundred lines.
 
 In memory is, of each block, where it lies, which times it spans and the last reading of each
 sensor; so the state of any moment is in one block and in what was before it.
@@ -22,7 +22,7 @@ from woz_tui.record.lines import Chunk
 from woz_tui.record.stream import Item, items_in
 
 #: Blocks that are kept decoded, for those who go through a session step by step.
-_KEPT = 6
+_KEPT = 16
 _NOWHERE = Path()
 
 #: Checked where the line is decoded.

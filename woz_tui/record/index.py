@@ -25,12 +25,14 @@ from typing import Self
 from woz_tui.record.blocks import Samples, State, steady
 from woz_tui.record.damage import Damage
 from woz_tui.record.files import files_of
-from woz_tui.record.lines import BLOCK
 from woz_tui.record.order import falls, seq_of, t_of
 from woz_tui.record.scan import Scan, scan
 from woz_tui.record.stream import Item
 
 __all__ = ["LogIndex", "State"]
+
+#: Bytes of samples that are decoded to find one moment: a second and more of four at 100 Hz.
+_BLOCK = 1 << 16
 
 
 class LogIndex:
@@ -54,7 +56,7 @@ class LogIndex:
         self.length_us = max(0, self._samples.last_us, _last(self._times))
 
     @classmethod
-    def open(cls, path: Path, *, places: Iterable[Path] | None = None, block: int = BLOCK) -> Self:
+    def open(cls, path: Path, *, places: Iterable[Path] | None = None, block: int = _BLOCK) -> Self:
         """Open the session to which `path` belongs; any of its files will do.
 
         A log that is still being written is opened as far as it has got. `block`: bytes of samples

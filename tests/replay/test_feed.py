@@ -3,18 +3,20 @@ from __future__ import annotations
 import socket
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 
 import pytest
 
-from tests.replay.logs import reel_of, story
+from tests.replay.logs import KeptSamples, reel_of, story
 from woz_tui.console.feed import Feed, Incoming
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core import wire
 from woz_tui.core.clock import ManualClock
 from woz_tui.replay.feed import ReplayFeed
 from woz_tui.replay.player import Player, Start
+from woz_tui.replay.reel import Reel
 
 PATIENCE = 20.0
 
@@ -99,6 +101,25 @@ def test_nothing_comes_after_it_was_closed() -> None:
         count = len(ear.heard)
         feed.ask(r.AskReplay(what="step"))
         assert len(ear.heard) == count
+
+
+def test_a_failure_is_told_and_the_keys_still_answer() -> None:
+    class Broken(KeptSamples):
+        def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+            raise OSError("the disk is gone")
+
+    lines = [each for each in story() if not wire.is_sample(each)]
+    feed = ReplayFeed(Player(Reel(lines, Broken([], lines[-1].t))), clock := ManualClock())
+    ear = Ear()
+    feed.start(ear, pytest.fail)
+    ear.until(lambda each: isinstance(each, r.Welcome))
+    clock.advance(3)
+    told = ear.until(_kind(m.Notice))
+    assert isinstance(told, m.Notice)
+    assert "the disk is gone" in told.text
+    ref = feed.ask(r.AskReplay(what="go", to="end"))
+    ear.until(lambda each: isinstance(each, r.Reply) and each.ref == ref)
+    feed.close()
 
 
 def test_no_replay_opens_a_socket(monkeypatch: pytest.MonkeyPatch) -> None:

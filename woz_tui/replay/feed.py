@@ -5,6 +5,7 @@ It has the shape of `woz_tui.console.feed.Feed`. It opens no socket and knows no
 
 from __future__ import annotations
 
+import functools
 import threading
 from collections import deque
 from collections.abc import Callable
@@ -12,6 +13,7 @@ from collections.abc import Callable
 import msgspec
 
 from woz_tui.core.clock import Clock, RealClock
+from woz_tui.core.messages import Notice
 from woz_tui.core.requests import AnyRequest, Beat
 from woz_tui.replay.player import Incoming, Player
 
@@ -65,7 +67,7 @@ class ReplayFeed:
             self._news.notify()
 
     def _run(self) -> None:
-        self._tell(self._player.begin(self._clock.now_us()))
+        self._do(self._player.begin)
         more = True
         while True:
             with self._news:
@@ -76,10 +78,20 @@ class ReplayFeed:
                 asked = [*self._asked]
                 self._asked.clear()
             for request in asked:
-                self._tell(self._player.ask(request, self._clock.now_us()))
+                self._do(functools.partial(self._player.ask, request))
             if not asked:
-                self._tell(self._player.tick(self._clock.now_us()))
+                self._do(self._player.tick)
                 more = more and self._player.reel.prepare(AHEAD)
+
+    def _do(self, work: Callable[[int], list[Incoming]]) -> None:
+        """Tell what comes of it. A mistake of the program stops the time, not the thread."""
+        try:
+            batch = work(self._clock.now_us())
+        except Exception as error:  # noqa: BLE001 - it is told; a traceback would spoil the screen
+            self._player.paused = True
+            text = f"the replay failed: {type(error).__name__}: {error}"
+            batch = [Notice(level="error", text=text, t=self._player.t)]
+        self._tell(batch)
 
     def _patience(self, more: bool) -> float | None:
         if more or not self._player.still:

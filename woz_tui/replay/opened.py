@@ -75,6 +75,8 @@ def opened(path: Path) -> LogIndex:
         raise LogError(f"{path}: {reason}", "name a log of woz: *.jsonl") from error
     if not index.actions:
         index.close()
+        if index.damage.unreadable:
+            raise LogError("; ".join(index.damage.unreadable))
         state = "is empty" if not path.stat().st_size else "holds no line of a session"
         raise LogError(f"{path}: {state}", "is it the log of a session of woz?")
     return index

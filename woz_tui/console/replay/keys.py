@@ -15,8 +15,8 @@ NEAR_S, FAR_S = 5.0, 60.0
 #: Keys of a session that only look, and do the same here.
 _KEPT = frozenset(
     {
-        *("stop", "stop_too", "failures", "panel_next", "panel_back", "drivers"),
-        *("body", "knobs", "engagement", "redraw", "suspend"),
+        *("failures", "panel_next", "panel_back", "drivers"),
+        *("body", "knobs", "redraw"),
     }
 )
 
@@ -39,7 +39,9 @@ KEYS: tuple[Builtin, ...] = (
     Builtin("end", "end", "to the end"),
     Builtin("go", "g", "go to a time, or to a marker, stop, trial ..."),
     Builtin("about", "i", "what this log is, and what is missing in it"),
-    *(item for item in BUILTIN if item.id in _KEPT and item.chord not in ("escape", "ctrl+c")),
+    *(item for item in BUILTIN if item.id in _KEPT),
+    Builtin("engagement", "=", "who was there and were they with the robot: the whole model"),
+    Builtin("suspend", "ctrl+z", "leave the console for a moment"),
     Builtin("help", "?", "these keys"),
     Builtin("leave", "ctrl+q", "leave; nothing is changed by a replay"),
     Builtin("stop", "escape", "closes a dialog; nothing moves in a replay", movable=False),

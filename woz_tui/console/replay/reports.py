@@ -23,6 +23,10 @@ class ReplayHelp(HelpDialog):
         del first
         return [(("Replay: the keys of the panels play nothing", "title"),), *others]
 
+    def _by_hand(self) -> list[Row]:
+        """Nothing is steered by hand here."""
+        return []
+
 
 class AboutDialog(Report):
     """The log: which session, which experiment, how whole it is."""

@@ -31,19 +31,25 @@ class HelpDialog(Report):
             found = self.console_app.keymap.builtins.get(item.id)
             if found is not None:
                 rows += self._key(cap_of(found), found.wanted, item.description, "")
-        if is_offered(self.picture.engaged, self.picture.verbs):
-            key = self.console_app.keymap.builtins.get("engagement")
-            opens = f"after {key_name(key.press, self.glyphs)} and Tab" if key is not None else ""
-            rows += [(), (("Engagement by hand", "title"), (f"  {opens}", "muted"))]
-            for order in ORDERS:
-                text = order.text.removeprefix("engagement: ")
-                rows.append(((fit(order.key, KEY), "strong"), (f"  {text}", "plain")))
+        rows += self._by_hand()
         for panel in self.picture.panels:
             locked = "  locked" if self.picture.is_locked(panel) else ""
             rows += [(), ((panel.title, "title"), (locked, "muted"))]
             for action in panel.actions:
                 cap = self.console_app.caps.get(action.name, Cap(action.key))
                 rows += self._key(cap, action.key, action.label, action.help)
+        return rows
+
+    def _by_hand(self) -> list[Row]:
+        """Keys of the engagement model, in a session that has one."""
+        if not is_offered(self.picture.engaged, self.picture.verbs):
+            return []
+        key = self.console_app.keymap.builtins.get("engagement")
+        opens = f"after {key_name(key.press, self.glyphs)} and Tab" if key is not None else ""
+        rows: list[Row] = [(), (("Engagement by hand", "title"), (f"  {opens}", "muted"))]
+        for order in ORDERS:
+            text = order.text.removeprefix("engagement: ")
+            rows.append(((fit(order.key, KEY), "strong"), (f"  {text}", "plain")))
         return rows
 
     def _key(self, cap: Cap, wanted: str, text: str, note: str) -> list[Row]:

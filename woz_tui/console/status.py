@@ -102,6 +102,8 @@ def _trial(picture: Picture, frame: Frame) -> str:
         return f"break {elapsed(now - study.break_began)}"
     if study.trial is not None:
         return f"trial {study.trial.number}{of} {elapsed(now - study.trial.began)}"
+    if study.asked is not None:
+        return ""  # how far that is has its place
     if study.last is not None:
         return f"trial {study.last[0]}{of} {study.last[1]:<5}"
     if study.designed:

@@ -6,6 +6,7 @@ arrives there. Its place on the screen stays, with a word that it is kept from t
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any
 
@@ -32,6 +33,13 @@ _WORDS = (0, 3, 10)
 _DOT = "●"
 #: Values of a body that its face shows.
 _FACE = frozenset(("emotion", "intensity", "valence", "arousal", "eye_x", "eye_y"))
+
+#: Notices of the engagement model, and those that may tell what a sensor measured.
+_MODEL = ("handshake:", "engagement:")
+_SENSED = re.compile(
+    r"\b(loud|louder|loudest|quiet|speech|distance|metres|near|far)\b", re.IGNORECASE
+)
+_FIGURE = re.compile(r"\d+(\.\d+)?")
 
 
 class Perception:
@@ -148,6 +156,15 @@ class Perception:
     def _mode(self, told: m.ModeChanged) -> m.Message:
         return msgspec.structs.replace(told, why="") if self.keeps("engagement", *_SIGNS) else told
 
+    def _notice(self, told: m.Notice) -> m.Message | None:
+        """Without figures of what is kept; what a hidden model wants of the wizard is left out."""
+        if self.hides("engagement") and told.level == "info" and told.text.startswith(_MODEL):
+            return None
+        if not self.keeps("loudness", "distance") or not _SENSED.search(told.text):
+            return told
+        text, remedy = (_FIGURE.sub("…", words) for words in (told.text, told.remedy))
+        return msgspec.structs.replace(told, text=text, remedy=remedy)
+
     # -- what is said, what the robot looks like ------------------------------------------------
 
     def _begins(self, told: m.SpeechStarted) -> m.Message | None:
@@ -224,6 +241,7 @@ _CHANGES: Mapping[type[m.Message], Callable[[Perception, Any], m.Message | None]
     m.EngagementChanged: Perception._changed,
     m.VisitorChanged: Perception._visitor,
     m.ModeChanged: Perception._mode,
+    m.Notice: Perception._notice,
     m.SpeechStarted: Perception._begins,
     m.SpeechEnded: Perception._ends,
     m.SpeechText: Perception._heard,

@@ -14,8 +14,9 @@ from woz_tui.core import wire
 from woz_tui.core.messages import SCHEMA, AnyMessage
 from woz_tui.record.damage import Damage
 
-#: Bytes that are read at once: small enough to stay in the processor's cache with what they hold.
-BLOCK = 1 << 18
+#: Bytes that are read at once: small enough to stay in the processor's cache with what they hold,
+#: and for Python's collector not to go through them before they are given on.
+BLOCK = 1 << 15
 #: The first bytes of a file come by themselves: its first lines are looked at one by one.
 _BEGINNING = 1 << 12
 #: No line of a log is longer; a file of garbage cannot make a reader hoard memory.

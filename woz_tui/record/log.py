@@ -18,9 +18,6 @@ from woz_tui.record.order import Course, in_order, merged
 
 __all__ = ["Damage", "Line", "LogFiles", "files_of", "lines_of", "merge", "read", "same_line"]
 
-#: Lines as objects take ten times their bytes.
-_BLOCK = 1 << 15
-
 
 def read(
     path: Path,
@@ -51,7 +48,7 @@ def merge(paths: Sequence[Path], damage: Damage, *, gaps: bool = True) -> Iterat
 
 
 def _batches(path: Path, damage: Damage) -> Iterator[list[Line]]:
-    return (lines_in(chunk, damage) for chunk in chunks_of(path, damage, _BLOCK))
+    return (lines_in(chunk, damage) for chunk in chunks_of(path, damage))
 
 
 def same_line(one: Line, other: Line) -> bool:

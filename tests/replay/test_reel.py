@@ -186,6 +186,15 @@ def test_a_log_that_does_not_tell_shows_what_was_played() -> None:
     assert plan.conditions == ["warm"]
 
 
+@pytest.mark.parametrize("begun", [False, True])
+def test_a_trial_has_one_mark_whether_it_was_begun_or_set(begun: bool) -> None:
+    trials = [(2.0, m.TrialStarted(trial=1, condition="warm"))] if begun else []
+    reel = reel_of(stamped([(0, START), (1, m.SessionChanged(trial=1)), *trials]))
+    assert [(mark.sort, mark.text) for mark in reel.marks] == [
+        ("trial", "trial 1 warm" if begun else "trial 1")
+    ]
+
+
 def test_a_plan_of_the_middle_counts_from_then_on() -> None:
     later = m.SessionPlan(
         title="Reloaded",

@@ -21,6 +21,8 @@ from woz_tui.replay.player import Incoming, Player
 TICK_S = 0.05
 #: Lines that are worked ahead while nothing else is to be done.
 AHEAD = 2_000
+#: Seconds between two looks as long as there are such lines.
+AHEAD_S = 0.01
 
 
 class ReplayFeed:
@@ -81,7 +83,7 @@ class ReplayFeed:
                 self._do(functools.partial(self._player.ask, request))
             if not asked:
                 self._do(self._player.tick)
-                more = more and self._player.reel.prepare(AHEAD)
+                more = more and self._player.prepare(AHEAD)
 
     def _do(self, work: Callable[[int], list[Incoming]]) -> None:
         """Tell what comes of it. A mistake of the program stops the time, not the thread."""
@@ -94,9 +96,9 @@ class ReplayFeed:
         self._tell(batch)
 
     def _patience(self, more: bool) -> float | None:
-        if more or not self._player.still:
-            return TICK_S
-        return None
+        if more:
+            return AHEAD_S
+        return None if self._player.still else TICK_S
 
     def _tell(self, batch: list[Incoming]) -> None:
         if batch and not self._closed:

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 from woz_tui.core import messages as m
+from woz_tui.record.order import falls
 from woz_tui.sensing.machine import ENGAGED
 
 #: How much is shown before what ends an idle stretch, in microseconds, at most.
@@ -43,6 +44,10 @@ _DEEDS = (
 )
 
 
+#: Sort of a trial's number that somebody set; where trials are begun, it says nothing by itself.
+SET = "trial set"
+
+
 class Mark(NamedTuple):
     """A place on the time line: when, what sort (marker, note, mistake, stop, trial, break,
     questionnaire, lost, engagement, end), what it says.
@@ -72,7 +77,7 @@ def mark_of(  # noqa: PLR0911 - a table of kinds
             label = (labels or {}).get(condition, condition)
             return Mark(t, "trial", f"trial {trial} {label}".rstrip())
         case m.SessionChanged(trial=int(trial)):
-            return Mark(t, "trial", f"trial {trial}")
+            return Mark(t, SET, f"trial {trial}")
         case m.BreakStarted(text=text):
             return Mark(t, "break", f"break {text}".rstrip())
         case m.QuestionnaireStarted(questionnaire=name):
@@ -84,6 +89,17 @@ def mark_of(  # noqa: PLR0911 - a table of kinds
         case m.SessionEnd(reason=reason):
             return Mark(t, "end", f"end: {reason}" if reason else "end")
     return None
+
+
+def marks_of(marks: Iterable[Mark | None]) -> list[Mark]:
+    """What there is to go to: trials that were begun, or else the numbers that were set."""
+    found = [mark for mark in marks if mark is not None]
+    begun = any(mark.sort == "trial" for mark in found)
+    return [
+        mark._replace(sort="trial") if mark.sort == SET else mark
+        for mark in found
+        if mark.sort != SET or not begun
+    ]
 
 
 def is_deed(message: object) -> bool:
@@ -153,6 +169,8 @@ def steady(times: Sequence[int]) -> list[int]:
     A single time that does not fit between its neighbours is damaged: one that is too late takes
     that of the line behind it, one that is too early that of the line before.
     """
+    if not falls(times):
+        return [*times]
     found: list[int] = []
     last = 0
     for index, t in enumerate(times):

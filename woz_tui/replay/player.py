@@ -89,6 +89,10 @@ class Player:
         """How far it has been played, in microseconds of the log."""
         return self._t
 
+    def prepare(self, count: int) -> bool:
+        """Work `count` lines ahead, so that going far is quick; whether there are more."""
+        return self.reel.prepare(count)
+
     # -- playing -----------------------------------------------------------------------------
 
     def begin(self, now: int) -> list[Incoming]:

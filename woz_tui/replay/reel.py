@@ -18,7 +18,7 @@ import msgspec
 from woz_tui.core import messages as m
 from woz_tui.core.envelope import Message
 from woz_tui.record.log import Line
-from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, steady
+from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, marks_of, steady
 from woz_tui.replay.studied import SEEN, labels_of, revealed, study_at
 from woz_tui.replay.told import plan_from
 from woz_tui.session.standing import Standing
@@ -118,8 +118,9 @@ class Reel:
     def marks(self) -> list[Mark]:
         """Everything to go to, oldest first."""
         labels = labels_of(self.plan(0))
-        found = (mark_of(line, t, labels) for line, t in zip(self.lines, self.times, strict=True))
-        return [mark for mark in found if mark is not None]
+        return marks_of(
+            mark_of(line, t, labels) for line, t in zip(self.lines, self.times, strict=True)
+        )
 
     def cuts(self, most_us: int | None) -> Cuts:
         """What is left out where nothing happens for longer than `most_us`."""

@@ -28,7 +28,7 @@ from woz_tui.experiment.terminals import Terminal
 
 _LOOKS = {"ok": "good", "info": "muted", "warning": "warn", "error": "bad"}
 #: The hint where the file has a list of its own.
-TICKING = "space or enter ticks · c checks again · tab: findings · ctrl+q closes"
+TICKING = "space ticks · c checks again · tab: findings · ctrl+q closes"
 #: What is to be mended stands on top.
 _ORDER = {"error": 0, "warning": 1, "info": 2, "ok": 3}
 _SIGNS = {"ok": "done", "info": "info", "warning": "warning", "error": "error"}

@@ -209,7 +209,7 @@ def _keys(taken: Round, glyphs: Glyphs) -> str:
         case Page.SUMMARY:
             return f"enter finishes · {glyphs.up} choose one to change"
         case _ if item is not None and item.text:
-            keys = f"enter goes on · {glyphs.up} on the first line: back"
+            keys = f"enter goes on · {glyphs.up} at the top: back"
         case _ if item is not None:
             arrows = f", or {glyphs.left} {glyphs.right} and enter" if item.digits else " and enter"
             keys = f"{item.low} to {item.high}{arrows} · {glyphs.up} back"

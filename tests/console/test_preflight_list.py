@@ -142,15 +142,17 @@ async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
 
 
 @pytest.mark.parametrize(
-    ("judged", "reaction_us", "told"),
+    ("judged", "reaction_us", "told", "listed"),
     [
-        ("right", 1_240_000, "right, 1.2 s"),
-        ("wrong", 2_000_000, "wrong, 2.0 s"),
-        ("missed", -1, "missed"),
-        ("uncalled", -1, "nothing asked for it"),
+        ("right", 1_240_000, "right, 1.2 s", "✓ Cue answered  1.2 s"),
+        ("wrong", 2_000_000, "wrong, 2.0 s", "✗ Cue answered wrongly  2.0 s"),
+        ("missed", -1, "missed", "▲ Cue missed"),
+        ("uncalled", -1, "nothing asked for it", "▲ Nothing asked for it"),
     ],
 )
-async def test_a_trainee_is_told_how_it_was(judged: str, reaction_us: int, told: str) -> None:
+async def test_a_trainee_is_told_how_it_was(
+    judged: str, reaction_us: int, told: str, listed: str
+) -> None:
     async with sitting(studied.welcome(), size=(160, 50)) as seat:
         given = m.CueGiven(
             cue="q1", sort="question", text="where is it?", expects=["Map"], window_us=1, t=NOW
@@ -160,4 +162,4 @@ async def test_a_trainee_is_told_how_it_was(judged: str, reaction_us: int, told:
         assert "Map" not in seat.text("Events")
         await seat.tell(m.CueAnswered(cue="q1", judged=judged, reaction_us=reaction_us, t=NOW))
         assert told in seat.text("StopBar")
-        assert f"Cue {judged}" in seat.text("Events")
+        assert listed in seat.text("Events")

@@ -21,7 +21,13 @@ class Line(NamedTuple):
 
 
 _OUTCOMES = {"done": "done", "aborted": "stopped", "excluded": "warning"}
-_JUDGED = {"right": "done", "wrong": "failed", "missed": "warning", "uncalled": "warning"}
+#: What was made of a cue: its mark, and how it is said.
+_JUDGED = {
+    "right": ("done", "Cue answered"),
+    "wrong": ("failed", "Cue answered wrongly"),
+    "missed": ("warning", "Cue missed"),
+    "uncalled": ("warning", "Nothing asked for it"),
+}
 
 
 def line_of(message: m.Message) -> Line | None:
@@ -98,7 +104,8 @@ def _cue(told: m.CueGiven) -> Line:
 
 def _answered(told: m.CueAnswered) -> Line:
     took = seconds(told.reaction_us) if told.reaction_us >= 0 else ""
-    return Line(_JUDGED.get(told.judged, "info"), f"Cue {told.judged}", took)
+    mark, text = _JUDGED.get(told.judged, ("info", f"Cue {told.judged}"))
+    return Line(mark, text, took)
 
 
 def _rerun(told: m.RerunStarted) -> Line:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from numbers import Real
 from typing import Any, TypeVar
 
@@ -44,6 +44,11 @@ def encode(message: msgspec.Struct) -> bytes:
         return _encoder.encode(message) + b"\n"
     except (UnicodeEncodeError, TypeError, RecursionError):
         return _encoder.encode(plain(message)) + b"\n"
+
+
+def encode_lines(messages: Iterable[msgspec.Struct | msgspec.Raw]) -> bytes:
+    """Messages that came from lines as lines again; a `Raw` stands for itself."""
+    return _encoder.encode_lines(messages)
 
 
 def plain(value: Any, depth: int = 0) -> Any:

@@ -24,6 +24,8 @@ from woz_tui.record.stream import Item, items_in
 #: Blocks that are kept decoded, for those who go through a session step by step.
 _KEPT = 16
 _NOWHERE = Path()
+#: No sensor is called like this.
+_SHOWN = "\0"
 
 #: Checked where the line is decoded.
 Natural = Annotated[int, msgspec.Meta(ge=0)]
@@ -63,7 +65,7 @@ class SlimShown(
 
     seq: Natural
     t: Natural
-    sensor: str = "\0"
+    sensor: str = _SHOWN
 
     def message(self) -> EngagementShown:
         """The same as an `EngagementShown`."""
@@ -88,18 +90,6 @@ def entries_in(chunk: Chunk) -> list[Slim | SlimShown]:
         return []
 
 
-def slim(item: Entry) -> Slim | SlimShown | None:
-    """A sample as it is looked at here; None for anything else."""
-    match item:
-        case Slim() | SlimShown():
-            return item
-        case Reading():
-            return Slim(**msgspec.structs.asdict(item))
-        case EngagementShown():
-            return SlimShown(**msgspec.structs.asdict(item))
-    return None
-
-
 @dataclass(frozen=True)
 class State:
     """What the samples said last, up to a moment.
@@ -113,13 +103,21 @@ class State:
     shown: EngagementShown | None = None
 
 
-#: What was last of each sensor, by its name; that of the engagement model is under `SlimShown`'s.
-Lasts = dict[str, Slim | SlimShown]
+Sample = Slim | SlimShown | Reading | EngagementShown
+
+#: What was last of each sensor, by its name; that of the engagement model is under `_SHOWN`.
+Lasts = dict[str, Sample]
 
 
-def lasts(entries: list[Slim | SlimShown]) -> Lasts:
+def lasts(entries: Sequence[Entry]) -> Lasts:
     """What was last among `entries`, in order of `seq`."""
-    return {entry.sensor: entry for entry in entries}
+    try:
+        return {entry.sensor: entry for entry in entries}  # type: ignore[union-attr, misc]
+    except AttributeError:  # not all of them are of the quick kind
+        found: Lasts = {entry.sensor: entry for entry in entries if type(entry) is Reading}
+        if shown := [entry for entry in entries if type(entry) is EngagementShown]:
+            found[_SHOWN] = shown[-1]
+        return found
 
 
 @dataclass(frozen=True, slots=True)
@@ -198,18 +196,17 @@ def _join(found: Lasts, others: Lasts) -> None:
 
 
 def _state(found: Lasts) -> State:
-    readings, shown = {}, None
-    for name, last in found.items():
-        if isinstance(last, Slim):
-            readings[name] = last.message()
-        else:
-            shown = last.message()
+    said = [
+        last.message() if isinstance(last, Slim | SlimShown) else last for last in found.values()
+    ]
+    readings = {each.sensor: each for each in said if isinstance(each, Reading)}
+    shown = next((each for each in said if isinstance(each, EngagementShown)), None)
     return State(readings, shown)
 
 
-def _entries(block: Block) -> list[Slim | SlimShown]:
+def _entries(block: Block) -> Sequence[Entry]:
     chunk = _chunk(block)
-    return entries_in(chunk) or list(filter(None, map(slim, items_in(chunk, Damage()))))
+    return entries_in(chunk) or items_in(chunk, Damage())
 
 
 def _chunk(block: Block) -> Chunk:

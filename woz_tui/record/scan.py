@@ -5,16 +5,17 @@ from __future__ import annotations
 import os
 import zlib
 from bisect import bisect_left, bisect_right
-from collections.abc import Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
 from typing import BinaryIO
 
+import msgspec
+
 from woz_tui.core import wire
 from woz_tui.core.messages import EngagementShown, Reading
-from woz_tui.record.blocks import Block, Entry, Slim, SlimShown, entries_in, lasts, slim
+from woz_tui.record.blocks import Block, Entry, Slim, entries_in, lasts
 from woz_tui.record.damage import Damage
 from woz_tui.record.files import LogFiles
 from woz_tui.record.lines import KINDS, Chunk, Line, chunks_of
@@ -74,7 +75,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int) -> Scan:
             if entries and source is not None:
                 low, high = weave.take(entries)
                 read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
-                found.blocks.append(Block(read, low, high, lasts(quick or _slims(entries))))
+                found.blocks.append(Block(read, low, high, lasts(quick or entries)))
     weave.end()
     return found
 
@@ -161,19 +162,16 @@ def _copied(files: LogFiles, block: int) -> Scan:
     """Blocks are copies, compressed and in memory: all samples, each once and in order."""
     found = Scan()
     for batch in batches(files.paths, found.damage, gaps=True, block=block):
-        found.actions += [item for item in batch if not is_sample(item)]
-        samples = list(filter(is_sample, batch))
+        samples = [item for item in batch if type(item) is Reading or is_sample(item)]
+        if len(samples) < len(batch):
+            found.actions += [item for item in batch if not is_sample(item)]
         if samples:
             times = list(map(t_of, samples))
-            packed = zlib.compress(b"".join(map(_line, samples)), 1)
+            packed = zlib.compress(wire.encode_lines(map(_written, samples)), 1)
             read = partial(zlib.decompress, packed)
-            found.blocks.append(Block(read, min(times), max(times), lasts(_slims(samples))))
+            found.blocks.append(Block(read, min(times), max(times), lasts(samples)))
     return found
 
 
-def _slims(entries: Sequence[Entry]) -> list[Slim | SlimShown]:
-    return [each for each in map(slim, entries) if each is not None]
-
-
-def _line(item: Item) -> bytes:
-    return item.raw + b"\n" if isinstance(item, Line) else wire.encode(item)
+def _written(item: Item) -> msgspec.Struct | msgspec.Raw:
+    return msgspec.Raw(item.raw) if isinstance(item, Line) else item

@@ -93,7 +93,7 @@ def test_no_alignment_finds_more(a: list[str], b: list[str]) -> None:
 
 @given(SEQUENCES, SEQUENCES)
 def test_the_quick_way_aligns_too_and_says_that_it_is_quick(a: list[str], b: list[str]) -> None:
-    pairs, exact = align(a, b, limit=0)
+    pairs, exact = align(a, b, limit=4)
     assert all(a[i] == b[j] for i, j in pairs)
     assert all(one[0] < two[0] and one[1] < two[1] for one, two in pairwise(pairs))
     if not exact:
@@ -239,6 +239,30 @@ def test_actions_stand_for_their_commands() -> None:
     assert log.acts[0].sent == ({"text": "x"},)
     assert log.streams == 1
     assert [act.id for act in log.commands] == ["c1", "c2", "c3"]
+
+
+def test_a_stream_of_setpoints_is_one_act() -> None:
+    def gazes(count: int, every: int) -> list[m.AnyMessage]:
+        return [command(f"c{n}", n * every, verb="gaze") for n in range(count)]
+
+    log = played("A", [*gazes(50, 40_000), command("d1", 2_100_000), command("d2", 9_000_000)])
+    assert [act.name for act in log.acts] == ["robot.gaze", "robot.say", "robot.say"]
+    assert (log.streams, len(log.commands)) == (49, 52)
+    assert compare(log, played("B", [*gazes(20, 90_000), *log_end(2)])).same
+    assert len(played("C", gazes(3, SECOND)).acts) == 3
+
+
+def log_end(count: int) -> list[m.AnyMessage]:
+    return [command(f"d{n}", 3_000_000 * n) for n in range(1, count + 1)]
+
+
+def test_long_and_unlike_sessions_end_soon() -> None:
+    """Every pair of places of 60,000 names would take an hour."""
+    a = [f"x{n % 7}" for n in range(60_000)]
+    b = [f"x{n * n % 11}" for n in range(60_000)]
+    pairs, exact = align(a, b, limit=100_000)
+    assert not exact
+    assert pairs
 
 
 def test_lateness_of_a_re_run_counts_from_when_it_was_due() -> None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
 from woz_tui.core import messages as m
@@ -11,6 +11,9 @@ from woz_tui.experiment.verbs import ENGAGEMENT
 #: Sources of commands that the session asked for: a hand, a program, the engagement model, another
 #: log. With every other one a driver has asked by itself, as a body does for the sound of a move.
 ASKED = frozenset({"key", "script", "palette", "midi", "program", ENGAGEMENT, "replay"})
+#: Commands of one driver and verb that follow each other within this time (microseconds), with
+#: nothing between them, are one act: a joystick, a key that is held down.
+STROKE_US = 500_000
 #: Ends that come to the same: a re-run cuts short by itself what a stop has cut short then.
 _CUT = frozenset({"stopped", "superseded"})
 
@@ -59,7 +62,8 @@ class Played:
         commands: Each command by itself, in the order in which they began.
         original: Of which log it is a re-run; empty: of none.
         skipped: Why commands of the original were left out, by their ids.
-        streams: How many setpoints of knobs there were, which are no acts.
+        streams: How many setpoints there were that are no acts of their own: those of knobs, and
+            all but the first of a stream.
     """
 
     name: str
@@ -133,6 +137,9 @@ class _Reader:
                 self.played.acts.append(act)
         self.played.acts += (_whole(run, of_runs.get(name, ())) for name, run in self.runs.items())
         self.played.acts.sort(key=lambda act: act.t)
+        whole = len(self.played.acts)
+        self.played.acts = list(_strokes(self.played.acts, self.runs))
+        self.played.streams += whole - len(self.played.acts)
         self.played.commands.sort(key=lambda act: act.moment)
         return self.played
 
@@ -154,6 +161,29 @@ class _Reader:
         if again is None:
             return act
         return replace(act, original=again.original_command, late=act.moment - again.due)
+
+
+def _strokes(acts: Iterable[Act], runs: Container[str]) -> Iterator[Act]:
+    """The acts, of each stream of setpoints one."""
+    last: Act | None = None
+    begun: Act | None = None
+    for act in acts:
+        goes_on = (
+            begun is not None
+            and last is not None
+            and act.id not in runs
+            and act.name == last.name
+            and act.t - last.t < STROKE_US
+        )
+        if goes_on and begun is not None:
+            begun = replace(begun, end=act.end, args=(), sent=())
+        else:
+            if begun is not None:
+                yield begun
+            begun = act
+        last = act
+    if begun is not None:
+        yield begun
 
 
 def _whole(run: Act, commands: Sequence[Act]) -> Act:

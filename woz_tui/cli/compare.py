@@ -119,7 +119,7 @@ def _head(comparison: Comparison) -> Iterator[str]:
     if comparison.by == BY_COMMANDS:
         yield "put side by side command by command, as the re-run's log says"
     else:
-        exact = "" if comparison.exact else " (by blocks: the sessions are too long and unlike)"
+        exact = "" if comparison.exact else " (piece by piece: they are long and unlike)"
         yield f"put side by side by the names of actions and commands{exact}"
 
 

@@ -11,6 +11,7 @@ import hashlib
 from collections import Counter
 from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from pathlib import Path
 
 import msgspec
@@ -68,7 +69,7 @@ class Step:
     drives: bool = False
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Plan:
     """All that is to be done again, in order of `at`.
 
@@ -96,35 +97,35 @@ class Plan:
     ended: bool = False
     damage: tuple[str, ...] = ()
 
-    @property
+    @cached_property
     def sent(self) -> tuple[Step, ...]:
         """What is sent again."""
         return tuple(step for step in self.steps if not step.skip)
 
-    @property
+    @cached_property
     def skipped(self) -> tuple[Step, ...]:
         """What is not."""
         return tuple(step for step in self.steps if step.skip)
 
-    @property
+    @cached_property
     def start(self) -> int:
         """The first moment at which anything is done, on the original's axis in microseconds."""
         moments = [step.at for step in self.sent] or [mark.t for mark in self.marks] or [0]
         return min(moments)
 
-    @property
+    @cached_property
     def duration(self) -> int:
         """From there to the last moment that is known, in microseconds."""
         moments = [moment for step in self.sent for moment in (step.at, step.cut)]
         return max([self.start, *moments]) - self.start
 
-    @property
+    @cached_property
     def drivers(self) -> tuple[str, ...]:
         """The drivers that it needs, in the order in which it needs them."""
         names = dict.fromkeys(step.command.driver for step in self.sent)
         return tuple(name for name in names if name not in (SESSION, ENGAGEMENT))
 
-    @property
+    @cached_property
     def counts(self) -> dict[tuple[str, str], int]:
         """How many commands are sent, by driver and verb."""
         return dict(Counter((step.command.driver, step.command.verb) for step in self.sent))

@@ -190,6 +190,24 @@ def test_actions_and_samples_in_each_others_file(
 
 
 @READERS
+def test_what_the_recorder_could_not_keep(tmp_path: Path, reader: Callable[[Path], Found]) -> None:
+    for number, dropped in ((2, 1), (3, 2)):
+        header = m.Segment(
+            t=0, ts="", log=STEM, session="S01", number=number, dropped=dropped, dropped_samples=40
+        )
+        content = wire.encode(header) + note(number)
+        written(tmp_path, content, f"{STEM}.{number}.jsonl")
+    assert reader(written(tmp_path, note(0))) == (
+        [0, 2, 3],
+        [
+            "2 line(s) of actions that the recorder could not keep",
+            "40 line(s) of samples that the recorder could not keep",
+            "1 line(s) missing: 1",
+        ],
+    )
+
+
+@READERS
 def test_a_folder_in_the_place_of_a_file(tmp_path: Path, reader: Callable[[Path], Found]) -> None:
     folder = tmp_path / f"{STEM}.samples.jsonl"
     folder.mkdir()

@@ -26,6 +26,8 @@ class Damage:
         unknown: Lines of kinds that this version does not know; kept.
         misshapen: Lines of kinds it knows whose fields it cannot take; kept.
         newer: Schema of the log if it is newer than this version's, otherwise 0.
+        dropped: Lines of actions that the recorder could not keep, as it says itself.
+        dropped_samples: The same of samples.
         lineless: No line of a session was found at all.
         kinds: The first 20 unknown kinds.
         gaps: The first 20 runs of missing numbers, as (first, last).
@@ -44,6 +46,8 @@ class Damage:
     unknown: int = 0
     misshapen: int = 0
     newer: int = 0
+    dropped: int = 0
+    dropped_samples: int = 0
     lineless: bool = False
     kinds: list[str] = field(default_factory=list)
     gaps: list[tuple[int, int]] = field(default_factory=list)
@@ -72,6 +76,8 @@ class Damage:
             (self.misplaced, "line(s) far out of order left out"),
             (self.backwards, "line(s) with a time before the last one's"),
             (self.misshapen, "line(s) whose fields this version cannot take"),
+            (self.dropped, "line(s) of actions that the recorder could not keep"),
+            (self.dropped_samples, "line(s) of samples that the recorder could not keep"),
         ]
         found += [f"{count} {what}" for count, what in counts if count]
         if self.places:

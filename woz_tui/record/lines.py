@@ -11,7 +11,7 @@ from typing import Any, get_args
 import msgspec
 
 from woz_tui.core import wire
-from woz_tui.core.messages import SCHEMA, AnyMessage
+from woz_tui.core.messages import SCHEMA, AnyMessage, Segment
 from woz_tui.record.damage import Damage
 
 #: Bytes that are read at once: small enough to stay in the processor's cache with what they hold,
@@ -87,7 +87,9 @@ def lines_in(chunk: Chunk, damage: Damage) -> list[Line]:
             line = decode(raw)
             if line is None:
                 _lost(chunk, offset + len(piece) - len(piece.lstrip(b"\0 \t\r")), damage)
-            elif line.seq >= 0:
+            elif line.seq < 0:
+                _account(line, damage)
+            else:
                 _judge(line, damage)
                 found.append(line)
         offset += len(piece) + 1
@@ -100,6 +102,13 @@ def _lost(chunk: Chunk, offset: int, damage: Damage) -> None:
     else:
         damage.torn += 1
     damage.at(chunk.path, chunk.offset + offset)
+
+
+def _account(line: Line, damage: Damage) -> None:
+    """What the recorder says of lines that it could not keep: so far, of the whole session."""
+    if isinstance(line.message, Segment):
+        damage.dropped = max(damage.dropped, line.message.dropped)
+        damage.dropped_samples = max(damage.dropped_samples, line.message.dropped_samples)
 
 
 def _judge(line: Line, damage: Damage) -> None:

@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.e2e import scenes
-from tests.e2e.lab import Lab, Log, until
+from tests.e2e.lab import Lab, Log, end_session, until
 from tests.e2e.program import Program
 from tests.e2e.servos import Note, Servos
 from tests.fakes.terminal import WAIT_S
@@ -173,6 +173,30 @@ def test_a_stop_on_the_way_ends_it_and_nothing_moves_after(
     assert log.lines("stop.confirmed")[0].fields["confirmed"] == ["head"]
     assert len(log.lines("command.requested")) == ended.fields["sent_again"]
     assert log.lines("session.end")
+
+
+def test_in_the_console_escape_ends_it_and_the_session_stays(
+    lab: Lab, servos: Servos, original: Log
+) -> None:
+    before = lab.log.path
+    terminal = lab.terminal(["replay", str(original.path), "--robot"], columns=100, rows=30)
+    terminal.wait_text("Type yes to run it again")
+    assert lab.log.path == before
+    terminal.send("yes\r")
+    terminal.wait_text("REC")
+    log = lab.log
+    log.wait("rerun.sent", 2)
+    terminal.send("\x1b")
+    terminal.wait_text("STOPPED")
+    ended = log.wait("rerun.ended")
+    assert ended.fields["reason"] == "stopped"
+    terminal.send("\x12")
+    log.wait("stop.released")
+    sent_before = len(log.lines("command.requested"))
+    end_session(terminal)
+    assert terminal.process.wait(WAIT_S) == 0
+    log.wait("session.end")
+    assert len(log.lines("command.requested")) == sent_before
 
 
 def test_a_lost_driver_is_named_and_the_re_run_goes_on(

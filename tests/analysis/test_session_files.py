@@ -69,9 +69,9 @@ def test_a_second_segment_is_part_of_it_and_tells_why(tmp_path: Path) -> None:
         whole = figures.wholeness
         assert (whole.segments, whole.dropped, whole.dropped_samples) == (2, 3, 9)
         assert whole.sentences == (
-            f"went on in {second.name}: disk full",
             "3 line(s) of actions were never written",
             "9 sample(s) were never written",
+            f"went on in {second.name}: disk full",
         )
 
 

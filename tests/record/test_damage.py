@@ -190,7 +190,7 @@ def test_actions_and_samples_in_each_others_file(
 
 
 @READERS
-def test_what_the_recorder_could_not_keep(tmp_path: Path, reader: Callable[[Path], Found]) -> None:
+def test_what_the_recorder_could_not_write(tmp_path: Path, reader: Callable[[Path], Found]) -> None:
     for number, dropped in ((2, 1), (3, 2)):
         header = m.Segment(
             t=0, ts="", log=STEM, session="S01", number=number, dropped=dropped, dropped_samples=40
@@ -200,8 +200,8 @@ def test_what_the_recorder_could_not_keep(tmp_path: Path, reader: Callable[[Path
     assert reader(written(tmp_path, note(0))) == (
         [0, 2, 3],
         [
-            "2 line(s) of actions that the recorder could not keep",
-            "40 line(s) of samples that the recorder could not keep",
+            "2 line(s) of actions were never written",
+            "40 sample(s) were never written",
             "1 line(s) missing: 1",
         ],
     )

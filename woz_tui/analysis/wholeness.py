@@ -19,15 +19,8 @@ NO_END = "the session has no end: it runs still, or it was cut off"
 
 def wholeness(figures: SessionFigures, damage: Damage, actions: Sequence[Path]) -> Wholeness:
     """As far as one pass over the files of `actions` can tell."""
-    heads = list(_heads(actions))
-    dropped = max((head.dropped for head in heads), default=0)
-    dropped_samples = max((head.dropped_samples for head in heads), default=0)
     sentences = damage.sentences()
     sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(actions)]
-    if dropped:
-        sentences.append(f"{dropped} line(s) of actions were never written")
-    if dropped_samples:
-        sentences.append(f"{dropped_samples} sample(s) were never written")
     still_open = figures.whole.outcomes.open
     if figures.ended and still_open:
         sentences.append(f"{still_open} action(s) without an end")
@@ -37,8 +30,8 @@ def wholeness(figures: SessionFigures, damage: Damage, actions: Sequence[Path]) 
         sentences=tuple(sentences),
         ended=bool(figures.ended),
         left_out=damage.skipped,
-        dropped=dropped,
-        dropped_samples=dropped_samples,
+        dropped=damage.dropped,
+        dropped_samples=damage.dropped_samples,
         segments=max(1, len(actions)),
     )
 
@@ -55,10 +48,6 @@ def _moved(actions: Sequence[Path]) -> Iterator[tuple[Path, Segment]]:
         name = FileName.parse(path.name)
         if name is not None and name.number > 1 and (head := _head(path)) is not None:
             yield path, head
-
-
-def _heads(actions: Sequence[Path]) -> Iterator[Segment]:
-    yield from (head for _, head in _moved(actions))
 
 
 def _head(path: Path) -> Segment | None:

@@ -76,8 +76,8 @@ class Damage:
             (self.misplaced, "line(s) far out of order left out"),
             (self.backwards, "line(s) with a time before the last one's"),
             (self.misshapen, "line(s) whose fields this version cannot take"),
-            (self.dropped, "line(s) of actions that the recorder could not keep"),
-            (self.dropped_samples, "line(s) of samples that the recorder could not keep"),
+            (self.dropped, "line(s) of actions were never written"),
+            (self.dropped_samples, "sample(s) were never written"),
         ]
         found += [f"{count} {what}" for count, what in counts if count]
         if self.places:

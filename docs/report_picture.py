@@ -1,7 +1,7 @@
 """Draws the picture of the HTML report: `python -m docs.report_picture [file]`.
 
-A minute of the demo is played in virtual time and recorded; a browser without a window opens the
-report of its log. Needs the programs chromium and chromedriver.
+A browser without a window opens the report of the sample session in recordings/. Needs the programs
+chromium and chromedriver.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ from pathlib import Path
 
 from PIL import Image
 
-from docs import demo_session
+from docs.sample_session import SAMPLE
 from tests.analysis.html.browser import Page, browser
 from woz_tui.analysis.html.items import rows
 from woz_tui.analysis.html.page import write
@@ -23,18 +23,9 @@ from woz_tui.analysis.report import Report
 from woz_tui.analysis.session import Wanted, examine
 
 FILE = Path(__file__).parent / "images" / "report.png"
-STEM = "2026-03-01T10-00-00_P07_S01"
 WIDTH, HEIGHT = 1280, 960
 #: The action that is pointed at.
 SHOWN = "Welcome"
-
-
-def recorded(folder: Path) -> Report:
-    """What is found out about a minute of the demo."""
-    demo_session.demo(demo_session.WORKING, log=folder)
-    for path in folder.glob("demo*.jsonl"):
-        path.rename(path.with_name(path.name.replace("demo", STEM)))
-    return examine(folder / f"{STEM}.jsonl", wanted=Wanted(timeline=True, curves=True))
 
 
 def shot(page: Page, report: Report, folder: Path) -> bytes:
@@ -60,7 +51,7 @@ def main() -> None:
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         (folder / "profile").mkdir()
-        report = recorded(folder)
+        report = examine(SAMPLE, wanted=Wanted(timeline=True, curves=True))
         with browser(folder / "profile") as page:
             picture = Image.open(io.BytesIO(shot(page, report, folder)))
     file = Path(sys.argv[1]) if len(sys.argv) > 1 else FILE

@@ -3,14 +3,17 @@
 from __future__ import annotations
 
 import os
+import pickle
 from pathlib import Path
 
+import msgspec
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
 from tests.session.studied import had, log
 from woz_tui.core import messages as m
+from woz_tui.core import wire
 from woz_tui.session import earlier
 from woz_tui.session.earlier import Earlier, Found
 from woz_tui.session.proposal import Past
@@ -148,3 +151,16 @@ def test_files_that_have_not_changed_are_not_read_again(tmp_path: Path) -> None:
             b'{"kind":"trial.started","seq":9,"t":9,"trial":2}\n{"kind":"trial.ended","seq":10,"t":10,"trial":2,"outcome":"done"}\n'
         )
     assert logs.read("T", "made.yaml").past[0].over == 2
+
+
+def test_of_what_was_shown_only_the_title_is_kept(tmp_path: Path) -> None:
+    log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "d"), title="T")
+    plan = m.SessionPlan(
+        title="T", panels=[], script=["x"] * 1000, verbs={}, variables=["v"] * 1000, conditions=[],
+        keyboard="us", drivers=[], settings={"values": {"a": "b" * 1000}},
+    )  # fmt: skip
+    path = tmp_path / "2026-03-02T10-00-00_S02.jsonl"
+    path.write_bytes(wire.encode(msgspec.structs.replace(plan, seq=0, t=0)))
+    logs = Earlier(tmp_path)
+    assert logs.read("T", "made.yaml").logs == 2
+    assert len(pickle.dumps(logs)) < 2000

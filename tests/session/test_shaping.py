@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import Stage
 from woz_tui.core import messages as m
+from woz_tui.core.driver import Ask
 from woz_tui.core.hub import Hub
 from woz_tui.session.runner import Origin
 from woz_tui.session.shaping import Shaper
@@ -172,6 +173,21 @@ def test_every_request_has_its_end_when_the_session_ends_meanwhile(play: Play) -
     assert stage.kinds(m.Command, m.End) == ["Command", "Refused"]
 
 
+def test_a_driver_hears_that_what_it_asked_for_never_began(play: Play) -> None:
+    told: list[tuple[bool, str]] = []
+
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        outlet = stage.puppet().outlet
+        outlet.ask(Ask("verb", "say", {"text": "held"}), lambda *how: told.append(how))
+        await asyncio.sleep(0.1)
+        assert stage.kinds(m.ActionHeld) == ["ActionHeld"]
+        stage.session.stop("key")
+
+    play(scene)
+    assert told == [(False, "stop pressed")]
+
+
 class _Silent:
     def record(self, message: m.AnyMessage, line: bytes) -> None: ...
 
@@ -221,6 +237,57 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
 
     run_virtual(scene())
     assert begun == asked
+
+
+def held_by(scene: Callable[[Hub, Shaper], Awaitable[None]]) -> None:
+    """Runs a scene on a shaper alone, whose cues are markers."""
+
+    async def whole() -> None:
+        hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
+        await scene(hub, Shaper(hub, seed=7))
+        await asyncio.sleep(60)
+
+    run_virtual(whole())
+
+
+def cued(hub: Hub, floor: float) -> None:
+    floor_us = round(floor * SECOND)
+    hub.publish(m.ShapingChanged(floor_us=floor_us, jitter_us=0, cues=["marker"]))
+    hub.publish(m.Marker(text="go"))
+
+
+@pytest.mark.parametrize("how", ["drop", "clear"])
+def test_what_was_dropped_keeps_nothing_waiting(how: str) -> None:
+    begun: list[int] = []
+
+    async def scene(hub: Hub, shaper: Shaper) -> None:
+        cued(hub, 30)
+        assert shaper.hold("r1", "x", "key", lambda: begun.append(-1))
+        if how == "drop":
+            shaper.drop("r1")
+        else:
+            shaper.clear()
+        cued(hub, 2)
+        assert shaper.hold("r2", "x", "key", lambda: begun.append(hub.now()))
+
+    held_by(scene)
+    assert begun == [pytest.approx(2 * SECOND, abs=100)]
+
+
+def test_one_that_cannot_begin_does_not_keep_those_behind_it() -> None:
+    begun: list[int] = []
+
+    def broken() -> None:
+        raise ValueError("it cannot")
+
+    async def scene(hub: Hub, shaper: Shaper) -> None:
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: None)
+        cued(hub, 2)
+        assert shaper.hold("r1", "x", "key", broken)
+        assert shaper.hold("r2", "x", "key", lambda: begun.append(hub.now()))
+
+    held_by(scene)
+    assert begun == [pytest.approx(2 * SECOND, abs=100)]
 
 
 def test_the_same_seed_gives_the_same_moments() -> None:

@@ -157,6 +157,18 @@ def test_an_order_other_than_the_proposed_one_was_chosen_by_hand(tmp_path: Path)
     assert said(stage, m.TrialStarted) == ["trial.started 1 cold"]
 
 
+def test_a_proposal_says_which_logs_could_not_be_read(tmp_path: Path) -> None:
+    (tmp_path / "recordings" / "2026-02-01T10-00-00_S01.jsonl").mkdir(parents=True)
+
+    async def scenario(stage: Stage) -> None:
+        assert stage.session.study.propose("P01").why == (
+            "row 0 was given to 0 participants so far, row 1 to 0;"
+            " could not be read and is left out: 2026-02-01T10-00-00_S01.jsonl"
+        )
+
+    on_stage(tmp_path, scenario)
+
+
 def test_without_a_design_there_is_nothing_to_propose_but_trials_count(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         with pytest.raises(AskError, match="the experiment has no design"):

@@ -151,6 +151,50 @@ def test_the_stop_voids_the_cue_and_the_training_waits_for_its_release(train: Tr
     ]
 
 
+def test_a_cue_after_a_stop_that_came_while_the_visitor_spoke_is_void(train: Train) -> None:
+    async def scene(course: Course) -> None:
+        await course.until(m.SpeechStarted)
+        course.stage.session.stop("key")
+        given = await course.until(m.CueGiven)
+        await asyncio.sleep(60)
+        course.stage.session.release("key")
+        assert isinstance(given, m.CueGiven)
+
+    assert train([cue()], scene).verdicts == [("q0001", "void", "")]
+
+
+def test_what_is_pressed_after_the_last_cue_does_not_count(train: Train) -> None:
+    async def scene(course: Course) -> None:
+        await course.until(m.CueGiven)
+        course.press("Hello")
+        await asyncio.sleep(1)
+        assert course.over == 1
+        course.press("Hello")
+        course.trainer.end()
+        course.press("Hello")
+
+    assert train([cue()], scene).verdicts == [("q0001", "right", "Hello")]
+
+
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+def test_a_training_that_fails_says_so(train: Train) -> None:
+    async def scene(course: Course) -> None:
+        await course.until(m.CueGiven)
+        course.visitor.names.clear()
+        await asyncio.sleep(1)
+        (notice,) = (
+            line
+            for line in course.stage.lines
+            if isinstance(line, m.Notice) and line.level == "error"
+        )
+        assert notice.text == "the training has failed: KeyError: 'presence'"
+        await asyncio.sleep(30)
+
+    course = train([cue(), cue()], scene)
+    assert course.verdicts == [("q0001", "void", "")]
+    assert course.over == 0
+
+
 def test_no_cue_comes_while_the_robot_is_busy(train: Train) -> None:
     async def scene(course: Course) -> None:
         await asyncio.sleep(1.9)

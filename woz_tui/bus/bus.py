@@ -100,10 +100,16 @@ class Bus:
                 self._lane(command.driver, verb).take(ticket, args, command.when_busy)
         return recorded
 
-    def refuse(self, command: Command, code: str, reason: str) -> Command:
+    def refuse(
+        self,
+        command: Command,
+        code: str,
+        reason: str,
+        on_end: Callable[[End], None] | None = None,
+    ) -> Command:
         """Record `command` and that it is refused, without looking at it any further."""
         recorded = self._hub.publish(command)
-        Ticket(recorded, Verb(command.verb, ""), self._hub).refuse(code, reason)
+        Ticket(recorded, Verb(command.verb, ""), self._hub, on_end).refuse(code, reason)
         return recorded
 
     def _unknown(self, command: Command) -> str:

@@ -96,9 +96,25 @@ class Earlier:
 def _messages(path: Path) -> Iterator[m.AnyMessage]:
     for line in _candidates(path):
         try:
-            yield wire.decode_message(line)
+            message = wire.decode_message(line)
         except wire.WireError:  # torn, or another kind's
             continue
+        yield _bare(message) if isinstance(message, m.SessionPlan) else message
+
+
+def _bare(plan: m.SessionPlan) -> m.SessionPlan:
+    """Only the title: what is known is kept in memory, and a study has hundreds of logs."""
+    return m.SessionPlan(
+        title=plan.title,
+        panels=[],
+        script=[],
+        verbs={},
+        variables=[],
+        conditions=[],
+        keyboard="",
+        drivers=[],
+        settings={},
+    )
 
 
 def _candidates(path: Path) -> Iterator[bytes]:

@@ -90,8 +90,8 @@ class Runner:
         self._runs: dict[str, Run] = {}
         self._actions = 0
         self._commands = 0
-        #: Single commands that wait for their moment after a cue.
-        self._held: dict[str, m.Command] = {}
+        #: Single commands that wait for their moment after a cue, and who is told of their end.
+        self._held: dict[str, tuple[m.Command, Callable[[m.End], None] | None]] = {}
         #: What was asked for, oldest first: run or command id, and the action's or verb's name.
         self.played: dict[str, str] = {}
         #: The last of them that a human asked for: what the robot does by itself is not meant when
@@ -155,7 +155,7 @@ class Runner:
 
         if not self._holds(command.command, call.verb, origin, [call], submit):
             return submit()
-        self._held[command.command] = command
+        self._held[command.command] = command, on_end
         return command
 
     def _holds(
@@ -176,7 +176,8 @@ class Runner:
 
     def _let_go(self, command: str, reason: str) -> None:
         """A single command that was held is not sent any more; its log line says so."""
-        self._bus.refuse(self._held.pop(command), "stopped", reason)
+        held, on_end = self._held.pop(command)
+        self._bus.refuse(held, "stopped", reason, on_end)
 
     def _remember(self, played: str, name: str, origin: Origin) -> None:
         self.played[played] = name

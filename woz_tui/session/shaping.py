@@ -98,18 +98,27 @@ class Shaper:
     def drop(self, run: str) -> None:
         """Forget what is held as `run`."""
         self._held = deque(entry for entry in self._held if entry[1] != run)
+        self._wait()
 
     def clear(self) -> None:
         """Forget everything that is held."""
         self._held.clear()
+        self._wait()
 
     def _wait(self) -> None:
-        if self._timer is None and self._held:
+        """Wake up for the first that is held now, not for one that has been dropped."""
+        if self._timer is not None:
+            self._timer.cancel()
+            self._timer = None
+        if self._held:
             delay = max(0, self._held[0][0] - self._hub.now()) / 1_000_000
             self._timer = asyncio.get_running_loop().call_later(delay, self._release)
 
     def _release(self) -> None:
+        """Begin all whose moment has come; if one of them cannot, those behind it still do."""
         self._timer = None
-        while self._held and self._held[0][0] <= self._hub.now():
-            self._held.popleft()[2]()
-        self._wait()
+        try:
+            while self._held and self._held[0][0] <= self._hub.now():
+                self._held.popleft()[2]()
+        finally:
+            self._wait()

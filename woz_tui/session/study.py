@@ -6,6 +6,7 @@ Every change is a message; `progress` holds what follows from them. Refusals are
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.core import messages as m
@@ -114,6 +115,9 @@ class LiveStudy:
         check_participant(participant, experiment.participant_pattern)
         found = self._earlier.read(experiment.title, experiment.path.name)
         proposal = propose(participant, design, experiment.conditions, found.past)
+        if found.unreadable:
+            left_out = f"; could not be read and is left out: {', '.join(found.unreadable)}"
+            proposal = replace(proposal, why=proposal.why + left_out)
         self._proposed[participant] = proposal
         return proposal
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import logging
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
@@ -14,6 +15,8 @@ from woz_tui.training.visitor import DRIVER, PERIOD_S, TrainingVisitor, seconds_
 #: Whoever does these did not answer anybody.
 _NO_ANSWERS = frozenset({"engagement", "replay", "program"})
 RIGHT, WRONG, MISSED, UNCALLED, VOID = "right", "wrong", "missed", "uncalled", "void"
+
+log = logging.getLogger(__name__)
 
 
 @dataclass
@@ -57,6 +60,7 @@ class Trainer:
         self._calm.set()
         self._there = asyncio.Event()
         self._stopped = False
+        self._under_way = False
         self._segment = 0
         self._tasks: list[asyncio.Task[None]] = []
         hub.listen(self._hear)
@@ -64,13 +68,29 @@ class Trainer:
     def begin(self) -> None:
         """Let the visitor live and give the first cue after its pause."""
         loop = asyncio.get_running_loop()
+        self._under_way = True
         self._tasks = [loop.create_task(self._live()), loop.create_task(self._train())]
+        for task in self._tasks:
+            task.add_done_callback(self._look_after)
 
     def end(self) -> None:
-        """No more cues; the one that waits for an answer does not count."""
+        """No more cues; the one that waits for an answer does not count, nor does what is pressed
+        from now on.
+        """
+        self._under_way = False
         for task in self._tasks:
             task.cancel()
         self._judge(VOID)
+
+    def _look_after(self, task: asyncio.Task[None]) -> None:
+        """A wizard must not wait for a visitor who does not come any more."""
+        error = None if task.cancelled() else task.exception()
+        if error is None:
+            return
+        log.error("the training failed", exc_info=error)
+        self.end()
+        text = f"the training has failed: {type(error).__name__}: {error}"
+        self._hub.publish(m.Notice(level="error", text=text, remedy="ctrl+q ends the session"))
 
     # -- the course ----------------------------------------------------------------------------
 
@@ -89,6 +109,7 @@ class Trainer:
             await self._place(cue)
             await self._quiet()
             await self._give(f"q{number:04d}", cue)
+        self._under_way = False
         self._over()
 
     async def _quiet(self) -> None:
@@ -123,6 +144,8 @@ class Trainer:
             )
         )
         self._open = waiting = _Open(name, cue, given.t)
+        if self._stopped:  # pressed while the visitor spoke: nobody can answer
+            self._judge(VOID)
         try:
             async with asyncio.timeout(cue.window_us / 1_000_000):
                 await waiting.answered.wait()
@@ -175,7 +198,7 @@ class Trainer:
     def _answer(self, press: m.ActionRequested) -> None:
         waiting = self._open
         if waiting is None:
-            if self._tasks and not self._stopped:
+            if self._under_way and not self._stopped:
                 self._hub.publish(
                     m.CueAnswered(cue="", judged=UNCALLED, action=press.action, run=press.run)
                 )

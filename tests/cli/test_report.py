@@ -188,6 +188,15 @@ def test_everything_at_once_in_files(here: Path, capsys: pytest.CaptureFixture[s
     assert "P01" in (here / "page.html").read_text(encoding="utf-8")
 
 
+def test_no_page_is_written_of_nothing(here: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    (here / "page.html").write_text("the page of yesterday", encoding="utf-8")
+    code, _, err = told(capsys, "report", "nowhere.jsonl", "--html", "page.html")
+    assert code == 1
+    assert not any("wrote" in line for line in err)
+    assert "woz report: page.html is not written: there is nothing to report" in err
+    assert (here / "page.html").read_text(encoding="utf-8") == "the page of yesterday"
+
+
 def test_a_folder_that_cannot_be_written_is_told(
     here: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -91,9 +91,19 @@ def run(arguments: argparse.Namespace) -> int:
         _print_json(sessions, grouped, reading.problems)
     elif kept or grouped.sessions:
         _print(arguments, grouped, kept, len(reading.paths))
-    for path in filter(None, (arguments.csv, arguments.html)):
-        print(f"woz report: wrote {path}", file=sys.stderr)
+    _tell_written(arguments, nothing=not kept)
     return reading.told("woz report")
+
+
+def _tell_written(arguments: argparse.Namespace, *, nothing: bool) -> None:
+    """A page of no session is not written: what is there already may be an earlier one."""
+    if arguments.csv:
+        print(f"woz report: wrote {arguments.csv}", file=sys.stderr)
+    if arguments.html and nothing:
+        told = f"woz report: {arguments.html} is not written: there is nothing to report"
+        print(told, file=sys.stderr)
+    elif arguments.html:
+        print(f"woz report: wrote {arguments.html}", file=sys.stderr)
 
 
 class Reading:

@@ -14,10 +14,10 @@ from hypothesis import strategies as st
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import Stage
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Ask
+from woz_tui.core.driver import Ask, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.session.runner import Origin
-from woz_tui.session.shaping import Shaper
+from woz_tui.session.shaping import Shaper, answers
 
 KEY = Origin("key", "h")
 SECOND = 1_000_000
@@ -107,6 +107,60 @@ def test_the_order_of_the_presses_is_the_order_of_the_acts(play: Play) -> None:
 
     said = [args["text"] for verb, args in play(scene).puppet().calls if verb == "say"]
     assert said == ["Welcome", "typed", "Hello P07"]
+
+
+@pytest.mark.parametrize("source", ["preflight", "action"])
+def test_a_marker_that_no_human_has_put_is_no_cue(play: Play, source: str) -> None:
+    async def scene(stage: Stage) -> None:
+        stage.session.hub.publish(m.Marker(text="look", source=source))
+        stage.session.play("Hello", KEY)
+
+    assert play(scene).kinds(m.ActionHeld) == []
+
+
+@pytest.mark.parametrize("listed", [True, False])
+def test_what_the_model_sees_is_a_cue_if_the_file_says_so(play: Play, listed: bool) -> None:
+    async def scene(stage: Stage) -> None:
+        cues = ["engagement"] if listed else ["marker"]
+        stage.session.hub.publish(m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=cues))
+        stage.session.hub.publish(
+            m.EngagementChanged(
+                was="UserSpeaks", now="RobotThinks", outcome="spoken", why="", verdicts={}
+            )
+        )
+        stage.session.play("Hello", KEY)
+
+    assert play(scene).kinds(m.ActionHeld) == ["ActionHeld"] * listed
+
+
+def test_a_cue_of_before_counts_no_more_when_the_settings_change(play: Play) -> None:
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        shaped(stage, 500_000)
+        stage.session.play("Hello", KEY)
+
+    assert play(scene).kinds(m.ActionHeld) == []
+
+
+@pytest.mark.parametrize("how", [{"stream": True}, {"brief": True}, {"drives": True}])
+def test_what_streams_is_brief_or_drives_is_no_answer(how: dict[str, bool]) -> None:
+    assert answers(Verb("look", ""))
+    assert not answers(Verb("look", "", **how))  # type: ignore[arg-type]
+
+
+def test_waiting_for_the_moment_is_no_waiting_for_the_robot(play: Play) -> None:
+    """The time limit of a command counts from when it is sent."""
+
+    async def scene(stage: Stage) -> None:
+        stage.session.runner.deadline = 2.0
+        shaped(stage, 20 * SECOND)
+        spoken(stage)
+        stage.session.send("say", {"text": "typed"}, "", KEY)
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(30)
+
+    said = [args["text"] for verb, args in play(scene).puppet().calls if verb == "say"]
+    assert said == ["typed", "Hello P07"]
 
 
 @pytest.mark.parametrize("source", ["engagement", "replay"])
@@ -204,6 +258,7 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
     begun: list[int] = []
     asked: list[int] = []
     announced: dict[str, int] = {}
+    wrong: list[object] = []
 
     def see(line: m.AnyMessage) -> None:
         if isinstance(line, m.ActionHeld):
@@ -212,6 +267,8 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
     async def scene() -> None:
         hub = Hub(LoopClock(asyncio.get_running_loop()), _Silent().record)
         hub.listen(see)
+        # What fails in a timer would else be told to nobody.
+        asyncio.get_running_loop().set_exception_handler(lambda loop, told: wrong.append(told))
         shaper = Shaper(hub, seed=7)
         hub.publish(m.ShapingChanged(floor_us=floor, jitter_us=jitter, cues=["marker"]))
         last = -(10**9)
@@ -236,6 +293,7 @@ def test_nothing_begins_before_the_floor_and_nothing_waits_longer_than_floor_and
         await asyncio.sleep(60)
 
     run_virtual(scene())
+    assert wrong == []
     assert begun == asked
 
 

@@ -85,13 +85,12 @@ class Used:
             return sorted(order) == sorted(self.conditions)
         return len(order) == 1 and order[0] in self.conditions
 
-    def times(self, besides: str = "") -> Counter[int]:
-        """How many participants have which row, `besides` one."""
-        others = [each for each in self.counted if each.participant != besides]
+    def times(self) -> Counter[int]:
+        """How many participants have which row."""
         if self.design.order == "blocks" and self.conditions:
-            return Counter(each.row for each in others if self._in_its_place(each))
+            return Counter(each.row for each in self.counted if self._in_its_place(each))
         known = {order: row for row, order in enumerate(rows(self.design, self.conditions))}
-        return Counter(known[each.order] for each in others if each.order in known)
+        return Counter(known[each.order] for each in self.counted if each.order in known)
 
     def _in_its_place(self, past: Past) -> bool:
         """Whether the order is what the blocks of today have in this row."""
@@ -110,7 +109,7 @@ def propose(
         trials = planned(design, conditions)
         why = f"{participant} goes on with their own order: {own.over} of {trials} trials are over"
         return _proposal(own, design, why)
-    row, why = _free(used, participant)
+    row, why = _free(used)
     if own is not None:
         why += f"; the order that {participant} had does not fit the design any more"
     order = order_at(design, conditions, row)
@@ -131,9 +130,9 @@ def _proposal(past: Past, design: Design, why: str) -> Proposal:
     )
 
 
-def _free(used: Used, participant: str) -> tuple[int, str]:
+def _free(used: Used) -> tuple[int, str]:
     """The row least used so far, the lowest of several; and why."""
-    times = used.times(besides=participant)
+    times = used.times()
     if used.design.order == "blocks" and used.conditions:
         row = next(row for row in range(len(times) + 1) if not times[row])
         size = block_size(used.design, used.conditions)

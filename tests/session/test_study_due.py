@@ -1,0 +1,148 @@
+"""What is due behind which trial, and what a next trial, participant or file makes of it."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.session.rig import Stage
+from tests.session.studied import STUDY, on_stage, said
+from woz_tui.core import messages as m
+from woz_tui.experiment.study import Design
+from woz_tui.session.identity import AskError
+from woz_tui.session.progress import Due
+
+
+def assigned(stage: Stage, participant: str = "P01") -> None:
+    order = [*stage.session.study.propose(participant).order]
+    stage.session.study.assign(participant, order)
+
+
+def trials(stage: Stage, *outcomes: str) -> None:
+    for outcome in outcomes:
+        stage.session.study.trial("begin", "")
+        stage.session.study.trial(outcome, "")
+
+
+@pytest.mark.parametrize(
+    ("outcomes", "due"),
+    [
+        (["done"], [Due("each", 1)]),
+        (["done", "aborted"], []),
+        (["excluded"], []),
+        (["done", "excluded"], [Due("ux", 2)]),
+        (["done", "done"], [Due("each", 2), Due("ux", 2)]),
+        (["done", "done", "done"], [Due("each", 3)]),
+        (["done"] * 4, [Due("each", 4), Due("ux", 4), Due("last", -1)]),
+        (["done"] * 3 + ["excluded"], [Due("ux", 4), Due("last", -1)]),
+    ],
+)
+def test_what_is_due_behind_the_trials(tmp_path: Path, outcomes: list[str], due: list[Due]) -> None:
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        trials(stage, *outcomes)
+        assert stage.session.study.progress.due == due
+
+    on_stage(tmp_path, scenario)
+
+
+def test_what_was_due_is_so_no_more_once_the_next_trial_has_begun(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        trials(stage, "done")
+        assert stage.session.study.progress.due == [Due("each", 1)]
+        stage.session.study.trial("begin", "")
+        assert stage.session.study.progress.due == []
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_trial_for_practice_is_the_last_of_no_condition(tmp_path: Path) -> None:
+    """Trial 0 has no place in the order."""
+
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        stage.session.set(trial=0)
+        trials(stage, "done")
+        assert stage.session.study.progress.due == [Due("each", 0)]
+
+    stage = on_stage(tmp_path, scenario)
+    assert said(stage, m.TrialStarted) == ["trial.started 0 warm"]
+
+
+def test_the_next_participant_has_had_nothing_yet(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        assigned(stage)
+        study.questioning.ask("whenever", "begin", "wizard")
+        study.questioning.ask("whenever", "declined", "wizard")
+        assert study.progress.had == {"whenever"}
+        stage.session.set("P02")
+        assert study.progress.had == set()
+
+    on_stage(tmp_path, scenario)
+
+
+def test_the_number_of_the_trial_can_be_said(tmp_path: Path) -> None:
+    """It is a variable of utterances, also where the condition stays the same."""
+
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        trials(stage, "done")
+        stage.session.study.trial("begin", "")
+        assert stage.session.values()["trial"] == "2"
+
+    on_stage(tmp_path, scenario)
+
+
+def test_whoever_is_through_keeps_the_last_condition(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        assigned(stage)
+        trials(stage, *["done"] * 4)
+        assigned(stage)
+        assert (study.progress.condition, study.progress.trial) == ("cold", 5)
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_proposal_of_the_file_as_it_was_is_no_proposal(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        study = stage.session.study
+        order = [*study.propose("P01").order]
+        design = Design(order="fixed", trials=3)
+        stage.session.adopt(
+            replace(stage.session.experiment, study=replace(STUDY, design=design)), ["design"]
+        )
+        study.assign("P01", order)
+
+    stage = on_stage(tmp_path, scenario)
+    (line,) = (line for line in stage.lines if isinstance(line, m.ConditionsAssigned))
+    assert (line.method, line.row) == ("hand", -1)
+
+
+def test_nobody_gets_another_order_while_a_trial_is_under_way(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assigned(stage)
+        stage.session.study.trial("begin", "")
+        with pytest.raises(AskError, match="trial 1 is under way"):
+            stage.session.study.assign("P01", ["cold", "warm"])
+
+    assert said(on_stage(tmp_path, scenario), m.ConditionsAssigned) == ["condition.assigned"]
+
+
+def test_where_everybody_gets_one_condition_one_is_assigned(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError, match="each participant gets one condition"):
+            stage.session.study.assign("P01", ["warm", "cold"])
+        stage.session.study.assign("P01", ["cold"])
+        trials(stage, "done", "done")
+        assert [due.questionnaire for due in stage.session.study.progress.due] == [
+            *("each", "ux", "last")
+        ]
+
+    study = replace(STUDY, design=Design(order="blocks", within=False, trials=2))
+    stage = on_stage(tmp_path, scenario, study)
+    assert said(stage, m.TrialStarted) == ["trial.started 1 cold", "trial.started 2 cold"]

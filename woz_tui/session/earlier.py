@@ -13,8 +13,8 @@ from pathlib import Path
 
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.experiment.due import OVER
 from woz_tui.record.names import FileName
-from woz_tui.session.progress import OVER
 from woz_tui.session.proposal import Past
 
 #: Bytes read at once: a thread that looks through more of them keeps others waiting.

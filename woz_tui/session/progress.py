@@ -11,9 +11,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 from woz_tui.core import messages as m
-
-#: Outcomes after which the next trial comes; an aborted one is run again.
-OVER = ("done", "excluded")
+from woz_tui.experiment.due import OVER, due_behind
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,17 +132,12 @@ class Progress:
         self.running = None
         if message.outcome not in OVER:
             return
-        last = self.trials > 0 and message.trial > 0 and message.trial % self.trials == 0
-        whens = {
-            "trial": message.outcome == "done",
-            "condition": last,
-            "end": last and message.trial >= self.planned > 0,
-        }
         self.trial = message.trial + 1
         self.due = [
             Due(str(each["name"]), -1 if when == "end" else message.trial)
-            for when, now in whens.items()
-            if now
+            for when in due_behind(
+                message.trial, message.outcome, trials=self.trials, planned=self.planned
+            )
             for each in self.questionnaires(when)
         ]
 

@@ -15,12 +15,11 @@ from woz_tui.console.figures import seconds
 from woz_tui.console.study.questions import Asked, Questionnaire, items_of, questionnaires_of
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
+from woz_tui.experiment.due import OVER, due_behind
 
 #: A sentence for the wizard and its look, and how many may wait to be read.
 Tiding = tuple[str, str]
 _TIDINGS = 8
-#: Outcomes after which the next trial comes; an aborted one is run again.
-_OVER = ("done", "excluded")
 #: What a wizard did with a cue: how it is said, and its look.
 _JUDGED = {
     "right": ("right", "good"),
@@ -149,18 +148,10 @@ class Study:
 
     def _end(self, told: m.TrialEnded) -> None:
         self.trial, self.break_began, self.last = None, None, (told.trial, told.outcome)
-        if told.outcome in _OVER:
-            ends = bool(self.trials) and told.trial % self.trials == 0
-            whens = {
-                "trial": told.outcome == "done",
-                "condition": ends,
-                "end": ends and told.trial >= self.planned > 0,
-            }
+        if told.outcome in OVER:
+            whens = due_behind(told.trial, told.outcome, trials=self.trials, planned=self.planned)
             self.due = [
-                one.name
-                for when, now in whens.items()
-                for one in self.questionnaires
-                if now and one.when == when
+                one.name for when in whens for one in self.questionnaires if one.when == when
             ]
 
     def _break(self, told: m.BreakStarted) -> None:

@@ -46,7 +46,7 @@ def run(arguments: argparse.Namespace) -> int:
 def _attach(arguments: argparse.Namespace) -> int:
     from woz_tui.cli import screen  # noqa: PLC0415
 
-    socket = _find(arguments.name)
+    socket = chosen(arguments)
     if socket is None:
         return 1
     if arguments.questionnaire is not None:
@@ -64,8 +64,27 @@ def _attach(arguments: argparse.Namespace) -> int:
     return code
 
 
-def _find(name: str) -> Path | None:
-    """The socket that was meant, or None after saying why there is none."""
+def chosen(arguments: argparse.Namespace) -> Path | None:
+    """The socket of the session that is meant, or None after saying why there is none."""
+    _sort(arguments)
+    return _find(arguments.name, _kept(arguments))
+
+
+def _sort(arguments: argparse.Namespace) -> None:
+    """In `--questionnaire S02` the word is meant as the session, if one of this name runs."""
+    word = arguments.questionnaire
+    if word and not arguments.name and word in {path.stem for path in place.running()}:
+        arguments.name, arguments.questionnaire = word, ""
+
+
+def _kept(arguments: argparse.Namespace) -> str:
+    """The options that a proposal has to repeat: a participant must get no wizard's console."""
+    if arguments.questionnaire is not None:
+        return f" --questionnaire {arguments.questionnaire}".rstrip()
+    return f"{' --watch' * arguments.watch}{' --take-over' * arguments.take_over}"
+
+
+def _find(name: str, options: str) -> Path | None:
     if name:
         socket = Path(name) if "/" in name else place.socket_path(name)
         if place.answers(socket):
@@ -75,7 +94,7 @@ def _find(name: str) -> Path | None:
     if not name and len(running) == 1:
         return running[0]
     if running:
-        names = "\n".join(f"  woz attach {path.stem}" for path in running)
+        names = "\n".join(f"  woz attach {path.stem}{options}" for path in running)
         print(f"woz: which session?\n{names}", file=sys.stderr)
     elif not name:
         print("woz: no session is running; `woz run FILE` starts one", file=sys.stderr)

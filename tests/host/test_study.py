@@ -124,10 +124,12 @@ def test_a_participant_may_stop_and_asks_only_for_what_is_due(tmp_path: Path) ->
         await guest.hello("participant")
         reply = await guest.ask("questionnaire", questionnaire="ux", source="wizard")
         assert reply["reason"] == "the questionnaire 'ux' is not due yet"
-        assert (await guest.ask("stop"))["ok"]
+        assert (await guest.ask("stop", source="key"))["ok"]
         assert host.session.bus.latched
 
-    hosted(tmp_path, scenario)
+    lines = hosted(tmp_path, scenario)
+    (stop,) = (line for line in lines if isinstance(line, m.StopPressed))
+    assert stop.source == "the participant", "the wizard has to know that it was not their own key"
 
 
 def test_a_participant_alone_does_not_keep_the_session(tmp_path: Path) -> None:

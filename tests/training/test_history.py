@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from tests.record.bench import Bench
+from woz_tui.cli import main
 from woz_tui.core import messages as m
 from woz_tui.training.history import history, score_of
 
@@ -61,3 +62,25 @@ def test_the_history_is_by_wizard_and_passes_over_what_is_no_training(tmp_path: 
     assert [score.wizard for score in history(tmp_path)] == ["W1", "W2"]
     assert [score.wizard for score in history(tmp_path, "W2")] == ["W2"]
     assert history(tmp_path / "nowhere") == []
+
+
+def test_the_table_counts_what_was_right_and_tells_the_score(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "80")
+    verdicts = [("right", 1_000_000), ("right", 2_000_000), ("right", 3_000_000), ("missed", -1)]
+    training(tmp_path, "W1", verdicts)
+    assert main(["train", "--history", "--recordings", str(tmp_path)]) == 0
+    head, row = capsys.readouterr().out.splitlines()
+    assert head.split()[-8:] == [
+        "cues",
+        "right",
+        "wrong",
+        "missed",
+        "uncalled",
+        "score",
+        "median",
+        "p95",
+    ]
+    assert row.split()[-8:] == ["4", "3", "0", "1", "0", "75%", "2.00s", "2.90s"]
+    assert max(len(head.rstrip()), len(row.rstrip())) <= 80

@@ -149,8 +149,10 @@ def _print(scores: Sequence[Score]) -> None:
     table.add_column("wizard", no_wrap=True, min_width=6)
     table.add_column("day (UTC)", no_wrap=True, min_width=10)
     table.add_column("experiment", no_wrap=True, overflow="ellipsis")
-    for name in ("cues", "right", "wrong", "missed", "uncalled", "median", "p95"):
-        table.add_column(name, justify="right", no_wrap=True, min_width=max(5, len(name)))
+    for name in ("cues", "right", "wrong", "missed", "uncalled", "score"):
+        table.add_column(name, justify="right", no_wrap=True, min_width=len(name))
+    for name in ("median", "p95"):
+        table.add_column(name, justify="right", no_wrap=True, min_width=len("median"))
     for score in scores:
         table.add_row(*_row(score))
     Console(highlight=False).print(table)
@@ -163,10 +165,11 @@ def _row(score: Score) -> tuple[str, ...]:
         score.started[:10],
         score.title,
         str(training.cues),
-        "-" if training.score is None else f"{training.score:.0%}",
+        str(training.right),
         str(training.wrong),
         str(training.missed),
         str(training.uncalled),
+        "-" if training.score is None else f"{training.score:.0%}",
         _seconds(training.times.median),
         _seconds(training.times.p95),
     )

@@ -27,6 +27,7 @@ from woz_tui.host.training import (
     TrainingSession,
     in_training,
     read_cues,
+    without_participant,
 )
 from woz_tui.plugins import Catalogue, installed
 from woz_tui.record.recorder import Recorder, stem
@@ -93,6 +94,8 @@ def run(options: HostOptions) -> int:
 def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
     """The experiment's file as it is now, for this kind of session."""
     experiment = load(options.experiment, catalogue)
+    if options.training is not None:
+        return without_participant(experiment)
     return experiment if options.rerun is None else without_model(experiment)
 
 

@@ -159,7 +159,7 @@ class Host:
 
     def _request(self, client: Client, request: AnyRequest) -> None:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
-            self.session.stop(request.source)
+            self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
             client.send(Reply(ref=request.ref, ok=True))
         elif isinstance(request, Hello):
             self._hello(client, request)

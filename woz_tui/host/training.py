@@ -44,6 +44,13 @@ def in_training(identity: Identity, experiment: Experiment) -> Identity:
     return replace(identity, participant=NOBODY, condition=identity.condition or condition)
 
 
+def without_participant(experiment: Experiment) -> Experiment:
+    """The experiment without what belongs to a participant: nobody is there to be asked, and
+    nothing has to be in order for them.
+    """
+    return replace(experiment, study=replace(experiment.study, questionnaires=(), preflight=()))
+
+
 class TrainingSession:
     """Begins the training once a wizard is attached, and sums it up.
 

@@ -38,7 +38,7 @@ class _Run:
     panel: str
     source: str
     t: int
-    #: Its first command has been seen.
+    #: Its first command for a robot has been seen.
     begun: bool = False
 
 
@@ -46,8 +46,8 @@ class _Run:
 class _Command:
     tally: Tally
     verb: str
-    #: The first of an act by hand: its start is when the robot answers the key.
-    first: bool
+    #: Of the first of an act by hand, where that act counts: its start is when the robot answers.
+    act: Tally | None
 
 
 class Acts:
@@ -62,8 +62,8 @@ class Acts:
         self._on_act = on_act
         self._runs: dict[str, _Run] = {}
         self._commands: dict[str, _Command] = {}
-        #: Where acts were counted that a mistake may name, the newest last.
-        self._played: dict[str, Tally] = {}
+        #: Where acts were counted that a mistake may name, the newest last; None: not by hand.
+        self._played: dict[str, Tally | None] = {}
         self._wrong: set[str] = set()
         self._last: tuple[Tally, int] | None = None
         course.leaving.append(self._leave)
@@ -98,16 +98,21 @@ class Acts:
         if message.source not in BY_MACHINE:
             course.tally.by_hand += 1
             self._act(message.action, message.run)
+        else:
+            self._remember(message.run, None)
 
     def _act(self, name: str, run: str) -> None:
         course = self._course
         if self._last is not None and self._last[0] is course.tally:
             course.tally.gaps.add(course.t - self._last[1])
         self._last = (course.tally, course.t)
-        self._played[run] = course.tally
+        self._remember(run, course.tally)
+        self._on_act(name, run)
+
+    def _remember(self, run: str, tally: Tally | None) -> None:
+        self._played[run] = tally
         if len(self._played) > REMEMBERED:
             del self._played[next(iter(self._played))]
-        self._on_act(name, run)
 
     def _ended(self, message: m.ActionEnd) -> None:
         run = self._runs.pop(message.run, None)
@@ -126,26 +131,30 @@ class Acts:
             return
         course = self._course
         by_hand = message.source not in BY_MACHINE
-        first = by_hand
+        of_robot = message.driver not in PERFORMERS
+        act = None
         if message.run:
             run = self._runs.get(message.run)
-            first = by_hand and run is not None and not run.begun
-            if run is not None:
+            if run is not None and of_robot and not run.begun:
                 run.begun = True
-        elif by_hand and message.driver not in PERFORMERS:
+                act = run.tally if by_hand else None
+        elif by_hand and of_robot:
+            act = course.tally
             course.tally.direct += 1
             self._act(message.verb, message.command)
-        if message.driver not in PERFORMERS:
-            self._commands[message.command] = _Command(course.tally, message.verb, first)
+        else:
+            self._remember(message.command, None)
+        if of_robot:
+            self._commands[message.command] = _Command(course.tally, message.verb, act)
 
     def _dispatched(self, message: m.Dispatched) -> None:
         command = self._commands.get(message.command)
         if command is None:
             return
         command.tally.verb(command.verb).dispatched.add(message.latency_us)
-        if command.first:
-            command.first = False
-            command.tally.press.add(message.latency_us)
+        if command.act is not None:
+            command.act.press.add(message.latency_us)
+            command.act = None
 
     def _command_ended(self, message: m.End) -> None:
         command = self._commands.pop(message.command, None)
@@ -160,7 +169,9 @@ class Acts:
         if message.run in self._wrong:
             return
         self._wrong.add(message.run)
-        self._played.get(message.run, self._course.tally).mistakes += 1
+        tally = self._played.get(message.run, self._course.tally)
+        if tally is not None:
+            tally.mistakes += 1
 
     def _held(self, message: m.ActionHeld) -> None:
         self._course.tally.held.add(message.until - self._course.t)

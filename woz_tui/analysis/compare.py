@@ -1,8 +1,9 @@
 """Two sessions side by side: what one has done that the other has not, and what came when.
 
-A session and its re-run, or two re-runs of one session, are put beside each other command by
-command, because the re-run's log says which command was which. Any other two are aligned by the
-names of what was played, so that as much as possible stands in the same order in both.
+A session and its re-run (be it a re-run of a re-run), or two re-runs of one session, are put beside
+each other command by command, because the re-run's log says which command was which. Any other two
+are aligned by the names of what was played, so that as much as possible stands in the same order in
+both.
 """
 
 from __future__ import annotations
@@ -98,55 +99,75 @@ class Comparison:
 
 def compare(a: Played, b: Played) -> Comparison:
     """Put B beside A."""
-    if _related(a, b):
-        return _by_commands(a, b)
-    return _by_names(a, b)
+    sides = _sides(a, b)
+    return _by_commands(*sides) if sides is not None else _by_names(a, b)
 
 
-def _related(a: Played, b: Played) -> bool:
-    if a.original and b.original:
-        return a.original == b.original
-    return (b.original == a.name) if b.original else (a.original == b.name != "")
+@dataclass(frozen=True, slots=True)
+class _Side:
+    """One of two logs that have commands in common. `again`: it is the re-run here; a re-run that
+    was run again in its turn is the original.
+    """
+
+    log: Played
+    again: bool
+
+    def acts(self) -> list[Act]:
+        """What counts, in its order: in an original that of the beginnings, in a re-run that in
+        which they were sent. In an original what had no effect is not expected to be repeated.
+        """
+        if self.again:
+            return sorted(self.log.commands, key=lambda act: act.t)
+        return [act for act in self.log.commands if act.began >= 0 and act.end != "refused"]
+
+    def origin(self, act: Act) -> str:
+        """What it is called in the log that both come from; empty: it is not from there."""
+        return act.original if self.again else act.id
+
+    def late(self, act: Act) -> int:
+        """How much later it was than it should have been; an original is never late."""
+        return act.late if self.again else 0
+
+    def skipped(self) -> dict[str, str]:
+        """Why commands of the original were left out, by their ids there."""
+        return self.log.skipped if self.again else {}
 
 
-def _by_commands(a: Played, b: Played) -> Comparison:
-    acts_a, acts_b = _effective(a), _effective(b)
-    places = {_origin(b, act): place for place, act in enumerate(acts_b)}
+def _sides(a: Played, b: Played) -> tuple[_Side, _Side] | None:
+    """As what they stand to each other; None: neither comes from the other."""
+    if b.original and b.original == a.name:
+        return _Side(a, again=False), _Side(b, again=True)
+    if a.original and a.original == b.name:
+        return _Side(a, again=True), _Side(b, again=False)
+    if a.original and a.original == b.original:
+        return _Side(a, again=True), _Side(b, again=True)
+    return None
+
+
+def _by_commands(a: _Side, b: _Side) -> Comparison:
+    acts_a, acts_b = a.acts(), b.acts()
+    places = {b.origin(act): place for place, act in enumerate(acts_b)}
     places.pop("", None)
     indices = [
         (place, places[origin])
         for place, act in enumerate(acts_a)
-        if (origin := _origin(a, act)) in places
+        if (origin := a.origin(act)) in places
     ]
-    pairs = [Pair(acts_a[i], acts_b[j], acts_b[j].late - acts_a[i].late) for i, j in indices]
+    pairs = [Pair(acts_a[i], acts_b[j], b.late(acts_b[j]) - a.late(acts_a[i])) for i, j in indices]
     missing = _rest(acts_a, {i for i, _ in indices})
-    reasons = {**a.skipped, **b.skipped}
+    reasons = {**a.skipped(), **b.skipped()}
     return Comparison(
-        a=a,
-        b=b,
+        a=a.log,
+        b=b.log,
         by=BY_COMMANDS,
         pairs=tuple(pairs),
         missing=missing,
         extra=_rest(acts_b, {j for _, j in indices}),
         moved=_moved(pairs, indices),
         why_missing={
-            act.id: reasons[origin] for act in missing if (origin := _origin(a, act)) in reasons
+            act.id: reasons[origin] for act in missing if (origin := a.origin(act)) in reasons
         },
     )
-
-
-def _effective(log: Played) -> list[Act]:
-    """What counts, in its order: in an original that of the beginnings, in a re-run that in which
-    they were sent. In an original what had no effect is not expected to be repeated.
-    """
-    if log.original:
-        return sorted(log.commands, key=lambda act: act.t)
-    return [act for act in log.commands if act.began >= 0 and act.end != "refused"]
-
-
-def _origin(log: Played, act: Act) -> str:
-    """What it is called in the log that both come from; empty: it is not from there."""
-    return act.original if log.original else act.id
 
 
 def _by_names(a: Played, b: Played) -> Comparison:

@@ -34,6 +34,8 @@ class Course:
     """
 
     t: int = 0
+    #: When the log's first line was written.
+    begin: int = 0
     participant: str = ""
     condition: str = ""
     trial: int = -1
@@ -43,7 +45,12 @@ class Course:
     _tallies: dict[tuple[str, str, int], Tally] = field(default_factory=dict)
     _runs: list[_Running] = field(default_factory=list)
     _run: int = -1
+    #: The trial that goes on after the break.
+    _interrupted: int = -1
+    #: Trials are begun and ended in this session: a number that is set is that of the next one.
+    _planned: bool = False
     _since: int = 0
+    _told: bool = False
     _began: bool = False
 
     def handlers(self) -> Handlers:
@@ -51,6 +58,7 @@ class Course:
         return {
             m.SessionStart: self._start,
             m.SessionChanged: self._changed,
+            m.ConditionsAssigned: self._assigned,
             m.TrialStarted: self._trial_started,
             m.TrialEnded: self._trial_ended,
             m.BreakStarted: self._break_started,
@@ -61,6 +69,9 @@ class Course:
         """It is `t` now; a time that lies back, or that no clock can say, does not count."""
         if self.t < t < LONGEST:
             self.t = t
+        if not self._told:  # what the log has lost before it is no time of this session
+            self._told = True
+            self.begin = self._since = self.t
 
     def settle(self) -> None:
         """Count the time up to now."""
@@ -118,32 +129,49 @@ class Course:
             self.participant = message.participant
         if message.condition is not None:
             self.condition = message.condition
-        if message.trial is not None:
+        if message.trial is not None and not self._planned:
             self.trial = message.trial
         self._enter()
 
+    def _assigned(self, message: m.ConditionsAssigned) -> None:
+        self._plan()
+
+    def _plan(self) -> None:
+        if not self._planned:
+            self._planned, self.trial = True, -1
+
     def _trial_started(self, message: m.TrialStarted) -> None:
-        self.trial = message.trial
+        self._plan()
+        self.trial, self._interrupted = message.trial, -1
         self.condition = message.condition or self.condition
         self._runs.append(_Running(message.trial, self.participant, self.condition, self.t))
         self._run = len(self._runs) - 1
         self._enter()
 
     def _trial_ended(self, message: m.TrialEnded) -> None:
-        if self._run >= 0:
-            run = self._runs[self._run]
+        ended = max(self._run, self._interrupted)
+        if ended >= 0:
+            run = self._runs[ended]
             run.end, run.outcome, run.text = self.t, message.outcome, message.text
-        self._run = self.trial = -1
+        self._run = self._interrupted = self.trial = -1
         self._enter()
 
     def _break_started(self, message: m.BreakStarted) -> None:
         if self.breaks and self.breaks[-1].end is None:
             self._end_break("")
         self.breaks.append(Span(self.t, None, "break", message.text))
+        if self._run >= 0:  # what happens now belongs to no trial
+            self._interrupted = self._run
+            self._run = self.trial = -1
+            self._enter()
 
     def _break_ended(self, message: m.BreakEnded) -> None:
         if self.breaks and self.breaks[-1].end is None:
             self._end_break(message.text)
+        if self._interrupted >= 0:
+            self._run, self._interrupted = self._interrupted, -1
+            self.trial = self._runs[self._run].trial
+            self._enter()
 
     def _end_break(self, text: str) -> None:
         last = self.breaks[-1]

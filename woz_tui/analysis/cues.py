@@ -58,6 +58,7 @@ class Cues:
         self._taught: dict[str, tuple[m.CueGiven, _Open]] = {}
         self._judged = dict.fromkeys(("right", "wrong", "missed", "uncalled"), 0)
         self._given = 0
+        self._trained = False
         self._times = Series()
 
     def handlers(self) -> Handlers:
@@ -88,7 +89,7 @@ class Cues:
     @property
     def training(self) -> Training | None:
         """None if this was none."""
-        if not self._given and not any(self._judged.values()):
+        if not self._trained:
             return None
         judged = self._judged
         return Training(
@@ -167,10 +168,12 @@ class Cues:
     def _taught_cue(self, message: m.CueGiven) -> None:
         course = self._course
         self._given += 1
+        self._trained = True
         cue = _Open("training", course.t, message.sort, course.tally, course.trial)
         self._taught[message.cue] = (message, cue)
 
     def _taught_answer(self, message: m.CueAnswered) -> None:
+        self._trained = True
         if message.judged in self._judged:
             self._judged[message.judged] += 1
         given = self._taught.pop(message.cue, None)

@@ -33,12 +33,10 @@ class Engaged:
         self._state = STATES[0]
         self._outcome = ""
         self._visitor = ""
-        self._where = ("", "", -1)
         self._entered = 0
         self._settled = 0
         #: Since when somebody is engaged without a break.
         self._engaged_since: int | None = None
-        self._engaged_where = self._where
         self.visits: list[Visit] = []
         course.leaving.append(self._settle)
 
@@ -55,7 +53,7 @@ class Engaged:
         self._settle()
         if self._on:
             self._leave("", cut=True)
-            self._disengage(cut=True)
+            self._disengage("", cut=True)
 
     def _adopted(self, message: m.EngagementAdopted) -> None:
         self._settle()
@@ -96,9 +94,9 @@ class Engaged:
         self._enter()
         if self._told:
             return
-        self._entered = 0
+        self._entered = self._course.begin
         if self._engaged_since is not None:
-            self._engaged_since = 0
+            self._engaged_since = self._course.begin
         for tally, us in self._before:
             self._spend(tally, us)
         self._before.clear()
@@ -112,15 +110,16 @@ class Engaged:
             self._enter()
         else:
             self._leave("", cut=True)
-            self._disengage(cut=True)
+            self._disengage("", cut=True)
             self._on = False
 
     # -- time ---------------------------------------------------------------------------------
 
     def _settle(self) -> None:
         """Count the time up to now where it belongs."""
-        tally, us = self._course.tally, self._course.t - self._settled
-        self._settled = self._course.t
+        course = self._course
+        tally, us = course.tally, course.t - max(self._settled, course.begin)
+        self._settled = course.t
         if us <= 0:
             return
         if not self._there:
@@ -140,46 +139,38 @@ class Engaged:
 
     def _enter(self) -> None:
         self._entered = self._course.t
-        self._here()
         self._engage()
-
-    def _here(self) -> None:
-        course = self._course
-        self._where = (course.participant, course.condition, course.trial)
 
     def _engage(self) -> None:
         if self._state in ENGAGED:
             if self._engaged_since is None:
                 self._engaged_since = self._entered
-                self._engaged_where = self._where
         else:
-            self._disengage(cut=False)
+            self._disengage(self._outcome, cut=False)
 
     def _leave(self, outcome: str, *, cut: bool) -> None:
         """A visit has ended."""
         self._course.tally.length(self._state, self._course.t - self._entered)
-        self._visit(self._state, self._entered, self._where, outcome, cut=cut)
+        self._visit(self._state, self._entered, outcome, cut=cut)
 
-    def _disengage(self, *, cut: bool) -> None:
+    def _disengage(self, outcome: str, *, cut: bool) -> None:
         if self._engaged_since is not None:
             self._course.tally.episodes.add(self._course.t - self._engaged_since)
-            self._visit(ENGAGED_VISIT, self._engaged_since, self._engaged_where, "", cut=cut)
+            self._visit(ENGAGED_VISIT, self._engaged_since, outcome, cut=cut)
             self._engaged_since = None
 
-    def _visit(
-        self, state: str, begin: int, where: tuple[str, str, int], outcome: str, *, cut: bool
-    ) -> None:
-        participant, condition, trial = where
+    def _visit(self, state: str, begin: int, outcome: str, *, cut: bool) -> None:
+        course = self._course
         self.visits.append(
             Visit(
                 state=state,
                 begin=begin,
-                end=self._course.t,
+                end=course.t,
                 outcome=outcome,
                 visitor=self._visitor,
                 cut=cut,
-                participant=participant,
-                condition=condition,
-                trial=trial,
+                participant=course.participant,
+                condition=course.condition,
+                trial=course.trial,
             )
         )

@@ -270,6 +270,7 @@ class Wholeness:
         ended: The session was ended properly.
         left_out: Lines that the reader had to leave out.
         dropped: Lines of actions, and `dropped_samples` of samples, that no disk took.
+        missing: Lines of actions that are gone without a trace, as the checkpoints count them.
         segments: Files of actions that the log consists of.
         verified: The checksums and numbers of all lines were checked.
     """
@@ -279,6 +280,7 @@ class Wholeness:
     left_out: int = 0
     dropped: int = 0
     dropped_samples: int = 0
+    missing: int = 0
     segments: int = 1
     verified: bool = False
 

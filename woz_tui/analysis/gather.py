@@ -97,13 +97,13 @@ class Gatherer:
             experiment_sha256=start.experiment_sha256 if start else "",
             title=setting.title,
             started=_began(start),
-            duration_us=course.t,
+            duration_us=course.t - course.begin,
             ended=setting.ended,
             window_us=self._options.window_us,
             all_trials=self._options.all_trials,
             whole=self._part(counted, trials),
             parts=tuple(self._parts(counted, trials)),
-            cues=tuple(self._told_cues(tallies, counted)),
+            cues=tuple(self._told_cues(tallies)),
             visits=tuple(self._engaged.visits),
             trials=tuple(trials),
             breaks=tuple(course.breaks),
@@ -159,10 +159,9 @@ class Gatherer:
     def _trials_of(self, trials: list[Trial]) -> int:
         return sum(self._options.all_trials or trial.counted for trial in trials)
 
-    def _told_cues(self, tallies: list[Tally], counted: list[Tally]) -> list[Cue]:
-        counting = {id(tally) for tally in counted}
+    def _told_cues(self, tallies: list[Tally]) -> list[Cue]:
         cues = [
-            cue if id(tally) in counting else replace(cue, counted=False)
+            cue if self._course.counts(tally) else replace(cue, counted=False)
             for tally in tallies
             for cue in tally.cues
         ]

@@ -116,7 +116,7 @@ MEASURES: tuple[Measure, ...] = (
             lambda part: seconds(part.gaps.most)),
     Measure(
         "press_median_ms", "ms", "median time from the request of an act by hand to the start of "
-        "its first command in the driver: `latency_us` of the first `command.dispatched`; it "
+        "its first command for a robot: `latency_us` of that command's `command.dispatched`; it "
         "contains the queueing behind an earlier act, not the waits and holds before the command",
         "press", lambda part: milliseconds(part.press.median),
     ),

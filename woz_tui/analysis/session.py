@@ -9,7 +9,7 @@ from pathlib import Path
 from woz_tui.analysis.gather import DEFAULTS, Gatherer, Options
 from woz_tui.analysis.lanes import Drawing
 from woz_tui.analysis.report import Report
-from woz_tui.analysis.wholeness import verified, wholeness
+from woz_tui.analysis.wholeness import Roll, verified, wholeness
 from woz_tui.record.log import Damage, Line, files_of
 from woz_tui.record.stream import messages
 
@@ -55,7 +55,9 @@ def examine(
     gatherer = Gatherer(options)
     drawing = Drawing() if wanted.timeline or wanted.curves else None
     some = 0
+    roll = Roll()
     for message in messages(path, damage, places=places, samples=wanted.curves):
+        roll.take(message)
         if isinstance(message, Line):
             continue
         some += 1
@@ -66,7 +68,7 @@ def examine(
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it holds no session'}")
     found = files_of(path, places, samples=False)
     figures = gatherer.figures(str(path), found.stem)
-    whole = wholeness(figures, damage, found.actions)
+    whole = wholeness(figures, damage, found.actions, roll)
     if wanted.verified:
         whole = verified(whole, path, places)
     timeline = drawing.timeline() if drawing is not None else None

@@ -270,7 +270,8 @@ def _spread(name: str, meaning: str, attribute: str, *, fine: bool) -> Iterator[
 
 LATENCIES = Sheet(
     "latencies",
-    "one row for each session, condition and verb: its commands and how long they took",
+    "one row for each session, condition and verb: a robot's commands and how long they took; "
+    "knobs on their way, and what a robot shows of the engagement model by itself, are not counted",
     (
         *_SESSION,
         *_who(_part),
@@ -359,7 +360,7 @@ TRAININGS = Sheet(
         *_SESSION,
         Column("wizard", "", "wizard's code", lambda it: it.session.wizard),
         Column("started", "", "wall clock at the start, UTC", lambda it: it.session.started),
-        _of("cues", "", "lines `cue.given`"),
+        _of("cues", "", "lines `cue.given`, without those that became void"),
         _of("right", "", "cues that were answered rightly"),
         _of("wrong", "", "cues that were answered by another action"),
         _of("missed", "", "cues that were not answered in time"),

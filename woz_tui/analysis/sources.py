@@ -28,7 +28,7 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
             if parsed is None:
                 problems.append(f"{path}: the name of a log ends in .jsonl")
                 continue
-            key = (path.resolve().parent, parsed.stem)
+            key = (path.parent.resolve(), parsed.stem)
             if key not in found or _rank(path) < _rank(found[key]):
                 found[key] = path
     return sorted(_first_segments(found), key=lambda path: (path.name, str(path))), problems

@@ -141,7 +141,7 @@ class Facts:
         whole = figures.wholeness
         self.trials += len(figures.trials)
         self.left_out.update(trial.outcome for trial in figures.trials if not trial.counted)
-        lost = whole.left_out + whole.dropped
+        lost = whole.left_out + whole.dropped + whole.missing
         self.lost += lost
         self.damaged += bool(lost)
         self.open_logs += not whole.ended

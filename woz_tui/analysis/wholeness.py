@@ -8,18 +8,44 @@ from pathlib import Path
 
 from woz_tui.analysis.figures import SessionFigures, Wholeness
 from woz_tui.core import wire
-from woz_tui.core.messages import Segment
-from woz_tui.record.log import Damage
+from woz_tui.core.messages import AnyMessage, Checkpoint, EngagementShown, Reading, Segment
+from woz_tui.record.log import Damage, Line
 from woz_tui.record.names import FileName
 from woz_tui.record.verify import verify
 
+#: What stands in a log whose first line is lost.
+NO_BEGINNING = "the first line is missing: nobody's codes are known"
 #: What stands in a log that was cut off, or whose session still runs.
 NO_END = "the session has no end: it runs still, or it was cut off"
 
 
-def wholeness(figures: SessionFigures, damage: Damage, actions: Sequence[Path]) -> Wholeness:
+class Roll:
+    """Counts the lines of actions: each checkpoint says how many there must be before it."""
+
+    def __init__(self) -> None:
+        self._lines = 0
+        #: So many were lost before the last checkpoint.
+        self.short = 0
+
+    def take(self, item: AnyMessage | Line) -> None:
+        """The next of the log, unknown ones too."""
+        if isinstance(item, Checkpoint):
+            self.short = max(self.short, item.lines - self._lines)
+        if not isinstance(item, Segment | Reading | EngagementShown):
+            self._lines += 1
+
+
+def wholeness(
+    figures: SessionFigures, damage: Damage, actions: Sequence[Path], roll: Roll
+) -> Wholeness:
     """As far as one pass over the files of `actions` can tell."""
     sentences = damage.sentences()
+    if not figures.schema:
+        sentences.append(NO_BEGINNING)
+    known = damage.torn + damage.damaged + damage.misplaced + damage.dropped
+    missing = max(0, roll.short - known)
+    if missing and not damage.missing:  # else their numbers are named
+        sentences.append(f"{missing} line(s) of actions missing")
     sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(actions)]
     still_open = figures.whole.outcomes.open
     if figures.ended and still_open:
@@ -32,6 +58,7 @@ def wholeness(figures: SessionFigures, damage: Damage, actions: Sequence[Path]) 
         left_out=damage.skipped,
         dropped=damage.dropped,
         dropped_samples=damage.dropped_samples,
+        missing=missing,
         segments=max(1, len(actions)),
     )
 

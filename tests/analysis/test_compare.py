@@ -172,6 +172,22 @@ def test_two_re_runs_of_one_session_are_put_beside_each_other() -> None:
     assert {pair.shift_us for pair in comparison.pairs} == {300}
 
 
+def test_a_re_run_of_a_re_run_is_put_beside_it_from_either_side() -> None:
+    """Both are re-runs, but one of them is what the other one repeats."""
+    first = rerun(commands(5))
+    second = rerun(first, "C", late=800)
+    for a, b, shift in ((first, second, 800), (second, first, -800)):
+        comparison = compare(a, b)
+        assert comparison.by == BY_COMMANDS
+        assert comparison.same
+        assert {pair.shift_us for pair in comparison.pairs} == {shift}
+    gone = second.commands.pop()
+    first.skipped[gone.original] = "this is what the first re-run left out of another log"
+    comparison = compare(first, second)
+    assert [act.id for act in comparison.missing] == [gone.original]
+    assert comparison.why_missing == {}
+
+
 def test_a_re_run_of_another_session_is_aligned_by_names() -> None:
     assert compare(rerun(commands(2)), session(["Nod"], "other")).by == BY_NAMES
 

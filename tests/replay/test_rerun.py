@@ -10,7 +10,16 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.fakes.virtual_time import run_virtual
-from tests.replay.again import HAND, KEY, NOWHERE, over, played_in, player_of, recorded, run_again
+from tests.replay.again import (
+    HAND,
+    KEY,
+    NOWHERE,
+    over,
+    played_in,
+    player_of,
+    recorded,
+    run_again,
+)
 from tests.session.rig import Stage
 from woz_tui.analysis.compare import BY_COMMANDS, compare
 from woz_tui.core import messages as m
@@ -71,7 +80,7 @@ def test_a_second_time_is_like_the_first(tmp_path: Path) -> None:
     one = run_again(tmp_path / "b", log)
     two = run_again(tmp_path / "c", log)
     assert one.calls() == two.calls()
-    assert compare(played_in(one.log), played_in(two.log)).same
+    assert compare(played_in(one.log, "one"), played_in(two.log, "two")).same
 
 
 def test_a_re_run_can_be_run_again(tmp_path: Path) -> None:
@@ -221,3 +230,9 @@ def test_whatever_was_pressed_the_robot_does_the_same_again(
     assert len(comparison.pairs) == len(plan.sent)
     assert len(plan.sent) + len(plan.skipped) == len(presses)
     assert all(abs(pair.shift_us) < 1000 for pair in comparison.pairs)
+    twice = run_again(folder / "c", again.log)
+    assert twice.calls() == again.calls()
+    comparison = compare(played_in(again.log), played_in(twice.log))
+    assert comparison.same, comparison
+    assert comparison.by == BY_COMMANDS
+    assert len(comparison.pairs) == len(plan.sent)

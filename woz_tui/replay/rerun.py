@@ -165,6 +165,10 @@ class Player:
             self._acting = True
             try:
                 moment.act(due)
+            except Exception as error:
+                # What does not go on must not seem to: a headless one would wait for its end.
+                self.end(f"it failed: {type(error).__name__}: {error}")
+                raise
             finally:
                 self._acting = False
         self._finish()

@@ -1,0 +1,88 @@
+"""A re-run at its edges: what came too late, what fails, what had no length then."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+from tests.fakes.virtual_time import run_virtual
+from tests.replay.again import KEY, over, player_of, recorded, run_again, written
+from tests.replay.test_plan import END, START, command, dispatched, done
+from tests.replay.test_rerun import tour
+from tests.session.rig import Stage
+from woz_tui.core import messages as m
+from woz_tui.replay.plan import plan_of
+from woz_tui.replay.rerun import Player
+
+
+def test_what_was_left_out_because_it_was_late_is_not_cut_short(tmp_path: Path) -> None:
+    async def hasty(stage: Stage) -> None:
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(1.5)
+        stage.session.play("Welcome", KEY)
+        await asyncio.sleep(0.1)
+        stage.session.stop("key")
+
+    log = recorded(tmp_path / "a", hasty)
+
+    async def go() -> Player:
+        stage = Stage(tmp_path / "b")
+        player = player_of(stage, plan_of(log))
+        await stage.session.open()
+        player.begin()
+        await asyncio.sleep(1.1)
+        asyncio.get_running_loop().jump(5)  # type: ignore[attr-defined]
+        await over(stage, player)
+        await stage.session.close("test")
+        return player
+
+    player = run_virtual(go())
+    assert player.over is not None
+    assert (player.over.reason, player.sent, player.over.skipped_commands) == ("done", 1, 2)
+
+
+def test_a_re_run_that_fails_is_over_and_says_why(tmp_path: Path) -> None:
+    log = recorded(tmp_path / "a", tour)
+    told: list[object] = []
+
+    def send(command: m.Command, on_end: object) -> m.Command:
+        raise ValueError("no such thing")
+
+    async def go() -> Player:
+        stage = Stage(tmp_path / "b")
+        player = Player(plan_of(log), stage.session.hub, send, lambda run, why: None, told.append)
+        asyncio.get_running_loop().set_exception_handler(lambda loop, context: told.append(context))
+        await stage.session.open()
+        player.begin()
+        await over(stage, player)
+        await asyncio.sleep(30)
+        await stage.session.close("test")
+        return player
+
+    player = run_virtual(go())
+    assert player.over is not None
+    assert player.over.reason == "it failed: ValueError: no such thing"
+    assert player.sent == 1
+    assert told[0] == player.over
+    assert len(told) == 2
+
+
+def test_a_command_that_began_and_was_cut_in_one_moment_is_cut_short(tmp_path: Path) -> None:
+    """Beginning comes before the end, also where the log's clock cannot tell them apart."""
+    log = written(
+        tmp_path / "made.jsonl",
+        [
+            (0, START),
+            (1, command("c0", "say", args={"text": "Hello"})),
+            (1, dispatched("c0")),
+            (1, m.Stopped(command="c0", driver="robot", reason="stop pressed")),
+            (2, command("c1", "play", args={"move": "nod"})),
+            (2, dispatched("c1")),
+            (2.2, done("c1")),
+            (9, END),
+        ],
+    )
+    again = run_again(tmp_path / "b", log)
+    ends = [line for line in again.stage.lines if isinstance(line, m.End)]
+    assert [type(end).__name__ for end in ends] == ["Stopped", "Done"]
+    assert ends[0].reason == "cut short as it was then: stop pressed"

@@ -141,21 +141,25 @@ def _farewell(arguments: argparse.Namespace, log: Path) -> int:
     return 0
 
 
+#: Cells of a row without the experiment's title.
+_FIGURES = 73
+
+
 def _print(scores: Sequence[Score]) -> None:
     from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
-    table = Table(box=None, padding=(0, 1, 0, 0), header_style="bold")
+    console = Console(highlight=False)
+    table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
     table.add_column("wizard", no_wrap=True, min_width=6)
     table.add_column("day (UTC)", no_wrap=True, min_width=10)
-    table.add_column("experiment", no_wrap=True, overflow="ellipsis")
-    for name in ("cues", "right", "wrong", "missed", "uncalled", "score"):
+    room = max(3, console.width - _FIGURES)
+    table.add_column("experiment", no_wrap=True, overflow="ellipsis", max_width=room)
+    for name in ("cues", "right", "wrong", "missed", "uncalled", "score", "median", "p95"):
         table.add_column(name, justify="right", no_wrap=True, min_width=len(name))
-    for name in ("median", "p95"):
-        table.add_column(name, justify="right", no_wrap=True, min_width=len("median"))
     for score in scores:
         table.add_row(*_row(score))
-    Console(highlight=False).print(table)
+    console.print(table)
 
 
 def _row(score: Score) -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,10 @@ from tests.host.rig import WAIT_S, Peer, Served, served
 from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, START, command, dispatched, done
 from woz_tui.core import messages as m
+from woz_tui.experiment.decode import load
 from woz_tui.host import rerun as host_rerun
 from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
+from woz_tui.plugins import installed
 from woz_tui.session.identity import AskError
 
 
@@ -139,6 +142,37 @@ async def test_headless_it_is_stopped_when_whoever_watched_is_gone(tmp_path: Pat
         assert [line for line in it.lines if isinstance(line, m.StopConfirmed)]
 
 
+async def test_headless_it_goes_on_while_somebody_watches(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        program, watcher = await it.connect(), await it.connect()
+        await program.hello("program")
+        await watcher.hello("watcher")
+        begun(it, log_of(tmp_path, *["play"] * 4), headless=True)
+        await program.kind("rerun.sent")
+        program.leave()
+        assert (await ended(it)).reason == "done"
+
+
+async def test_one_that_is_over_is_stopped_by_nobody(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        program = await it.connect()
+        await program.hello("program")
+        begun(it, log_of(tmp_path, "play"), headless=True)
+        await ended(it)
+        program.leave()
+        await it.published(lambda message: isinstance(message, m.ConsoleLost))
+        assert not it.session.bus.latched
+
+
+async def test_what_waited_for_its_lane_then_waits_again(tmp_path: Path) -> None:
+    """That it took another one's place would stand in the log as that one's end."""
+    async with served(tmp_path) as it:
+        begun(it, log_of(tmp_path, "play", "play", every=0.01), headless=True)
+        await ended(it)
+        ends = [line for line in it.lines if isinstance(line, m.End)]
+        assert [type(end) for end in ends] == [m.Done, m.Done]
+
+
 async def test_a_stop_before_it_begins_ends_it_too(tmp_path: Path) -> None:
     async with served(tmp_path) as it:
         begun(it, log_of(tmp_path, "say"))
@@ -168,4 +202,10 @@ async def test_a_log_without_a_command_is_refused(tmp_path: Path) -> None:
             read_plan(RerunOptions(log), it.session.experiment)
         with pytest.raises(AskError, match="name of a log ends"):
             read_plan(RerunOptions(Path(__file__)), it.session.experiment)
-        assert without_model(it.session.experiment).engagement is None
+
+
+def test_the_model_takes_no_part() -> None:
+    drivers = installed()
+    guide = load(Path(__file__).parents[2] / "experiments" / "guide.yaml", drivers)
+    assert guide.engagement is not None
+    assert without_model(guide) == replace(guide, engagement=None)

@@ -1,23 +1,79 @@
-"""What of an experiment is left in a training."""
+"""A training in the robot process: who must be there for it, and what is said of it."""
 
 from __future__ import annotations
 
+import asyncio
 from pathlib import Path
 
-from woz_tui.experiment.decode import load
-from woz_tui.host.training import without_participant
-from woz_tui.plugins import installed
+import pytest
 
-STUDY = Path(__file__).parents[2] / "experiments" / "study.yaml"
+from tests.host.rig import Served, served
+from woz_tui.core import messages as m
+from woz_tui.host import training
+from woz_tui.host.training import NOBODY, TrainingSession, in_training
+from woz_tui.session.identity import Identity
+from woz_tui.training.plan import PlannedCue
+
+APPROACH = PlannedCue("approach", "", ("Hello",), 30_000_000, 1_000)
 
 
-def test_nobody_is_asked_anything_in_a_training() -> None:
-    whole = load(STUDY, installed())
-    assert whole.study.questionnaires
-    assert whole.study.preflight
-    left = without_participant(whole)
-    assert left.study.questionnaires == ()
-    assert left.study.preflight == ()
-    kept = ("design", "perception", "shaping", "training")
-    assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
-    assert left.panels == whole.panels
+@pytest.fixture(autouse=True)
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first cue comes at once."""
+    monkeypatch.setattr(training, "WARNING_S", 0.01)
+
+
+def notices(it: Served) -> list[str]:
+    return [line.text for line in it.lines if isinstance(line, m.Notice)]
+
+
+async def test_it_begins_with_a_wizard_and_says_how_it_went(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        session = TrainingSession(it.host, (APPROACH,))
+        watcher = await it.connect()
+        await watcher.hello("watcher")
+        await watcher.ask("marker", text="nobody plays yet")
+        assert notices(it) == []
+        wizard = await it.connect()
+        await wizard.hello("wizard")
+        await it.published(lambda line: isinstance(line, m.CueGiven))
+        assert (await wizard.ask("action", action="Hello", source="key"))["ok"]
+        await it.published(lambda line: isinstance(line, m.Notice) and "is over" in line.text)
+        assert notices(it) == [
+            "training: 1 cue, the first one soon; nothing moves",
+            "the training is over: 1 right",
+        ]
+        session.end()
+
+
+async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        session = TrainingSession(it.host, (APPROACH, APPROACH))
+        first, second = await it.connect(), await it.connect()
+        await first.hello("wizard")
+        await it.published(lambda line: isinstance(line, m.CueGiven))
+        await second.hello("wizard", take_over=True)
+        await second.ask("action", action="Welcome", source="key")
+        await it.published(lambda line: isinstance(line, m.CueAnswered))
+        assert len(notices(it)) == 1
+        session.end()
+
+
+async def test_a_session_that_ends_before_it_begins_gives_no_cue(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(training, "WARNING_S", 0.5)
+    async with served(tmp_path) as it:
+        session = TrainingSession(it.host, (APPROACH,))
+        wizard = await it.connect()
+        await wizard.hello("wizard")
+        session.end()
+        await asyncio.sleep(0.6)
+        assert not [line for line in it.lines if isinstance(line, m.Reading | m.CueGiven)]
+
+
+async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        made = it.session.experiment
+    assert in_training(Identity(), made) == Identity(participant=NOBODY, condition="warm")
+    assert in_training(Identity(condition="cold"), made).condition == "cold"

@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.replay.logs import SECOND, Viewer, reel_of, stamped, story
+from tests.replay.logs import SECOND, START, Viewer, reel_of, stamped, story
 from woz_tui.console.parts import State
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -125,6 +125,43 @@ def test_going_on_after_a_step_leaves_nothing_out() -> None:
     it.do("pause")
     it.wait(0)
     assert it.kinds() == ["command.requested", "command.dispatched"]
+
+
+def test_a_step_stands_still_there() -> None:
+    it = viewer(at_us=2_900_000)
+    it.do("step")
+    it.wait(600)
+    assert (it.player.t, it.player.paused) == (3 * SECOND, True)
+
+
+def test_what_is_asked_is_done_at_the_moment_at_which_it_is_asked() -> None:
+    """What has become due since the last look at the time comes before the reply."""
+    it = viewer()
+    it.now = 6 * SECOND
+    it.kinds()
+    it.do("pause")
+    assert it.kinds()[-1] == "marker"
+    assert it.player.t == 6 * SECOND
+
+
+def test_samples_and_lines_come_in_the_order_of_their_numbers() -> None:
+    messages = stamped(
+        [
+            (0, START),
+            (1, m.reading("distance", 1.0)),
+            (2, m.Marker(text="between")),
+            (3, m.reading("loudness", 0.1)),
+            (4, m.reading("distance", 2.0)),
+            (5, m.Marker(text="after")),
+            (6, m.reading("presence", 1.0)),
+            (9, m.Marker()),
+        ]
+    )
+    it = Viewer(reel_of(messages))
+    it.heard = []
+    it.wait(7)
+    told = [each for each in it.heard if isinstance(each, m.Message)]
+    assert [each.seq for each in told] == [2, 3, 4, 5, 6]
 
 
 def test_seeking_begins_anew_with_everything_that_held() -> None:

@@ -217,6 +217,27 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
     assert it.picture.title == "Reloaded"
 
 
+def test_a_model_that_a_reload_took_away_holds_no_more() -> None:
+    def plan(engagement: m.Json) -> m.SessionPlan:
+        settings = {**PLAN.settings, "engagement": engagement}
+        return msgspec.structs.replace(PLAN, settings=settings)
+
+    changed = m.EngagementChanged(
+        was="Wait", now="PersonDetected", outcome="", why="presence", verdicts={}
+    )
+    timed: list[Timed] = [
+        (0, START),
+        (1, plan({"signs": []})),
+        (2, changed),
+        (5, plan({})),
+        (9, m.Marker()),
+    ]
+    reel = reel_of(stamped(timed))
+    for index, there in ((3, True), (4, False), (5, False)):
+        state = reel.moment(index, reel.times[index - 1]).state
+        assert any(isinstance(held, m.EngagementChanged) for held in state) is there
+
+
 def _blind() -> m.SessionPlan:
     study = PLAN.settings["study"]
     assert isinstance(study, dict)

@@ -86,3 +86,32 @@ def test_a_command_that_began_and_was_cut_in_one_moment_is_cut_short(tmp_path: P
     ends = [line for line in again.stage.lines if isinstance(line, m.End)]
     assert [type(end).__name__ for end in ends] == ["Stopped", "Done"]
     assert ends[0].reason == "cut short as it was then: stop pressed"
+
+
+def test_a_last_command_that_is_refused_at_once_is_told_before_the_end(tmp_path: Path) -> None:
+    lines: list[tuple[float, m.AnyMessage]] = [(0, START)]
+    for number in range(2):
+        name = f"c{number}"
+        move = {"move": f"m{number}"}
+        lines += [(number, command(name, "play", args=move)), (number, dispatched(name))]
+    log = written(tmp_path / "made.jsonl", [*lines, (5, done("c0")), (5, done("c1")), (9, END)])
+
+    async def latch(stage: Stage) -> None:
+        stage.session.bus.latched = True  # nobody presses anything: it is only refused
+
+    again = run_again(tmp_path / "b", log, latch)
+    told = [type(line) for line in again.of(m.RerunSent, m.Refused, m.RerunEnded)]
+    assert told == [m.Refused, m.RerunSent, m.Refused, m.RerunSent, m.RerunEnded]
+    assert again.player.over is not None
+    assert (again.player.over.reason, again.player.over.sent_again) == ("done", 2)
+
+
+def test_it_begins_once(tmp_path: Path) -> None:
+    log = recorded(tmp_path / "a", tour)
+
+    async def begin_again(stage: Stage) -> None:
+        await asyncio.sleep(60)
+
+    again = run_again(tmp_path / "b", log, begin_again)
+    again.player.begin()
+    assert len(again.of(m.RerunStarted)) == 1

@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from woz_tui.core import messages as m
 from woz_tui.experiment.shape import Experiment, Together
 from woz_tui.experiment.verbs import PERFORMERS
+from woz_tui.host.rerun import counted
 from woz_tui.host.server import Host
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.training.plan import PlannedCue, planned
@@ -95,7 +96,8 @@ class TrainingSession:
             case m.ConsoleAttached(role="wizard") if not self._begun:
                 self._begun = True
                 self._notice(
-                    f"training: {len(self._cues)} cues, the first one soon; nothing moves",
+                    f"training: {counted(len(self._cues), 'cue')}, the first one soon;"
+                    " nothing moves",
                     "answer each with the right key; ctrl+q ends it",
                 )
                 loop = asyncio.get_running_loop()

@@ -57,6 +57,39 @@ def test_events_know_their_trial_and_condition(tmp_path: Path) -> None:
     assert only(session, "questionnaire").trial is None, "after the trial's end"
 
 
+def test_a_break_inside_a_trial_and_the_next_number_belong_to_no_trial(tmp_path: Path) -> None:
+    course: list[Timed] = [
+        (0, start()),
+        (1, m.SessionChanged(trial=1)),
+        (1, m.ConditionsAssigned(participant="P07", order=["warm"], method="hand")),
+        (2, m.Note(text="before")),
+        (3, m.TrialStarted(trial=1)),
+        (4, m.Note(text="in it")),
+        (5, m.BreakStarted()),
+        (6, m.Note(text="break")),
+        (7, m.BreakEnded()),
+        (8, m.Note(text="on")),
+        (9, m.TrialEnded(trial=1, outcome="done")),
+        (10, m.Note(text="after")),
+        (11, m.TrialStarted(trial=2)),
+        (12, m.BreakStarted()),
+        (13, m.TrialEnded(trial=2, outcome="aborted")),
+        (14, m.BreakEnded()),
+        (15, m.Note(text="late")),
+    ]
+    events = session_of(tmp_path, course).events
+    assert {event.text: event.trial for event in events if event.kind == "note"} == {
+        "before": None, "in it": 1, "break": None, "on": 1, "after": None, "late": None,
+    }  # fmt: skip
+    assert [event.trial for event in events if event.kind == "trial"] == [1, 2]
+    assert [event.trial for event in events if event.kind == "break"] == [None, None]
+
+
+def test_a_number_set_by_hand_holds_in_a_session_without_trials(tmp_path: Path) -> None:
+    course: list[Timed] = [(0, start()), (1, m.SessionChanged(trial=3)), (2, m.Note(text="x"))]
+    assert only(session_of(tmp_path, course), "note").trial == 3
+
+
 def test_the_last_answer_counts_and_has_its_scale(tmp_path: Path) -> None:
     session = session_of(tmp_path, visit())
     friendly, other = session.answers

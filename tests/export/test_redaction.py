@@ -12,10 +12,11 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.export import secrets as told_secrets
-from tests.export.logs import STEM, speak, start, visit, write
+from tests.export.logs import STEM, session_of, speak, start, visit, write
 from tests.export.out import exported
 from tests.export.secrets import Secrets
 from woz_tui.core import messages as m
+from woz_tui.core.envelope import Json
 from woz_tui.export.export import FORMATS
 from woz_tui.export.redaction import KEPT_IN, PLACEHOLDER, redacted
 from woz_tui.record.verify import verify
@@ -150,3 +151,12 @@ def test_types_stay_as_they_are(fields: dict[str, object]) -> None:
 @given(_FIELDS)
 def test_twice_is_as_once(fields: dict[str, object]) -> None:
     assert redacted(redacted(fields)) == redacted(fields)
+
+
+def test_objects_as_deep_as_a_reader_takes_them_are_no_trouble(tmp_path: Path) -> None:
+    args: Json = "secret"
+    for _ in range(900):
+        args = {"a": args}
+    say = m.Command(command="c1", verb="say", args={"a": args}, source="key")
+    session = session_of(tmp_path, [(0, start()), (1, say)], redact=True)
+    assert "secret" not in str(session.events)

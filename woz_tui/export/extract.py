@@ -13,6 +13,7 @@ from typing import Any
 from woz_tui.core import messages as m
 from woz_tui.export.course import OPEN, Answer, Clip, Event, Session
 from woz_tui.export.moments import NO_EVENTS, details, moment
+from woz_tui.export.trials import Trials
 from woz_tui.record.log import Line
 
 _SAY = "say"
@@ -27,7 +28,7 @@ class Extractor:
         self._folder = folder
         self._participant = ""
         self._condition = ""
-        self._trial: int | None = None
+        self._trials = Trials()
         #: What has begun and not ended, by sort and id.
         self._open: dict[tuple[str, object], Event] = {}
         self._actions: dict[str, Event] = {}
@@ -185,20 +186,23 @@ class Extractor:
         match message:
             case m.TrialStarted(trial=trial, condition=condition):
                 self._close(("trial", ""), line.t)
-                self._trial, self._condition = trial, condition or self._condition
+                self._trials.begin(trial)
+                self._condition = condition or self._condition
                 event = moment(line.seq, line.t, "trial", line.fields)
                 event.label = str(trial)
                 return self._begin(("trial", ""), event)
             case m.TrialEnded(outcome=outcome, text=text):
-                self._trial = None
+                self._trials.end()
                 return self._end(("trial", ""), line, outcome, text=text)
             case m.BreakStarted(text=text):
                 self._close(("break", ""), line.t)
+                self._trials.pause()
                 event = moment(line.seq, line.t, "break", line.fields)
                 event.text = text
                 event.details.pop("text", None)
                 return self._begin(("break", ""), event)
             case m.BreakEnded(text=text):
+                self._trials.resume()
                 return self._end(("break", ""), line, "done", text=text)
 
     def _stop(self, message: m.StopPressed | m.StopConfirmed | m.StopReleased, line: Line) -> bool:
@@ -272,13 +276,15 @@ class Extractor:
 
     def _context(self, event: Event) -> Event:
         event.participant, event.condition = self._participant, self._condition
-        event.trial = self._trial
+        event.trial = self._trials.number
         return event
 
     def _noted(self, message: m.AnyMessage) -> None:
         match message:
             case m.SessionChanged():
                 self._changed(message)
+            case m.ConditionsAssigned():
+                self._trials.plan()
             case m.Mistake(run=run):
                 if run in self._actions:
                     self._actions[run].mistake = True
@@ -289,7 +295,7 @@ class Extractor:
         if message.condition is not None:
             self._condition = message.condition
         if message.trial is not None:
-            self._trial = message.trial
+            self._trials.set(message.trial)
 
     def _name_the_first(self) -> None:
         """What happened before anybody's code was set belongs to whoever came first."""

@@ -14,6 +14,8 @@ from typing import Any
 from woz_tui.core.messages import Json
 
 PLACEHOLDER = "[redacted]"
+#: Objects within objects; what is deeper is none of ours.
+_DEEPEST = 30
 
 #: Fields whose texts (or lists of texts) stay: codes, ids, words of the program, and the labels
 #: that the experiment file gives to actions, panels, conditions and the like.
@@ -80,15 +82,19 @@ def _flat(value: Any) -> bool:
     return not any(isinstance(item, dict | list) for item in items)
 
 
-def _without_words(value: Any, kept: frozenset[str]) -> Json:
+def _without_words(value: Any, kept: frozenset[str], depth: int = 0) -> Json:
     match value:
+        case list() | dict() if depth >= _DEEPEST:
+            return PLACEHOLDER
         case str():
             return PLACEHOLDER if value else ""
         case list():
-            return [_without_words(item, kept) for item in value]
+            return [_without_words(item, kept, depth + 1) for item in value]
         case dict():
             return {
-                _name(name): item if name in kept and _flat(item) else _without_words(item, kept)
+                _name(name): item
+                if name in kept and _flat(item)
+                else _without_words(item, kept, depth + 1)
                 for name, item in value.items()
             }
         case None | bool() | int() | float():

@@ -101,6 +101,78 @@ async def test_what_a_trial_demands_is_offered_when_it_is_done() -> None:
         assert (asked.questionnaire, asked.what) == ("quick", "begin")
 
 
+async def test_what_an_excluded_trial_demands_is_offered_too() -> None:
+    """The last trial of a condition has a questionnaire about the condition behind it."""
+    block: m.Json = [{**studied.QUICK, "when": "condition"}]
+    told = studied.told(questionnaires=block)
+    async with sitting(studied.welcome(studied.trial(4), study=told)) as seat:
+
+        def excluded(asked: r.AnyRequest, ref: int) -> r.Reply:
+            seat.feed.deliver(over(4, "excluded"))
+            return r.Reply(ref=ref, ok=True)
+
+        seat.feed.answers[r.AskTrial] = excluded
+        await seat.press("asterisk", "x", "enter")
+        await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+
+
+async def test_one_questionnaire_after_the_other_is_offered() -> None:
+    both: m.Json = [studied.QUICK, {**studied.ROBOT, "when": "trial"}]
+    told = studied.told(questionnaires=both)
+    async with sitting(studied.welcome(studied.trial(), study=told)) as seat:
+        await seat.tell(over(), studied.started(studied.QUICK))
+        await seat.press("asterisk", "q")
+        await seat.settle()
+        await seat.tell(studied.ended("quick"))
+        await seat.until(lambda: isinstance(seat.console.dialog, OfferDialog))
+        await seat.settle()
+        assert "You and the robot" in seat.drawn()
+
+
+@pytest.mark.parametrize(
+    ("number", "outcome", "offered"),
+    [
+        (3, "done", "begin trial 4"),
+        (3, "excluded", "begin trial 4"),
+        (3, "aborted", "begin trial 3 again"),
+    ],
+)
+async def test_the_trial_to_be_begun_is_named(number: int, outcome: str, offered: str) -> None:
+    told = studied.told(trial=number)
+    async with sitting(studied.welcome(studied.trial(number), study=told)) as seat:
+        await seat.tell(over(number, outcome))
+        await seat.press("asterisk")
+        await seat.settle()
+        assert f"{offered}  " in seat.drawn()
+
+
+async def test_a_trial_that_is_set_by_hand_is_the_next_one() -> None:
+    async with sitting(studied.welcome(studied.trial(4))) as seat:
+        await seat.tell(over(4), m.SessionChanged(trial=2, t=NOW))
+        await seat.press("asterisk")
+        await seat.settle()
+        assert " b   begin trial 2 again" in seat.drawn()
+
+
+async def test_when_all_trials_are_over_none_can_be_begun() -> None:
+    async with sitting(studied.welcome(studied.trial(4))) as seat:
+        await seat.tell(over(4))
+        await seat.press("asterisk")
+        await seat.settle()
+        assert "all 4 trials are over" in seat.drawn()
+        assert "begin trial" not in seat.drawn()
+
+
+async def test_who_comes_late_hears_which_trial_is_next() -> None:
+    late = studied.welcome(
+        m.SessionChanged(participant="P07", trial=3, t=NOW), study=studied.told(trial=4)
+    )
+    async with sitting(late) as seat:
+        await seat.press("asterisk")
+        await seat.settle()
+        assert "begin trial 4" in seat.drawn()
+
+
 async def test_at_the_participants_terminal_the_wizard_goes_on_playing() -> None:
     there = m.ConsoleAttached(console="con2", role="participant", t=NOW)
     async with sitting(studied.welcome(there)) as seat:

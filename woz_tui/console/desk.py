@@ -156,11 +156,17 @@ class Desk:
         self._open(OfferDialog(questionnaire, otherwise))
 
     def trial_over(self, reply: r.Reply) -> None:
-        """A trial is done: what is to be asked now is offered."""
+        """A trial is over: what is to be asked now is offered."""
         if not reply.ok:
             self.refused(reply)
-        elif self._console.picture.study.due and self._console.picture.study.asked is None:
-            self.offer(self._console.picture.study.due[0])
+        else:
+            self.offer_due()
+
+    def offer_due(self) -> None:
+        """Offer what is to be asked now, if anything is and nothing is being asked."""
+        study = self._console.picture.study
+        if study.due and study.asked is None:
+            self.offer(study.due[0])
 
     def do_preflight(self) -> None:
         """Run the checks."""

@@ -169,6 +169,8 @@ class Picture:
         for raw in welcome.state:
             self._raw(raw, tell=False)
         self.study.read_tidings()  # old ones
+        if isinstance(told := self.settings.get("study"), dict):
+            self.study.reach(told)  # of old messages only the last of each kind is there
 
     def _raw(self, raw: msgspec.Raw, tell: bool) -> None:
         try:

@@ -37,6 +37,11 @@ class QuestionnaireDialog(Dialog):
         asked, lost = self.picture.study.asked, bool(self.picture.lost)
         for sheet in self.query(Sheet):
             if asked is None and not lost and self.picture.welcomed:
-                self.call_later(self.leave)
+                self.call_later(self._over)
             elif asked is not None:
                 sheet.follow(asked)
+
+    def _over(self) -> None:
+        """What is to be asked behind it is offered."""
+        self.leave()
+        self.desk.offer_due()

@@ -18,6 +18,7 @@ from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import Dialog, content
 from woz_tui.console.study.picture import Study
 from woz_tui.core.requests import AskQuestionnaire, AskTrial, Reply
+from woz_tui.experiment.due import OVER
 
 if TYPE_CHECKING:
     from woz_tui.console.desk import Desk
@@ -182,8 +183,8 @@ def steps(study: Study) -> list[Step]:
             Step("a", "aborted: it will be run again", _trial("aborted"), asks=True),
             Step("x", "excluded: not to be analysed", _trial("excluded"), asks=True),
         ]
-    else:
-        found.append(Step("b", "begin the next trial", _trial("begin")))
+    elif not study.all_over:
+        found.append(Step("b", _beginning(study), _trial("begin")))
     if study.break_began is None:
         found.append(Step("p", "pause: a break", _trial("break")))
     if study.asked is None:
@@ -194,6 +195,12 @@ def steps(study: Study) -> list[Step]:
     return found
 
 
+def _beginning(study: Study) -> str:
+    """`begin trial 3`, or that it is run again."""
+    again = study.last is not None and study.next <= study.last[0]
+    return f"begin trial {study.next}{' again' if again else ''}"
+
+
 def stands(study: Study, now: int) -> str:
     """`trial 3 of 12, 02:41`."""
     of = f" of {study.planned}" if study.planned else ""
@@ -201,6 +208,8 @@ def stands(study: Study, now: int) -> str:
         return f"break, {elapsed(now - study.break_began)}"
     if study.trial is not None:
         return f"trial {study.trial.number}{of}, {elapsed(now - study.trial.began)}"
+    if study.all_over:
+        return f"all {study.planned} trials are over"
     if study.last is not None:
         number, outcome = study.last
         return f"trial {number}{of} is over: {outcome}"
@@ -245,6 +254,6 @@ def _leave(name: str) -> Callable[[Desk, str], None]:
 def _trial(what: str) -> Callable[[Desk, str], None]:
     def do(desk: Desk, why: str) -> None:
         request = AskTrial(what=what, text=why)  # type: ignore[arg-type]
-        desk.ask(request, desk.trial_over if what == "done" else None)
+        desk.ask(request, desk.trial_over if what in OVER else None)
 
     return do

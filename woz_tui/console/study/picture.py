@@ -53,6 +53,8 @@ class Study:
     order: tuple[str, ...] = ()
     planned: int = 0
     trial: Trial | None = None
+    #: The number of the next trial, or of the present one.
+    next: int = 1
     #: The last trial that is over: its number and how it ended.
     last: tuple[int, str] | None = None
     break_began: int | None = None
@@ -73,6 +75,11 @@ class Study:
         """Whether trials are counted: by the design, or because one has been begun."""
         running = self.trial is not None or self.break_began is not None
         return self.designed or running or self.last is not None
+
+    @property
+    def all_over(self) -> bool:
+        """Whether the participant has had all trials that were planned."""
+        return self.trial is None and self.next > self.planned > 0
 
     def questionnaire(self, name: str) -> Questionnaire | None:
         """The questionnaire of this name."""
@@ -110,8 +117,14 @@ class Study:
             self.order = tuple(order)
         if isinstance(planned := told.get("planned"), int):
             self.planned = planned
+        self.reach(told)
         if (due := _names(told.get("due"))) is not None:
             self.due = due
+
+    def reach(self, told: Mapping[str, Json]) -> None:
+        """Which trial is next, as the robot process says."""
+        if isinstance(following := told.get("trial"), int):
+            self.next = following
 
     def take(self, message: m.Message) -> None:
         """Work a message in; others than those of the study are passed over."""
@@ -123,7 +136,7 @@ class Study:
         """Another participant has another order, and has been asked nothing yet."""
         if participant != self.participant:
             self.participant, self.order, self.planned = participant, (), 0
-            self.last, self.due, self.over = None, [], set()
+            self.last, self.next, self.due, self.over = None, 1, [], set()
 
     def _start(self, told: m.SessionStart) -> None:
         self._somebody(told.participant)
@@ -131,6 +144,8 @@ class Study:
     def _change(self, told: m.SessionChanged) -> None:
         if told.participant is not None:
             self._somebody(told.participant)
+        if told.trial is not None:
+            self.next = told.trial
 
     def _assign(self, told: m.ConditionsAssigned) -> None:
         self._somebody(told.participant)
@@ -139,6 +154,7 @@ class Study:
 
     def _begin(self, told: m.TrialStarted) -> None:
         self.trial, self.break_began = Trial(told.trial, told.t, told.condition), None
+        self.next = told.trial
         self.planned, self.due = told.planned or self.planned, []
         missing = self.unticked() if self.last is None else []
         if missing:
@@ -149,6 +165,7 @@ class Study:
     def _end(self, told: m.TrialEnded) -> None:
         self.trial, self.break_began, self.last = None, None, (told.trial, told.outcome)
         if told.outcome in OVER:
+            self.next = told.trial + 1
             whens = due_behind(told.trial, told.outcome, trials=self.trials, planned=self.planned)
             self.due = [
                 one.name for when in whens for one in self.questionnaires if one.when == when

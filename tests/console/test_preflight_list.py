@@ -145,8 +145,8 @@ async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
     ("judged", "reaction_us", "told", "listed"),
     [
         ("right", 1_240_000, "right, 1.2 s", "✓ Cue answered  1.2 s"),
-        ("wrong", 2_000_000, "wrong, 2.0 s", "✗ Cue answered wrongly  2.0 s"),
-        ("missed", -1, "missed", "▲ Cue missed"),
+        ("wrong", 2_000_000, "wrong, 2.0 s; right: Map (m)", "wrongly  2.0 s, right: Map"),
+        ("missed", -1, "missed; right: Map (m)", "▲ Cue missed  right: Map"),
         ("uncalled", -1, "nothing asked for it", "▲ Nothing asked for it"),
     ],
 )
@@ -163,3 +163,19 @@ async def test_a_trainee_is_told_how_it_was(
         await seat.tell(m.CueAnswered(cue="q1", judged=judged, reaction_us=reaction_us, t=NOW))
         assert told in seat.text("StopBar")
         assert listed in seat.text("Events")
+
+
+async def test_the_label_and_the_key_of_each_right_answer_is_told() -> None:
+    async with sitting(studied.welcome(), size=(160, 50)) as seat:
+        expects = ["Map", "gone from the file"]
+        await seat.tell(m.CueGiven(cue="q2", sort="leave", expects=expects, window_us=1, t=NOW))
+        await seat.tell(m.CueAnswered(cue="q2", judged="missed", t=NOW))
+        assert "missed; right: Map (m) or gone from the file" in seat.text("StopBar")
+
+
+async def test_a_verdict_on_another_cue_names_nothing() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await seat.tell(m.CueGiven(cue="q2", sort="leave", expects=["Map"], window_us=1, t=NOW))
+        await seat.tell(m.CueAnswered(cue="q1", judged="missed", t=NOW))
+        assert "missed" in seat.text("StopBar")
+        assert "right" not in seat.text("StopBar")

@@ -14,7 +14,7 @@ from textual.app import App, ComposeResult
 from textual.driver import Driver
 from textual.screen import Screen
 
-from woz_tui.console.caps import Cap, cap_of, key_name
+from woz_tui.console.caps import Cap, cap_of, caption, key_name
 from woz_tui.console.cells import Cells
 from woz_tui.console.desk import Desk
 from woz_tui.console.feed import Feed
@@ -180,7 +180,8 @@ class Console(App[str]):
         if (refusal := self.picture.runs.read_refusal()) is not None:
             self.news(refusal.sentence(self.picture.label(refusal.action)), "warn")
         for tiding in self.picture.study.read_tidings():
-            self.news(*tiding)
+            right = " or ".join(map(self._with_key, tiding.right))
+            self.news(f"{tiding.text}; right: {right}" if right else tiding.text, tiding.look)
         for why in self._inbox.losses():
             self.picture.lose(why)
             self.desk.forget()
@@ -270,6 +271,11 @@ class Console(App[str]):
         self._news = News(text, look)
         self._news_until = self.clock.now_us() + round(NEWS_S * 1_000_000)
         self.paint()
+
+    def _with_key(self, action: str) -> str:
+        """`Hello (h)`."""
+        label, cap = self.picture.label(action), self.caps.get(action, Cap(""))
+        return f"{label} ({caption(cap, self.look.glyphs)})" if cap.chord else label
 
     def walk(self, by: int) -> None:
         """Choose another panel."""

@@ -251,6 +251,10 @@ def _of_study(message: m.Message, picture: Picture) -> Event | None:
     missing = picture.study.unticked() if isinstance(message, m.TrialStarted) else []
     if line is not None and missing and picture.study.last is None:
         line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
+    if line is not None and isinstance(message, m.CueAnswered):
+        names = picture.study.right_for(message)
+        right = f"right: {' or '.join(map(picture.label, names))}" if names else ""
+        line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
     return Event(message.t, *line) if line is not None else None
 
 

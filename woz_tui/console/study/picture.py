@@ -17,8 +17,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 from woz_tui.experiment.due import OVER, due_behind
 
-#: A sentence for the wizard and its look, and how many may wait to be read.
-Tiding = tuple[str, str]
+#: Sentences for the wizard that may wait to be read.
 _TIDINGS = 8
 #: What a wizard did with a cue: how it is said, and its look.
 _JUDGED = {
@@ -27,6 +26,16 @@ _JUDGED = {
     "missed": ("missed", "warn"),
     "uncalled": ("nothing asked for it", "warn"),
 }
+
+
+class Tiding(NamedTuple):
+    """A sentence for the wizard and its look. `right`: names of the actions that would have
+    answered a cue.
+    """
+
+    text: str
+    look: str
+    right: tuple[str, ...] = ()
 
 
 class Trial(NamedTuple):
@@ -64,6 +73,8 @@ class Study:
     due: list[str] = field(default_factory=list)
     #: Names of those that were answered or declined in this session.
     over: set[str] = field(default_factory=set)
+    #: The last cue of a training.
+    cue: m.CueGiven | None = None
     #: Consoles at which a participant sits.
     participants: set[str] = field(default_factory=set)
     _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
@@ -96,6 +107,14 @@ class Study:
             for one in self.questionnaires
             if one.when == "end" and one.name not in self.over
         ]
+
+    def right_for(self, told: m.CueAnswered) -> tuple[str, ...]:
+        """Names of the actions that would have answered a cue that was missed or answered wrongly;
+        none for others, or if nobody knows.
+        """
+        known = self.cue is not None and self.cue.cue == told.cue
+        wanted = known and told.judged in ("wrong", "missed")
+        return tuple(self.cue.expects) if wanted and self.cue is not None else ()
 
     def read_tidings(self) -> list[Tiding]:
         """Sentences that nobody has read, oldest first."""
@@ -158,9 +177,8 @@ class Study:
         self.planned, self.due = told.planned or self.planned, []
         missing = self.unticked() if self.last is None else []
         if missing:
-            self._tidings.append(
-                (f"{len(missing)} not ticked in the preflight: {'; '.join(missing)}", "warn")
-            )
+            listed = f"{len(missing)} not ticked in the preflight: {'; '.join(missing)}"
+            self._tidings.append(Tiding(listed, "warn"))
 
     def _end(self, told: m.TrialEnded) -> None:
         self.trial, self.break_began, self.last = None, None, (told.trial, told.outcome)
@@ -203,8 +221,11 @@ class Study:
             self.over.add(told.questionnaire)
             self.due = [name for name in self.due if name != told.questionnaire]
 
+    def _cue(self, told: m.CueGiven) -> None:
+        self.cue = told
+
     def _judge(self, told: m.CueAnswered) -> None:
-        self._tidings.append(judged(told))
+        self._tidings.append(Tiding(*judged(told), self.right_for(told)))
 
     def _attach(self, told: m.ConsoleAttached) -> None:
         if told.role == "participant":
@@ -214,7 +235,7 @@ class Study:
         self.participants.discard(told.console)
 
 
-def judged(told: m.CueAnswered) -> Tiding:
+def judged(told: m.CueAnswered) -> tuple[str, str]:
     """`right, 1.24 s`, with its look."""
     word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
     took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
@@ -247,6 +268,7 @@ _REDUCERS: dict[type[m.Message], Callable[[Study, Any], None]] = {
     m.QuestionnaireStarted: Study._ask,
     m.QuestionnaireAnswered: Study._answer,
     m.QuestionnaireEnded: Study._asked,
+    m.CueGiven: Study._cue,
     m.CueAnswered: Study._judge,
     m.ConsoleAttached: Study._attach,
     m.ConsoleLost: Study._gone,

@@ -229,6 +229,27 @@ async def test_leaving_offers_what_is_asked_at_the_end_first() -> None:
         assert seat.feed.last(r.AskEnd) is not None
 
 
+async def test_leaving_tells_what_the_end_would_cut_off() -> None:
+    async with sitting(studied.welcome(studied.trial(3))) as seat:
+        await seat.tell(studied.started(studied.QUICK))
+        await seat.press("ctrl+q")
+        await seat.settle()
+        drawn = seat.drawn()
+        assert "trial 3 is under way: the end makes it aborted" in drawn
+        assert "This visit: 0 of 1 answered, the end leaves it so" in drawn
+        assert "You and the robot has not been asked" in drawn
+        await seat.press("down", "down", "enter")
+        assert seat.feed.last(r.AskEnd) is not None, "nothing can be asked beside what is asked"
+
+
+async def test_leaving_between_trials_warns_of_nothing() -> None:
+    async with sitting(studied.welcome(studied.trial(3))) as seat:
+        await seat.tell(over(3))
+        await seat.press("ctrl+q")
+        await seat.settle()
+        assert "▲" not in seat.drawn()
+
+
 async def test_what_was_declined_is_not_offered_again() -> None:
     async with sitting(studied.welcome(studied.ended(reason="declined"))) as seat:
         await seat.press("ctrl+q", "down", "down", "enter")

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 from textual.content import Content
 
-from woz_tui.console.cells import Row
+from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import Choice
+from woz_tui.console.study.picture import Study
 
 
 class LeaveDialog(Choice):
@@ -17,8 +18,10 @@ class LeaveDialog(Choice):
     hint = "arrows choose · enter · ctrl+q stays"
 
     def lines(self) -> list[Row]:
-        """Where the log is."""
-        return [(("log: ", "muted"), (self.picture.log or "none", "plain"))]
+        """Where the log is, and what would be cut off."""
+        warning = self.glyphs.warning
+        cut: list[Row] = [((f"{warning} {told}", "warn"),) for told in cut_off(self.picture.study)]
+        return [(("log: ", "muted"), (self.picture.log or "none", "plain")), *cut]
 
     def choices(self) -> Sequence[Content]:
         """Stay, leave it running, end it."""
@@ -29,11 +32,33 @@ class LeaveDialog(Choice):
         ]
 
     def chose(self, index: int) -> None:
-        """Carry it out; what is to be asked at the end is offered first."""
-        due = self.picture.study.open_at_end()
+        """Carry it out; what is to be asked at the end is offered first, unless something is being
+        asked: then the dialog has told of it.
+        """
+        study = self.picture.study
+        due = study.open_at_end() if study.asked is None else []
         if index == 1:
             self.console_app.exit("detached")
         elif index == 2 and due and self.picture.role == "wizard":
             self.desk.offer(due[0], self.desk.end_session)
         elif index == 2:
             self.desk.end_session()
+
+
+def cut_off(study: Study) -> list[str]:
+    """What the end of the session would cut off, a sentence each."""
+    found: list[str] = []
+    if study.trial is not None:
+        found.append(f"trial {study.trial.number} is under way: the end makes it aborted")
+    if study.asked is not None:
+        asked = study.asked
+        count = f"{asked.answered} of {len(asked.items)} answered"
+        found.append(f"{clean(asked.questionnaire.heading)}: {count}, the end leaves it so")
+        others = [name for name in study.open_at_end() if name != asked.name]
+        found += [f"{clean(_title(study, name))} has not been asked" for name in others]
+    return found
+
+
+def _title(study: Study, name: str) -> str:
+    one = study.questionnaire(name)
+    return one.heading if one is not None else name

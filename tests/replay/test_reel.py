@@ -83,7 +83,14 @@ def courses(draw: st.DrawFn) -> list[m.AnyMessage]:
         timed.append((at, message))
     for number in range(draw(st.integers(0, 12))):
         at, took = draw(st.floats(0, 60)), draw(st.floats(0, 10))
-        timed += played(f"a{number}", draw(st.sampled_from(["Hello", "Go"])), at, took)
+        name, held = draw(st.sampled_from(["Hello", "Go"])), draw(st.floats(0, 5) | st.none())
+        pressed, *rest = played(f"a{number}", name, at, took)
+        timed.append(pressed)
+        if held is not None:
+            until = round((at + held) * SECOND)
+            holds = m.ActionHeld(run=f"a{number}", action=name, sort="speech", cued=0, until=until)
+            timed.append((at, holds))
+        timed += [(when + (held or 0.0), message) for when, message in rest]
     return stamped(sorted(timed, key=lambda pair: pair[0]))
 
 

@@ -77,6 +77,22 @@ def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
     assert play(scene).puppet().calls[0] == ("say", {"text": "Hello P07"})
 
 
+def test_a_newcomer_is_told_what_is_held(play: Play) -> None:
+    def standing(stage: Stage) -> list[str]:
+        state = stage.session.standing.state()
+        return [type(line).__name__ for line in state if isinstance(line, m.ActionHeld)]
+
+    async def scene(stage: Stage) -> None:
+        spoken(stage)
+        stage.session.play("Hello", KEY)
+        stage.session.send("say", {"text": "typed"}, "", KEY)  # nothing to be seen before it begins
+        assert standing(stage) == ["ActionHeld"]
+        await asyncio.sleep(4)
+        assert standing(stage) == []
+
+    play(scene)
+
+
 def test_an_answer_that_comes_late_enough_begins_at_once(play: Play) -> None:
     async def scene(stage: Stage) -> None:
         spoken(stage)

@@ -38,11 +38,11 @@ class Standing:
                 self._merge(message)
             case m.ActionRequested(run=run):
                 self._runs[run] = [message]
-            case m.ActionEnd(run=run):
-                self._runs.pop(run, None)
+            case m.ActionHeld(run=run) if run in self._runs:
+                self._runs[run].append(message)
             case m.Command(command=key) | m.Dispatched(command=key) | m.Progress(command=key):
                 self._runs.setdefault(key, []).append(message)
-            case m.End(command=key):
+            case m.ActionEnd(run=key) | m.End(command=key):
                 self._runs.pop(key, None)
             case m.StopReleased():
                 self._single.pop("stop", None)

@@ -98,7 +98,7 @@ def test_what_the_wizard_had_and_saw() -> None:
         "In 1 session the robot answered the end of the visitor's speech no sooner than 0.8 s"
         " after it, plus a random 0 to 0.4 s." in found
     )
-    assert "This held back 1 action, by 0.25 s in the median." in found
+    assert "What would have come sooner was held back: 1 action, by 0.25 s in the median." in found
     assert "In all, 2 actions were asked for, 1 by key and 1 by the script." in found
 
 
@@ -141,3 +141,13 @@ def test_words() -> None:
     assert [listed(words) for words in ([], ["a"], ["a", "b"], ["a", "b", "c"])] == [
         *("", "a", "a and b", "a, b and c")
     ]
+
+
+def test_cues_that_the_end_cut_off_are_not_held_against_the_wizard() -> None:
+    it = Told().add(1, m.Marker(text="x", source="key")).act(2)
+    it.add(55, m.Marker(text="y", source="key"))
+    found = text(told(it.end(60)))
+    assert (
+        "Of 2 cues that wanted an answer, the wizard answered 1 within 10 s (100.0 % of those "
+        "neither overtaken nor cut off by the end)." in found
+    )

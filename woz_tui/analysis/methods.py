@@ -202,8 +202,8 @@ def _production(facts: Facts) -> Iterator[str]:
         )
     if facts.held.median is not None:
         yield (
-            f"This held back {some(facts.held.n, 'action')}, by {_seconds(facts.held.median)} s"
-            " in the median."
+            f"What would have come sooner was held back: {some(facts.held.n, 'action')}, by"
+            f" {_seconds(facts.held.median)} s in the median."
         )
 
 
@@ -288,7 +288,8 @@ def _reacted(facts: Facts) -> Iterator[str]:
     due = facts.fates["answered"] + facts.fates["missed"]
     share = ""
     if due:
-        share = f" ({_per_cent(facts.fates['answered'], due)} of those not overtaken)"
+        left = "neither overtaken nor cut off by the end" if facts.fates["cut"] else "not overtaken"
+        share = f" ({_per_cent(facts.fates['answered'], due)} of those {left})"
     yield (
         f"Of {some(cues, 'cue')} that wanted an answer, the wizard answered"
         f" {facts.fates['answered']} within {_seconds(facts.window_us)} s"

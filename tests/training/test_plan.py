@@ -63,3 +63,17 @@ def test_every_cue_comes_about_equally_often_and_pauses_differ(seed: int, count:
 
 def test_another_seed_gives_another_order() -> None:
     assert planned(with_cues(*CUES), 30, 1) != planned(with_cues(*CUES), 30, 2)
+
+
+def test_nobody_can_learn_the_order_by_heart() -> None:
+    sorts = [cue.sort for cue in planned(with_cues(*CUES), 30, 1)]
+    rounds = {tuple(sorts[first : first + 3]) for first in range(0, 30, 3)}
+    assert len(rounds) > 2
+
+
+def test_what_lies_on_a_locked_panel_is_not_asked_for() -> None:
+    speech, base = MADE.panels
+    for locked, there in ((True, False), (False, True)):
+        panels = (speech, replace(base, locked=locked))
+        cues = planned(replace(MADE, panels=panels), 100, 1)
+        assert any(cue.expects == ("Go",) for cue in cues) is there

@@ -242,6 +242,18 @@ def test_who_turns_away_or_leaves_does_so_with_the_cue(train: Train, sort: str) 
     train([cue(sort, "")], scene)
 
 
+def test_who_is_not_there_has_no_distance(train: Train) -> None:
+    async def scene(course: Course) -> None:
+        await asyncio.sleep(20)
+
+    lines = train([cue()], scene).stage.lines
+    told = [line for line in lines if isinstance(line, m.Reading)]
+    present = [line.value for line in told if line.sensor == "presence"]
+    distance = [line.value for line in told if line.sensor == "distance"]
+    assert {0.0, 1.0} == set(present)
+    assert [value is None for value in distance] == [value == 0.0 for value in present]
+
+
 def test_the_visitor_is_sensed_all_the_time(train: Train) -> None:
     async def scene(course: Course) -> None:
         await asyncio.sleep(20)

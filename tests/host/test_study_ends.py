@@ -1,4 +1,4 @@
-"""The study when a session is about to end, and what a participant at a terminal changes of that."""
+"""The study when a session is about to end, and what a participant at a terminal is to that."""
 
 from __future__ import annotations
 

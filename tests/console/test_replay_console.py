@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from dataclasses import dataclass
@@ -185,6 +186,21 @@ async def test_brackets_change_the_speed(keys: str, rate: float) -> None:
         await seat.press(*keys)
         assert seat.console.picture.rate == rate
         assert f"{rate:g}x" in seat.text("StopBar")
+
+
+async def test_what_hurries_is_painted_less_often() -> None:
+    """At 16x nearly all of the screen changes each time, which a slow line could not carry."""
+    async with watching() as seat:
+        await seat.press(*"]]]]")
+        seen: list[str] = []
+        for _ in range(16):
+            seat.clock.advance(0.1)
+            seat.feed.tick()
+            await seat.settle()
+            seen.append(seat.drawn)
+        changes = sum(before != after for before, after in itertools.pairwise(seen))
+        assert 3 <= changes <= 4
+        assert seat.t == 16 * 1.6 * SECOND
 
 
 async def test_a_dot_steps_and_says_to_which_line() -> None:

@@ -140,8 +140,12 @@ class Console(App[str]):
 
     def _wake(self) -> None:
         """Paint now if the last painting is a beat ago; otherwise the next beat does."""
-        if self.clock.now_us() - self._painted >= BEAT * 1_000_000:
+        if self.clock.now_us() - self._painted >= self._pace() * 1_000_000:
             self.paint()
+
+    def _pace(self) -> float:
+        """Seconds between two paintings at the least."""
+        return BEAT
 
     def _beat(self) -> None:
         """Paint if anything has come or moves with time; otherwise once a second."""

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from woz_tui.console.app import FLASH_S, NEWS_S, Console
+from woz_tui.console.app import BEAT, FLASH_S, NEWS_S, Console
 from woz_tui.console.caps import cap_of
 from woz_tui.console.feed import Feed, Incoming
 from woz_tui.console.inbox import Inbox
@@ -18,6 +19,8 @@ from woz_tui.core.messages import ActionRequested
 from woz_tui.core.requests import Welcome
 from woz_tui.experiment.keymap import key_map
 
+#: Beats between two paintings up to a rate.
+PACES = ((2.0, 1), (4.0, 2), (8.0, 3), (math.inf, 4))
 #: Keys named in the lowest line where there is room: id and word.
 HINTS = (
     ("pause", "pause"),
@@ -68,8 +71,17 @@ class ReplayConsole(Console):
         self._said_until = 0
         self._greeted = False
 
+    def _pace(self) -> float:
+        """The faster it goes, the more of the screen a painting changes: a slow line gets fewer."""
+        return next(beats for rate, beats in PACES if self.picture.rate <= rate) * BEAT
+
     def _beat(self) -> None:
         """As in a session; what hurries is painted as often as it may be."""
+        pace = self._pace()
+        since = self.clock.now_us() - self._painted
+        if pace > BEAT and since < (pace - BEAT / 2) * 1_000_000:
+            self.keyboard.tick()
+            return
         super()._beat()
         if self.picture.rate > 1:
             self._wake()

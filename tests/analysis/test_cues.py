@@ -64,6 +64,37 @@ def test_an_answer_may_come_before_the_line_that_tells_of_the_cue() -> None:
     assert fates(told(it)) == [("speech", "answered", 0.4)]
 
 
+def test_an_act_just_before_the_end_of_speech_is_the_answer() -> None:
+    it = Told().speech(1, 4).act(3.5).act(8).speech(20, 22, 2).act(20.9).end(60)
+    figures = told(it)
+    assert fates(figures) == [("speech", "anticipated", None), ("speech", "missed", None)]
+    assert figures.whole.reactions["all"].times.n == 0
+    assert figures.cues[0].action == "Hello"
+
+
+def test_what_came_before_the_visitor_spoke_answers_something_else() -> None:
+    it = Told().speech(1, 3).act(3.4).speech(3.5, 4, 2).end(30)
+    assert fates(told(it)) == [("speech", "answered", 0.4), ("speech", "missed", None)]
+
+
+def test_a_marker_asks_for_what_comes_after_it() -> None:
+    it = Told().act(2.8).add(3, m.Marker(text="go", source="key")).act(5).end(30)
+    assert fates(told(it)) == [("marker", "answered", 2.0)]
+
+
+def test_the_models_echo_of_an_anticipated_cue_counts_once() -> None:
+    it = Told().speech(1, 3).act(2.9)
+    it.add(
+        3.1,
+        m.EngagementChanged(
+            was="UserSpeaks", now="RobotThinks", outcome="listening", why="", verdicts={}
+        ),
+    )
+    figures = told(it.end(30))
+    assert [fate for _, fate, _ in fates(figures)] == ["anticipated", "anticipated"]
+    assert figures.whole.reactions["all"].cues == 1
+
+
 def test_one_event_is_not_two_cues() -> None:
     it = Told().speech(1, 3)
     it.state(3.1, "UserSpeaks", "RobotThinks").act(5).end(20)

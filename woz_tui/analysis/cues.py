@@ -18,6 +18,10 @@ WINDOW_US = 10_000_000
 #: Two cues within this time stand for one event: the end of speech leads the engagement model into
 #: its next state.
 ECHO_US = 1_000_000
+#: An act within this time before a cue, while the visitor was still speaking or the model still
+#: waiting for the end of it, is the answer: whoever listens hears the end of a sentence coming, and
+#: a microphone reports it late, after a second of silence.
+EARLY_US = 1_000_000
 #: States of the engagement model in which the visitor waits for an answer.
 WAITING = ("RobotThinks",)
 #: Markers that no human has set.
@@ -39,7 +43,7 @@ class _Open:
 class Cues:
     """Matches cues with acts. A cue is open until the next act, the end of the window, or until it
     is overtaken: by another one of its sort, by the visitor going on to speak, or by the engagement
-    model leaving the state.
+    model leaving the state. One that is not a marker may be answered before it comes.
 
     Args:
         course: Where the session stands.
@@ -54,6 +58,7 @@ class Cues:
         self._window = window_us
         self._waiting = frozenset(waiting)
         self._open: dict[str, _Open] = {}
+        self._anticipated: _Open | None = None
         self._acts: deque[tuple[int, str, str]] = deque(maxlen=_KEPT)
         self._taught: dict[str, tuple[m.CueGiven, _Open]] = {}
         self._judged = dict.fromkeys(("right", "wrong", "missed", "uncalled"), 0)
@@ -110,28 +115,39 @@ class Cues:
         course = self._course
         course.tally.speech.add(message.ended - message.began)
         ended = message.ended if 0 <= message.ended <= course.t else course.t
-        self._give("speech", ended, f"utterance {message.segment}")
+        self._give("speech", ended, f"utterance {message.segment}", message.began)
 
     def _engagement(self, message: m.EngagementChanged) -> None:
         self._overtake("engagement")
         if message.now in self._waiting:
-            self._give("engagement", self._course.t, message.now)
+            self._give("engagement", self._course.t, message.now, 0)
 
     def _marker(self, message: m.Marker) -> None:
         if message.source not in UNMEANT:
             self._give("marker", self._course.t, message.text)
 
-    def _give(self, sort: str, t: int, what: str) -> None:
+    def _give(self, sort: str, t: int, what: str, since: int | None = None) -> None:
+        """A cue at `t`. An act after `since` may have anticipated it; None: nothing can."""
         course = self._course
         self._overtake(sort)
         cue = _Open(sort, t, what, course.tally, course.trial)
         others = [each for each in self._open.values() if not each.echo]
+        if self._anticipated is not None:
+            others.append(self._anticipated)
         cue.echo = any(abs(t - each.t) <= ECHO_US for each in others)
-        already = next((act for act in self._acts if act[0] > t), None)
-        if already is not None:
+        early = None if since is None else self._act(max(since, t - EARLY_US), t)
+        if early is not None:
+            if not cue.echo:
+                self._anticipated = cue
+            self._close(cue, "anticipated", action=early[1], run=early[2])
+        elif (already := self._act(t + 1, course.t)) is not None:
             self._answer(cue, *already)
         else:
             self._open[sort] = cue
+
+    def _act(self, begin: int, end: int) -> tuple[int, str, str] | None:
+        """The first act in this time, both ends included."""
+        return next((act for act in self._acts if begin <= act[0] <= end), None)
 
     def _overtake(self, sort: str) -> None:
         cue = self._open.pop(sort, None)

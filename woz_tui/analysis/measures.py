@@ -138,6 +138,9 @@ MEASURES: tuple[Measure, ...] = (
     ),
     Measure("cues_answered", "", "cues that an act by hand answered within the window",
             "answered", lambda part: reactions(part).answered),
+    Measure("cues_anticipated", "", "cues that an act by hand answered up to a second before they "
+            "came: there is no reaction time", "anticipated",
+            lambda part: reactions(part).fates.get("anticipated", 0)),
     Measure("cues_missed", "", "cues that no act by hand answered within the window", "missed",
             lambda part: reactions(part).missed),
     Measure("cues_overtaken", "", "cues that were overtaken before an answer: by another one of "

@@ -281,6 +281,14 @@ def _performance(facts: Facts) -> Iterator[str]:
         )
 
 
+#: Fates of cues to which an answer was not due within the window, in words.
+_NOT_DUE = {
+    "anticipated": "answered before they came",
+    "overtaken": "overtaken",
+    "cut": "cut off by the end",
+}
+
+
 def _reacted(facts: Facts) -> Iterator[str]:
     cues = sum(facts.fates.values())
     if not cues:
@@ -288,8 +296,9 @@ def _reacted(facts: Facts) -> Iterator[str]:
     due = facts.fates["answered"] + facts.fates["missed"]
     share = ""
     if due:
-        left = "neither overtaken nor cut off by the end" if facts.fates["cut"] else "not overtaken"
-        share = f" ({_per_cent(facts.fates['answered'], due)} of those {left})"
+        others = [words for fate, words in _NOT_DUE.items() if facts.fates[fate]]
+        left = f" of those {_neither(others)}" if others else ""
+        share = f" ({_per_cent(facts.fates['answered'], due)}{left})"
     yield (
         f"Of {some(cues, 'cue')} that wanted an answer, the wizard answered"
         f" {facts.fates['answered']} within {_seconds(facts.window_us)} s"
@@ -348,6 +357,11 @@ def listed(words: Sequence[str], last: str = "and") -> str:
     if len(words) < 2:
         return "".join(words)
     return f"{', '.join(words[:-1])} {last} {words[-1]}"
+
+
+def _neither(words: Sequence[str]) -> str:
+    """`not a`, `neither a nor b`, `neither a, b nor c`."""
+    return f"not {words[0]}" if len(words) == 1 else f"neither {listed(words, 'nor')}"
 
 
 def _were(count: int) -> str:

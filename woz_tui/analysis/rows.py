@@ -7,7 +7,7 @@ from dataclasses import dataclass
 #: What can be a cue. `training` are those of `woz train`.
 CUE_SORTS = ("speech", "engagement", "marker", "training")
 #: What can become of a cue.
-CUE_FATES = ("answered", "missed", "overtaken", "cut")
+CUE_FATES = ("answered", "anticipated", "missed", "overtaken", "cut")
 #: Outcomes of trials whose data do not count unless somebody wants all of them.
 NOT_COUNTED = ("aborted", "excluded")
 

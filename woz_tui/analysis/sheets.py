@@ -198,7 +198,7 @@ REACTIONS = Sheet(
         Column("t_s", "s", "moment of the cue, from the session's start", _begin),
         _of("sort", "", "speech, engagement, marker or training"),
         _of("what", "", "the utterance, the state, the marker's text, the trained cue"),
-        _of("fate", "", "answered, missed, overtaken or cut"),
+        _of("fate", "", "answered, anticipated, missed, overtaken or cut"),
         Column("reaction_s", "s", "from the cue to the act that answered it", _reaction),
         _of("action", "", "that act: the action's name, or a command's verb"),
         _of("run", "", "id of that run or command in the log"),

@@ -13,6 +13,7 @@ _MEASURES: dict[str, tuple[str, str]] = {
     "acts": ("Acts by hand", "acts"),
     "rate": ("Acts a minute", "acts_per_minute"),
     "reaction": ("Reaction time", "reaction_median_s"),
+    "anticipated": ("Anticipated cues", "cues_anticipated"),
     "missed": ("Missed cues", "cues_missed"),
     "overtaken": ("Overtaken cues", "cues_overtaken"),
     "press": ("Press to start", "press_median_ms"),

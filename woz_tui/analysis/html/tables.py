@@ -8,6 +8,7 @@ from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Answer, Part, SessionFi
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
 from woz_tui.analysis.html.numbers import DASH, clock, duration, percent
+from woz_tui.analysis.rows import CUE_FATES
 from woz_tui.analysis.series import Series
 
 
@@ -110,6 +111,7 @@ def cues(figures: SessionFigures) -> Markup | None:
         "Cue",
         "All",
         "Answered",
+        defined("anticipated", "Anticipated"),
         defined("missed"),
         defined("overtaken", "Overtaken"),
         "Cut short",
@@ -119,9 +121,7 @@ def cues(figures: SessionFigures) -> Markup | None:
         [
             sort,
             str(found.cues),
-            *_counts(
-                found.fates.get(fate, 0) for fate in ("answered", "missed", "overtaken", "cut")
-            ),
+            *_counts(found.fates.get(fate, 0) for fate in CUE_FATES),
             *_spread(found.times),
         ]
         for sort, found in figures.whole.reactions.items()

@@ -1,0 +1,156 @@
+"""Half an hour with a wizard who presses anything: everything has its end, and nothing is left."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import random
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Stage
+from tests.session.studied import STUDY, studied
+from woz_tui.analysis.gather import Options
+from woz_tui.analysis.session import examine
+from woz_tui.core import messages as m
+from woz_tui.core.requests import AskAnswer
+from woz_tui.experiment.study import Shaping
+from woz_tui.record.verify import verify
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.runner import Origin
+
+HALF_AN_HOUR = 1800.0
+KEY = Origin("key", "h", "con1")
+MODES = ("", "queue", "replace", "refuse")
+OUTCOMES = ("begin", "begin", "done", "done", "aborted", "excluded", "break", "resume")
+
+
+class RandomWizard:
+    """Does one thing after the other, whatever it is; what is refused is refused."""
+
+    def __init__(self, stage: Stage, seed: int) -> None:
+        self.stage = stage
+        self.chance = random.Random(seed)
+        self.asked: list[str] = []
+        self._deeds: tuple[tuple[int, Callable[[], object]], ...] = (
+            (30, self._play),
+            (8, self._speak),
+            (8, self._cue),
+            (4, lambda: self.stage.session.cancel(self.asked[-1])),
+            (3, lambda: self.stage.session.stop("key")),
+            (9, lambda: self.stage.session.release("key")),
+            (10, lambda: self.stage.session.study.trial(self.chance.choice(OUTCOMES), "")),
+            (4, self._assign),
+            (16, self._ask),
+            (2, lambda: self.stage.session.lock("Base", self.chance.random() < 0.5)),
+            (2, lambda: self.stage.session.mistake("", "slipped")),
+            (1, lambda: self.stage.session.adopt(self.stage.session.experiment, ["nothing"])),
+        )
+
+    def act(self) -> None:
+        """Something."""
+        weights = [weight for weight, _ in self._deeds]
+        ((_, deed),) = self.chance.choices(self._deeds, weights)
+        with contextlib.suppress(AskError, IndexError):
+            deed()
+
+    def _play(self) -> None:
+        panels = self.stage.session.experiment.panels
+        names = [action.name for panel in panels for action in panel.actions]
+        mode = self.chance.choice(MODES)
+        self.asked.append(self.stage.session.play(self.chance.choice(names), KEY, mode))
+
+    def _speak(self) -> None:
+        text: dict[str, m.Json] = {"text": f"typed {self.chance.random()}"}
+        mode = self.chance.choice(MODES)
+        self.asked.append(self.stage.session.send("say", text, "", KEY, when_busy=mode))
+
+    def _cue(self) -> None:
+        now = self.stage.session.hub.now()
+        self.stage.session.hub.publish(
+            m.SpeechEnded(driver="robot", segment=1, began=now, ended=now)
+        )
+
+    def _assign(self) -> None:
+        participant = f"P{self.chance.randrange(100):02d}"
+        order = ["warm", "cold"] if self.chance.random() < 0.5 else ["cold", "warm"]
+        self.stage.session.study.assign(participant, order)
+
+    def _ask(self) -> None:
+        study = self.stage.session.study
+        asking = study.progress.asking
+        if asking is None:
+            due = [each.questionnaire for each in study.progress.due]
+            study.questioning.ask(self.chance.choice([*due, "whenever"]), "begin", "wizard")
+        elif self.chance.random() < 0.4:
+            how = self.chance.choice(["done", "declined", "left"])
+            study.questioning.ask(asking.questionnaire, how, "participant")
+        else:
+            item = self.chance.choice(asking.items)
+            text = "well" if item.get("text") else ""
+            value = None if text else float(self.chance.randint(0, 6))
+            study.questioning.answer(
+                AskAnswer(
+                    questionnaire=asking.questionnaire, item=item["name"], value=value, text=text
+                )
+            )
+
+
+async def _whole(tmp_path: Path, seed: int) -> Stage:
+    loop = asyncio.get_running_loop()
+    failed: list[object] = []
+    loop.set_exception_handler(lambda loop, told: failed.append(told))
+    shaped = replace(STUDY, shaping=Shaping(0.8, 2.0, ("speech",)))
+    stage = Stage(tmp_path, identity=Identity(seed=seed), made=studied(tmp_path, shaped))
+    await stage.session.open()
+    stage.session.bus.unwatched = ""
+    wizard = RandomWizard(stage, seed)
+    while loop.time() < HALF_AN_HOUR:
+        await asyncio.sleep(wizard.chance.expovariate(1.0))
+        wizard.act()
+    await stage.session.close("over")
+    await asyncio.sleep(1)
+    assert failed == []
+    assert asyncio.all_tasks() == {asyncio.current_task()}
+    assert not [timer for timer in loop._scheduled if not timer.cancelled()]  # type: ignore[attr-defined]
+    return stage
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_whatever_the_wizard_does_everything_has_its_end(tmp_path: Path, seed: int) -> None:
+    stage = run_virtual(_whole(tmp_path, seed))
+    lines = stage.lines
+    held = [line for line in lines if isinstance(line, m.ActionHeld)]
+    assert len(held) > 20
+    last = {name: line.seq for line in lines if _goes_on(line) for name in _ids(line)}
+    assert [line.run for line in held if last.get(line.run, -1) < line.seq] == []
+    for begins, ends in (
+        (m.TrialStarted, m.TrialEnded),
+        (m.BreakStarted, m.BreakEnded),
+        (m.QuestionnaireStarted, m.QuestionnaireEnded),
+    ):
+        course = [isinstance(each, begins) for each in lines if isinstance(each, (begins, ends))]
+        assert course == [True, False] * (len(course) // 2)
+        assert len(course) > 10
+    verdict = verify(stage.recorder.path)
+    assert verdict.sentences() == []
+    assert verdict.lines == lines[-1].seq + 1
+    ended = [each for each in lines if isinstance(each, m.ActionEnd)]
+    assert (
+        examine(stage.recorder.path, Options(all_trials=True)).figures.whole.actions
+        == len(ended)
+        > 300
+    )
+
+
+def _goes_on(line: m.AnyMessage) -> bool:
+    """Whether something that was held has begun with this, or has ended."""
+    return isinstance(line, m.Command | m.ActionEnd | m.End)
+
+
+def _ids(line: m.AnyMessage) -> set[str]:
+    return {getattr(line, "run", ""), getattr(line, "command", "")}

@@ -110,9 +110,15 @@ def test_a_wide_page_uses_its_width(here: Path) -> None:
     assert "\x1b" not in out
 
 
-def test_a_locale_without_signs_gets_ascii(here: Path) -> None:
+@pytest.mark.parametrize(
+    "plain",
+    [
+        {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"},
+        {"LC_ALL": "C"},  # where Python itself would write UTF-8
+    ],
+)
+def test_a_locale_without_signs_gets_ascii(here: Path, plain: dict[str, str]) -> None:
     path = session().written(here)
-    plain = {"PYTHONUTF8": "0", "PYTHONIOENCODING": "ascii"}
     code, out, err = woz("report", path, environ=plain)
     assert (code, err) == (0, "")
     assert out.isascii()

@@ -219,7 +219,7 @@ def _console(feed: ReplayFeed) -> ReplayConsole:
     return ReplayConsole(
         feed,
         ReplayKeyboard(feed),
-        look=look_for(os.environ, locale.getpreferredencoding(False)),
+        look=look_for(os.environ, locale.getencoding()),
         terminal=detected(os.environ),
         driver_class=WizardDriver,
     )

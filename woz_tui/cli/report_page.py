@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import locale
 import os
 import sys
 from dataclasses import dataclass
@@ -62,7 +63,7 @@ PLAIN = Signs(
     arrow="->",
     warning="!",
     ellipsis="...",
-    dot=",",
+    dot="-",
     dash="-",
     over=">=",
 )
@@ -124,7 +125,8 @@ def page(stream: TextIO | None = None, width: int | None = None) -> Page:
     console = Console(file=file, highlight=False, width=width)
     if width is None and not console.is_terminal and "COLUMNS" not in os.environ:
         console = Console(file=file, highlight=False, width=_PAGE)
-    return Page(console, Signs() if _shows(console.encoding, Signs()) else PLAIN)
+    shown = all(_shows(name, Signs()) for name in (console.encoding, locale.getencoding()))
+    return Page(console, Signs() if shown else PLAIN)
 
 
 def _shows(encoding: str, signs: Signs) -> bool:

@@ -77,7 +77,7 @@ def make_console(options: ScreenOptions) -> Console:
     app = Console(
         link,
         Keyboard(link),
-        look=look_for(os.environ, locale.getpreferredencoding(False)),
+        look=look_for(os.environ, locale.getencoding()),
         terminal=detected(os.environ),
         builtins=options.builtins,
         ask_participant=options.ask_participant,
@@ -104,7 +104,7 @@ def open_questionnaire(socket: Path, only: str) -> tuple[str, int]:
         link,
         Keyboard(link),
         only=only,
-        look=look_for(os.environ, locale.getpreferredencoding(False)),
+        look=look_for(os.environ, locale.getencoding()),
         driver_class=WizardDriver,
     )
     favour_keys()

@@ -1,4 +1,4 @@
-"""A training in the robot process: who must be there for it, and what is said of it."""
+"""A training in the robot process: who must be there, what is said, what of the file is left."""
 
 from __future__ import annotations
 
@@ -9,11 +9,14 @@ import pytest
 
 from tests.host.rig import Served, served
 from woz_tui.core import messages as m
+from woz_tui.experiment.decode import load
 from woz_tui.host import training
-from woz_tui.host.training import NOBODY, TrainingSession, in_training
+from woz_tui.host.training import NOBODY, TrainingSession, in_training, without_participant
+from woz_tui.plugins import installed
 from woz_tui.session.identity import Identity
 from woz_tui.training.plan import PlannedCue
 
+STUDY = Path(__file__).parents[2] / "experiments" / "study.yaml"
 APPROACH = PlannedCue("approach", "", ("Hello",), 30_000_000, 1_000)
 
 
@@ -77,3 +80,15 @@ async def test_nobody_takes_part_and_every_utterance_can_be_said(tmp_path: Path)
         made = it.session.experiment
     assert in_training(Identity(), made) == Identity(participant=NOBODY, condition="warm")
     assert in_training(Identity(condition="cold"), made).condition == "cold"
+
+
+def test_nobody_is_asked_anything_in_a_training() -> None:
+    whole = load(STUDY, installed())
+    assert whole.study.questionnaires
+    assert whole.study.preflight
+    left = without_participant(whole)
+    assert left.study.questionnaires == ()
+    assert left.study.preflight == ()
+    kept = ("design", "perception", "shaping", "training")
+    assert all(getattr(left.study, name) == getattr(whole.study, name) for name in kept)
+    assert left.panels == whole.panels

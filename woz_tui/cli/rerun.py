@@ -12,7 +12,8 @@ from pathlib import Path
 
 from woz_tui.cli import rerun_table as table
 from woz_tui.cli.failure import explained
-from woz_tui.cli.launch import Launch, LaunchError, host_arguments
+from woz_tui.cli.launch import Launch, host_arguments
+from woz_tui.cli.opening import open_both
 from woz_tui.cli.options import next_session
 from woz_tui.experiment.shape import Experiment
 from woz_tui.replay.plan import Plan
@@ -172,27 +173,13 @@ def _streams(prepared: _Prepared) -> frozenset[tuple[str, str]]:
 
 
 def _in_console(words: list[str]) -> int:
-    from woz_tui.cli import screen  # noqa: PLC0415
-    from woz_tui.cli.run import ENDED  # noqa: PLC0415
+    from woz_tui.cli.screen import ScreenOptions  # noqa: PLC0415
 
-    launch = Launch(words)
-    try:
-        screen.load_modules()
-        robot = launch.wait()
-        # Nobody starts it again from the console: the robot would begin from the beginning.
-        console = screen.make_console(screen.ScreenOptions(socket=robot.socket))
-    except LaunchError as error:
-        print(error, file=sys.stderr)
+    # Nobody starts it again from the console: the robot would begin from the beginning.
+    opened = open_both(words, lambda socket: ScreenOptions(socket=socket))
+    if opened is None:
         return 1
-    except BaseException as error:
-        launch.abandon()
-        error.add_note(ENDED)
-        raise
-    left, code = screen.run_console(console)
-    if left == "failed":
-        launch.abandon()
-        print(ENDED, file=sys.stderr)
-    if left == "detached":
+    if opened.left == "detached":
         print("The session goes on, without driving; `woz attach` brings you back.")
-    print(f"Log: {robot.log}")
-    return code
+    print(f"Log: {opened.robot.log}")
+    return opened.code

@@ -9,11 +9,9 @@ from pathlib import Path
 
 from woz_tui.cli.failure import explained
 from woz_tui.cli.keymap import add_keymap, builtins
-from woz_tui.cli.launch import Launch, LaunchError, RobotProcess, host_arguments
+from woz_tui.cli.launch import RobotProcess, host_arguments
+from woz_tui.cli.opening import open_both
 from woz_tui.cli.options import add_session, identity
-
-#: Without a console the robot process would wait for one for a long time.
-ENDED = "woz: the console did not open, so the robot process was ended"
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -45,32 +43,20 @@ def _play(arguments: argparse.Namespace, experiment: Path) -> int:
 
     own_keys = builtins(arguments)
     command = _host_command(arguments, experiment)
-    launch = Launch(command)
-    try:
-        screen.load_modules()
-        robot = launch.wait()
-        console = screen.make_console(
-            screen.ScreenOptions(
-                socket=robot.socket,
-                ask_participant=not arguments.participant,
-                restart=command,
-                builtins=own_keys,
-            )
-        )
-    except LaunchError as error:
-        print(error, file=sys.stderr)
+    opened = open_both(
+        command,
+        lambda socket: screen.ScreenOptions(
+            socket=socket,
+            ask_participant=not arguments.participant,
+            restart=command,
+            builtins=own_keys,
+        ),
+    )
+    if opened is None:
         return 1
-    except BaseException as error:
-        launch.abandon()
-        error.add_note(ENDED)
-        raise
-    left, code = screen.run_console(console)
-    if left == "failed":
-        launch.abandon()
-        print(ENDED, file=sys.stderr)
-    if code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
-        _farewell(left, robot)
-    return code
+    if opened.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
+        _farewell(opened.left, opened.robot)
+    return opened.code
 
 
 def _host_command(arguments: argparse.Namespace, experiment: Path) -> list[str]:

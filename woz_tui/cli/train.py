@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from woz_tui.cli.failure import explained
 from woz_tui.cli.keymap import add_keymap, builtins
 from woz_tui.cli.numbers import number
+from woz_tui.cli.opening import open_both
 from woz_tui.host import place
 
 if TYPE_CHECKING:
@@ -81,30 +82,19 @@ def _history(arguments: argparse.Namespace) -> int:
 
 
 def _train(arguments: argparse.Namespace) -> int:
-    from woz_tui.cli import screen  # noqa: PLC0415
-    from woz_tui.cli.launch import Launch, LaunchError  # noqa: PLC0415
+    from woz_tui.cli.screen import ScreenOptions  # noqa: PLC0415
     from woz_tui.session.identity import check_code  # noqa: PLC0415
 
     check_code(arguments.wizard, "wizard")
     own_keys = builtins(arguments)
-    command = _host_command(arguments)
-    launch = Launch(command)
-    try:
-        screen.load_modules()
-        robot = launch.wait()
-        console = screen.make_console(
-            screen.ScreenOptions(socket=robot.socket, restart=None, builtins=own_keys)
-        )
-    except LaunchError as error:
-        print(error, file=sys.stderr)
+    opened = open_both(
+        _host_command(arguments), lambda socket: ScreenOptions(socket=socket, builtins=own_keys)
+    )
+    if opened is None:
         return 1
-    except BaseException:
-        launch.abandon()
-        raise
-    left, _ = screen.run_console(console)
-    if left != "ended":
-        launch.abandon()  # nobody comes back to a training
-    return _farewell(arguments, robot.log)
+    if opened.left != "ended":
+        opened.launch.abandon()  # nobody comes back to a training
+    return _farewell(arguments, opened.robot.log)
 
 
 def _host_command(arguments: argparse.Namespace) -> list[str]:

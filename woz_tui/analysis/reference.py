@@ -14,6 +14,7 @@ from pathlib import Path
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.sheets import SESSIONS, SHEETS, Sheet
 from woz_tui.analysis.tidy import DICTIONARY, WIDE, dictionary
+from woz_tui.record.reference import replaced
 
 BEGIN = "<!-- tables: begin (python -m woz_tui.analysis.reference docs/report.md) -->"
 END = "<!-- tables: end -->"
@@ -69,11 +70,7 @@ def _columns(sheet: Sheet) -> Iterator[str]:
 
 def refreshed(page: str) -> str:
     """`page` with the tables between its two marks as they are today."""
-    before, _, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not end:
-        raise ValueError("the page lacks the marks between which the tables stand")
-    return f"{before}{BEGIN}\n\n{tables()}\n\n{END}{after}"
+    return replaced(page, BEGIN, END, tables())
 
 
 if __name__ == "__main__":

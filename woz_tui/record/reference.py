@@ -229,11 +229,16 @@ def json_type(annotation: Any) -> str:
 
 def refreshed(page: str) -> str:
     """`page` with the tables between its two marks as they are today."""
-    before, _, rest = page.partition(BEGIN)
-    _, end, after = rest.partition(END)
-    if not end:
+    return replaced(page, BEGIN, END, tables())
+
+
+def replaced(page: str, begin: str, end: str, text: str) -> str:
+    """`page` with `text` between two marks. Raises `ValueError` if it lacks them."""
+    before, _, rest = page.partition(begin)
+    _, found, after = rest.partition(end)
+    if not found:
         raise ValueError("the page lacks the marks between which the tables stand")
-    return f"{before}{BEGIN}\n\n{tables()}\n\n{END}{after}"
+    return f"{before}{begin}\n\n{text}\n\n{end}{after}"
 
 
 if __name__ == "__main__":

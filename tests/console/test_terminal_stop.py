@@ -11,6 +11,7 @@ import pytest
 
 from tests.fakes.host import FakeHost, stops
 from tests.fakes.terminal import FakeTerminal
+from woz_tui.console.cells import pasted
 from woz_tui.core.messages import Marker
 from woz_tui.core.requests import AskAction, AskMarker, AskNote, AskStop
 
@@ -145,6 +146,31 @@ def test_a_paste_plays_nothing(host: FakeHost, terminal: FakeTerminal) -> None:
 
     assert host.all(AskAction) == []
     assert stops(host) == []
+
+
+def test_a_paste_into_a_field_holds_nothing_that_a_terminal_obeys(
+    host: FakeHost, terminal: FakeTerminal
+) -> None:
+    terminal.send(b"/")
+    terminal.wait_text("utterance")
+    terminal.send(b"\x1b[200~red \x1b[31m and\ttab\x1b[201~")
+    terminal.send("\r")
+
+    assert host.wait(AskNote).text == "said red  [31m and tab"
+
+
+@pytest.mark.parametrize(
+    ("text", "kept"),
+    [
+        ("two\r\nlines\rthree\n", "two\nlines\nthree"),
+        ("a\x1b[2Jb\x07\x9b0m", "a [2Jb  0m"),
+        ("nul\0byte", "nulbyte"),
+        ("\u202egnirts", " gnirts"),
+        ("schöne Grüße 👋", "schöne Grüße 👋"),
+    ],
+)
+def test_what_is_left_of_a_paste(text: str, kept: str) -> None:
+    assert pasted(text) == kept
 
 
 def test_keys_behind_a_key_that_opens_a_text_field_go_into_it(

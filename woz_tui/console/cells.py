@@ -61,6 +61,13 @@ def clean(text: str) -> str:
     return text.translate(_CLEAN)
 
 
+def pasted(text: str) -> str:
+    """`text` as it may stand in a field: its lines stay lines, whatever ended them, and nothing is
+    left that a terminal would obey.
+    """
+    return "\n".join(map(clean, text.replace("\0", "").splitlines()))
+
+
 def fit(text: str, width: int, ellipsis: str = "…", right: bool = False) -> str:
     """`text` in exactly `width` cells: cut with an ellipsis or filled with blanks."""
     if width <= 0:

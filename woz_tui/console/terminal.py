@@ -26,6 +26,7 @@ from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 
+from woz_tui.console.cells import pasted
 from woz_tui.console.endings import GONE, Endings, aside
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.line import QUESTION, Line
@@ -276,7 +277,7 @@ class WizardDriver(LinuxDriver):
                 case Key():
                     self._key(token, stale)
                 case Paste(text=text):
-                    self.process_message(events.Paste(text.replace("\0", "")))
+                    self.process_message(events.Paste(pasted(text)))
                 case Raw(raw=raw):
                     self._to_screen(raw)
                 case Reply(what="status"):

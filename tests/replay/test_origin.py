@@ -108,3 +108,28 @@ def test_the_file_as_it_was_after_a_reload_is_the_same_experiment(tmp_path: Path
     after = origin(experiment(tmp_path, said="Good morning."))
     both = Origin("small.yaml", before.hashes + after.hashes)
     assert differences(both, find(tmp_path / "x.jsonl", both, installed())) == []
+
+
+def test_a_file_that_is_again_as_it_was_in_the_beginning_is_the_same_experiment(
+    tmp_path: Path,
+) -> None:
+    after = origin(experiment(tmp_path, said="Good morning."))
+    before = origin(experiment(tmp_path))
+    both = Origin("small.yaml", before.hashes + after.hashes)
+    assert differences(both, find(tmp_path / "x.jsonl", both, installed())) == []
+
+
+def test_a_file_that_the_log_left_out_is_no_difference_but_named(tmp_path: Path) -> None:
+    path = experiment(tmp_path, robot="robot.yaml")
+    (tmp_path / "robot.yaml").write_text(ROBOT, encoding="utf-8")
+    was = origin(path)
+    kept = m.ExperimentFiles(
+        experiment_sha256=was.hashes[0],
+        files={"small.yaml": path.read_text()},
+        left_out=["robot.yaml"],
+    )
+    (tmp_path / "robot.yaml").write_text(ROBOT.replace("small", "large"), encoding="utf-8")
+    now = find(tmp_path / "x.jsonl", was, installed())
+    assert differences(Origin("small.yaml", was.hashes, kept), now) == [
+        "the hash of the experiment's files is another one (robot.yaml is not kept in the log)"
+    ]

@@ -229,6 +229,13 @@ def test_a_missing_driver_is_named_with_those_that_are_there(made: Plan, tmp_pat
     assert "there is no driver 'robot' (there is left, right)" in unfit(now)[0].skip
 
 
+def test_what_was_left_out_anyway_keeps_its_reason(tmp_path: Path) -> None:
+    refused = m.Refused(command="c1", driver="robot", code="busy", reason="busy")
+    made = plan(tmp_path, (1, command()), (1, refused), (9, END))
+    now = fitted(made, experiment(tmp_path, drivers=("left", "right")))
+    assert [step.skip for step in now.steps] == ["refused then: busy"]
+
+
 def test_a_missing_verb_and_a_wrong_argument_are_named(made: Plan, tmp_path: Path) -> None:
     whole = experiment(tmp_path)
     say, play, _ = Puppet.verbs(None)

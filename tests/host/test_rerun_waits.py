@@ -1,0 +1,96 @@
+"""What a re-run waits for before it begins, and what it leaves to the wizard when it is over."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+
+from tests.host.rig import Served, served
+from tests.replay.again import written
+from tests.replay.test_plan import END, LOG, START, command, dispatched, done
+from tests.session.rig import experiment
+from woz_tui.core import messages as m
+from woz_tui.host import rerun as host_rerun
+from woz_tui.host.rerun import Rerun, RerunOptions, read_plan
+
+
+def log_of(tmp_path: Path, driver: str, count: int = 1) -> Path:
+    """A log in which a driver has moved."""
+    lines: list[tuple[float, m.AnyMessage]] = [(0, START)]
+    for n in range(count):
+        asked = command(f"c{n}", "play", driver, args={"move": "nod"})
+        lines += [(1 + 0.6 * n, asked), (1 + 0.6 * n, dispatched(f"c{n}"))]
+    lines += [(100 + n, done(f"c{n}")) for n in range(count)]
+    return written(tmp_path / "original" / LOG, [*lines, (900, END)])
+
+
+def begun(it: Served, log: Path, *, headless: bool = True, wait_s: float = 20.0) -> Rerun:
+    options = RerunOptions(log, headless, wait_s=wait_s)
+    rerun = Rerun(it.host, read_plan(options, it.session.experiment), options)
+    rerun.begin_when_ready()
+    return rerun
+
+
+async def ended(it: Served) -> m.RerunEnded:
+    over = await it.published(lambda message: isinstance(message, m.RerunEnded))
+    assert isinstance(over, m.RerunEnded)
+    return over
+
+
+@pytest.fixture(autouse=True)
+def soon(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The first command comes at once."""
+    monkeypatch.setattr(host_rerun, "WARNING_US", 20_000)
+    monkeypatch.setattr(host_rerun, "LEAD_US", 20_000)
+
+
+async def test_a_driver_that_does_not_come_is_named_and_nothing_is_sent(tmp_path: Path) -> None:
+    async with served(tmp_path, made=experiment(tmp_path, ("robot", "broken"))) as it:
+        begun(it, log_of(tmp_path, "broken"), wait_s=0.05)
+        over = await ended(it)
+        why = "it did not open: OSError: no such device"
+        assert over.reason == f"not begun: broken is not connected ({why})"
+        assert over.sent_again == 0
+        assert not [line for line in it.lines if isinstance(line, m.RerunStarted | m.Command)]
+        notices = [line.text for line in it.lines if isinstance(line, m.Notice)]
+        assert notices == ["the re-run waits for broken", f"the re-run has {over.reason}"]
+        assert await it.host.serve() == f"the re-run: {over.reason}"
+
+
+async def test_it_begins_when_the_driver_comes_and_is_not_given_up_then(tmp_path: Path) -> None:
+    async with served(tmp_path, made=experiment(tmp_path, ("robot", "broken"))) as it:
+        begun(it, log_of(tmp_path, "broken", 3), wait_s=0.5)
+        assert not [line for line in it.lines if isinstance(line, m.RerunStarted)]
+        it.session.hub.publish(m.DriverConnected(driver="broken", detail="plugged in"))
+        over = await ended(it)  # more than a second later
+        assert (over.reason, over.sent_again) == ("done", 3)
+
+
+async def test_with_a_console_the_session_stays_open(tmp_path: Path) -> None:
+    async with served(tmp_path) as it:
+        wizard = await it.connect()
+        await wizard.hello("wizard")
+        begun(it, log_of(tmp_path, "robot"), headless=False)
+        assert (await ended(it)).reason == "done"
+        over = asyncio.ensure_future(it.host.serve())
+        await wizard.ask("marker", text="and now for myself")
+        await wizard.ask("action", action="Hello", source="key")
+        assert not over.done()
+        over.cancel()
+
+
+@pytest.mark.parametrize(("headless", "lead_us"), [(False, 300_000), (True, 20_000)])
+async def test_a_wizard_has_time_for_a_hand_on_the_stop(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, headless: bool, lead_us: int
+) -> None:
+    monkeypatch.setattr(host_rerun, "WARNING_US", 300_000)
+    async with served(tmp_path) as it:
+        wizard = await it.connect()
+        await wizard.hello("wizard")
+        begun(it, log_of(tmp_path, "robot"), headless=headless)
+        await ended(it)
+        (started,) = (line for line in it.lines if isinstance(line, m.RerunStarted))
+        (sent,) = (line for line in it.lines if isinstance(line, m.RerunSent))
+        assert lead_us <= sent.due - started.t < lead_us + 200_000

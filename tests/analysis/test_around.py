@@ -45,6 +45,13 @@ def test_all_trials_count_if_somebody_wants_them() -> None:
     assert figures.whole.reactions["speech"].answered == 1
 
 
+def test_that_a_lost_console_stops_the_drive_is_no_emergency_stop() -> None:
+    it = Told().add(1, m.StopPressed(source="no wizard's console is attached", scope="drive"))
+    figures = told(it.add(5, m.StopPressed(source="key")).end(9))
+    assert figures.whole.stops == 1
+    assert [stop.scope for stop in figures.stops] == ["drive", "all"], "the list has both"
+
+
 def test_trials_and_breaks_are_rows() -> None:
     figures = told(trials())
     assert [(each.trial, each.outcome, each.actions, each.counted) for each in figures.trials] == [
@@ -72,7 +79,7 @@ def test_stops_know_who_confirmed_them() -> None:
     assert (first.confirmed, first.missing, first.elapsed_us) == (("head",), ("base",), 400_000)
     assert (first.released, second.released) == (3 * SECOND, None)
     assert (second.scope, second.elapsed_us, second.confirmed) == ("drive", None, ())
-    assert told(it).whole.stops == 2
+    assert told(it).whole.stops == 1
 
 
 def test_marks_are_in_order() -> None:

@@ -33,7 +33,8 @@ class Stops:
         }
 
     def _pressed(self, message: m.StopPressed) -> None:
-        self._course.tally.stops += 1
+        if message.scope == "all":  # a lost console stops the drive: nobody pressed that
+            self._course.tally.stops += 1
         self.stops.append(Stop(self._course.t, message.source, message.scope))
 
     def _confirmed(self, message: m.StopConfirmed) -> None:

@@ -41,6 +41,11 @@ def percent(share: float | None) -> str:
     return DASH if share is None else f"{share * 100:.1f} %"
 
 
+def digits(number: float) -> str:
+    """Three digits that count; a large number has no exponent: `1220`, `16.1`, `0.0651`."""
+    return f"{number:.0f}" if abs(number) >= 999.5 else f"{number:.3g}"
+
+
 def counted(number: int, what: str) -> str:
     """`1 row`, `2 rows`."""
     return f"{number} {what}" if number == 1 else f"{number} {what}s"

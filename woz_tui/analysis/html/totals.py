@@ -6,7 +6,7 @@ from collections.abc import Iterator, Sequence
 
 from woz_tui.analysis.groups import Grouped, Total
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
-from woz_tui.analysis.html.numbers import DASH, counted
+from woz_tui.analysis.html.numbers import DASH, counted, digits
 from woz_tui.analysis.html.tables import table
 from woz_tui.analysis.measures import BY_NAME, Measure
 from woz_tui.analysis.report import Report
@@ -76,5 +76,5 @@ def _cell(total: Total, measure: Measure | None = None) -> str:
     if total.mean is None:
         return DASH
     scale = 100 if measure is not None and measure.unit == "share" else 1
-    spread = "" if total.sd is None else f" ± {total.sd * scale:.3g}"
-    return f"{total.mean * scale:.3g}{spread} ({total.n})"
+    spread = "" if total.sd is None else f" ± {digits(total.sd * scale)}"
+    return f"{digits(total.mean * scale)}{spread} ({total.n})"

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -43,6 +44,13 @@ def test_what_is_too_large_is_named_instead(tmp_path: Path) -> None:
     assert len(wire.encode(kept)) < wire.MAX_LINE // 2
 
 
+def test_files_that_fit_one_by_one_but_not_together_are_not_all_kept(tmp_path: Path) -> None:
+    read = experiment(tmp_path)
+    half = "#" * (FILES_BYTES * 2 // 3)
+    kept = experiment_files(replace(read, texts=(half, half)))
+    assert (list(kept.files), kept.left_out) == (["guide.yaml"], ["robots/one.yaml"])
+
+
 def test_no_line_is_longer_than_one_may_be(tmp_path: Path) -> None:
     kept = experiment_files(experiment(tmp_path, more="#" + "\\" * 900_000 + "\n"))
     assert len(wire.encode(kept)) < wire.MAX_LINE
@@ -73,6 +81,11 @@ def test_the_home_folder_is_in_no_name_and_no_text(
         ("port: '/home/jane/tty'", "port: '~/tty'"),
         ("/mnt/home/jane/a.wav", "/mnt/home/jane/a.wav"),
         ("/home/janet/a.wav", "/home/janet/a.wav"),
+        ("/home/jane.old/a.wav", "/home/jane.old/a.wav"),
+        ("/home/jane-2", "/home/jane-2"),
+        ("media: /home/jane", "media: ~"),
+        ("in /home/jane.\n", "in ~.\n"),
+        ('"/home/jane"', '"~"'),
     ],
 )
 def test_only_paths_that_begin_at_home_are_shortened(

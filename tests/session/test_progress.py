@@ -7,7 +7,7 @@ import contextlib
 import dataclasses
 from pathlib import Path
 
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 from tests.session.rig import Stage
@@ -57,6 +57,10 @@ def take(stage: Stage, step: str, what: str) -> None:
     max_examples=80, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(st.lists(STEPS, max_size=30))
+@example([("trial", "break"), ("trial", "resume"), ("trial", "break"), ("trial", "begin")])
+@example(
+    [("trial", "begin"), ("trial", "done"), ("ask", "ux"), ("answer", "else"), ("end", "left")]
+)
 def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str, str]]) -> None:
     async def scenario(stage: Stage) -> None:
         take(stage, "assign", "P01")

@@ -89,11 +89,11 @@ def name_beside(path: Path, folder: Path) -> str:
 
 
 def without_home(text: str) -> str:
-    """`text` with `~` for the home folder wherever a path begins with it."""
+    """`text` with `~` for the home folder wherever a path begins with it, or is it."""
     home = _home()
     if home is None:
         return text
-    return re.sub(rf"(?<![\w./~-]){re.escape(str(home))}/", "~/", text)
+    return re.sub(rf"(?<![\w./~-]){re.escape(str(home))}(?![\w-]|\.\w)", "~", text)
 
 
 def _home() -> Path | None:

@@ -142,7 +142,7 @@ class Progress:
         ]
 
     def _asked(self, message: m.QuestionnaireEnded) -> None:
-        self.asking = None
+        self.asking, self.answers = None, {}
         if message.reason != "left":
             self.had.add(message.questionnaire)
             self.due = [due for due in self.due if due.questionnaire != message.questionnaire]

@@ -166,3 +166,17 @@ async def test_one_questionnaire_alone_begins_when_it_is_due() -> None:
         assert (asked.questionnaire, asked.what) == ("quick", "begin")
         await seat.tell(studied.started(studied.QUICK))
         assert "This visit" in seat.drawn()
+
+
+async def test_who_stops_the_robot_amid_a_questionnaire_reads_so_and_goes_on() -> None:
+    async with seated() as seat:
+        await seat.tell(studied.started(studied.QUICK))
+        await seat.press("enter", "escape")
+        assert seat.feed.last(r.AskStop) is not None
+        await seat.tell(m.StopPressed(source="the participant", t=studied.NOW))
+        assert "The robot has been stopped." in seat.drawn()
+        assert "How pleasant was it" in seat.drawn()
+        await seat.press("6")
+        assert seat.feed.last(r.AskAnswer) is not None
+        await seat.tell(m.StopReleased(source="key", t=studied.NOW))
+        assert "stopped" not in seat.drawn()

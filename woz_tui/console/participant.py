@@ -41,7 +41,9 @@ _LOST: Words = [
     ("", "plain"),
     ("What you have answered is kept.", "muted"),
 ]
-_STOPPED: Words = [("The robot has been stopped.", "strong"), ("", "plain"), *_WAIT]
+#: What a press of escape has done, also to somebody who did not mean it.
+_HALTED = "The robot has been stopped."
+_STOPPED: Words = [(_HALTED, "strong"), ("", "plain"), *_WAIT]
 
 
 class Participant(App[str]):
@@ -127,8 +129,10 @@ class Participant(App[str]):
         if self.picture.ended and self.picture.lost:
             self.exit("ended")
         self._begin()
+        lost, halted = bool(self.picture.lost), self.picture.stop is not None
         for sheet in self.query(Sheet):
-            sheet.follow(self._asked(), self._words(), away=bool(self.picture.lost))
+            notice = _HALTED if halted else ""
+            sheet.follow(self._asked(), self._words(), away=lost, notice=notice)
 
     def _begin(self) -> None:
         """Whoever waits for one questionnaire alone asks for it as soon as it is due."""

@@ -40,8 +40,8 @@ def page_rows(taken: Round, frame: Frame) -> list[Row]:
     return [cut((left, *row), frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def foot_rows(taken: Round, frame: Frame, leave: str = "") -> list[Row]:
-    """What is wrong, the keys, and how whoever may do so leaves it."""
+def foot_rows(taken: Round, frame: Frame, leave: str = "", notice: str = "") -> list[Row]:
+    """What is wrong, the keys, and how whoever may do so leaves it, or a `notice` in its place."""
     if frame.width < NARROWEST:
         return []
     width = column_of(frame.width)
@@ -49,10 +49,13 @@ def foot_rows(taken: Round, frame: Frame, leave: str = "") -> list[Row]:
     glyphs = frame.glyphs
     complaint: Row = ((f"{glyphs.warning} {taken.complaint}", "warn"),) if taken.complaint else ()
     keys = glyphs.plain(_keys(taken, glyphs))
+    last: Piece = (notice, "strong") if notice else (leave, "faint")
     return [
         cut((left, *complaint), frame.width, glyphs.ellipsis),
         cut((left, (keys, "muted")), frame.width, glyphs.ellipsis),
-        cut((left, (leave, "faint")), frame.width, glyphs.ellipsis),
+        cut(
+            (left, (notice, "strong") if notice else (leave, "faint")), frame.width, glyphs.ellipsis
+        ),
     ]
 
 

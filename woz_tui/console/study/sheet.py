@@ -86,6 +86,7 @@ class Sheet(Vertical):
         self._written_for = ""
         self._kept: Round | None = None
         self._away = False
+        self._notice = ""
 
     def compose(self) -> ComposeResult:
         """Page, field, keys."""
@@ -112,9 +113,14 @@ class Sheet(Vertical):
     # -- what is asked ------------------------------------------------------------------------
 
     def follow(
-        self, asked: Asked | None, words: Words | None = None, *, away: bool = False
+        self,
+        asked: Asked | None,
+        words: Words | None = None,
+        *,
+        away: bool = False,
+        notice: str = "",
     ) -> None:
-        """Show what is asked at this moment, or else some words.
+        """Show what is asked at this moment, with a `notice` at the bottom, or else some words.
 
         `away`: nobody knows what is asked, as the line is lost. What has not been confirmed is
         kept until it is back.
@@ -122,7 +128,7 @@ class Sheet(Vertical):
         taken = self._kept if self._away else self._taken
         if away and not self._away:
             self._kept = taken
-        self._words, self._away = words or [], away
+        self._words, self._away, self._notice = words or [], away, notice
         if asked is None or away:
             self._taken = None
         elif taken is None or taken.asked.name != asked.name:
@@ -192,7 +198,7 @@ class Sheet(Vertical):
             foot.show([])
         else:
             page.show(page_rows(taken, frame))
-            foot.show(foot_rows(taken, self._frame(foot), self._leave))
+            foot.show(foot_rows(taken, self._frame(foot), self._leave, self._notice))
 
     def _frame(self, cells: Cells) -> Frame:
         return Frame(cells.size.width, cells.size.height, 0, self._glyphs)

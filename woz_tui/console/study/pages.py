@@ -53,9 +53,7 @@ def foot_rows(taken: Round, frame: Frame, leave: str = "", notice: str = "") -> 
     return [
         cut((left, *complaint), frame.width, glyphs.ellipsis),
         cut((left, (keys, "muted")), frame.width, glyphs.ellipsis),
-        cut(
-            (left, (notice, "strong") if notice else (leave, "faint")), frame.width, glyphs.ellipsis
-        ),
+        cut((left, last), frame.width, glyphs.ellipsis),
     ]
 
 

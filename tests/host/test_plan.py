@@ -4,6 +4,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import msgspec
+import pytest
 
 from tests.host.rig import served
 from tests.session.rig import experiment
@@ -31,6 +32,17 @@ async def test_nobody_who_takes_part_is_in_it(tmp_path: Path) -> None:
         (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
         assert plan.settings["values"] == {"place": "museum"}
         assert "P07" not in wire.encode(plan).decode()
+
+
+async def test_no_home_folder_is_in_it(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("HOME", "/home/jane")
+    made = replace(experiment(tmp_path), variables={"place": "/home/jane/museum.png"})
+    async with served(tmp_path, made=made) as host:
+        welcome = await (await host.connect()).hello()
+        (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
+        assert plan.settings["values"] == {"place": "~/museum.png"}
+        assert "jane" not in wire.encode(plan).decode()
+        assert welcome["settings"]["values"]["place"] == "/home/jane/museum.png"
 
 
 async def test_it_is_said_again_when_panels_change(tmp_path: Path) -> None:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 import msgspec
 
 from woz_tui.core import messages as m
+from woz_tui.core import wire
 from woz_tui.core.driver import Driver
 from woz_tui.experiment.shape import Experiment, Profile
 from woz_tui.host.views import (
@@ -18,6 +19,7 @@ from woz_tui.host.views import (
     panel_views,
     verb_names,
 )
+from woz_tui.session.beginning import without_home
 from woz_tui.session.session import Session
 from woz_tui.session.study_view import standing, study_settings
 
@@ -77,9 +79,13 @@ def plan_of(shown: Shown) -> m.SessionPlan:
 
 
 def plan_for_log(shown: Shown) -> m.SessionPlan:
-    """The same without the values that tell who is there: only the experiment's own variables."""
+    """The same without what tells who is there: of the variables only the experiment's own, and
+    the home folder is `~` wherever a text begins a path with it.
+    """
     plan = plan_of(shown)
     own: dict[str, m.Json] = {
         name: text for name, text in shown.values.items() if name in shown.experiment.variables
     }
-    return msgspec.structs.replace(plan, settings={**plan.settings, "values": own})
+    told = msgspec.structs.replace(plan, settings={**plan.settings, "values": own})
+    line = without_home(wire.encode(told).decode())
+    return msgspec.json.decode(line, type=m.SessionPlan)

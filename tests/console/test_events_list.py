@@ -19,6 +19,16 @@ def welcomed() -> Picture:
     return picture
 
 
+def test_a_marker_that_is_put_again_is_no_utterance_besides() -> None:
+    """A re-run sends marks as commands."""
+    picture = welcomed()
+    before = len(picture.events)
+    args: dict[str, m.Json] = {"text": "laughs"}
+    mark = m.Command(command="c1", verb="mark", args=args, driver="session", source="replay", t=NOW)
+    picture.take([mark, m.Marker(text="laughs", t=NOW)], 0)
+    assert [event.text for event in list(picture.events)[before:]] == ["Marker"]
+
+
 def test_an_arrow_that_is_held_down_is_one_line() -> None:
     picture = welcomed()
     before = len(picture.events)

@@ -103,6 +103,8 @@ def _is_effect(action: str, picture: Picture) -> bool:
 def _command(message: m.Command, picture: Picture) -> Event | None:
     if message.run or message.passing:
         return None  # its action has a line, or the panel's picture shows it
+    if message.driver == "session" and message.verb in ("mark", "note"):
+        return None  # so has the marker or the note
     return Event(message.t, "running", words(message), run=message.command)
 
 

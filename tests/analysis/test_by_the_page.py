@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -151,3 +152,26 @@ def test_links_that_lead_in_a_circle_are_named(tmp_path: Path) -> None:
     for path in paths:
         with pytest.raises(FileNotFoundError):
             examine(path, places=[])
+
+
+def test_what_may_not_be_read_is_named(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Tests may run as root, who may read everything: so the system's answer is given by hand."""
+    closed, log = tmp_path / "closed", tmp_path / "odd.jsonl"
+    closed.mkdir()
+    log.touch()
+    listed, opened, looked = Path.iterdir, Path.open, Path.stat
+
+    def refused(real: Any, path: Path) -> Any:
+        def call(self: Path, *args: Any, **more: Any) -> Any:
+            if self == path:
+                raise PermissionError(13, "Permission denied", str(self))
+            return real(self, *args, **more)
+
+        return call
+
+    monkeypatch.setattr(Path, "iterdir", refused(listed, closed))
+    monkeypatch.setattr(Path, "open", refused(opened, log))
+    monkeypatch.setattr(Path, "stat", refused(looked, tmp_path / "inside" / "x.jsonl"))
+    named = [str(closed), str(tmp_path / "inside" / "x.jsonl")]
+    assert sessions_in(named) == ([], [f"{name}: Permission denied" for name in named])
+    assert sessions_in([str(tmp_path)]) == ([log], [])

@@ -20,7 +20,11 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
     found: dict[tuple[Path, str], Path] = {}
     problems: list[str] = []
     for name in named:
-        paths = list(_paths(name))
+        try:
+            paths = list(_paths(name))
+        except OSError as error:
+            problems.append(f"{name}: {error.strerror or error}")
+            continue
         if not paths:
             problems.append(_problem(name))
         for path in paths:
@@ -37,6 +41,7 @@ def sessions_in(named: Sequence[str]) -> tuple[list[Path], list[str]]:
 def _paths(name: str) -> Iterator[Path]:
     path = Path(name)
     if path.is_dir():
+        next(path.iterdir(), None)  # a folder that cannot be read is no empty one
         yield from (each for each in sorted(path.rglob("*.jsonl")) if _is_log(each))
     elif path.exists():
         yield path
@@ -52,7 +57,7 @@ def _problem(name: str) -> str:
 
 
 def _is_log(path: Path) -> bool:
-    """Whether a file of a folder is a log, also a damaged or empty one."""
+    """Whether a file of a folder is a log, also a damaged, empty or unreadable one."""
     parsed = FileName.parse(path.name)
     if parsed is None or parsed.samples or not path.is_file():
         return False
@@ -61,7 +66,9 @@ def _is_log(path: Path) -> bool:
     try:
         with path.open("rb") as file:
             first = wire.decode_unknown(file.readline(wire.MAX_LINE))
-    except (OSError, wire.WireError):
+    except OSError:
+        return True  # whoever reads it says why it cannot be read
+    except wire.WireError:
         return False
     return first.get("kind") in ("session.start", "segment")
 

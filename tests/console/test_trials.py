@@ -163,6 +163,16 @@ async def test_when_all_trials_are_over_none_can_be_begun() -> None:
         assert "begin trial" not in seat.drawn()
 
 
+async def test_no_trial_can_be_begun_while_something_is_asked() -> None:
+    """The robot process would refuse it."""
+    async with sitting(studied.welcome()) as seat:
+        await seat.tell(studied.started())
+        await seat.press("asterisk")
+        await seat.settle()
+        assert "leave it unfinished" in seat.drawn()
+        assert "begin trial" not in seat.drawn()
+
+
 async def test_who_comes_late_hears_which_trial_is_next() -> None:
     late = studied.welcome(
         m.SessionChanged(participant="P07", trial=3, t=NOW), study=studied.told(trial=4)

@@ -183,7 +183,7 @@ def steps(study: Study) -> list[Step]:
             Step("a", "aborted: it will be run again", _trial("aborted"), asks=True),
             Step("x", "excluded: not to be analysed", _trial("excluded"), asks=True),
         ]
-    elif not study.all_over:
+    elif study.asked is None and not study.all_over:
         found.append(Step("b", _beginning(study), _trial("begin")))
     if study.break_began is None:
         found.append(Step("p", "pause: a break", _trial("break")))

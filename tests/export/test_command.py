@@ -76,3 +76,14 @@ def test_golden_logs_of_every_schema_can_be_exported(
     samples = ["--samples"] if to in ("csv", "bids") else []
     assert main(["export", *folders, "--to", to, "--out", out, *samples]) == 0
     assert capsys.readouterr().out
+
+
+def test_a_log_of_which_nothing_can_be_read_is_no_success(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    logs, out = tmp_path / "logs", tmp_path / "out"
+    whole = write(logs, visit())
+    (logs / "2026-03-02T10-00-00_P08_S02.jsonl").touch()
+    assert main(["export", str(logs), "--to", "csv", "--out", str(out)]) == 1
+    assert "2026-03-02T10-00-00_P08_S02: damage: no line of a session" in capsys.readouterr().err
+    assert whole.stem in (out / "events.csv").read_text(encoding="utf-8")

@@ -250,3 +250,12 @@ def test_lines_of_several_versions_in_one_log(
 
 def test_the_oldest_log_is_not_the_newest() -> None:
     assert VERSIONS[0] != GOLDEN, "there is more than one version to read"
+
+
+def test_a_log_that_cannot_be_read_is_not_called_empty() -> None:
+    """Whether it is, nobody knows."""
+    refused = "x.jsonl: Permission denied"
+    assert Damage(lineless=True, unreadable=[refused]).sentences() == [
+        "no line of a session was found",
+        refused,
+    ]

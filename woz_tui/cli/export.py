@@ -72,11 +72,12 @@ def _run(arguments: argparse.Namespace) -> int:
             media=arguments.media,
             offset=_microseconds(arguments),
         )
-        sessions = 0
+        sessions = unread = 0
         for told in export(
             arguments.file, arguments.to, arguments.out, options, force=arguments.force
         ):
             sessions += 1
+            unread += not told.session.lines
             print(f"{told.session.name}: {told.events} events, {told.session.duration / 1e6:.1f} s")
             for sentence in told.session.damage:
                 print(f"woz export: {told.session.name}: damage: {sentence}", file=sys.stderr)
@@ -86,7 +87,7 @@ def _run(arguments: argparse.Namespace) -> int:
         print(f"woz export: {error}", file=sys.stderr)
         return 1
     print(f"{sessions} session{'' if sessions == 1 else 's'} in {arguments.out}")
-    return 0
+    return 1 if unread else 0
 
 
 def _microseconds(arguments: argparse.Namespace) -> int:

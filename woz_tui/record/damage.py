@@ -63,7 +63,8 @@ class Damage:
         """Everything that was wrong, in words; empty if nothing was."""
         found = []
         if self.lineless:
-            found.append("no line of a session was found: the log is empty, or no log of woz")
+            why = "" if self.unreadable else ": the log is empty, or no log of woz"
+            found.append(f"no line of a session was found{why}")
         if self.newer:
             found.append(
                 f"written by a newer version (schema {self.newer}): read as far as it goes"

@@ -168,13 +168,15 @@ async def _serve(
         reason = await host.serve()
     finally:
         _leave_within(CLOSE_LIMIT_S)
-        if rerun is not None:
-            rerun.end("the session ends")
-        if training is not None:
-            training.end()
-        await session.close(reason)
-        await host.close()
-        _leave_within(EXIT_LIMIT_S)
+        try:
+            if rerun is not None:
+                rerun.end("the session ends")
+            if training is not None:
+                training.end()
+        finally:  # whatever that came to: the robot rests and the log is finished
+            await session.close(reason)
+            await host.close()
+            _leave_within(EXIT_LIMIT_S)
     return 0
 
 

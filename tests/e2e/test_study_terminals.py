@@ -38,7 +38,7 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     wizard.wait_text("participant attached")
 
     wizard.send("*")
-    wizard.wait_text("begin the next trial")
+    wizard.wait_text("begin trial 1")
     wizard.send("b")
     assert log.wait("trial.started").fields["condition"] == "warm"
     wizard.wait_text("trial 1/2")
@@ -59,8 +59,9 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     for chord in ("h", CTRL_R, "\x1a", "."):  # nothing of the wizard's
         guest.send(chord)
     guest.send(ESCAPE)
-    assert log.wait("stop.pressed").fields["source"] == "key"
-    wizard.wait_text("STOPPED")
+    assert log.wait("stop.pressed").fields["source"] == "the participant"
+    wizard.wait_text("STOPPED by the participant")
+    guest.wait_text("The robot has been stopped.")
     wizard.send(CTRL_R)
     log.wait("stop.released")
     wizard.send("h")

@@ -8,7 +8,8 @@ from pathlib import Path
 from tests.analysis.told import SECOND, Told, in_time, study
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import figures_of
-from woz_tui.analysis.methods import listed, paragraphs, some, times
+from woz_tui.analysis.grammar import listed, some, times
+from woz_tui.analysis.methods import paragraphs
 from woz_tui.analysis.session import examine
 from woz_tui.analysis.study import Facts, Studies
 from woz_tui.core import messages as m

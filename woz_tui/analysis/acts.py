@@ -64,6 +64,8 @@ class Acts:
         self._commands: dict[str, _Command] = {}
         #: Where acts were counted that a mistake may name, the newest last; None: not by hand.
         self._played: dict[str, Tally | None] = {}
+        #: Passing commands: they are no acts, whoever calls them a mistake.
+        self._passing: dict[str, Tally | None] = {}
         self._wrong: set[str] = set()
         self._last: tuple[Tally, int] | None = None
         course.leaving.append(self._leave)
@@ -110,9 +112,7 @@ class Acts:
         self._on_act(name, run)
 
     def _remember(self, run: str, tally: Tally | None) -> None:
-        self._played[run] = tally
-        if len(self._played) > REMEMBERED:
-            del self._played[next(iter(self._played))]
+        _keep(self._played, run, tally)
 
     def _ended(self, message: m.ActionEnd) -> None:
         run = self._runs.pop(message.run, None)
@@ -127,7 +127,8 @@ class Acts:
         run.tally.counts[run.action, run.panel, run.source, end] += 1
 
     def _command(self, message: m.Command) -> None:
-        if message.passing:
+        if message.passing:  # apart: a knob's way is long and would push the acts out
+            _keep(self._passing, message.command, None)
             return
         course = self._course
         by_hand = message.source not in BY_MACHINE
@@ -166,7 +167,7 @@ class Acts:
             verb.done.add(message.duration_us)
 
     def _mistake(self, message: m.Mistake) -> None:
-        if message.run in self._wrong:
+        if message.run in self._wrong or message.run in self._passing:
             return
         self._wrong.add(message.run)
         tally = self._played.get(message.run, self._course.tally)
@@ -179,3 +180,10 @@ class Acts:
     def _leave(self) -> None:
         """No gap reaches over the border between two trials or conditions."""
         self._last = None
+
+
+def _keep(found: dict[str, Tally | None], run: str, tally: Tally | None) -> None:
+    """The newest `REMEMBERED` are kept."""
+    found[run] = tally
+    if len(found) > REMEMBERED:
+        del found[next(iter(found))]

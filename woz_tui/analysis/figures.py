@@ -183,6 +183,7 @@ class Part:
         reactions: By sort of cue; `all` leaves echoes out.
         mistakes: Acts that the wizard called a mistake.
         held: How long actions were held back by shaping.
+        counted: It is somebody's who took part, so that totals over sessions contain it.
     """
 
     participant: str
@@ -204,6 +205,7 @@ class Part:
     stops: int
     speech: Series
     held: Series
+    counted: bool = True
 
     @property
     def actions(self) -> int:
@@ -291,13 +293,15 @@ class SessionFigures:
 
     `parts` are by participant and condition, in the order in which they came; `whole` has all of
     them together. Both leave out what happened in trials that do not count (see `NOT_COUNTED`)
-    unless `all_trials`. Everything else is of the session as it was.
+    unless `all_trials`. Everything else is of the session as it was. `participants` are those who
+    took part (see `people`); `participant` names them, or all codes if nobody did.
     """
 
     path: str
     stem: str
     session: str
     participant: str
+    participants: tuple[str, ...]
     condition: str
     wizard: str
     software: str

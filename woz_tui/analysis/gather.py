@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -13,6 +13,7 @@ from woz_tui.analysis.course import Course, Handlers
 from woz_tui.analysis.cues import WAITING, WINDOW_US, Cues
 from woz_tui.analysis.engaged import Engaged
 from woz_tui.analysis.figures import Cue, Part, SessionFigures, Trial, Wholeness
+from woz_tui.analysis.people import taking_part
 from woz_tui.analysis.tally import Tally, part
 from woz_tui.core import messages as m
 
@@ -82,11 +83,13 @@ class Gatherer:
         trials = course.trials()
         tallies = course.tallies
         counted = [tally for tally in tallies if self._options.all_trials or course.counts(tally)]
+        people = taking_part(tallies, trials, self._asked.answers)
         return SessionFigures(
             path=path,
             stem=stem,
             session=start.session if start else "",
-            participant=", ".join(_each(tally.participant for tally in tallies)),
+            participant=_named(tallies, people),
+            participants=tuple(_each(_of(tallies, people))),
             condition=", ".join(_each(tally.condition for tally in tallies)),
             wizard=start.wizard if start else "",
             software=" ".join(filter(None, map(start.software.get, ("name", "version"))))
@@ -101,9 +104,9 @@ class Gatherer:
             ended=setting.ended,
             window_us=self._options.window_us,
             all_trials=self._options.all_trials,
-            whole=self._part(counted, trials),
-            parts=tuple(self._parts(counted, trials)),
-            cues=tuple(self._told_cues(tallies)),
+            whole=self._part(counted, trials, people),
+            parts=tuple(self._parts(counted, trials, people)),
+            cues=tuple(self._told_cues(tallies, people)),
             visits=tuple(self._engaged.visits),
             trials=tuple(trials),
             breaks=tuple(course.breaks),
@@ -136,15 +139,15 @@ class Gatherer:
         self._engaged.finish()
         self._hardware.finish()
 
-    def _part(self, tallies: list[Tally], trials: list[Trial]) -> Part:
+    def _part(self, tallies: list[Tally], trials: list[Trial], people: set[str]) -> Part:
         return part(
             tallies,
-            ", ".join(_each(tally.participant for tally in tallies)),
+            _named(tallies, people),
             ", ".join(_each(tally.condition for tally in tallies)),
             self._trials_of(trials),
         )
 
-    def _parts(self, tallies: list[Tally], trials: list[Trial]) -> Iterable[Part]:
+    def _parts(self, tallies: list[Tally], trials: list[Trial], people: set[str]) -> Iterable[Part]:
         groups: dict[tuple[str, str], list[Tally]] = {}
         for tally in tallies:
             groups.setdefault((tally.participant, tally.condition), []).append(tally)
@@ -154,14 +157,17 @@ class Gatherer:
                 for trial in trials
                 if (trial.participant, trial.condition) == (participant, condition)
             ]
-            yield part(found, participant, condition, self._trials_of(of_it))
+            begun = self._trials_of(of_it)
+            yield part(found, participant, condition, begun, counted=participant in people)
 
     def _trials_of(self, trials: list[Trial]) -> int:
         return sum(self._options.all_trials or trial.counted for trial in trials)
 
-    def _told_cues(self, tallies: list[Tally]) -> list[Cue]:
+    def _told_cues(self, tallies: list[Tally], people: set[str]) -> list[Cue]:
         cues = [
-            cue if self._course.counts(tally) else replace(cue, counted=False)
+            cue
+            if self._course.counts(tally) and tally.participant in people
+            else replace(cue, counted=False)
             for tally in tallies
             for cue in tally.cues
         ]
@@ -177,9 +183,19 @@ def _joined(*parts: Handlers) -> dict[type[Any], tuple[Callable[..., None], ...]
     return joined
 
 
-def _each(names: Iterable[str]) -> Iterable[str]:
+def _each(names: Iterable[str]) -> dict[str, None]:
     """Each name once, in the order of the first time; none that is empty."""
     return dict.fromkeys(name for name in names if name)
+
+
+def _of(tallies: Iterable[Tally], people: set[str]) -> Iterable[str]:
+    return (tally.participant for tally in tallies if tally.participant in people)
+
+
+def _named(tallies: Sequence[Tally], people: set[str]) -> str:
+    """Who took part; all codes that were given if nobody did."""
+    found = _each(_of(tallies, people)) or _each(tally.participant for tally in tallies)
+    return ", ".join(found)
 
 
 def _began(start: m.SessionStart | None) -> str:

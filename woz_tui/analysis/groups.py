@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -12,13 +13,14 @@ from woz_tui.analysis.series import mean_and_sd
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One condition of one participant in one session."""
+    """One condition of one participant in one session; `counted`: totals contain it."""
 
     experiment: str
     participant: str
     condition: str
     session: str
     values: Mapping[str, float | None]
+    counted: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,6 +77,7 @@ class Grouped:
     damaged: list[tuple[str, tuple[str, ...]]] = field(default_factory=list)
     _items: dict[tuple[str, str, str, str], _Item] = field(default_factory=dict)
     _hashes: dict[str, set[str]] = field(default_factory=dict)
+    _sessions: Counter[str] = field(default_factory=Counter)
 
     def add(self, figures: SessionFigures) -> None:
         """One more session."""
@@ -90,6 +93,7 @@ class Grouped:
         if figures.rerun_of:
             self.reruns.append(figures.session or figures.stem)
             return
+        self._sessions[experiment] += 1
         self._hashes.setdefault(experiment, set()).add(figures.experiment_sha256)
         for part in figures.parts:
             self.rows.append(
@@ -99,22 +103,27 @@ class Grouped:
                     condition=part.condition,
                     session=figures.session,
                     values=measured(part),
+                    counted=part.counted,
                 )
             )
         for answer in figures.answers:
-            if answer.value is None:
-                continue
+            if answer.value is None or (figures.participant and not answer.participant):
+                continue  # nothing was answered, or nobody was there to do so
             key = (experiment, answer.questionnaire, answer.item, answer.condition)
             item = self._items.get(key)
             if item is None:
                 item = self._items[key] = _Item(answer.question, answer.low, answer.high)
-            item.values.setdefault(answer.participant, []).append(answer.value)
+            who = _who(answer.participant, figures.session)
+            item.values.setdefault(who, []).append(answer.value)
 
     @property
     def sessions(self) -> int:
         """How many there are of any kind."""
-        rows = {(row.experiment, row.participant, row.session) for row in self.rows}
-        return len(rows) + len(self.trainings) + len(self.reruns)
+        return self._sessions.total() + len(self.trainings) + len(self.reruns)
+
+    def sessions_of(self, experiment: str) -> int:
+        """How many of its sessions there are, without trainings and re-runs."""
+        return self._sessions[experiment]
 
     @property
     def experiments(self) -> list[str]:
@@ -161,14 +170,15 @@ def experiment_of(figures: SessionFigures) -> str:
 
 
 def totals(rows: Sequence[Row]) -> list[ConditionTotal]:
-    """The rows by condition, in the order of their names."""
+    """The rows that count by condition, in the order of their names."""
     found = []
+    rows = [row for row in rows if row.counted]
     for condition in sorted({row.condition for row in rows}):
         of_it = [row for row in rows if row.condition == condition]
         found.append(
             ConditionTotal(
                 condition=condition,
-                participants=len({_who(row) for row in of_it}),
+                participants=len({_who(row.participant, row.session) for row in of_it}),
                 rows=len(of_it),
                 values={
                     measure.name: _total(_by_participant(of_it, measure.name))
@@ -184,13 +194,13 @@ def _by_participant(rows: Iterable[Row], name: str) -> dict[str, list[float]]:
     for row in rows:
         value = row.values[name]
         if value is not None:
-            values.setdefault(_who(row), []).append(value)
+            values.setdefault(_who(row.participant, row.session), []).append(value)
     return values
 
 
-def _who(row: Row) -> str:
+def _who(participant: str, session: str) -> str:
     """Sessions without a participant's code are told apart by their own."""
-    return row.participant or f"session {row.session}"
+    return participant or f"session {session}"
 
 
 def _total(values: Mapping[str, Sequence[float]]) -> Total:

@@ -187,7 +187,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure("speech_s", "s", "their lengths together, pre-roll and trailing silence included",
             "speech s", lambda part: part.speech.total / 1e6),
     Measure(
-        "mistakes", "", "acts by hand that were labelled with `mistake`, each once", "mistakes",
+        "mistakes", "",
+        "acts by hand that were labelled with `mistake`, each once; not knobs on their way",
+        "mistakes",
         lambda part: part.mistakes,
     ),
     Measure("mistake_rate", "share", "`mistakes` / `acts`; empty without acts", "mist. %",

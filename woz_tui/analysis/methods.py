@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
 
+from woz_tui.analysis.grammar import Some, capital, listed, neither, some, times, was, were
 from woz_tui.analysis.series import Series
 from woz_tui.analysis.study import Facts, Practice
 
@@ -80,6 +81,13 @@ def paragraphs(facts: Facts) -> list[Paragraph]:
 
 
 def _sessions(facts: Facts) -> Iterator[str]:
+    yield from _attended(facts)
+    if facts.deserted:
+        left = f"{Some(facts.deserted, 'session')} in which nobody took part"
+        yield f"{left} {were(facts.deserted)} left out."
+
+
+def _attended(facts: Facts) -> Iterator[str]:
     if not facts.sessions:
         yield "No session with a participant is among the logs."
         return
@@ -90,7 +98,7 @@ def _sessions(facts: Facts) -> Iterator[str]:
             f"{_lengths(facts)}."
         )
     else:
-        yield f"There {_were(facts.sessions)} {some(facts.sessions, 'session')}{_lengths(facts)}."
+        yield f"There {were(facts.sessions)} {some(facts.sessions, 'session')}{_lengths(facts)}."
     if facts.unnamed:
         yield f"No participant was recorded in {some(facts.unnamed, 'session')}."
     conditions = [(name, len(who)) for name, who in sorted(facts.people.items()) if name]
@@ -98,7 +106,7 @@ def _sessions(facts: Facts) -> Iterator[str]:
         told = [
             f"the condition {name} had {some(count, 'participant')}" for name, count in conditions
         ]
-        yield f"{_capital(listed(told))}."
+        yield f"{capital(listed(told))}."
     elif people:
         yield "Conditions were not recorded."
     yield from _orders(facts)
@@ -186,7 +194,7 @@ def _production(facts: Facts) -> Iterator[str]:
         locked = [title for title, lock in facts.panels.items() if lock]
         if locked:
             yield (
-                f"{Some(len(locked), 'panel')} ({listed(locked)}) {_were(len(locked))} locked"
+                f"{Some(len(locked), 'panel')} ({listed(locked)}) {were(len(locked))} locked"
                 " unless unlocked on purpose."
             )
     elif facts.sessions:
@@ -219,7 +227,7 @@ def _acted(facts: Facts) -> Iterator[str]:
         how = f"{'all ' if total > 1 else ''}{sources[0][1]}"
     else:
         how = listed([f"{count} {words}" for count, words in sources])
-    yield f"In all, {some(total, 'action')} {_were(total)} asked for, {how}."
+    yield f"In all, {some(total, 'action')} {were(total)} asked for, {how}."
     ends = [
         f"{count} {one if count == 1 else many}"
         for end, (one, many) in _ENDS.items()
@@ -232,7 +240,7 @@ def _acted(facts: Facts) -> Iterator[str]:
     else:
         yield f"Of these, {listed(ends)}."
     if facts.direct:
-        yield f"Besides, {some(facts.direct, 'command')} {_were(facts.direct)} given on the spot."
+        yield f"Besides, {some(facts.direct, 'command')} {were(facts.direct)} given on the spot."
 
 
 _ENDS = {
@@ -267,7 +275,7 @@ def _performance(facts: Facts) -> Iterator[str]:
     if facts.acts:
         marked = f"{facts.mistakes} ({_per_cent(facts.mistakes, facts.acts)})"
         what = "marked as a mistake" if facts.mistakes == 1 else "marked as mistakes"
-        yield (f"Of {some(facts.acts, 'act')} by hand, {marked} {_was(facts.mistakes)} {what}.")
+        yield (f"Of {some(facts.acts, 'act')} by hand, {marked} {was(facts.mistakes)} {what}.")
     yield from _reacted(facts)
     if facts.press.n:
         yield (
@@ -297,7 +305,7 @@ def _reacted(facts: Facts) -> Iterator[str]:
     share = ""
     if due:
         others = [words for fate, words in _NOT_DUE.items() if facts.fates[fate]]
-        left = f" of those {_neither(others)}" if others else ""
+        left = f" of those {neither(others)}" if others else ""
         share = f" ({_per_cent(facts.fates['answered'], due)}{left})"
     yield (
         f"Of {some(cues, 'cue')} that wanted an answer, the wizard answered"
@@ -313,68 +321,26 @@ def _data(facts: Facts) -> Iterator[str]:
         return
     if facts.left_out:
         told = [
-            f"{count} {_was(count)} {outcome}" for outcome, count in sorted(facts.left_out.items())
+            f"{count} {was(count)} {outcome}" for outcome, count in sorted(facts.left_out.items())
         ]
         yield f"Of {some(facts.trials, 'trial')}, {listed(told)} and left out."
     if facts.reruns:
-        yield f"{Some(facts.reruns, 're-run')} of a session {_were(facts.reruns)} left out."
+        yield f"{Some(facts.reruns, 're-run')} of a session {were(facts.reruns)} left out."
     if facts.damaged:
         yield (
             f"The {'log' if facts.damaged == 1 else 'logs'} of {some(facts.damaged, 'session')}"
-            f" {_were(facts.damaged)} damaged; {some(facts.lost, 'line')} {_were(facts.lost)} lost."
+            f" {were(facts.damaged)} damaged; {some(facts.lost, 'line')} {were(facts.lost)} lost."
         )
     if facts.open_logs:
         yield (
             f"The {'log' if facts.open_logs == 1 else 'logs'} of"
-            f" {some(facts.open_logs, 'session')} {_were(facts.open_logs)} cut off before the end."
+            f" {some(facts.open_logs, 'session')} {were(facts.open_logs)} cut off before the end."
         )
     if not facts.damaged and not facts.open_logs:
         yield f"No line was lost from the {'log' if facts.sessions == 1 else 'logs'}."
 
 
 # -- words ----------------------------------------------------------------------------------------
-
-
-def some(count: int, one: str) -> str:
-    """`1 session`, `2 sessions`."""
-    return f"{count} {one if count == 1 else one + 's'}"
-
-
-def Some(count: int, one: str) -> str:  # noqa: N802 - the same where a sentence begins
-    """`One session`, `2 sessions`, `No session`."""
-    if count == 0:
-        return f"No {one}"
-    return f"One {one}" if count == 1 else some(count, one)
-
-
-def times(count: int) -> str:
-    """`once`, `twice`, `3 times`."""
-    return {1: "once", 2: "twice"}.get(count, f"{count} times")
-
-
-def listed(words: Sequence[str], last: str = "and") -> str:
-    """`a`, `a and b`, `a, b and c`."""
-    if len(words) < 2:
-        return "".join(words)
-    return f"{', '.join(words[:-1])} {last} {words[-1]}"
-
-
-def _neither(words: Sequence[str]) -> str:
-    """`not a`, `neither a nor b`, `neither a, b nor c`."""
-    return f"not {words[0]}" if len(words) == 1 else f"neither {listed(words, 'nor')}"
-
-
-def _were(count: int) -> str:
-    return "was" if count < 2 else "were"
-
-
-def _was(count: int) -> str:
-    """After a bare number, of which 0 is a plural."""
-    return "was" if count == 1 else "were"
-
-
-def _capital(words: str) -> str:
-    return words[:1].upper() + words[1:]
 
 
 def _per_cent(part: int, whole: int) -> str:

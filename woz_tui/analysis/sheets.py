@@ -126,6 +126,10 @@ SESSIONS = Sheet(
         ),
         Column("software", "", "program and version", lambda it: it.session.software),
         Column("started", "", "wall clock at the start, UTC", lambda it: it.session.started),
+        Column(
+            *("counted", "", "totals contain it: neither without a participant nor a slip"),
+            lambda it: it.row.counted,
+        ),
         Column("training", "", "a wizard was trained in it", _trained),
         Column(
             "rerun_of", "", "the log whose commands were run again", lambda it: it.session.rerun_of
@@ -204,7 +208,7 @@ REACTIONS = Sheet(
         _of("run", "", "id of that run or command in the log"),
         _of("echo", "", "stands for the same event as another cue within 1 s"),
         _of("judged", "", "of trained cues: right, wrong or missed"),
-        _of("counted", "", "not in a trial that was aborted or excluded"),
+        _of("counted", "", "somebody took part, and in no trial that was aborted or excluded"),
     ),
     _cues,
 )

@@ -5,8 +5,16 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from woz_tui.analysis.figures import Outcomes, Restriction, SessionFigures, Shaping, Training
+from woz_tui.analysis.figures import (
+    Outcomes,
+    Part,
+    Restriction,
+    SessionFigures,
+    Shaping,
+    Training,
+)
 from woz_tui.analysis.groups import experiment_of
+from woz_tui.analysis.people import counted_parts
 from woz_tui.analysis.series import Series
 from woz_tui.analysis.tally import ALL_CUES
 
@@ -26,7 +34,8 @@ class Facts:
 
     Attributes:
         sessions: Sessions with participants; trainings and re-runs are not among them.
-        lengths: Their lengths.
+        deserted: Sessions in which nobody took part, although a code was given; in nothing else.
+        lengths: Their lengths, without the time in which there was no participant.
         people: Condition -> participants.
         unnamed: Sessions without a participant's code.
         wizards: Wizard -> sessions led.
@@ -40,6 +49,7 @@ class Facts:
     window_us: int
     title: str = ""
     sessions: int = 0
+    deserted: int = 0
     reruns: int = 0
     lengths: Series = field(default_factory=Series)
     people: dict[str, set[str]] = field(default_factory=dict)
@@ -78,6 +88,8 @@ class Facts:
             self._practised(figures, figures.training)
         elif figures.rerun_of:
             self.reruns += 1
+        elif figures.participant and not figures.participants:
+            self.deserted += 1
         else:
             self._session(figures)
 
@@ -90,7 +102,8 @@ class Facts:
     def _session(self, figures: SessionFigures) -> None:
         self.sessions += 1
         self.title = figures.title or self.title
-        self.lengths.add(figures.duration_us)
+        nobodys = sum(part.us for part in figures.parts if not part.counted)
+        self.lengths.add(figures.duration_us - nobodys)
         self.wizards[figures.wizard] += 1
         self.software[figures.software] += 1
         self._people(figures)
@@ -100,7 +113,7 @@ class Facts:
 
     def _people(self, figures: SessionFigures) -> None:
         self.unnamed += not figures.participant
-        for part in figures.parts:
+        for part in counted_parts(figures.parts):
             if part.participant:
                 self.people.setdefault(part.condition, set()).add(part.participant)
         if figures.order_method:
@@ -114,24 +127,28 @@ class Facts:
             self.panels[panel.title] = panel.locked
             self.offered |= {(panel.title, action) for action in panel.actions}
         self.profiles.update(figures.profiles)
-        for count in figures.whole.counts:
-            self.sources[count.source] += count.outcomes.total
-        outcomes: Outcomes = figures.whole.outcomes
-        for end in Outcomes.__slots__:
-            self.outcomes[end] += getattr(outcomes, end)
-        self.by_hand += figures.whole.by_hand
-        self.direct += figures.whole.direct
+        for part in counted_parts(figures.parts):
+            self._produced(part)
         for shaping in {_shaped(each) for each in figures.shaping} - {(0, 0, ())}:
             self.shaped[shaping] += 1
-        self.held.extend(figures.whole.held)
+
+    def _produced(self, part: Part) -> None:
+        for count in part.counts:
+            self.sources[count.source] += count.outcomes.total
+        outcomes: Outcomes = part.outcomes
+        for end in Outcomes.__slots__:
+            self.outcomes[end] += getattr(outcomes, end)
+        self.by_hand += part.by_hand
+        self.direct += part.direct
+        self.held.extend(part.held)
+        self.mistakes += part.mistakes
+        self.press.extend(part.press)
 
     def _answers(self, figures: SessionFigures) -> None:
-        whole = figures.whole
-        self.mistakes += whole.mistakes
-        self.press.extend(whole.press)
-        if ALL_CUES in whole.reactions:
-            self.fates.update(whole.reactions[ALL_CUES].fates)
-            self.reactions.extend(whole.reactions[ALL_CUES].times)
+        for part in counted_parts(figures.parts):
+            if ALL_CUES in part.reactions:
+                self.fates.update(part.reactions[ALL_CUES].fates)
+                self.reactions.extend(part.reactions[ALL_CUES].times)
         self.stops += len(figures.stops)
         self.stopped_sessions += bool(figures.stops)
         for seen in {_hidden(each) for each in figures.restrictions} - {((), ())}:
@@ -139,8 +156,10 @@ class Facts:
 
     def _data(self, figures: SessionFigures) -> None:
         whole = figures.wholeness
-        self.trials += len(figures.trials)
-        self.left_out.update(trial.outcome for trial in figures.trials if not trial.counted)
+        people = figures.participants or ("",)
+        trials = [trial for trial in figures.trials if trial.participant in people]
+        self.trials += len(trials)
+        self.left_out.update(trial.outcome for trial in trials if not trial.counted)
         lost = whole.left_out + whole.dropped + whole.missing
         self.lost += lost
         self.damaged += bool(lost)

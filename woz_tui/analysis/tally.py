@@ -108,7 +108,14 @@ _SERIES = ("press", "took", "gaps", "speech", "held", "episodes")
 _COUNTERS = ("counts", "state_us", "transitions")
 
 
-def part(tallies: Sequence[Tally], participant: str, condition: str, trials: int) -> Part:
+def part(
+    tallies: Sequence[Tally],
+    participant: str,
+    condition: str,
+    trials: int,
+    *,
+    counted: bool = True,
+) -> Part:
     """All of them together as a part of the figures."""
     total = Tally(participant, condition)
     for tally in tallies:
@@ -116,6 +123,7 @@ def part(tallies: Sequence[Tally], participant: str, condition: str, trials: int
     return Part(
         participant=participant,
         condition=condition,
+        counted=counted,
         us=total.us,
         trials=trials,
         counts=_counts(total.counts),

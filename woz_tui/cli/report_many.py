@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 from woz_tui.analysis.groups import ConditionTotal, Grouped, ItemTotal, Row, Total
 from woz_tui.analysis.measures import BY_NAME, Measure
+from woz_tui.analysis.people import called, not_counted
 from woz_tui.cli.report_page import NONE, Page, clock, digits, in_unit, s, some, table
 
 #: Columns, those first that are worth most; as many are shown as there is room for.
@@ -23,13 +24,19 @@ def show(page: Page, grouped: Grouped) -> None:
     """Print the tables of all experiments."""
     for experiment in grouped.experiments:
         rows = grouped.of(experiment)
-        page.head(f"{experiment or 'experiment not recorded'}: {_counted(rows)}")
+        counted = _counted(grouped.sessions_of(experiment), rows)
+        page.head(f"{experiment or 'experiment not recorded'}: {counted}")
         versions = grouped.versions(experiment)
         if versions > 1:
             page.trouble(f"the experiment file had {versions} versions in these sessions")
         _rows(page, rows)
-        page.head("By condition: mean and standard deviation over participants")
-        _totals(page, grouped.totals(experiment))
+        left = not_counted((row.participant, row.counted) for row in rows)
+        if left:
+            page.trouble(left)
+        totals = grouped.totals(experiment)
+        if totals:
+            page.head("By condition: mean and standard deviation over participants")
+            _totals(page, totals)
         items = grouped.items(experiment)
         if items:
             page.head("Questionnaires: mean and standard deviation over participants")
@@ -63,9 +70,8 @@ def _trainings(page: Page, grouped: Grouped) -> None:
     page.console.print(made)
 
 
-def _counted(rows: Sequence[Row]) -> str:
-    sessions = len({(row.participant, row.session) for row in rows})
-    people = len({row.participant for row in rows if row.participant})
+def _counted(sessions: int, rows: Sequence[Row]) -> str:
+    people = len({row.participant for row in rows if row.participant and row.counted})
     return f"{some(sessions, 'session')}, {some(people, 'participant')}"
 
 
@@ -74,7 +80,7 @@ def _rows(page: Page, rows: Sequence[Row]) -> None:
     made = table(*_WHO, *map(_head, measures), left=len(_WHO))
     last = None
     for row in rows:
-        who = row.participant or NONE
+        who = _called(row)
         made.add_row(
             who if who != last else "",
             row.condition or NONE,
@@ -85,9 +91,13 @@ def _rows(page: Page, rows: Sequence[Row]) -> None:
     page.console.print(made)
 
 
+def _called(row: Row) -> str:
+    return called(row.participant, counted=row.counted) or NONE
+
+
 def _fitting(page: Page, rows: Sequence[Row]) -> list[Measure]:
     """As many figures as there is room for, of those of which there is anything."""
-    who = [_WHO, *((row.participant, row.condition, row.session) for row in rows)]
+    who = [_WHO, *((_called(row), row.condition, row.session) for row in rows)]
     names = [max(len(each[place]) for each in who) for place in range(len(_WHO))]
     room = page.width - sum(names) - _GAP * len(names)
     fitting = []

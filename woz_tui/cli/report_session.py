@@ -10,6 +10,7 @@ from rich.text import Text
 from woz_tui.analysis.figures import CUE_FATES, ENDS, Part, SessionFigures
 from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.measures import BY_NAME, Measure
+from woz_tui.analysis.people import called, not_counted
 from woz_tui.analysis.report import Report
 from woz_tui.analysis.series import Series
 from woz_tui.analysis.tally import ALL_CUES
@@ -101,6 +102,9 @@ def title(page: Page, figures: SessionFigures) -> None:
     if left_out and not figures.all_trials:
         outcomes = ", ".join(f"{trial.trial} {trial.outcome}" for trial in left_out)
         page.trouble(f"not counted: {some(len(left_out), 'trial')} ({outcomes})")
+    left = not_counted((part.participant, part.counted) for part in figures.parts)
+    if left:
+        page.trouble(left)
     for sentence in figures.wholeness.sentences:
         page.trouble(sentence)
     if not figures.wholeness.sentences:
@@ -113,7 +117,9 @@ def _figures(page: Page, figures: SessionFigures) -> Block:
     parts = list(figures.parts) if len(figures.parts) > 1 else []
     alike = len({part.participant for part in parts}) == 1
     names = [
-        part.condition or "none" if alike else f"{part.participant} {part.condition}"
+        part.condition or "none"
+        if alike
+        else f"{called(part.participant, counted=part.counted)} {part.condition}".strip()
         for part in parts
     ]
     columns = [("all", figures.whole), *zip(names, parts, strict=True)]

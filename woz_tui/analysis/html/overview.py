@@ -11,6 +11,7 @@ from woz_tui.analysis.html.numbers import DASH, calendar, clock, duration, perce
 from woz_tui.analysis.html.section import Entry
 from woz_tui.analysis.html.strips import ruler, strip
 from woz_tui.analysis.html.totals import totals
+from woz_tui.analysis.people import called
 
 
 def overview(found: Sequence[Entry]) -> Markup | None:
@@ -66,7 +67,9 @@ def _cells(entry: Entry, part: Part) -> Iterator[Markup]:
     figures = entry.figures
     reactions = part.reactions.get("all")
     median = reactions.times.median if reactions else None
-    yield tag("th", _link(entry, part.participant or DASH), scope="row")
+    who = called(part.participant, counted=part.counted) or DASH
+    left = None if part.counted else tag("small", " (in no total)")
+    yield tag("th", _link(entry, who), left, scope="row")
     yield tag("td", said(part.condition))
     yield tag("td", said(figures.session))
     yield tag("td", said(calendar(figures.started, 16)))

@@ -8,6 +8,7 @@ from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Answer, Part, SessionFi
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
 from woz_tui.analysis.html.numbers import DASH, clock, duration, percent
+from woz_tui.analysis.people import called
 from woz_tui.analysis.rows import CUE_FATES
 from woz_tui.analysis.series import Series
 
@@ -53,7 +54,8 @@ def parts(figures: SessionFigures) -> Markup | None:
 def _part(part: Part, participant: str | None = None, condition: str | None = None) -> list[Child]:
     reactions = part.reactions.get("all")
     return [
-        said(part.participant if participant is None else participant) or DASH,
+        said(called(part.participant, counted=part.counted) if participant is None else participant)
+        or DASH,
         said(part.condition if condition is None else condition),
         clock(part.us),
         str(part.trials),

@@ -33,6 +33,8 @@ def totals(reports: Sequence[Report]) -> Iterator[Markup | None]:
 
 def _measures(grouped: Grouped, experiment: str, name: str) -> Markup | None:
     found = grouped.totals(experiment)
+    if not found:  # nobody took part
+        return None
     heads: list[Child] = ["Figure"]
     for each in found:
         who = f" ({counted(each.participants, 'participant')}, {counted(each.rows, 'row')})"

@@ -30,6 +30,7 @@ class Seat:
     app: Participant
     feed: ScriptedFeed
     pilot: Pilot[str]
+    clock: ManualClock
 
     def drawn(self) -> str:
         strips = self.app.screen._compositor.render_strips()
@@ -61,9 +62,10 @@ async def seated(
 ) -> AsyncIterator[Seat]:
     feed = ScriptedFeed()
     feed.begin_with(*(first or (studied.welcome(role="participant"),)))
-    app = Participant(feed, Keyboard(feed), only=only, clock=ManualClock())
+    clock = ManualClock()
+    app = Participant(feed, Keyboard(feed), only=only, clock=clock)
     async with app.run_test(size=size) as pilot:
-        seat = Seat(app, feed, pilot)
+        seat = Seat(app, feed, pilot, clock)
         await seat.settle()
         app.look_in()
         await seat.settle()
@@ -76,7 +78,9 @@ async def test_it_waits_asks_and_thanks(size: tuple[int, int]) -> None:
         assert "Please wait." in seat.drawn()
         await seat.tell(studied.started(studied.QUICK))
         assert "This visit" in seat.drawn()
-        await seat.press("enter", "6", "enter")
+        await seat.press("enter", "6")
+        seat.clock.advance(0.5)
+        await seat.press("enter")
         answer = seat.feed.last(r.AskAnswer)
         assert isinstance(answer, r.AskAnswer)
         assert (answer.item, answer.value) == ("pleasant", 6.0)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from textual.events import Paste
 from textual.widgets import TextArea
 
 from tests.console import studied
@@ -13,13 +14,14 @@ from woz_tui.console.screens.questionnaire import QuestionnaireDialog
 from woz_tui.console.study.questions import Questionnaire, items_of, questionnaires_of
 from woz_tui.console.study.sheet import Sheet
 from woz_tui.core import requests as r
+from woz_tui.core.messages import Json
 
 SIZES = [(80, 24), (160, 50), (60, 20)]
 
 
-async def asking(seat: Sitting) -> None:
+async def asking(seat: Sitting, questionnaire: dict[str, Json] = studied.ROBOT) -> None:
     """Open the dialog on a questionnaire that has begun."""
-    await seat.tell(studied.started())
+    await seat.tell(studied.started(questionnaire))
     await seat.press("asterisk", "q")
     await seat.until(lambda: isinstance(seat.console.dialog, QuestionnaireDialog))
     await seat.settle()
@@ -39,7 +41,9 @@ async def test_all_of_it_is_answered_by_keys(size: tuple[int, int]) -> None:
         drawn = seat.drawn()
         for part in ("How pleasant was it", "1 of 4", "not at all", "very much", "7"):
             assert part in drawn, part
-        await seat.press("6", "1", "0", "enter", "4", "2", "enter")
+        await seat.press("6")
+        await seat.pass_time(0.5)
+        await seat.press("1", "0", "enter", "4", "2", "enter")
         assert "Anything else?" in seat.drawn()
         await seat.type("It was kind")
         await seat.press("enter")
@@ -70,10 +74,59 @@ async def test_the_stop_goes_through_it_and_it_goes_on_where_it_was() -> None:
         assert "2 of 4" in seat.drawn()
 
 
+async def test_a_held_digit_answers_one_item_and_leaves_the_next_as_it_is() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat)
+        await seat.press("enter", "6")
+        before = seat.drawn()
+        assert "2 of 4" in before
+        await seat.press("6", "6", "6", "enter")
+        assert seat.drawn() == before
+        assert [answer.item for answer in answers(seat)] == ["pleasant"]
+
+
+async def test_a_held_digit_writes_nothing_into_a_text_behind_its_item() -> None:
+    mixed = {**studied.ROBOT, "items": [studied.SCALES[0], studied.SCALES[3]]}
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat, mixed)
+        await seat.press("enter", "6")
+        field = seat.console.screen.query_one(TextArea)
+        await seat.until(lambda: field.has_focus)
+        await seat.press("6", "6", "enter", "o", "k")
+        assert field.text == "ok"
+        await seat.pass_time(0.5)
+        await seat.press("6", "enter")
+        assert [answer.text for answer in answers(seat)] == ["", "ok6"]
+
+
+async def test_pasted_digits_answer_nothing_on_a_scale() -> None:
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat)
+        await seat.press("enter")
+        seat.console.post_message(Paste("5555\n5"))
+        await seat.settle()
+        assert "1 of 4" in seat.drawn()
+        assert answers(seat) == []
+
+
+@pytest.mark.parametrize("size", [(50, 12), (60, 16), (80, 24)])
+async def test_a_question_stays_in_sight_above_its_field(size: tuple[int, int]) -> None:
+    words = {**studied.ROBOT, "items": [studied.SCALES[3]]}
+    async with sitting(studied.welcome(), size=size) as seat:
+        await asking(seat, words)
+        await seat.press("enter")
+        await seat.type("kind")
+        drawn = seat.drawn()
+        for part in ("Anything else?", "may be left out", "kind", "enter goes on"):
+            assert part in drawn, part
+
+
 async def test_the_stop_goes_through_a_text_field() -> None:
     async with sitting(studied.welcome()) as seat:
         await asking(seat)
-        await seat.press("enter", "6", "tab", "4", "2", "enter")
+        await seat.press("enter", "6", "tab")
+        await seat.pass_time(0.5)
+        await seat.press("4", "2", "enter")
         field = seat.console.screen.query_one(TextArea)
         await seat.until(lambda: field.has_focus)
         await seat.type("half a")

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.console import studied
 from woz_tui.console.study.questions import Answer, Asked, Item, Questionnaire, items_of
-from woz_tui.console.study.round import Page, Round
+from woz_tui.console.study.round import SETTLING_US, Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
@@ -30,9 +30,11 @@ class Sitting:
         self.asked = Asked(Questionnaire("robot", "You", items=self.items), self.answers)
         self.taken = Round(self.asked, self.sent.append, lambda: self.now)
 
-    def press(self, *keys: str) -> None:
+    def press(self, *keys: str, apart: float = 0.5) -> None:
+        """Press keys, `apart` seconds from each other."""
         for key in keys:
             self.taken.key(key)
+            self.now += round(apart * 1_000_000)
 
     def page(self) -> Page:
         return self.taken.page
@@ -99,6 +101,64 @@ def test_numbers_are_typed_or_reached_with_arrows(
     seat.press("enter", *keys)
     assert seat.value("one") == value
     assert seat.taken.position == 1
+
+
+def many(count: int = 10) -> Sitting:
+    """On the first of so many items that a digit answers."""
+    seat = Sitting(tuple(Item(f"item-{n}", "How?", 1, 7) for n in range(count)))
+    seat.press("enter")
+    return seat
+
+
+@pytest.mark.parametrize("rate", [10.9, 25, 30, 1000])
+def test_a_held_key_answers_one_item(rate: float) -> None:
+    seat = many()
+    seat.press(*"5" * 60, apart=1 / rate)
+    assert (len(seat.sent), seat.taken.position, seat.taken.complaint) == (1, 1, "")
+
+
+def test_a_fist_on_the_keys_answers_one_item() -> None:
+    seat = many()
+    seat.press(*"46", "enter", *"5394", apart=0.02)
+    assert (seat.value("item-0"), len(seat.sent), seat.taken.complaint) == (4, 1, "")
+
+
+@pytest.mark.parametrize("keys", ["55", "26"])
+def test_two_deliberate_presses_answer_two_items(keys: str) -> None:
+    seat = many()
+    seat.press(*keys, apart=0.5)
+    assert len(seat.sent) == 2
+    assert seat.taken.position == 2
+
+
+def test_a_held_key_may_be_followed_by_an_answer() -> None:
+    seat = many()
+    seat.press(*"5" * 30, apart=0.03)
+    seat.now += SETTLING_US
+    seat.press("2")
+    assert (seat.value("item-0"), seat.value("item-1")) == (5, 2)
+
+
+def test_only_digits_and_enter_wait() -> None:
+    seat = many()
+    seat.press("5", "up", apart=0)
+    assert seat.taken.position == 0
+    seat.press("down", "right", apart=0)
+    assert (seat.taken.position, seat.taken.mark) == (1, 1)
+    seat.press("ctrl+d", "n", "backspace", apart=0)
+    assert (seat.page(), seat.taken.position) == (Page.ITEM, 0)
+
+
+def test_a_held_key_does_not_finish_behind_the_last_item() -> None:
+    seat = many(1)
+    seat.press("5", "enter", apart=0.03)
+    assert (seat.page(), len(seat.sent)) == (Page.SUMMARY, 1)
+
+
+def test_a_number_of_two_digits_may_be_typed_as_fast_as_one_likes() -> None:
+    seat = scale(0, 100)
+    seat.press("enter", "7", "3", "enter", apart=0)
+    assert seat.value("one") == 73
 
 
 def test_a_number_that_is_not_on_the_scale_is_not_taken() -> None:

@@ -40,6 +40,12 @@ def page_rows(taken: Round, frame: Frame) -> list[Row]:
     return [cut((left, *row), frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
+def question_height(taken: Round, width: int, glyphs: Glyphs) -> int:
+    """Lines that a question for words needs at least, from the title on, in a column so wide."""
+    frame = Frame(width, 0, 0, glyphs)
+    return len(_head(taken, frame)) + 1 + len(_item(taken, frame))
+
+
 def foot_rows(taken: Round, frame: Frame, leave: str = "", notice: str = "") -> list[Row]:
     """What is wrong, the keys, and how whoever may do so leaves it, or a `notice` in its place."""
     if frame.width < NARROWEST:

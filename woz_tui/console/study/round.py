@@ -16,6 +16,10 @@ from woz_tui.core.requests import AskAnswer, AskQuestionnaire
 _LEAP = 10
 #: Points from which a scale is drawn as a line instead of boxes.
 WIDE = 12
+#: Microseconds after an answer by digit in which digits and enter do nothing, and begin it anew:
+#: longer than a pause between two repeats of a held key (30 to 100 ms) or two fingers that hit the
+#: keys at once, shorter than anybody takes to read the next question.
+SETTLING_US = 300_000
 
 
 class Page(enum.Enum):
@@ -57,6 +61,7 @@ class Round:
         self.unconfirmed: dict[str, AskAnswer] = {}
         self._to_summary = False
         self._shown_us = now_us()
+        self._settled_us = self._shown_us
         if asked.answers:
             self._show(asked.first_open())
 
@@ -108,6 +113,8 @@ class Round:
 
     def key(self, key: str) -> bool:
         """A key in Textual's name, or a character; whether it was one of ours."""
+        if self.settles(key):
+            return True
         if key == "ctrl+d" and self.page is not Page.DECLINE:
             self.page, self.complaint = Page.DECLINE, ""
             return True
@@ -117,6 +124,14 @@ class Round:
             Page.SUMMARY: self._summary,
             Page.DECLINE: self._decline,
         }[self.page](key)
+
+    def settles(self, key: str) -> bool:
+        """Whether this is the rest of a held key, or of a fist on the keys: it is to do nothing."""
+        now = self._now_us()
+        if now >= self._settled_us or not (key == "enter" or _is_digit(key)):
+            return False
+        self._settled_us = now + SETTLING_US
+        return True
 
     def _begin(self, key: str) -> bool:
         if key not in ("enter", "down", "right", "space"):
@@ -186,7 +201,7 @@ class Round:
 
     def _scale(self, item: Item, key: str) -> bool:
         step = {"left": -1, "right": 1, "pagedown": -_LEAP, "pageup": _LEAP}.get(key)
-        if len(key) == 1 and (key.isdecimal() or (key == "-" and item.low < 0)):
+        if _is_digit(key) or (key == "-" and item.low < 0):
             self._type(item, key)
         elif step is not None:
             self._move(item, step)
@@ -221,6 +236,7 @@ class Round:
             self.complaint = f"A number from {item.low} to {item.high}, please."
         elif item.digits:
             self._take(item, Answer(int(typed)))
+            self._settled_us = self._now_us() + SETTLING_US
         else:
             self._set_typed(item, typed)
 
@@ -290,6 +306,10 @@ class Round:
             value = None if request.value is None else round(request.value)
             asked.answers[request.item] = Answer(value, request.text, request.skipped)
             self._send(request)
+
+
+def _is_digit(key: str) -> bool:
+    return len(key) == 1 and key.isdecimal()
 
 
 def _number(typed: str) -> int | None:

@@ -14,7 +14,13 @@ from textual.widgets import TextArea
 from woz_tui.console.cells import Cells
 from woz_tui.console.feed import GONE
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.study.pages import column_of, foot_rows, page_rows, words_rows
+from woz_tui.console.study.pages import (
+    column_of,
+    foot_rows,
+    page_rows,
+    question_height,
+    words_rows,
+)
 from woz_tui.console.study.questions import Asked
 from woz_tui.console.study.round import Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire, Reply
@@ -25,8 +31,17 @@ Ask = Callable[[AskAnswer | AskQuestionnaire, Callable[[Reply], None]], None]
 Words = list[tuple[str, str]]
 
 
+#: Lines of the field with its border, where there is room, and where there is little.
+_FIELD, _FIELD_LEAST = 8, 3
+#: Lines of the keys at the bottom.
+_FOOT = 3
+
+
 class Written(TextArea):
-    """A field for a sentence or some. Enter goes on; the way back is over its first line."""
+    """A field for a sentence or some. Enter goes on; the way back is over its first line.
+
+    `idle` tells of a key whether it is to do nothing at this moment.
+    """
 
     class Done(Message):
         """Enter was pressed."""
@@ -38,11 +53,15 @@ class Written(TextArea):
             super().__init__()
             self.key = key
 
-    def __init__(self, **options: Any) -> None:
+    def __init__(self, idle: Callable[[str], bool], **options: Any) -> None:
         super().__init__(soft_wrap=True, show_line_numbers=False, **options)
+        self._idle = idle
 
     async def _on_key(self, event: events.Key) -> None:
-        if event.key == "enter":
+        if self._idle(event.key):
+            event.stop()
+            event.prevent_default()
+        elif event.key == "enter":
             self._take(event, self.Done())
         elif event.key in ("tab", "ctrl+d") or self._leads_back(event.key):
             self._take(event, self.Left(event.key))
@@ -84,6 +103,7 @@ class Sheet(Vertical):
         self._taken: Round | None = None
         self._words: Words = []
         self._written_for = ""
+        self._field_height = _FIELD
         self._kept: Round | None = None
         self._away = False
         self._notice = ""
@@ -91,7 +111,7 @@ class Sheet(Vertical):
     def compose(self) -> ComposeResult:
         """Page, field, keys."""
         yield Cells(id="page")
-        field = Written(id="written")
+        field = Written(self._idle, id="written")
         field.display = False
         yield field
         yield Cells(id="foot")
@@ -165,6 +185,9 @@ class Sheet(Vertical):
             event.prevent_default()
             self.draw()
 
+    def _idle(self, key: str) -> bool:
+        return self._taken is not None and self._taken.settles(key)
+
     def on_written_done(self, event: Written.Done) -> None:
         """A text was confirmed."""
         event.stop()
@@ -203,12 +226,22 @@ class Sheet(Vertical):
     def _frame(self, cells: Cells) -> Frame:
         return Frame(cells.size.width, cells.size.height, 0, self._glyphs)
 
+    def _room(self, taken: Round | None, column: int) -> int:
+        """Lines for the field and the air below it, once the question is in sight."""
+        question = question_height(taken, column, self._glyphs) if taken is not None else 0
+        return self.size.height - _FOOT - question
+
     def _show_field(self, taken: Round | None) -> None:
         """The field with what was written before, while its item is shown."""
         field = self._field
         column = column_of(self.size.width)
         field.styles.width = column
-        field.styles.margin = (0, 0, 1, (self.size.width - column) // 2)
+        room = self._room(taken, column)
+        field.styles.margin = (0, 0, int(room > _FIELD_LEAST), (self.size.width - column) // 2)
+        height = max(_FIELD_LEAST, min(_FIELD, room - 1))
+        if height != self._field_height:
+            self._field_height = field.styles.height = height
+            self.call_after_refresh(self.draw)
         item = taken.item if taken is not None and taken.page is Page.ITEM else None
         wanted = item.name if item is not None and item.text else ""
         if wanted == self._written_for:

@@ -117,6 +117,14 @@ def test_a_held_key_answers_one_item(rate: float) -> None:
     assert (len(seat.sent), seat.taken.position, seat.taken.complaint) == (1, 1, "")
 
 
+@pytest.mark.parametrize(("delay", "answered"), [(0.25, 1), (0.5, 2), (0.66, 2)])
+def test_repeats_never_answer_more_than_their_first_may(delay: float, answered: int) -> None:
+    seat = many()
+    seat.press("5", apart=delay)
+    seat.press(*"5" * 90, apart=1 / 30)
+    assert len(seat.sent) == answered
+
+
 def test_a_fist_on_the_keys_answers_one_item() -> None:
     seat = many()
     seat.press(*"46", "enter", *"5394", apart=0.02)

@@ -18,7 +18,9 @@ _LEAP = 10
 WIDE = 12
 #: Microseconds after an answer by digit in which digits and enter do nothing, and begin it anew:
 #: longer than a pause between two repeats of a held key (30 to 100 ms) or two fingers that hit the
-#: keys at once, shorter than anybody takes to read the next question.
+#: keys at once, shorter than anybody takes to read the next question. Where the first repeat comes
+#: later than this (many keyboards wait 500 ms), it cannot be told from a second press and answers a
+#: second item; no repeat behind it answers any.
 SETTLING_US = 300_000
 
 

@@ -40,6 +40,7 @@ VAGUE = re.compile(r"(^|_)(utils?|helpers?|manager|misc|common|stuff)(_|$)")
 #: Loading the left side must not load the right side.
 UNLOADED = [
     ("woz_tui.host.process", {"textual", "numpy", "serial", "dynamixel_sdk", "woz_drivers"}),
+    ("woz_tui.host.process", {"woz_tui.replay", "woz_tui.training", "woz_tui.analysis"}),
     ("woz_tui.host.server", {"textual", "rich", "numpy", "serial", "woz_drivers"}),
     ("woz_tui.cli", {"textual", "rich", "numpy", "serial", "msgspec", "woz_drivers"}),
     ("woz_tui.console.app", {"numpy", "serial", "dynamixel_sdk", "woz_drivers", "woz_tui.host"}),

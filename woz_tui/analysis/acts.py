@@ -15,7 +15,8 @@ BY_MACHINE = frozenset({"engagement", "program", "replay"})
 #: Runs and commands that a mistake may still name.
 REMEMBERED = 4000
 
-_ACTION_ENDS: dict[type[m.Message], str] = {
+#: How an action can end, as a word.
+ACTION_ENDS: dict[type[m.Message], str] = {
     m.ActionDone: "done",
     m.ActionFailed: "failed",
     m.ActionStopped: "stopped",
@@ -78,7 +79,7 @@ class Acts:
             m.Dispatched: self._dispatched,
             m.Mistake: self._mistake,
             m.ActionHeld: self._held,
-            **dict.fromkeys(_ACTION_ENDS, self._ended),
+            **dict.fromkeys(ACTION_ENDS, self._ended),
             **dict.fromkeys(_COMMAND_ENDS, self._command_ended),
         }
 
@@ -118,7 +119,7 @@ class Acts:
         run = self._runs.pop(message.run, None)
         if run is None:
             return
-        end = _ACTION_ENDS[type(message)]
+        end = ACTION_ENDS[type(message)]
         self._count(run, end)
         if end == "done":
             run.tally.took.add(self._course.t - run.t)

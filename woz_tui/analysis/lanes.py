@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from typing import Any
 
+from woz_tui.analysis.acts import ACTION_ENDS
 from woz_tui.analysis.series import LONGEST
 from woz_tui.analysis.timeline import LANES, Curve, Instant, Interval, Lane, Timeline
 from woz_tui.core import messages as m
@@ -18,12 +19,6 @@ CURVES = ("distance", "loudness")
 PLACES = 2048
 #: The step with which a curve begins, in microseconds.
 _STEP = 50_000
-_ENDS: dict[type[m.Message], str] = {
-    m.ActionDone: "done",
-    m.ActionFailed: "failed",
-    m.ActionStopped: "stopped",
-    m.ActionRefused: "refused",
-}
 #: How a command that belongs to no action can end, as an action's outcome.
 _COMMAND_ENDS: dict[type[m.Message], str] = {
     m.Done: "done",
@@ -65,7 +60,7 @@ class Drawing:
             m.ActionRequested: self._requested,
             m.Command: self._command,
             m.Dispatched: self._dispatched,
-            **dict.fromkeys(_ENDS, self._ended),
+            **dict.fromkeys(ACTION_ENDS, self._ended),
             **dict.fromkeys(_COMMAND_ENDS, self._command_ended),
             m.EngagementChanged: self._engagement,
             m.SpeechEnded: self._speech_ended,
@@ -142,7 +137,7 @@ class Drawing:
         self._begin(("run", message.run), ("panel", panel), interval)
 
     def _ended(self, message: m.ActionEnd) -> None:
-        self._close(("run", message.run), outcome=_ENDS[type(message)], detail=message.reason)
+        self._close(("run", message.run), outcome=ACTION_ENDS[type(message)], detail=message.reason)
 
     def _command(self, message: m.Command) -> None:
         """What it does becomes a fact of its action; without an action it has a bar of its own."""

@@ -66,8 +66,6 @@ def run(arguments: argparse.Namespace) -> int:
         print("woz: --headless goes with --rerun", file=sys.stderr)
         return 2
     from woz_tui.host import process  # noqa: PLC0415 - only this command needs it
-    from woz_tui.host.rerun import RerunOptions  # noqa: PLC0415
-    from woz_tui.host.training import TrainingOptions  # noqa: PLC0415
 
     logging.basicConfig(
         stream=sys.stderr, level=logging.INFO, format="%(asctime)s %(name)s %(message)s"
@@ -75,9 +73,15 @@ def run(arguments: argparse.Namespace) -> int:
 
     def serve() -> int:
         who = identity(arguments)
-        rerun = None
+        rerun = training = None
         if arguments.rerun is not None:
+            from woz_tui.host.rerun import RerunOptions  # noqa: PLC0415
+
             rerun = RerunOptions(arguments.rerun, arguments.headless, arguments.rerun_wait)
+        if arguments.train:
+            from woz_tui.host.training import TrainingOptions  # noqa: PLC0415
+
+            training = TrainingOptions(arguments.train_count)
         return process.run(
             process.HostOptions(
                 experiment=arguments.experiment,
@@ -88,7 +92,7 @@ def run(arguments: argparse.Namespace) -> int:
                 announce=arguments.announce,
                 profile=arguments.profile,
                 rerun=rerun,
-                training=TrainingOptions(arguments.train_count) if arguments.train else None,
+                training=training,
             )
         )
 

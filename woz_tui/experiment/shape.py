@@ -111,6 +111,11 @@ class Action:
     help: str = ""
     locked: bool = False
 
+    @property
+    def calls(self) -> list[Call]:
+        """All calls of all its steps, in their order."""
+        return [call for step in self.steps if isinstance(step, Together) for call in step.calls]
+
 
 @dataclass(frozen=True, slots=True)
 class Panel:

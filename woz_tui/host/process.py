@@ -11,8 +11,10 @@ import logging
 import os
 import signal
 import threading
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
@@ -20,23 +22,19 @@ from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
 from woz_tui.host.desk import Desk
 from woz_tui.host.place import bind, socket_path
-from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
 from woz_tui.host.server import Host
-from woz_tui.host.training import (
-    TrainingOptions,
-    TrainingSession,
-    in_training,
-    read_cues,
-    without_participant,
-)
 from woz_tui.plugins import Catalogue, installed
 from woz_tui.record.recorder import Recorder, stem
-from woz_tui.replay.plan import Plan
 from woz_tui.session.identity import Identity, check_code, check_participant
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.session import Session
-from woz_tui.training.plan import PlannedCue
-from woz_tui.training.rehearsal import rehearsed
+
+if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
+    from woz_tui.core.driver import Driver
+    from woz_tui.host.rerun import Rerun, RerunOptions
+    from woz_tui.host.training import TrainingOptions, TrainingSession
+    from woz_tui.replay.plan import Plan
+    from woz_tui.training.plan import PlannedCue
 
 #: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
 GC_THRESHOLDS = (50_000, 20, 100)
@@ -83,9 +81,15 @@ def run(options: HostOptions) -> int:
     _check_identity(options.identity, experiment)
     if options.profile:
         Profiles(lambda message: None).use(options.profile, experiment, "")
-    plan = read_plan(options.rerun, experiment) if options.rerun is not None else None
+    plan: Plan | None = None
+    if options.rerun is not None:
+        from woz_tui.host.rerun import read_plan  # noqa: PLC0415
+
+        plan = read_plan(options.rerun, experiment)
     cues: tuple[PlannedCue, ...] = ()
     if options.training is not None:
+        from woz_tui.host.training import in_training, read_cues  # noqa: PLC0415
+
         cues = read_cues(options.training, experiment, options.identity.seed)
         options = replace(options, identity=in_training(options.identity, experiment))
     return asyncio.run(_serve(options, catalogue, experiment, plan, cues))
@@ -95,8 +99,14 @@ def _read(options: HostOptions, catalogue: Catalogue) -> Experiment:
     """The experiment's file as it is now, for this kind of session."""
     experiment = load(options.experiment, catalogue)
     if options.training is not None:
+        from woz_tui.host.training import without_participant  # noqa: PLC0415
+
         return without_participant(experiment)
-    return experiment if options.rerun is None else without_model(experiment)
+    if options.rerun is not None:
+        from woz_tui.host.rerun import without_model  # noqa: PLC0415
+
+        return without_model(experiment)
+    return experiment
 
 
 def _fill_standard_streams() -> None:
@@ -143,15 +153,13 @@ async def _serve(
         on_state=recorder_moved,
         defer=functools.partial(asyncio.get_running_loop().call_later, SYNC_AFTER_S),
     )
-    offered = rehearsed(catalogue) if options.training is not None else catalogue
-    session = Session(experiment, offered, options.identity, recorder, clock)
+    session = Session(experiment, _offered(options, catalogue), options.identity, recorder, clock)
     sessions.append(session)
     if options.profile:
         session.use_profile(options.profile, "start")
     desk = Desk(session, lambda: _read(options, catalogue))
     host = Host(session, path, desk)
-    rerun = Rerun(host, plan, options.rerun) if plan is not None and options.rerun else None
-    training = TrainingSession(host, cues) if options.training is not None else None
+    rerun, training = _played(host, options, plan, cues)
     for number in (signal.SIGTERM, signal.SIGINT):
         asyncio.get_running_loop().add_signal_handler(number, host.end, "terminated")
     reason = "crashed"
@@ -178,6 +186,31 @@ async def _serve(
             await host.close()
             _leave_within(EXIT_LIMIT_S)
     return 0
+
+
+def _offered(options: HostOptions, catalogue: Catalogue) -> Mapping[str, type[Driver]]:
+    """The drivers of this kind of session, by type."""
+    if options.training is None:
+        return catalogue
+    from woz_tui.training.rehearsal import rehearsed  # noqa: PLC0415
+
+    return rehearsed(catalogue)
+
+
+def _played(
+    host: Host, options: HostOptions, plan: Plan | None, cues: tuple[PlannedCue, ...]
+) -> tuple[Rerun | None, TrainingSession | None]:
+    """What goes on in the session by itself, if anything does."""
+    rerun = training = None
+    if plan is not None and options.rerun is not None:
+        from woz_tui.host.rerun import Rerun  # noqa: PLC0415
+
+        rerun = Rerun(host, plan, options.rerun)
+    if options.training is not None:
+        from woz_tui.host.training import TrainingSession  # noqa: PLC0415
+
+        training = TrainingSession(host, cues)
+    return rerun, training
 
 
 def _leave_within(seconds: float) -> None:

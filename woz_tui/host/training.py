@@ -7,12 +7,11 @@ from collections import Counter
 from dataclasses import dataclass, replace
 
 from woz_tui.core import messages as m
-from woz_tui.experiment.shape import Experiment, Together
-from woz_tui.experiment.verbs import PERFORMERS
+from woz_tui.experiment.shape import Experiment
 from woz_tui.host.rerun import counted
 from woz_tui.host.server import Host
 from woz_tui.session.identity import AskError, Identity
-from woz_tui.training.plan import PlannedCue, planned
+from woz_tui.training.plan import PlannedCue, acts, planned
 from woz_tui.training.trainer import Trainer
 from woz_tui.training.visitor import TrainingVisitor
 
@@ -84,12 +83,7 @@ class TrainingSession:
 
     def _acts(self, name: str) -> bool:
         action = self._session.experiment.action(name)
-        return action is not None and any(
-            call.driver not in PERFORMERS
-            for step in action.steps
-            if isinstance(step, Together)
-            for call in step.calls
-        )
+        return action is not None and acts(action)
 
     def _hear(self, message: m.AnyMessage) -> None:
         match message:

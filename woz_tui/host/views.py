@@ -13,7 +13,7 @@ from woz_tui.core.messages import Json
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.experiment.profiles import FIELDS
 from woz_tui.experiment.sensors import published_names
-from woz_tui.experiment.shape import Action, Call, Experiment, Panel, Profile, Together
+from woz_tui.experiment.shape import Action, Experiment, Panel, Profile
 from woz_tui.session.session import Session
 
 log = logging.getLogger(__name__)
@@ -61,7 +61,7 @@ def _shut(panel: Panel, profile: Profile | None) -> bool:
 
 
 def _action_view(action: Action, profile: Profile | None) -> ActionView:
-    calls = _calls(action)
+    calls = action.calls
     return ActionView(
         name=action.name,
         label=action.label,
@@ -73,10 +73,6 @@ def _action_view(action: Action, profile: Profile | None) -> ActionView:
         ],
         locked=action.locked or (profile is not None and not profile.plays(action)),
     )
-
-
-def _calls(action: Action) -> list[Call]:
-    return [call for step in action.steps if isinstance(step, Together) for call in step.calls]
 
 
 def verb_names(experiment: Experiment) -> dict[str, list[str]]:

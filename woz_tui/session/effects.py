@@ -120,7 +120,7 @@ class Effects:
             return []
         engagement = self._session.experiment.engagement
         action = engagement.effects.get(self._state) if engagement else None
-        calls = [*self._signals.entered(self._state), *(_calls(action) if action else ())]
+        calls = [*self._signals.entered(self._state), *(action.calls if action else ())]
         return [call for call in calls if call.verb in LASTING]
 
     def ended(self, end: m.ActionEnd) -> None:
@@ -208,10 +208,6 @@ class Effects:
             self._session.hub.publish(
                 m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy)
             )
-
-
-def _calls(action: Action) -> list[Call]:
-    return [call for step in action.steps if isinstance(step, Together) for call in step.calls]
 
 
 def _silent(action: Action) -> Action:

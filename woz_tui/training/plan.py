@@ -6,7 +6,7 @@ import random
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
-from woz_tui.experiment.shape import Action, Experiment, Together
+from woz_tui.experiment.shape import Action, Experiment
 from woz_tui.experiment.study import Training, TrainingCue
 from woz_tui.experiment.verbs import PERFORMERS
 
@@ -55,17 +55,13 @@ def requests(experiment: Experiment) -> Iterable[TrainingCue]:
     """A cue for each action that can be played and moves the robot: its label, to be found."""
     for panel in experiment.panels:
         for action in panel.actions:
-            if not panel.locked and not action.locked and _acts(action):
+            if not panel.locked and not action.locked and acts(action):
                 yield TrainingCue(REQUEST, (action.name,), (f"{action.label}, please.",))
 
 
-def _acts(action: Action) -> bool:
-    return any(
-        call.driver not in PERFORMERS
-        for step in action.steps
-        if isinstance(step, Together)
-        for call in step.calls
-    )
+def acts(action: Action) -> bool:
+    """Whether the robot does something."""
+    return any(call.driver not in PERFORMERS for call in action.calls)
 
 
 def _order(cues: Sequence[TrainingCue], count: int, chance: random.Random) -> Iterable[TrainingCue]:

@@ -153,11 +153,16 @@ class StopPressed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="s
 
 
 class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.confirmed"):
-    """Which drivers confirmed within 0.5 s and which did not, by name."""
+    """Which drivers confirmed within 0.5 s and which did not, by name.
+
+    `parts` and `missing_parts` tell of drivers that have several: driver -> speech, motion ...
+    """
 
     confirmed: list[str]
     missing: list[str]
     elapsed_us: int
+    parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
+    missing_parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
 
 
 class StopReleased(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.released"):

@@ -290,7 +290,7 @@ async def _lived(
     return findings
 
 
-async def _quiet(what: str, call: Awaitable[None], limit: float = PROMPT) -> list[Finding]:
+async def _quiet(what: str, call: Awaitable[object], limit: float = PROMPT) -> list[Finding]:
     try:
         await asyncio.wait_for(call, limit)
     except TimeoutError:

@@ -235,6 +235,16 @@ class Probe:
     folder: Path = field(default_factory=Path)
 
 
+@dataclass(frozen=True, slots=True)
+class StopReport:
+    """What a driver of several parts says of its stop: which of them confirmed, and which did not
+    (`speech`, `motion` ...). With something missing the driver counts as not confirmed.
+    """
+
+    confirmed: tuple[str, ...] = ()
+    missing: tuple[str, ...] = ()
+
+
 class Performer(Protocol):
     """The part of a driver that the bus knows."""
 
@@ -245,11 +255,11 @@ class Performer(Protocol):
         """
         ...
 
-    async def stop(self, scope: Scope) -> None:
+    async def stop(self, scope: Scope) -> StopReport | None:
         """Stand still, fall silent; return when it has really happened.
 
         Jobs are being cancelled at the same time. With `Scope.DRIVE` only what moves through the
-        room ends.
+        room ends. A driver of one part returns nothing; one of several may tell of each.
         """
         ...
 

@@ -49,3 +49,16 @@ class ControlsMoved(Shown, frozen=True, kw_only=True, omit_defaults=True, tag="c
     waiting: list[str] = msgspec.field(default_factory=list)
     targets: dict[str, int] = msgspec.field(default_factory=dict)
     lit: list[str] = msgspec.field(default_factory=list)
+
+
+class SettingsShown(Shown, frozen=True, kw_only=True, omit_defaults=True, tag="settings.shown"):
+    """A robot's settings as it has them now, read back from it; said on a change.
+
+    `values` has all of them by name; `wanted` what was asked for, of those that are otherwise (the
+    robot changed them by itself, or has not done so yet); `conflicts` sentences about settings that
+    work against each other.
+    """
+
+    values: dict[str, Json]
+    wanted: dict[str, Json] = msgspec.field(default_factory=dict)
+    conflicts: list[str] = msgspec.field(default_factory=list)

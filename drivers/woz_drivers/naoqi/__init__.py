@@ -1,0 +1,1 @@
+"""A robot that speaks NAOqi and needs no hardware: for tests, demonstrations and rehearsals."""

@@ -1,0 +1,1 @@
+"""SoftBank's Pepper over NAOqi."""

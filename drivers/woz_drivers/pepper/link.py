@@ -1,0 +1,63 @@
+"""One connection to one NAOqi, whichever library carries it.
+
+`own_link` and `qi_link` implement it; everything above (`connection.py`, the parts) knows only
+this.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from typing import Any, Protocol
+
+
+class LinkError(Exception):
+    """A call did not work; the text says why, as the robot or the line says it."""
+
+
+class Said(LinkError):  # noqa: N818 - read as `raise Said(...)`
+    """The robot said no: the method raised, does not exist, or does not take these arguments."""
+
+
+class Unanswered(LinkError):  # noqa: N818 - as above
+    """No answer came in time. The robot may still carry the call out."""
+
+
+class Gone(LinkError):  # noqa: N818 - as above
+    """The connection is lost; nothing else will come through this link."""
+
+
+#: Takes back what was subscribed.
+Unsubscribe = Callable[[], Awaitable[None]]
+
+
+class Link(Protocol):
+    """One connection. All of it belongs to the event loop in which it was opened."""
+
+    @property
+    def lost(self) -> asyncio.Future[str]:
+        """Done when the connection is lost or closed, with the reason in words."""
+        ...
+
+    @property
+    def local_host(self) -> str:
+        """The address of this machine on the line to the robot: what the robot can reach."""
+        ...
+
+    async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
+        """Call `service.method(*args)` and return its value.
+
+        Arguments and values are bool, int, float, str, bytes, list, tuple, dict and None; the
+        overload is chosen by name, number and types of the arguments. Services are looked up once
+        a link. Raises `Said`, `Unanswered` after `within` seconds, or `Gone`. A cancelled call is
+        cancelled on the robot, too, where it lets itself be.
+        """
+        ...
+
+    async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
+        """Call `heard(*values)` in the loop whenever the signal is emitted. Raises as `call`."""
+        ...
+
+    async def close(self) -> None:
+        """Let go. Never raises, never waits for the robot."""
+        ...

@@ -1,0 +1,113 @@
+"""What a Pepper is made of for its driver: parts, each with its verbs, its settings, its stop.
+
+The driver (`driver.py`) hands each verb to its part, asks every part to stop at once, and tells all
+of them when the robot is there again with fresh services.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import Any, ClassVar, Protocol
+
+from woz_drivers.pepper.link import Unsubscribe
+from woz_drivers.pepper.settings import PepperSettings
+from woz_tui.core.driver import Job, Outlet, Scope, Verb
+from woz_tui.core.messages import Json
+
+#: Seconds that an ordinary call may take; what takes its time (speech, a move) says so itself.
+WITHIN_S = 2.0
+
+
+class Robot(Protocol):
+    """The robot as its parts see it: `connection.Connection` implements it.
+
+    All raise `core.driver` errors: `Lost` when the robot is not there or does not answer (nothing
+    is sent while it is silent), `DriverError` with the robot's own words when it says no.
+    """
+
+    async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
+        """Call a method of a service of the robot."""
+        ...
+
+    async def probe(self) -> None:
+        """Return when the robot has answered a question asked now: do this before anything that
+        must not happen late, such as driving.
+        """
+        ...
+
+    async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
+        """Hear a signal until the connection is lost (a part listens again in `connected`)."""
+        ...
+
+    @property
+    def there(self) -> bool:
+        """Whether it is connected and answers."""
+        ...
+
+    @property
+    def local_host(self) -> str:
+        """This machine's address as the robot reaches it; empty while not connected."""
+        ...
+
+
+class Part(Protocol):
+    """One part. Made once a session; survives reconnections."""
+
+    #: What the stop calls it: speech, motion, animations, tablet ...
+    name: ClassVar[str]
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None: ...
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """What it offers."""
+        ...
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out one of its verbs; cancelled by the stop: then end it on the robot, too, but do
+        not wait for that (the part's `stop` does).
+        """
+        ...
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """Stand still; return what confirmed, in words (`speech`, `motion` ...). Raises if nothing
+        did. Nothing to stop: return at once with nothing.
+        """
+        ...
+
+    async def connected(self) -> None:
+        """The robot is there, for the first time or again: apply what the settings say."""
+        ...
+
+    def lost(self) -> None:
+        """The robot is gone: forget ids and subscriptions, sensors are stale."""
+        ...
+
+    async def read(self) -> Mapping[str, Json]:
+        """Settings as the robot has them now, by name; called once a second or more."""
+        ...
+
+    async def close(self) -> None:
+        """Let go: end tasks, close files, unsubscribe. Never raises."""
+        ...
+
+
+#: Read back for the screen; the names of `SettingsShown.values` (`docs/pepper.md`).
+SETTINGS = (
+    *("robot", "state", "awake", "posture", "battery"),
+    *("awareness", "engagement", "blinking", "listening_movement", "speaking_movement"),
+    *("head_breathing", "arms_breathing", "body_breathing", "legs_breathing"),
+    *("tangential", "orthogonal"),
+    *("volume", "speech_speed", "speech_pitch"),
+    *("eyes", "eyes_brightness", "tablet", "sound", "microphones"),
+)
+
+
+async def together(*calls: Any) -> list[Any]:
+    """All at once; the first failure is raised when all have ended."""
+    done = await asyncio.gather(*calls, return_exceptions=True)
+    for one in done:
+        if isinstance(one, BaseException):
+            raise one
+    return done

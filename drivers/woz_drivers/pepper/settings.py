@@ -1,0 +1,107 @@
+"""What a robot file may say about a Pepper."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field
+from typing import Annotated
+
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds
+
+#: `robots:` entry for which the driver starts a robot of its own on this machine.
+SIMULATED = "simulated"
+CLIENTS = ("auto", "qi", "own")
+STATES = ("", "solitary", "interactive", "safeguard", "disabled")
+ENGAGEMENT_MODES = ("", "Unengaged", "FullyEngaged", "SemiEngaged")
+
+
+@dataclass(frozen=True, slots=True)
+class Autonomy:
+    """What the robot does by itself. What is not named is left as the robot has it."""
+
+    state: Annotated[str, OneOf(STATES), Doc("autonomous life")] = ""
+    awareness: Annotated[bool | None, Doc("turns to people and sounds")] = None
+    engagement: Annotated[str, OneOf(ENGAGEMENT_MODES), Doc("how steadfast awareness is")] = ""
+    blinking: Annotated[bool | None, Doc("blinks")] = None
+    listening_movement: Annotated[bool | None, Doc("moves slightly while it listens")] = None
+    speaking_movement: Annotated[bool | None, Doc("moves while it speaks")] = None
+    head_breathing: Annotated[bool | None, Doc("the head breathes")] = None
+    arms_breathing: Annotated[bool | None, Doc("the arms breathe")] = None
+    body_breathing: Annotated[bool | None, Doc("the whole body breathes")] = None
+    legs_breathing: Annotated[bool | None, Doc("the leg breathes")] = None
+    tangential: Annotated[
+        float | None, Range(0.0, 5.0, "m"), Doc("distance kept from what it drives along")
+    ] = None
+    orthogonal: Annotated[
+        float | None, Range(0.0, 5.0, "m"), Doc("distance kept from what it drives towards")
+    ] = None
+
+
+@dataclass(frozen=True, slots=True)
+class Voice:
+    """How it speaks. What is not named is left as the robot has it."""
+
+    volume: Annotated[float | None, Range(0, 1), Doc("of speech")] = None
+    speed: Annotated[float | None, Range(50, 400, "%"), Doc("100 is normal")] = None
+    pitch: Annotated[float | None, Range(0, 4), Doc("0: its own; 1 to 4 times that")] = None
+
+
+@dataclass(frozen=True, slots=True)
+class Tablet:
+    """The tablet at its chest."""
+
+    root: Annotated[str, Doc("folder of its files, relative to the experiment file")] = ""
+    default: Annotated[str, Doc("shown on connect and when nothing else is")] = ""
+    address: Annotated[
+        str, Doc("this machine's address as the robot reaches it; empty: found out")
+    ] = ""
+    port: Annotated[int, Range(0, 65535), Doc("where pictures are served; 0: any")] = 0
+
+
+@dataclass(frozen=True, slots=True)
+class Senses:
+    """What is read from the robot all the time."""
+
+    rate: Annotated[float, Range(1, 20, "Hz"), Doc("readings a second")] = 5.0
+    sonar: Annotated[bool, Doc("distance")] = True
+    people: Annotated[bool, Doc("presence, gaze, distance of people, identity")] = True
+    loudness: Annotated[bool, Doc("loudness and direction of sound")] = True
+    touch: Annotated[bool, Doc("touches of the tablet, as readings")] = True
+
+
+@dataclass(frozen=True, slots=True)
+class PepperSettings:
+    """One Pepper, or several of which one is played at a time."""
+
+    robots: Annotated[
+        tuple[str, ...],
+        Doc(
+            "addresses to choose from, the first is taken at the start: a host name, tcp://HOST:9559,"
+            " tcps://USER@HOST:9503, or simulated"
+        ),
+    ]
+    client: Annotated[str, OneOf(CLIENTS), Doc("auto: qi if it is installed, else own")] = "auto"
+    connect: Annotated[bool, Doc("connect at the start; else wait for the wizard")] = True
+    password: Annotated[
+        str, Doc("name of the environment variable that holds the password for tcps")
+    ] = "WOZ_PEPPER_PASSWORD"
+    trusted: Annotated[
+        str, Doc("SHA-256 of the certificate to expect with tcps; empty: any, and it is told")
+    ] = ""
+    heartbeat: Annotated[
+        float, Seconds(0.1, 1.5), Doc("how long the robot may be silent before it is asked")
+    ] = 0.5
+    autonomy: Annotated[Autonomy, Doc("applied on connect")] = field(default_factory=Autonomy)
+    voice: Annotated[Voice, Doc("applied on connect")] = field(default_factory=Voice)
+    eyes: Annotated[str, Doc("colour of the eyes on connect: a name or #rrggbb")] = ""
+    tablet: Annotated[Tablet, Doc("its tablet")] = field(default_factory=Tablet)
+    senses: Annotated[Senses, Doc("what is read")] = field(default_factory=Senses)
+    posture: Annotated[str, Doc("taken when the robot is left alone; empty: it rests")] = ""
+    pictures: Annotated[
+        str, Doc("folder for camera pictures on this machine; empty: beside the log")
+    ] = ""
+    recordings: Annotated[str, Doc("folder for microphone recordings on the robot")] = (
+        "/home/nao/recordings"
+    )
+    pace: Annotated[
+        float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
+    ] = 1.0

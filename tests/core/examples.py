@@ -160,6 +160,12 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         targets={"tempo": 40},
         lit=["demo"],
     ),
+    m.SettingsShown(
+        driver="pepper",
+        values={"state": "interactive", "volume": 0.7, "blinking": True, "tablet": None},
+        wanted={"state": "solitary"},
+        conflicts=["Awareness is off, so engagement has nothing to follow."],
+    ),
     m.Marker(text="smile"),
     m.Note(text="the visitor's phone rang"),
     m.Mistake(run="a00001", action="Hello", text="too early"),
@@ -170,7 +176,13 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.StopPressed(source="key"),
     m.Stopped(command="c00006", driver="voice", reason="stop pressed"),
     m.ActionStopped(run="a00005", action="Bye", reason="stop pressed"),
-    m.StopConfirmed(confirmed=["voice"], missing=["head"], elapsed_us=500_000),
+    m.StopConfirmed(
+        confirmed=["voice"],
+        missing=["pepper"],
+        elapsed_us=500_000,
+        parts={"pepper": ["speech", "motion"]},
+        missing_parts={"pepper": ["tablet"]},
+    ),
     m.StopReleased(source="key"),
     m.ConsoleLost(console="con1", role="wizard", why="closed"),
     m.Segment(

@@ -177,6 +177,12 @@ def _morning() -> list[m.AnyMessage]:
             targets={"tempo": 40},
             lit=["happy"],
         ),
+        m.SettingsShown(
+            driver="pepper",
+            values={"state": "interactive", "volume": 0.7, "blinking": True, "tablet": None},
+            wanted={"state": "solitary"},
+            conflicts=["Awareness is off, so engagement has nothing to follow."],
+        ),
         m.ProfileChanged(profile="child", source="palette"),
     ]
 
@@ -194,7 +200,13 @@ def _afternoon() -> list[m.AnyMessage]:
         m.Stopped(command="c4", driver="base", reason="stop"),
         m.Refused(command="c6", code="stopped", reason="the stop is pressed"),
         m.ActionStopped(run="r3", action="Wander", reason="stop"),
-        m.StopConfirmed(confirmed=["head"], missing=["base"], elapsed_us=500_000),
+        m.StopConfirmed(
+            confirmed=["head"],
+            missing=["base", "pepper"],
+            elapsed_us=500_000,
+            parts={"pepper": ["speech", "motion"]},
+            missing_parts={"pepper": ["tablet"]},
+        ),
         m.StopReleased(source="key"),
         m.ActionRequested(run="r4", action="Nod", source="key", key="n"),
         m.ActionRefused(run="r4", action="Nod", reason="the panel is locked"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import enum
 from dataclasses import dataclass, field
+from typing import Any
 
 #: Readings older than this look stale even if nobody said so.
 STALE_US = 2_000_000
@@ -72,13 +73,18 @@ class SensorPicture:
 
 @dataclass(slots=True)
 class StopPicture:
-    """A latched stop: since when, by whom, and who confirmed. `settled`: the host has decided."""
+    """A latched stop: since when, by whom, and who confirmed. `settled`: the host has decided.
+
+    `parts` and `missing_parts`: of drivers that have several, which did and which did not.
+    """
 
     t: int
     source: str
     confirmed: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
     settled: bool = False
+    parts: dict[str, tuple[str, ...]] = field(default_factory=dict)
+    missing_parts: dict[str, tuple[str, ...]] = field(default_factory=dict)
 
 
 @dataclass(slots=True)
@@ -115,3 +121,19 @@ class KnobsPicture:
     targets: dict[str, int] = field(default_factory=dict)
     lit: frozenset[str] = frozenset()
     moved: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class RobotPicture:
+    """A robot's settings as it has them: all `values`, what was `wanted` of those that are
+    otherwise, and `conflicts` among them as sentences.
+    """
+
+    values: dict[str, Any] = field(default_factory=dict)
+    wanted: dict[str, Any] = field(default_factory=dict)
+    conflicts: tuple[str, ...] = ()
+
+    @property
+    def differing(self) -> tuple[str, ...]:
+        """Names of settings that are not as they were asked for."""
+        return tuple(self.wanted)

@@ -24,6 +24,7 @@ from woz_tui.console.parts import (
     KnobsPicture,
     LastRun,
     RecorderPicture,
+    RobotPicture,
     SensorPicture,
     Standing,
     State,
@@ -93,6 +94,8 @@ class Picture:
     faces: dict[str, m.FaceShown] = field(default_factory=dict)
     bodies: dict[str, dict[str, m.Json]] = field(default_factory=dict)
     knobs: dict[str, KnobsPicture] = field(default_factory=dict)
+    #: A robot's settings as it told them last, by driver.
+    robots: dict[str, RobotPicture] = field(default_factory=dict)
     runs: Runs = field(default_factory=Runs)
     last_run: LastRun | None = None
     mistakes: set[str] = field(default_factory=set)

@@ -11,6 +11,7 @@ from woz_tui.console.parts import (
     KnobsPicture,
     LastRun,
     RecorderPicture,
+    RobotPicture,
     SensorPicture,
     StopPicture,
 )
@@ -79,6 +80,12 @@ def _confirmed(picture: Picture, message: m.StopConfirmed) -> None:
     stop.missing = tuple(dict.fromkeys((*stop.missing, *message.missing)))
     both = dict.fromkeys((*stop.confirmed, *message.confirmed))
     stop.confirmed = tuple(name for name in both if name not in stop.missing)
+    stop.missing_parts = _parts(message.missing_parts, stop.missing_parts)
+    confirmed = _parts(message.parts, stop.parts)
+    stop.parts = {
+        name: tuple(part for part in parts if part not in stop.missing_parts.get(name, ()))
+        for name, parts in confirmed.items()
+    }
     stop.settled = True
 
 
@@ -129,6 +136,12 @@ def _body(picture: Picture, message: m.BodyChanged) -> None:
     picture.bodies[message.driver] = _mapping(message.values)
 
 
+def _settings(picture: Picture, message: m.SettingsShown) -> None:
+    picture.robots[message.driver] = RobotPicture(
+        _mapping(message.values), _mapping(message.wanted), _texts(message.conflicts)
+    )
+
+
 def _controls(picture: Picture, message: m.ControlsMoved) -> None:
     knobs = picture.knobs.setdefault(message.driver, KnobsPicture())
     moved = _mapping(message.values)
@@ -141,6 +154,20 @@ def _controls(picture: Picture, message: m.ControlsMoved) -> None:
 def _mapping(told: object) -> dict[str, Any]:
     """`told` if it is what it should be: the log of another version may hold anything."""
     return told if isinstance(told, dict) else {}
+
+
+def _texts(told: object) -> tuple[str, ...]:
+    """The same of a list of texts."""
+    return tuple(map(str, told)) if isinstance(told, list) else ()
+
+
+def _parts(told: object, before: dict[str, tuple[str, ...]]) -> dict[str, tuple[str, ...]]:
+    """Parts by driver, those of `before` among them."""
+    found = {name: _texts(parts) for name, parts in _mapping(told).items()}
+    names = dict.fromkeys((*before, *found))
+    return {
+        name: tuple(dict.fromkeys((*before.get(name, ()), *found.get(name, ())))) for name in names
+    }
 
 
 def _mistake(picture: Picture, message: m.Mistake) -> None:
@@ -189,6 +216,7 @@ _REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
     m.ModeChanged: _mode,
     m.FaceShown: _face,
     m.BodyChanged: _body,
+    m.SettingsShown: _settings,
     m.ControlsMoved: _controls,
     m.Mistake: _mistake,
     m.ScriptMoved: _script,

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from woz_tui.console.engagement.seen import texts
 from woz_tui.console.engagement.words import why
+from woz_tui.console.robot.stopping import missing_words
 from woz_tui.console.runs import Outcome, words
 from woz_tui.console.study.telling import TELLERS, line_of
 from woz_tui.core import messages as m
@@ -158,7 +159,8 @@ def _stop(message: m.StopPressed, picture: Picture) -> Event:
 
 def _confirmed(message: m.StopConfirmed, picture: Picture) -> Event:
     if message.missing:
-        return Event(message.t, "error", "Not confirmed", ", ".join(message.missing))
+        parts = picture.stop.missing_parts if picture.stop is not None else {}
+        return Event(message.t, "error", "Not confirmed", missing_words(message.missing, parts))
     return Event(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
 
 

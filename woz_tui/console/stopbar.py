@@ -6,11 +6,12 @@ from dataclasses import dataclass
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Row, clean, cut, fit, spread
+from woz_tui.console.cells import Cells, Row, clean, cut, fit, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import StopPicture
 from woz_tui.console.picture import Picture
+from woz_tui.console.robot.stopping import confirmed_words, missing_words
 from woz_tui.console.script import script_row
 
 #: Keys named on the lowest line, as far as there is room: id and word.
@@ -93,12 +94,20 @@ def _stopped(stop: StopPicture, release: str, glyphs: Glyphs, width: int) -> lis
     if not stop.settled:
         second: Row = ((fit(" waiting for the drivers to confirm", width), "alarm-soft"),)
         return [first, second]
-    confirmed = ", ".join(stop.confirmed) or "nobody"
-    row: Row = ((f" confirmed: {clean(confirmed)}", "alarm-soft"),)
+    return [first, _settled(stop, glyphs, width)]
+
+
+def _settled(stop: StopPicture, glyphs: Glyphs, width: int) -> Row:
+    """Who did not confirm and who did; parts are named where there is room."""
+    row: Row = ()
     if stop.missing:
-        missing = clean(", ".join(stop.missing))
-        row = ((f" {glyphs.error} NOT CONFIRMED: {missing} ", "alarm"), *row)
-    return [first, cut((*row, (" " * width, "alarm-soft")), width, " ")]
+        missing = clean(missing_words(stop.missing, stop.missing_parts))
+        row = ((f" {glyphs.error} NOT CONFIRMED: {missing} ", "alarm"),)
+    said = " confirmed: "
+    room = width - length(row) - len(said)
+    row = (*row, (f"{said}{clean(confirmed_words(stop, room))}", "alarm-soft"))
+    blanks = max(0, width - length(row))
+    return cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)
 
 
 def hint_row(hints: tuple[tuple[str, str], ...], width: int) -> Row:

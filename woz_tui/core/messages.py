@@ -66,7 +66,7 @@ from woz_tui.core.marks import (
     ProfileChanged,
     ScriptMoved,
 )
-from woz_tui.core.shown import BodyChanged, ControlsMoved, FaceShown, Shown
+from woz_tui.core.shown import BodyChanged, ControlsMoved, FaceShown, SettingsShown, Shown
 from woz_tui.core.study import (
     ActionHeld,
     BreakEnded,
@@ -148,6 +148,7 @@ __all__ = [
     "RerunStarted",
     "ScriptMoved",
     "SessionPlan",
+    "SettingsShown",
     "ShapingChanged",
     "Shown",
     "SignShown",
@@ -340,6 +341,7 @@ AnyMessage = (
     | FaceShown
     | BodyChanged
     | ControlsMoved
+    | SettingsShown
     | Marker
     | Note
     | Mistake

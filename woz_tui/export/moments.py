@@ -14,6 +14,7 @@ NO_EVENTS = frozenset(
         *("session.start", "session.end", "clock", "checkpoint", "segment", "recorder.state"),
         *("experiment.files", "session.plan", "engagement.settings"),
         *("sample", "engagement.shown", "face.shown", "body.changed", "controls.moved"),
+        "settings.shown",
     }
 )
 #: Kind -> the field that becomes the label and the one that becomes the text.

@@ -148,6 +148,7 @@ _SLOTS: dict[type, tuple[str, ...]] = {
     m.ModeChanged: ("driver",),
     m.FaceShown: ("driver",),
     m.BodyChanged: ("driver",),
+    m.SettingsShown: ("driver",),
     m.ScriptMoved: (),
     m.PanelLocked: ("panel",),
     m.ProfileChanged: (),

@@ -1,0 +1,57 @@
+"""A robot's settings reach the picture, also of a console that came late."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import msgspec
+
+from tests.console.robot import pepper
+from woz_tui.console.parts import RobotPicture
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+from woz_tui.session.standing import Standing
+
+
+def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
+    picture = Picture()
+    picture.take([pepper.welcome(drivers=("left", "right"))], 0)
+    assert picture.robots == {}
+    picture.take(
+        [
+            pepper.shown(driver="left", volume=0.1),
+            pepper.shown(driver="right"),
+            pepper.shown({"volume": 0.5}, ("These two fight.",), driver="left", volume=0.2),
+        ],
+        0,
+    )
+    left = picture.robots["left"]
+    assert left.values["volume"] == 0.2
+    assert left.wanted == {"volume": 0.5}
+    assert left.conflicts == ("These two fight.",)
+    assert picture.robots["right"].wanted == {}
+
+
+def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
+    standing = Standing()
+    told = [
+        pepper.shown(driver="left", volume=0.1),
+        pepper.shown(driver="right"),
+        pepper.shown({"volume": 0.5}, driver="left", volume=0.2),
+    ]
+    for seq, message in enumerate(told):
+        standing.see(msgspec.structs.replace(message, seq=seq))
+    held = [message for message in standing.state() if isinstance(message, m.SettingsShown)]
+    assert [message.seq for message in held] == [1, 2]
+    assert standing.recent() == []  # no line in the list of events
+    picture = Picture()
+    picture.take([pepper.welcome(*held, drivers=("left", "right"))], 0)
+    assert picture.robots["left"].wanted == {"volume": 0.5}
+
+
+def test_what_another_version_wrote_does_no_harm() -> None:
+    strange: Any = 3
+    picture = Picture()
+    told = m.SettingsShown(driver="pepper", values=strange, wanted=strange, conflicts=strange)
+    picture.take([pepper.welcome(), told], 0)
+    assert picture.robots["pepper"] == RobotPicture()

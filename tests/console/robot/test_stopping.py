@@ -1,0 +1,94 @@
+"""A stop of a robot of several parts: which of them confirmed stands at the bottom."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.console import scenes
+from woz_tui.console.cells import length
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.picture import Picture
+from woz_tui.console.stopbar import Bar, bar_rows
+from woz_tui.core import messages as m
+
+NOW = scenes.NOW
+
+
+def stopped(*confirmations: m.StopConfirmed) -> Picture:
+    picture = Picture()
+    picture.take([scenes.welcome(), m.StopPressed(source="key", t=NOW), *confirmations], 0)
+    return picture
+
+
+def confirmation(
+    confirmed: list[str],
+    missing: list[str],
+    parts: dict[str, list[str]],
+    missing_parts: dict[str, list[str]],
+) -> m.StopConfirmed:
+    return m.StopConfirmed(
+        confirmed=confirmed,
+        missing=missing,
+        elapsed_us=80_000,
+        parts=parts,
+        missing_parts=missing_parts,
+        t=NOW,
+    )
+
+
+def bar(picture: Picture, width: int = 80) -> str:
+    rows = bar_rows(picture, Frame(width, 2, NOW), Bar(release="^R"))
+    assert [length(row) for row in rows] == [width, width]
+    return "".join(text for text, _ in rows[1]).strip()
+
+
+def test_parts_that_confirmed_are_named_behind_their_driver() -> None:
+    parts = {"pepper": ["speech", "motion", "tablet"]}
+    picture = stopped(confirmation(["pepper", "range"], [], parts, {}))
+    assert bar(picture) == "confirmed: pepper (speech, motion, tablet), range"
+
+
+def test_a_part_that_is_missing_is_named_and_so_are_those_that_stand_still() -> None:
+    told = confirmation(
+        ["range"], ["pepper"], {"pepper": ["speech", "motion"]}, {"pepper": ["tablet"]}
+    )
+    shown = bar(stopped(told))
+    assert "NOT CONFIRMED: pepper: tablet " in shown
+    assert shown.endswith("confirmed: range, pepper (speech, motion)")
+
+
+def test_a_driver_without_parts_is_missing_by_its_name_alone() -> None:
+    shown = bar(stopped(confirmation(["range"], ["pepper"], {}, {})))
+    assert "NOT CONFIRMED: pepper " in shown
+    assert shown.endswith("confirmed: range")
+
+
+@pytest.mark.parametrize("width", [40, 60, 80])
+def test_what_is_missing_stays_whole_where_there_is_little_room(width: int) -> None:
+    many = ["speech", "motion", "animations", "sound", "eyes", "autonomy", "base", "screen"]
+    told = confirmation(["range"], ["pepper"], {"pepper": many}, {"pepper": ["tablet"]})
+    shown = bar(stopped(told), width)
+    assert "NOT CONFIRMED: pepper: tablet" in shown
+    assert "motion" not in shown
+    if width >= 60:
+        assert shown.endswith("confirmed: range")
+
+
+def test_only_parts_of_the_only_driver_confirmed() -> None:
+    many = ["speech", "motion", "animations", "sound", "eyes", "autonomy", "base", "screen"]
+    told = confirmation([], ["pepper"], {"pepper": many}, {"pepper": ["tablet"]})
+    assert bar(stopped(told)).endswith("confirmed: only parts")
+    assert bar(stopped(confirmation([], ["pepper"], {}, {}))).endswith("confirmed: nobody")
+
+
+def test_who_was_missing_stays_missing_with_its_parts() -> None:
+    first = confirmation([], ["pepper"], {"pepper": ["speech"]}, {"pepper": ["motion"]})
+    second = confirmation(["pepper"], [], {"pepper": ["speech", "motion"]}, {})
+    shown = bar(stopped(first, second))
+    assert "NOT CONFIRMED: pepper: motion" in shown
+    assert shown.endswith("confirmed: pepper (speech)")
+
+
+def test_the_list_of_events_names_the_part() -> None:
+    picture = stopped(confirmation([], ["pepper"], {}, {"pepper": ["tablet", "eyes"]}))
+    assert picture.events[-1].detail == "pepper: tablet, eyes"

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from tests.fakes.virtual_time import LoopClock
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, DriverError, Job, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Rejected, Scope, StopReport, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import Command, Json
 
@@ -33,6 +33,7 @@ class Scripted:
     name: str
     stop_takes: float = 0.0
     stop_raises: bool = False
+    stop_tells: StopReport | None = None
     calls: list[tuple[str, str]] = field(default_factory=list)
     #: Commands that reached it while the stop was latched: there must be none, ever.
     while_latched: list[str] = field(default_factory=list)
@@ -75,12 +76,13 @@ class Scripted:
             except asyncio.CancelledError:
                 continue
 
-    async def stop(self, scope: Scope) -> None:
+    async def stop(self, scope: Scope) -> StopReport | None:
         self.calls.append(("stop", scope.value))
         if self.stop_takes:
             await asyncio.sleep(self.stop_takes)
         if self.stop_raises:
             raise OSError("port gone")
+        return self.stop_tells
 
 
 class Rig:

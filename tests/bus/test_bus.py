@@ -10,7 +10,7 @@ from tests.bus.rig import Rig
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.core import messages as m
-from woz_tui.core.driver import DriverError, Job
+from woz_tui.core.driver import DriverError, Job, StopReport
 from woz_tui.core.messages import Command, Json
 
 
@@ -229,6 +229,20 @@ def test_a_driver_whose_stop_raises_or_whose_job_goes_on_has_not_confirmed() -> 
     (confirmed,) = rig.of(m.StopConfirmed)
     assert isinstance(confirmed, m.StopConfirmed)
     assert confirmed.missing == ["head", "base"]
+
+
+def test_a_driver_of_several_parts_tells_of_each_and_has_not_confirmed_with_one_missing() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.head.stop_tells = StopReport(("speech", "motion"))
+        rig.base.stop_tells = StopReport(("motion",), ("tablet",))
+        rig.bus.stop("key")
+
+    rig = in_rig(scenario)
+    (told,) = rig.of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert (told.confirmed, told.missing) == (["head"], ["base"])
+    assert told.parts == {"head": ["speech", "motion"], "base": ["motion"]}
+    assert told.missing_parts == {"base": ["tablet"]}
 
 
 def test_a_second_press_after_the_first_round_calls_the_drivers_again() -> None:

@@ -15,7 +15,7 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 from woz_tui.bus.arguments import ArgumentError, checked
 from woz_tui.bus.guard import guarded
 from woz_tui.bus.lane import Lane, Ticket
-from woz_tui.core.driver import Performer, Scope, Verb
+from woz_tui.core.driver import Performer, Scope, StopReport, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import Command, End, StopConfirmed, StopPressed, StopReleased
 
@@ -25,6 +25,9 @@ CAPACITY = 16
 STOP_WAIT_S = 0.5
 
 log = logging.getLogger(__name__)
+
+#: A driver's stop under way.
+Stop = asyncio.Task[StopReport | None]
 
 
 class Bus:
@@ -189,7 +192,7 @@ class Bus:
         task.add_done_callback(self._asides.discard)
         return task
 
-    def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, asyncio.Task[None]]:
+    def _call_stops(self, scope: Scope, names: list[str]) -> dict[str, Stop]:
         loop = asyncio.get_running_loop()
         return {
             name: loop.create_task(
@@ -198,9 +201,7 @@ class Bus:
             for name in names
         }
 
-    async def _confirm(
-        self, stops: Mapping[str, asyncio.Task[None]], began_us: int, jobs: bool = True
-    ) -> None:
+    async def _confirm(self, stops: Mapping[str, Stop], began_us: int, jobs: bool = True) -> None:
         """Wait until each driver's `stop` has returned and its jobs have ended, then report."""
         loop = asyncio.get_running_loop()
         waits = {
@@ -215,19 +216,27 @@ class Bus:
             else:
                 missing.append(name)
                 wait.cancel()
+        told = {name: report for name, stop in stops.items() if (report := _told(stop))}
         self._hub.publish(
             StopConfirmed(
-                confirmed=confirmed, missing=missing, elapsed_us=self._hub.now() - began_us
+                confirmed=confirmed,
+                missing=missing,
+                elapsed_us=self._hub.now() - began_us,
+                parts={name: [*told[name].confirmed] for name in told if told[name].confirmed},
+                missing_parts={name: [*told[name].missing] for name in told if told[name].missing},
             )
         )
 
-    async def _still(self, name: str, stop: asyncio.Task[None], jobs: bool) -> bool:
+    async def _still(self, name: str, stop: Stop, jobs: bool) -> bool:
         await asyncio.wait([stop])
         if stop.cancelled():
             return False
         error = stop.exception()
         if error is not None:
             log.error("stop of %s failed", name, exc_info=error)
+            return False
+        report = _told(stop)
+        if report is not None and report.missing:
             return False
         if jobs:
             for (driver, _), lane in list(self._lanes.items()):
@@ -246,3 +255,11 @@ class Bus:
             _, pending = await asyncio.wait(waits, timeout=seconds)
             for wait in pending:
                 wait.cancel()
+
+
+def _told(stop: Stop) -> StopReport | None:
+    """What a driver of several parts says of its stop, if it has ended well."""
+    if not stop.done() or stop.cancelled() or stop.exception() is not None:
+        return None
+    report = stop.result()
+    return report if isinstance(report, StopReport) else None

@@ -294,6 +294,7 @@ class Welcome(
     `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
     -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
     what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
+    `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive` in m),
     `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
     names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
     `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
@@ -358,8 +359,8 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values. `profiles`, `profile`, `allows`, `engagement` and `study` as in the
-    welcome's `settings`.
+    variables' present values. `steps`, `profiles`, `profile`, `allows`, `engagement` and `study` as
+    in the welcome's `settings`.
     """
 
     title: str
@@ -369,6 +370,7 @@ class PanelsChanged(
     conditions: list[str]
     keyboard: str
     values: dict[str, str] = {}
+    steps: dict[str, float] = {}
     profiles: list[str] = []
     profile: str = ""
     allows: dict[str, Json] = {}

@@ -20,8 +20,9 @@ class ActionView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
 
 
 class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
-    """A panel as the console shows it."""
+    """A panel as the console shows it; while it is locked the verbs in `covers` are, too."""
 
     title: str
     actions: list[ActionView]
     locked: bool = False
+    covers: list[str] = []

@@ -22,7 +22,7 @@ from woz_tui.experiment.verbs import WAIT
 
 #: What an action may say beside verbs and their arguments.
 ACTION_FIELDS = ("key", "label", "name", "help", "locked", "when_busy", "on", "steps")
-PANEL_FIELDS = ("title", "locked", "actions")
+PANEL_FIELDS = ("title", "locked", "covers", "actions")
 WHEN_BUSY = ("queue", "replace", "refuse")
 
 #: Seconds. A longer pause inside an action is a slip of the decimal point.
@@ -80,12 +80,14 @@ class PanelReader:
         title_spot = missing(table, "title", spot)
         title = read_text(title_spot) if title_spot is not None else None
         locked = _flag(table, "locked")
-        actions_spot = missing(table, "actions", spot)
+        covers = _covers(table.get("covers"))
+        empty = bool(covers) and "actions" not in table
+        actions_spot = None if empty else missing(table, "actions", spot)
         actions = self._actions(actions_spot, title or "") if actions_spot is not None else []
         for name, entry in table.items():
             if name not in PANEL_FIELDS:
                 entry.unknown(PANEL_FIELDS, "a panel has")
-        return Panel(title or "", tuple(actions), spot.place, locked)
+        return Panel(title or "", tuple(actions), spot.place, locked, covers)
 
     def _actions(self, spot: Spot, panel: str) -> list[Action]:
         entries = spot.list("a list of actions")
@@ -166,6 +168,13 @@ def _text(fields: dict[str, Spot], name: str) -> str | None:
     if text is not None and not text.strip():
         spot.error("nothing but blanks")
     return text
+
+
+def _covers(spot: Spot | None) -> tuple[str, ...]:
+    """Verbs that the panel's lock reaches; whether somebody offers them is looked at later."""
+    entries = spot.list("a list of verbs, such as [drive, nudge]") if spot is not None else None
+    found = [read_text(entry, "a verb") for entry in entries or ()]
+    return tuple(verb for verb in found if verb is not None)
 
 
 def _flag(fields: dict[str, Spot], name: str) -> bool:

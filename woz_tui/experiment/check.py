@@ -7,7 +7,7 @@ gives one of them a reserve key. What nobody can tell apart, or what would mean 
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 from woz_tui.experiment.actions import Drafted
 from woz_tui.experiment.builtins import BUILTIN
@@ -76,6 +76,16 @@ def _names(drafts: Sequence[Drafted], report: Report) -> None:
                 " give one of them another name: ...",
             )
         first.setdefault(name, draft.action)
+
+
+def covers(experiment: Experiment, verbs: Collection[str] | None, report: Report) -> None:
+    """Verbs that a panel's lock covers are offered by somebody; None: not all are known."""
+    for index, panel in enumerate(experiment.panels):
+        for number, verb in enumerate(panel.covers):
+            if verbs is not None and verb not in verbs:
+                path = f"panels[{index}].covers[{number}]"
+                near = report.hint(verb, verbs)
+                report.error(report.place(path), path, f"no driver offers {quoted(verb)}{near}")
 
 
 class _Keys:

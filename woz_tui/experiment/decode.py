@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 from woz_tui.core.driver import Driver, Verb
 from woz_tui.experiment import check, template
@@ -28,16 +28,18 @@ from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.robot import Offer, RobotReader, Robots
 from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.settings import BAD, read_settings
-from woz_tui.experiment.shape import Experiment, Place, SessionSettings
+from woz_tui.experiment.shape import Experiment, Place, SessionSettings, Steps
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, missing, read_text, read_word
 from woz_tui.experiment.studied import SECTIONS, Around, read_study
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
 
+S = TypeVar("S", SessionSettings, Steps)
+
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("session", "panels", "script", "profiles", "engagement", *SECTIONS),
+    *("session", "steps", "panels", "script", "profiles", "engagement", *SECTIONS),
 )
 
 
@@ -132,7 +134,8 @@ class _Decoder:
             variables=variables.always,
             by_condition=variables.by_condition,
             keyboard=layout,
-            session=_session(table.get("session")),
+            session=_section(table.get("session"), SessionSettings),
+            steps=_section(table.get("steps"), Steps),
             profiles=read_profiles(table.get("profiles"), known),
             engagement=engagement,
             study=read_study(table, around),
@@ -143,6 +146,7 @@ class _Decoder:
         if engagement is not None:
             check_engagement(engagement, robots, panels.drafts, self._report)
         check.across(experiment, panels.drafts, self._report)
+        check.covers(experiment, known.verbs if known.complete else None, self._report)
         return replace(experiment, warnings=tuple(self._report.warnings))
 
 
@@ -193,6 +197,7 @@ def _pattern(spot: Spot | None) -> str:
     return default
 
 
-def _session(spot: Spot | None) -> SessionSettings:
-    settings: Any = read_settings(spot, SessionSettings) if spot is not None else BAD
-    return settings if isinstance(settings, SessionSettings) else SessionSettings()
+def _section(spot: Spot | None, shape: type[S]) -> S:
+    """A section of settings that all have defaults."""
+    settings: Any = read_settings(spot, shape) if spot is not None else BAD
+    return settings if isinstance(settings, shape) else shape()

@@ -65,7 +65,7 @@ def _driver(old: DriverSpec, new: DriverSpec) -> Iterable[str]:
 def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     if old.title != new.title:
         yield f"title is {new.title!r}, it was {old.title!r}"
-    for what in ("participant_pattern", "keyboard", "session"):
+    for what in ("participant_pattern", "keyboard", "session", "steps"):
         if getattr(old, what) != getattr(new, what):
             yield f"{what.replace('_', ' ')} changed"
     if old.conditions != new.conditions:
@@ -162,6 +162,8 @@ def _panels(old: Experiment, new: Experiment) -> Iterable[str]:
     for title, panel in after.items():
         if title in before and before[title].locked != panel.locked:
             yield f"panel {title!r} is {'locked' if panel.locked else 'unlocked'}"
+        if title in before and before[title].covers != panel.covers:
+            yield f"the lock of panel {title!r} covers {', '.join(panel.covers) or 'no verbs'}"
     common = [title for title in before if title in after]
     if common != [title for title in after if title in before]:
         yield "panels are in another order"

@@ -35,7 +35,7 @@ from woz_tui.experiment.schema_parts import (
 from woz_tui.experiment.schema_settings import required, settings_schema
 from woz_tui.experiment.schema_study import BY_CONDITION, study_properties
 from woz_tui.experiment.settings import fields_of, note, split
-from woz_tui.experiment.shape import SessionSettings
+from woz_tui.experiment.shape import SessionSettings, Steps
 from woz_tui.experiment.verbs import WAIT, engagement_verbs, session_verbs
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
@@ -98,6 +98,7 @@ def experiment_schema(
                 },
                 "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
                 "session": settings_schema(SessionSettings),
+                "steps": settings_schema(Steps),
                 "engagement": _engagement(),
                 **study_properties(),
                 "panels": {"type": "array", "items": {"$ref": "#/$defs/panel"}, "minItems": 1},
@@ -192,14 +193,20 @@ def _profile() -> Schema:
 
 
 def _panel() -> Schema:
-    return mapping(
+    panel = mapping(
         {
             "title": {**TEXT, "description": "unique in the file"},
             "locked": {**FLAG, "description": "takes no input until it is unlocked"},
+            "covers": {
+                "type": "array",
+                "items": TEXT,
+                "description": "verbs that nobody sends by hand while the panel is locked",
+            },
             "actions": {"type": "array", "items": {"$ref": "#/$defs/action"}},
         },
-        required=("title", "actions"),
+        required=("title",),
     )
+    return {**panel, "anyOf": [{"required": ["actions"]}, {"required": ["covers"]}]}
 
 
 def _action(verbs: Sequence[Verb]) -> Schema:

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from woz_tui.core.driver import Verb
-from woz_tui.core.fields import Doc, Seconds
+from woz_tui.core.fields import Doc, Range, Seconds
 from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.study import Study
@@ -119,12 +119,17 @@ class Action:
 
 @dataclass(frozen=True, slots=True)
 class Panel:
-    """A titled group of actions; `locked` panels take no input at all until unlocked."""
+    """A titled group of actions; `locked` panels take no input at all until unlocked.
+
+    `covers`: verbs that nobody's hand may send by itself either while the panel is locked: not by
+    the console's own keys, not from the palette, a control panel or a program.
+    """
 
     title: str
     actions: tuple[Action, ...]
     place: Place
     locked: bool = False
+    covers: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True, slots=True)
@@ -145,6 +150,16 @@ class Profile:
     def plays(self, action: Action) -> bool:
         """Whether the action may be played."""
         return action.panel in self.panels or action.name in self.actions
+
+
+@dataclass(frozen=True, slots=True)
+class Steps:
+    """How far one press of an arrow key goes."""
+
+    head: Annotated[float, Range(0.1, 90, "°"), Doc("the head turns so far")] = 5.0
+    hip: Annotated[float, Range(0.1, 45, "°"), Doc("the hip bends so far")] = 3.0
+    drive: Annotated[float, Range(0.01, 5, "m"), Doc("the base drives so far")] = 0.1
+    turn: Annotated[float, Range(1, 360, "°"), Doc("the base turns so far")] = 10.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -202,6 +217,8 @@ class Experiment:
     #: Keyboard layout: us, gb, de, es, fr ...
     keyboard: str = "us"
     session: SessionSettings = field(default_factory=SessionSettings)
+    #: Of the arrow keys.
+    steps: Steps = field(default_factory=Steps)
     #: What wizards may use, by name of the profile.
     profiles: Mapping[str, Profile] = field(default_factory=dict)
     #: How the robot tells whether somebody is with it; None: it does not.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import asdict, dataclass, field
 
 import msgspec
 
@@ -69,6 +69,7 @@ def plan_of(shown: Shown) -> m.SessionPlan:
             "joints": joint_limits(shown),
             "outlines": outlines(shown),
             "values": dict(shown.values),
+            "steps": asdict(experiment.steps),
             "profiles": [*experiment.profiles],
             "profile": shown.profile.name if shown.profile is not None else "",
             "allows": allowances(experiment),

@@ -49,6 +49,7 @@ def panel_views(
                 if profile is None or not profile.hide or profile.plays(action)
             ],
             locked=locked.get(panel.title, panel.locked) or _shut(panel, profile),
+            covers=list(panel.covers),
         )
         for panel in experiment.panels
     ]

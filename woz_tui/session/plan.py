@@ -10,6 +10,7 @@ from woz_tui.core.requests import PROTOCOL, PanelsChanged, Welcome
 #: Settings that a console is told again when panels change, and what each of them is.
 _CHANGING: Mapping[str, type] = {
     "values": dict,
+    "steps": dict,
     "profiles": list,
     "profile": str,
     "allows": dict,

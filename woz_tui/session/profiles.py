@@ -77,8 +77,15 @@ class Profiles:
             what = f"the control {control!r}"
         return Refusal("profile", f"{what} is not in the profile {profile.name}")
 
-    def no_ask(self, ask: Ask) -> Refusal | None:
-        """Why a driver may not send the verb it asks for; what it does by itself it may."""
-        if not ask.key and ask.source not in HANDS:
-            return None
-        return self.no_verb(ask.name, ask.args)
+
+def by_hand(ask: Ask) -> bool:
+    """Whether somebody's hand is behind what a driver asks for; what it does by itself it may."""
+    return bool(ask.key) or ask.source in HANDS
+
+
+def covered(experiment: Experiment, locked: Mapping[str, bool], verb: str) -> Refusal | None:
+    """Why nobody may send `verb` by itself while panels are locked (by title); None: they may."""
+    for panel in experiment.panels:
+        if verb in panel.covers and locked.get(panel.title, panel.locked):
+            return Refusal("locked", f"the panel {panel.title!r} is locked, and with it {verb!r}")
+    return None

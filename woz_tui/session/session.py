@@ -23,7 +23,7 @@ from woz_tui.session.casting import make_drivers
 from woz_tui.session.crew import Crew
 from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
-from woz_tui.session.profiles import Profiles
+from woz_tui.session.profiles import Profiles, by_hand, covered
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.shaping import Shaper
 from woz_tui.session.standing import Standing
@@ -118,7 +118,7 @@ class Session:
             self._call,
             self.runner.send,
             self.drivers,
-            self.profiles.no_ask,
+            self._no_ask,
         )
         self._timers: dict[str, asyncio.TimerHandle] = {}
         self._checkpointed = 0
@@ -227,11 +227,18 @@ class Session:
         `stale`: why the press is too old to be sent; the refusal is in the log too.
         """
         call = self._call(verb, args, on)
-        refusal = Refusal("stale", stale) if stale else self.profiles.no_verb(verb, args)
+        refusal = Refusal("stale", stale) if stale else self._no_verb(verb, args)
         command = self.runner.send(call, origin, when_busy or "queue", refusal).command
         if refusal is not None:
             raise AskError(refusal.reason)
         return command
+
+    def _no_verb(self, verb: str, args: Mapping[str, m.Json]) -> Refusal | None:
+        """Why nobody's hand may send it at the moment; None: it may."""
+        return self.profiles.no_verb(verb, args) or covered(self.experiment, self.locked, verb)
+
+    def _no_ask(self, ask: Ask) -> Refusal | None:
+        return self._no_verb(ask.name, ask.args) if by_hand(ask) else None
 
     def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
         if self.ended:

@@ -1,1 +1,1 @@
-"""The qi messaging protocol, in Python alone: NAOqi's wire for machines that libqi has no wheels for."""
+"""The qi messaging protocol, NAOqi's wire, in Python alone."""

@@ -1,0 +1,135 @@
+"""A panel's lock and the verbs that it covers: nothing by hand, whichever way it comes."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import asdict, replace
+from pathlib import Path
+
+import pytest
+
+from tests.experiment.reading import errors, panel, read
+from tests.fakes.virtual_time import run_virtual
+from tests.host.rig import served
+from tests.session.rig import HERE, Stage, experiment
+from tests.session.test_asking import Ear, from_a_thread
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Ask
+from woz_tui.experiment.reload import compare
+from woz_tui.experiment.shape import Experiment, Panel, Steps
+from woz_tui.host.views import panel_views
+from woz_tui.session.identity import AskError
+from woz_tui.session.runner import Origin
+
+LOCKED = "the panel 'Movement' is locked, and with it 'drive'"
+ARROW = Origin("key", "alt+up", "con1")
+FILE = panel("{key: h, label: Hello, say: Hi}") + "  - {title: Movement, covers: [screen]}\n"
+
+
+def with_movement(tmp_path: Path, *, locked: bool = True) -> Experiment:
+    """The rig's experiment with a panel that has no actions, but covers driving."""
+    made = experiment(tmp_path)
+    return replace(
+        made, panels=(*made.panels, Panel("Movement", (), HERE, locked, ("drive", "nudge")))
+    )
+
+
+def on_stage(tmp_path: Path, scenario: Callable[[Stage], Awaitable[None]]) -> Stage:
+    async def go() -> Stage:
+        stage = Stage(tmp_path)
+        stage.session.experiment = with_movement(tmp_path)
+        await stage.session.open()
+        stage.session.bus.unwatched = ""
+        await scenario(stage)
+        await asyncio.sleep(2)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def test_arrow_keys_of_a_locked_panel_are_refused_and_logged(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        with pytest.raises(AskError, match=LOCKED):
+            stage.session.send("drive", {"x": 0.1}, "", ARROW)
+        stage.session.send("play", {"move": "nod"}, "", ARROW)  # nothing covers it
+
+    stage = on_stage(tmp_path, scenario)
+    [refused] = [line for line in stage.lines if isinstance(line, m.Refused)]
+    assert (refused.code, refused.reason) == ("locked", LOCKED)
+    assert [verb for verb, _ in stage.puppet().calls][:1] == ["play"]
+
+
+def test_unlocked_they_move_and_locked_again_they_do_not(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.lock("Movement", False)
+        stage.session.send("drive", {"x": 0.1}, "", ARROW)
+        await asyncio.sleep(0)
+        stage.session.lock("Movement", True)
+        with pytest.raises(AskError):
+            stage.session.send("drive", {"x": 0.2}, "", ARROW)
+
+    stage = on_stage(tmp_path, scenario)
+    drives = [args for verb, args in stage.puppet().calls if verb == "drive"]
+    assert drives == [{"x": 0.1}]
+
+
+def test_knobs_are_hands_too_and_what_a_driver_does_by_itself_is_not(tmp_path: Path) -> None:
+    hand, own = Ear(), Ear()
+
+    async def scenario(stage: Stage) -> None:
+        drive = {"x": 0.1}
+        from_a_thread(stage, Ask("verb", "drive", drive, source="midi", key="knob 1"), hand)
+        from_a_thread(stage, Ask("verb", "drive", drive, source="body"), own)
+        await asyncio.sleep(10)
+
+    on_stage(tmp_path, scenario)
+    assert hand.told == [(False, LOCKED)]
+    assert own.told == [(True, "")]
+
+
+def test_actions_of_other_panels_still_do_it(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assert stage.session.play("Hello", Origin("key", "h", "con1"))
+
+    stage = on_stage(tmp_path, scenario)
+    assert stage.puppet().calls[0][0] == "say"
+
+
+def test_a_file_names_covered_verbs_and_a_panel_of_them_needs_no_actions(tmp_path: Path) -> None:
+    found = read(tmp_path, FILE)
+    assert found.panels[1].covers == ("screen",)
+    assert not found.panels[1].locked
+    assert [view.covers for view in panel_views(found, {})] == [[], ["screen"]]
+
+
+def test_a_covered_verb_that_nobody_offers_is_told_at_its_place(tmp_path: Path) -> None:
+    said = errors(tmp_path, FILE.replace("covers: [screen]", "covers: [screen, scren]"))
+    assert said == ["7:40: panels[1].covers[1]: no driver offers 'scren'; did you mean 'screen'?"]
+    assert errors(tmp_path, FILE.replace(", covers: [screen]", "")) == [
+        "7:5: panels[1].actions: is missing"
+    ]
+
+
+def test_a_changed_cover_is_among_the_differences(tmp_path: Path) -> None:
+    old = read(tmp_path, FILE)
+    new = read(tmp_path, FILE.replace("[screen]", "[screen, say]"))
+    assert compare(old, new).changes == ("the lock of panel 'Movement' covers screen, say",)
+
+
+def test_steps_of_the_arrow_keys_are_settings_of_the_file(tmp_path: Path) -> None:
+    assert read(tmp_path, FILE).steps == Steps()
+    found = read(tmp_path, FILE + "steps: {head: 10, drive: 0.25}\n")
+    assert found.steps == Steps(head=10, drive=0.25)
+    assert errors(tmp_path, FILE + "steps: {head: 0}\n") == [
+        "8:9: steps.head: 0 is out of range; allowed is 0.1 to 90 °"
+    ]
+    assert compare(read(tmp_path, FILE), found).changes == ("steps changed",)
+
+
+async def test_consoles_hear_of_the_steps_at_the_start(tmp_path: Path) -> None:
+    async with served(tmp_path) as rig:
+        peer = await rig.connect()
+        welcome = await peer.hello()
+        assert welcome["settings"]["steps"] == asdict(Steps())

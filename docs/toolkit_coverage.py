@@ -1,18 +1,17 @@
 """Which test shows which acceptance statement: `python -m docs.toolkit_coverage` writes
 `docs/toolkit-coverage.md`; a test keeps it fresh.
 
-Tests bear `@pytest.mark.toolkit("R2", "L4")`. They are read, not run, so this takes no time.
+Tests bear `@pytest.mark.toolkit("R2", "L4")` (`docs/marked.py`).
 """
 
 from __future__ import annotations
 
-import ast
-from collections.abc import Iterator
-from dataclasses import dataclass
 from pathlib import Path
 
-ROOT = Path(__file__).parents[1]
+from docs import marked
+
 PAGE = Path(__file__).parent / "toolkit-coverage.md"
+MARK = "toolkit"
 
 #: The statements, in the words of this project. They follow the requirements of a thesis about a
 #: toolkit for robot puppeteers (J. Oosterkamp); numbers are its own where it gives one.
@@ -85,32 +84,16 @@ MATTERS_OF_TASTE = frozenset({"F8"})
 FOLLOWS = {"M6": ("O4", "O5", "O6", "S1", "S2")}
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class Shown:
-    """A test and the statement that it shows."""
-
-    statement: str
-    file: str
-    test: str
-
-
-def found() -> list[Shown]:
-    """All marked tests, sorted."""
-    return sorted({shown for file in _files() for shown in _in(file)})
-
-
 def uncovered() -> list[str]:
     """Statements that no test shows, but for matters of taste."""
-    covered = {shown.statement for shown in found()}
+    covered = {shown.statement for shown in marked.found(MARK)}
     covered |= {name for name, parts in FOLLOWS.items() if covered.issuperset(parts)}
     return [name for name in STATEMENTS if name not in covered | MATTERS_OF_TASTE]
 
 
 def page() -> str:
     """The whole page."""
-    tests: dict[str, dict[str, list[str]]] = {}
-    for shown in found():
-        tests.setdefault(shown.statement, {}).setdefault(shown.file, []).append(shown.test)
+    tests = marked.by_statement(marked.found(MARK))
     names = [*STATEMENTS, *sorted(tests.keys() - STATEMENTS.keys())]
     rows = [f"| {n} | {STATEMENTS.get(n, '')} | {_cell(n, tests.get(n, {}))} |" for n in names]
     return "\n".join([*_HEAD, *rows, ""])
@@ -133,55 +116,7 @@ def _cell(name: str, files: dict[str, list[str]]) -> str:
         return "a matter of taste: look at [the faces](images/faces.svg)"
     if not files and name in FOLLOWS:
         return f"see {', '.join(FOLLOWS[name])}"
-    if not files:
-        return "**none**"
-    return "<br>".join(f"[{Path(f).stem}](../{f}): {_words(each)}" for f, each in files.items())
-
-
-def _words(tests: list[str]) -> str:
-    """Names of tests as sentences."""
-    return "; ".join(test.removeprefix("test_").replace("_", " ") for test in tests)
-
-
-def _files() -> Iterator[Path]:
-    for folder in ("tests", "drivers"):
-        yield from sorted((ROOT / folder).rglob("test_*.py"))
-
-
-def _in(file: Path) -> Iterator[Shown]:
-    """Marks on functions and classes, on their parameters, and those of the whole file."""
-    tree = ast.parse(file.read_text(encoding="utf-8"))
-    whole = {
-        name
-        for node in tree.body
-        if isinstance(node, ast.Assign)
-        and any(isinstance(to, ast.Name) and to.id == "pytestmark" for to in node.targets)
-        for name in _marks(node.value)
-    }
-    yield from _tests(tree.body, whole, str(file.relative_to(ROOT)))
-
-
-def _tests(body: list[ast.stmt], marks: set[str], file: str) -> Iterator[Shown]:
-    for node in body:
-        if not isinstance(node, ast.ClassDef | ast.FunctionDef | ast.AsyncFunctionDef):
-            continue
-        own = {name for decorator in node.decorator_list for name in _marks(decorator)}
-        if isinstance(node, ast.ClassDef):
-            yield from _tests(node.body, marks | own, file)
-        elif node.name.startswith("test"):
-            yield from (Shown(name, file, node.name) for name in marks | own)
-
-
-def _marks(node: ast.AST) -> Iterator[str]:
-    for each in ast.walk(node):
-        if (
-            isinstance(each, ast.Call)
-            and isinstance(each.func, ast.Attribute)
-            and each.func.attr == "toolkit"
-        ):
-            for argument in each.args:
-                if isinstance(argument, ast.Constant):
-                    yield str(argument.value)
+    return marked.cell(files)
 
 
 if __name__ == "__main__":

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 
+from docs import marked
 from docs import toolkit_coverage as coverage
 
 
@@ -14,7 +15,7 @@ def test_every_statement_is_shown_by_a_test() -> None:
 
 
 def test_marks_name_statements_that_there_are() -> None:
-    named = {shown.statement for shown in coverage.found()}
+    named = {shown.statement for shown in marked.found("toolkit")}
     assert named <= set(coverage.STATEMENTS)
     assert len(named) > 50
 
@@ -42,10 +43,7 @@ def test_the_page_is_fresh() -> None:
         ("def test_a() -> None: ...", set()),
     ],
 )
-def test_marks_are_found_wherever_they_stand(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, text: str, expected: set[str]
-) -> None:
+def test_marks_are_found_wherever_they_stand(tmp_path: Path, text: str, expected: set[str]) -> None:
     (tmp_path / "tests").mkdir()
     (tmp_path / "tests" / "test_it.py").write_text(f"import pytest\n\n{text}\n", encoding="utf-8")
-    monkeypatch.setattr(coverage, "ROOT", tmp_path)
-    assert {shown.statement for shown in coverage.found()} == expected
+    assert {shown.statement for shown in marked.found("toolkit", tmp_path)} == expected

@@ -1,0 +1,197 @@
+"""Which test shows which call of NAOqi and which key of a WoZ4U file: the tables of
+`docs/pepper.md`, written by `python -m docs.pepper_coverage`; a test keeps them fresh.
+
+Tests bear `@pytest.mark.naoqi("ALMotion.moveTo")` and `@pytest.mark.woz4u("pepper_ips")`.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from docs import marked
+
+PAGE = Path(__file__).parent / "pepper.md"
+BEGIN, END = "<!-- {}: begin -->", "<!-- {}: end -->"
+
+#: Every call of the robot's own software that a wizard of a Pepper needs, and how it is reached.
+CALLS: dict[str, str] = {
+    "ALTextToSpeech.say": "`say` with `plain: true`, `read`",
+    "ALTextToSpeech.stopAll": "the stop, a `say` cut short",
+    "ALTextToSpeech.setVolume": "`volume`",
+    "ALTextToSpeech.getVolume": "setting `volume`",
+    "ALTextToSpeech.setParameter": "`speech_speed`, `speech_pitch`",
+    "ALTextToSpeech.getParameter": "settings `speech_speed`, `speech_pitch`",
+    "ALTextToSpeech/TextDone": "the end of an utterance",
+    "ALAnimatedSpeech.say": "`say`, `read`",
+    "tag.vct": "`say`",
+    "tag.rspd": "`say`",
+    "tag.pau": "`say`",
+    "tag.vol": "`say`",
+    "tag.rst": "`say`",
+    "tag.run": "`say`",
+    "tag.start": "`say`",
+    "tag.stop": "`say`",
+    "tag.wait": "`say`",
+    "ALAnimationPlayer.run": "`play`",
+    "ALAutonomousLife.setState": "`autonomy: {state: ...}`",
+    "ALAutonomousLife.getState": "setting `state`",
+    "ALBasicAwareness.setEnabled": "`autonomy: {awareness: ...}`",
+    "ALBasicAwareness.isEnabled": "setting `awareness`",
+    "ALBasicAwareness.setEngagementMode": "`autonomy: {engagement: ...}`",
+    "ALBasicAwareness.getEngagementMode": "setting `engagement`",
+    "ALAutonomousBlinking.setEnabled": "`autonomy: {blinking: ...}`",
+    "ALAutonomousBlinking.isEnabled": "setting `blinking`",
+    "ALListeningMovement.setEnabled": "`autonomy: {listening_movement: ...}`",
+    "ALListeningMovement.isEnabled": "setting `listening_movement`",
+    "ALSpeakingMovement.setEnabled": "`autonomy: {speaking_movement: ...}`",
+    "ALSpeakingMovement.isEnabled": "setting `speaking_movement`",
+    "ALMotion.wakeUp": "`torque: on`",
+    "ALMotion.rest": "`torque: off`, the end of a session",
+    "ALMotion.robotIsWakeUp": "setting `awake`",
+    "ALMotion.moveTo": "`drive`",
+    "ALMotion.stopMove": "a `drive` cut short, the stop",
+    "ALMotion.killAll": "the stop",
+    "ALMotion.getRobotVelocity": "the stop: whether it stands",
+    "ALMotion.setStiffnesses": "`gaze`, `nudge`, `hip`, `pose`",
+    "ALMotion.angleInterpolation": "`gaze`, `nudge`, `hip`, `pose`",
+    "ALMotion.setBreathEnabled": "`autonomy: {head_breathing: ...}` and the other chains",
+    "ALMotion.getBreathEnabled": "settings `head_breathing` ...",
+    "ALMotion.setTangentialSecurityDistance": "`collision: {tangential: ...}`",
+    "ALMotion.getTangentialSecurityDistance": "setting `tangential`",
+    "ALMotion.setOrthogonalSecurityDistance": "`collision: {orthogonal: ...}`",
+    "ALMotion.getOrthogonalSecurityDistance": "setting `orthogonal`",
+    "ALRobotPosture.goToPosture": "`posture`, `home`",
+    "ALTabletService.showWebview": "`screen`",
+    "ALTabletService.hideWebview": "`tablet: hide`",
+    "ALTabletService.enableWifi": "`tablet: wifi`",
+    "ALTabletService.playVideo": "`screen` with a video",
+    "ALTabletService.onTouchDownRatio": "readings `touch.x`, `touch.y`",
+    "ALTabletService.onTouchMove": "readings `touch.x`, `touch.y`",
+    "ALTabletService.onTouchUp": "readings `touch.x`, `touch.y`",
+    "ALTabletService.videoFinished": "the default picture comes back",
+    "ALAudioPlayer.loadFile": "`sound`",
+    "ALAudioPlayer.play": "`sound`",
+    "ALAudioPlayer.setVolume": "`sound: {volume: ...}`",
+    "ALAudioPlayer.stopAll": "the stop, a `sound` cut short",
+    "ALAudioPlayer.unloadAllFiles": "the end of a session",
+    "ALAudioPlayer.getLoadedFilesIds": "`sound` after a reconnect",
+    "ALLeds.fadeRGB": "`eyes`",
+    "ALLeds.setIntensity": "`eyes_brightness`",
+    "ALLeds.getIntensity": "setting `eyes`",
+    "ALLeds.randomEyes": "`eyes_animation: random`",
+    "ALLeds.rasta": "`eyes_animation: rasta`",
+    "ALLeds.rotateEyes": "`eyes_animation: rotate`",
+    "ALAudioDevice.enableEnergyComputation": "reading `loudness`",
+    "ALAudioDevice.getFrontMicEnergy": "reading `loudness`",
+    "ALAudioDevice.setClientPreferences": "`listen`",
+    "ALAudioDevice.subscribe": "`listen`",
+    "ALAudioDevice.unsubscribe": "`listen: off`",
+    "ALAudioRecorder.startMicrophonesRecording": "`record_sound: on`",
+    "ALAudioRecorder.stopMicrophonesRecording": "`record_sound: off`",
+    "ALVideoDevice.subscribe": "the camera's screen, `picture`",
+    "ALVideoDevice.getImageRemote": "the camera's screen, `picture`",
+    "ALVideoDevice.unsubscribe": "the camera's screen closed",
+    "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value": "reading `distance`",
+    "PeoplePerception/VisiblePeopleList": "readings `presence`, `people`",
+    "PeoplePerception/Person/<id>/Distance": "reading `person.distance`",
+    "PeoplePerception/Person/<id>/IsLookingAtRobot": "reading `gaze`",
+    "FaceDetected": "reading `identity`",
+    "ALSoundLocalization/SoundLocated": "reading `direction`",
+}
+
+#: Every key of a WoZ4U file, and what becomes of it.
+KEYS: dict[str, str] = {
+    "pepper_ips": "the driver's `robots`",
+    "camera_save_dir": "the driver's `pictures`",
+    "audio_save_dir": "the driver's `recordings`",
+    **{
+        f"lock_{section}_section": f"the panel {panel} is locked, and with it its verbs"
+        for section, panel in (
+            ("autonomous_life", "Autonomy"),
+            ("movement_control", "Movement"),
+            ("tablet", "Tablet"),
+            ("anim_speech", "Speech"),
+            ("volume", "Voice"),
+            ("audio", "Sounds"),
+            ("gesture", "Gestures"),
+            ("color", "Eyes"),
+            ("eye_anim", "Eye animations"),
+        )
+    },
+    "autonomous_life_config": "the driver's `autonomy`, applied on connect",
+    "autonomous_state": "`autonomy: {state: ...}`",
+    "tangential_collision": "`autonomy: {tangential: ...}`",
+    "orthogonal_collision": "`autonomy: {orthogonal: ...}`",
+    "blinking": "`autonomy: {blinking: ...}`",
+    "basic_awareness": "`autonomy: {awareness: ...}`",
+    "engagement_mode": "`autonomy: {engagement: ...}`",
+    "head_breathing": "`autonomy: {head_breathing: ...}`",
+    "arms_breathing": "`autonomy: {arms_breathing: ...}`",
+    "body_breathing": "`autonomy: {body_breathing: ...}`",
+    "legs_breathing": "`autonomy: {legs_breathing: ...}`",
+    "listening_movement": "`autonomy: {listening_movement: ...}`",
+    "speaking_movement": "`autonomy: {speaking_movement: ...}`",
+    "default_head_turn_deg": "`steps: {head: ...}`",
+    "default_turn_deg": "`steps: {turn: ...}`",
+    "default_drive_dist": "`steps: {drive: ...}`, in metres",
+    "tablet_root_location": "the driver's `tablet: {root: ...}`",
+    "tablet_items": "panel Tablet, verb `screen`",
+    "is_default_img": "the driver's `tablet: {default: ...}`",
+    "animated_speech": "panel Speech, verbs `say` and `read`",
+    "volume": "the driver's `voice: {volume: ...}`",
+    "voice_speed": "the driver's `voice: {speed: ...}`",
+    "voice_pitch": "the driver's `voice: {pitch: ...}`",
+    "audio_files": "panel Sounds, verb `sound`",
+    "gestures": "panel Gestures, verb `play`",
+    "colors": "panel Eyes, verb `eyes`",
+    "is_default": "the driver's `eyes`",
+    "rasta_anim": "panel Eye animations, verb `eyes_animation`",
+    "random_anim": "panel Eye animations, verb `eyes_animation`",
+    "rotate_anim": "panel Eye animations, verb `eyes_animation`",
+    "key_comb": "the action's `key`",
+    "tooltip": "the action's `help`",
+    "title": "the action's `label`",
+}
+#: Name of a table -> the mark of its tests, its rows, the heading of its second column.
+TABLES = {
+    "calls": ("naoqi", CALLS, "call", "how a wizard reaches it"),
+    "keys": ("woz4u", KEYS, "key", "what becomes of it"),
+}
+
+
+def uncovered(table: str) -> list[str]:
+    """Rows of a table that no test shows."""
+    mark, rows, *_ = TABLES[table]
+    shown = {one.statement for one in marked.found(mark)}
+    return [name for name in rows if name not in shown]
+
+
+def unknown(table: str) -> list[str]:
+    """Marks that name no row."""
+    mark, rows, *_ = TABLES[table]
+    return sorted({one.statement for one in marked.found(mark)} - rows.keys())
+
+
+def page(text: str) -> str:
+    """The page `text` with both tables as they are now."""
+    for name in TABLES:
+        before, begin, rest = text.partition(BEGIN.format(name))
+        _, end, after = rest.partition(END.format(name))
+        if not end:
+            raise ValueError(f"{PAGE} has no place for the table of {name}")
+        text = f"{before}{begin}\n{_table(name)}\n{end}{after}"
+    return text
+
+
+def _table(name: str) -> str:
+    mark, rows, first, second = TABLES[name]
+    tests = marked.by_statement(marked.found(mark))
+    lines = [
+        f"| `{row}` | {reached} | {marked.cell(tests.get(row, {}))} |"
+        for row, reached in rows.items()
+    ]
+    return "\n".join([f"| {first} | {second} | tests |", "|---|---|---|", *lines])
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(PAGE.read_text(encoding="utf-8")), encoding="utf-8")

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from pathlib import Path
 
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from tests.experiment.reading import errors, panel, read
 from tests.experiment.test_keys import bases, layouts, modifiers
 from woz_tui.experiment import keys
 from woz_tui.experiment.keys import (
@@ -138,6 +140,60 @@ def test_a_keymap_gives_way_to_the_experiment() -> None:
     assert found.builtins["say"].press == "/"
     assert "it stays on /" in found.warnings[0]
     assert mapped("h", builtins=moved).builtin_table["g"] == "say"
+
+
+YIELDING = {item.chord: item.id for item in BUILTIN if item.yields}
+
+
+def test_which_of_the_consoles_keys_yield() -> None:
+    assert YIELDING == {"@": "robot", "%": "move", "_": "camera"}
+    assert all(item.reserves for item in BUILTIN if item.yields)
+
+
+@pytest.mark.parametrize("wanted", [list(YIELDING), [f"{key} r" for key in YIELDING]])
+def test_some_of_the_consoles_keys_yield_to_an_action(wanted: list[str]) -> None:
+    found = mapped(*wanted)
+    assert list(found.table) == wanted
+    assert not any(entry.reserve for entry in found.actions.values())
+    assert not set(YIELDING) & set(found.builtin_table)
+    for chord, name in YIELDING.items():
+        entry = found.builtins[name]
+        assert entry.reserve
+        assert found.builtin_table[entry.press] == name
+        assert chord in entry.why
+    assert mapped("a").builtins["robot"].press == "@"
+    assert not mapped("a").builtins["robot"].reserve
+
+
+def test_an_experiment_with_such_a_key_is_right(tmp_path: Path) -> None:
+    wanted = list(YIELDING)
+    actions = [f"{{key: '{key}', label: L{n}, say: Hello}}" for n, key in enumerate(wanted)]
+    assert errors(tmp_path, panel(*actions)) == []
+    told = read(tmp_path, panel(*actions))
+    assert told.warnings == ()
+    assert list(key_map(told.panels, PLAIN).table) == wanted
+    assert len(errors(tmp_path, panel("{key: '=', label: L, say: Hello}"))) == 1
+
+
+def test_one_that_yields_has_no_key_where_its_reserves_are_taken() -> None:
+    found = mapped("@", "ctrl+b", "&")
+    assert set(found.table) == {"@", "ctrl+b", "&"}
+    assert found.builtins["robot"].press == ""
+
+
+@pytest.mark.parametrize("name", ["say", "leave"])
+def test_a_keymap_may_put_another_key_where_one_yields(name: str) -> None:
+    moved = tuple(replace(i, chord="@") if i.id == name else i for i in BUILTIN)
+    found = mapped(builtins=moved)
+    assert found.builtin_table["@"] == name
+    assert found.builtins["robot"].press == "ctrl+b"
+
+
+def test_one_that_was_moved_onto_an_action_goes_home_and_yields_there_too() -> None:
+    moved = tuple(replace(i, chord="g") if i.id == "robot" else i for i in BUILTIN)
+    assert mapped("g", builtins=moved).builtins["robot"].press == "@"
+    found = mapped("g", "@", builtins=moved)
+    assert (found.table["@"], found.builtins["robot"].press) == ("A1", "ctrl+b")
 
 
 def test_actions_without_a_key_are_listed_without_one() -> None:

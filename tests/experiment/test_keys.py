@@ -356,6 +356,14 @@ def test_an_empty_keymap_changes_nothing(tmp_path: Path) -> None:
     assert keys.load_keymap(path) == keys.BUILTIN
 
 
+def test_a_keymap_may_use_the_key_of_one_that_yields(tmp_path: Path) -> None:
+    path = tmp_path / "keymap.yaml"
+    path.write_text("say: '@'\n")
+    assert {item.id: item.chord for item in keys.load_keymap(path)}["say"] == "@"
+    text = "say: '@'\nrobot: '@'\n"
+    assert len(keymap_errors(tmp_path / "k.yaml", text)) == 2
+
+
 def test_two_keys_may_change_places(tmp_path: Path) -> None:
     path = tmp_path / "keymap.yaml"
     path.write_text("say: ':'\nfind: /\n")

@@ -9,7 +9,8 @@ from dataclasses import dataclass
 class Builtin:
     """One key of the console.
 
-    `reserves` are taken, in this order, on terminals where `chord` cannot arrive.
+    `reserves` are taken, in this order, on terminals where `chord` cannot arrive. `yields`: an
+    experiment may have `chord` for an action of its own; this key then goes to a reserve.
     """
 
     id: str
@@ -17,6 +18,7 @@ class Builtin:
     description: str
     movable: bool = True
     reserves: tuple[str, ...] = ()
+    yields: bool = False
 
 
 BUILTIN: tuple[Builtin, ...] = (
@@ -60,6 +62,9 @@ BUILTIN: tuple[Builtin, ...] = (
         *("engagement", "=", "who is there and are they with the robot: the whole model, by hand"),
         reserves=("ctrl+a",),
     ),
+    Builtin("robot", "@", "the robot's settings", reserves=("ctrl+b", "&"), yields=True),
+    Builtin("move", "%", "type the name of an animation", reserves=("$", "~"), yields=True),
+    Builtin("camera", "_", "what the robot's camera sees", reserves=("|", "#"), yields=True),
     Builtin("profile", "-", "the profile: how much may be used"),
     Builtin("redraw", "ctrl+l", "draw the screen again"),
     Builtin("help", "?", "all keys as they are bound now"),

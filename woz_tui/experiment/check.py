@@ -94,7 +94,7 @@ class _Keys:
     def __init__(self, layout: str, report: Report) -> None:
         self._layout = layout
         self._report = report
-        self._builtin = {item.chord: item for item in BUILTIN}
+        self._builtin = {item.chord: item for item in BUILTIN if not item.yields}
         self._played: dict[str, Drafted] = {}
         self._begun: dict[str, Drafted] = {}
 

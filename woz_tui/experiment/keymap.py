@@ -2,7 +2,7 @@
 
 Three rounds, so that nobody's key is taken away:
 
-1. the stop and the console's own keys;
+1. the stop and the console's own keys, but for some that yield where an action wants theirs;
 2. every action whose key arrives as itself; then those whose bytes belong to no other key (on a
    plain terminal ctrl+shift+a sends ctrl+a, which is harmless while nothing is bound to ctrl+a);
 3. whatever is left gets a *reserve key*: what cannot arrive, what sends the bytes of a key that
@@ -137,9 +137,13 @@ class _Assignment:
         )
 
     def _place_builtins(self, builtins: Sequence[Builtin], wanted: set[str]) -> None:
-        """The console's keys where they arrive; one moved onto an action's key goes home."""
+        """The console's keys where they arrive; one moved onto an action's key goes home.
+
+        Those that yield do so to actions, and to others that were moved onto theirs.
+        """
         homes = {item.id: item.chord for item in BUILTIN}
-        for item in builtins:
+        begun = {chord.split(" ")[0] for chord in wanted}
+        for item in sorted(builtins, key=lambda item: item.yields):
             chord = item.chord
             if chord in wanted and homes.get(item.id, chord) != chord:
                 self._warnings.append(
@@ -147,6 +151,9 @@ class _Assignment:
                     f" it stays on {homes[item.id]}"
                 )
                 chord = homes[item.id]
+            if item.yields and chord in begun:
+                self._why[item.id] = f"the experiment has an action on {chord}"
+                continue
             found = reach(chord, self._terminal, self._layout)
             if found.verdict is Verdict.STOP and not item.movable:
                 self._builtins[item.id] = Assigned(item.id, chord, chord, found.arrives, found.data)

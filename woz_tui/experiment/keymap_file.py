@@ -82,7 +82,8 @@ def _no_two_alike(builtins: tuple[Builtin, ...], moved: dict[str, str], report: 
         if item.id not in moved:
             continue
         for other in builtins:
-            if other.id != item.id and other.chord == item.chord:
+            yields = other.yields and other.id not in moved
+            if other.id != item.id and other.chord == item.chord and not yields:
                 place = report.place(item.id)
                 report.error(place, item.id, f"{item.chord!r} already means {other.description!r}")
                 break

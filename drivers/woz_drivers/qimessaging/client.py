@@ -1,0 +1,241 @@
+"""A client of NAOqi: services are looked up in its directory and called by name."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from collections.abc import Callable
+from typing import Any, Final, Self
+
+from woz_drivers.qimessaging.connection import Connection
+from woz_drivers.qimessaging.endpoints import (
+    DIRECTORY,
+    Endpoint,
+    ServiceInfo,
+    reachable,
+    shares_socket,
+)
+from woz_drivers.qimessaging.errors import ConnectionLost, QiError, ServiceLost, TimedOut
+from woz_drivers.qimessaging.opening import WayIn
+from woz_drivers.qimessaging.remote import RemoteObject, Unsubscribe
+
+DIRECTORY_SERVICE: Final = 1
+#: How long looking for a service, or opening, may take, in seconds.
+TIMEOUT: Final = 5.0
+
+
+class Client:
+    """One client of one directory. All of it belongs to the event loop in which it was opened.
+
+    Attributes:
+        lost: Done when the connection to the directory is lost or closed, with the reason in
+            words. Services that live elsewhere may be lost before; their calls tell it.
+    """
+
+    def __init__(self, connection: Connection, way_in: WayIn, timeout: float) -> None:
+        """Use a connection that has let us in; `open` makes it and the rest."""
+        self._connection = connection
+        self._way_in = way_in
+        self._timeout = timeout
+        self._directory = ServiceInfo(DIRECTORY, DIRECTORY_SERVICE, "", 0, (), "")
+        self._found: dict[str, asyncio.Task[RemoteObject]] = {}
+        self._elsewhere: dict[Endpoint, Connection] = {}
+        self.lost: asyncio.Future[str] = connection.lost
+
+    @classmethod
+    async def open(
+        cls,
+        host: str,
+        port: int,
+        *,
+        tls: ssl.SSLContext | None = None,
+        user: str = "",
+        token: str = "",
+        timeout: float = TIMEOUT,  # noqa: ASYNC109 - a setting of the client, too
+    ) -> Self:
+        """Connect to a directory.
+
+        Args:
+            host: A name or an address.
+            port: 9559 before NAOqi 2.9, 9503 with TLS from then on.
+            tls: How to connect with TLS; None connects without.
+            user: The name to log in with; empty where the robot wants no login.
+            token: The password.
+            timeout: How long opening, and later finding a service, may take, in seconds.
+
+        Raises:
+            ConnectionLost: Nobody listens there, TLS does not come about, or it hung up.
+            TimedOut: No answer came in time.
+            LoginError: The robot does not let us in.
+            ProtocolError: Something else listens there.
+        """
+        endpoint = Endpoint(host, port, tls is not None)
+        way_in = WayIn(tls, user, token)
+        connection = await way_in.connect(endpoint, timeout)
+        this = cls(connection, way_in, timeout)
+        try:
+            await this._meet_directory()
+        except QiError as error:
+            connection.end(str(error))
+            raise
+        except BaseException:
+            connection.end("opening the connection was given up")
+            raise
+        return this
+
+    @property
+    def local_host(self) -> str:
+        """The address of this machine on the line to the robot."""
+        return self._connection.address("sockname")[0]
+
+    @property
+    def pending(self) -> int:
+        """How many calls over the directory's connection wait for their reply."""
+        return self._connection.pending
+
+    async def services(self) -> list[ServiceInfo]:
+        """Return what the directory knows. Raises as `RemoteObject.call`."""
+        directory = await self.service(DIRECTORY)
+        found = await directory.call("services", within=self._timeout)
+        return [ServiceInfo.of(each) for each in found]
+
+    async def service(self, name: str) -> RemoteObject:
+        """Return a service, which is looked up once. Raises as `RemoteObject.call`."""
+        task = self._found.get(name)
+        if task is None:
+            task = asyncio.create_task(self._find(name))
+            self._found[name] = task
+            task.add_done_callback(lambda done: self._forget_failed(name, done))
+        return await asyncio.shield(task)
+
+    async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
+        """Call `service.method(*args)` and return its value; objects come as `RemoteObject`.
+
+        A cancelled call is cancelled on the robot, too, where it lets itself be.
+
+        Raises:
+            Refused: There is no such service or method, it does not take these arguments, it
+                failed (`RemoteError`), or its process has gone (`ServiceLost`).
+            TimedOut: No answer came within that many seconds; a late one is dropped.
+            ConnectionLost: The connection to the directory is lost.
+        """
+        found, left = await self._service_within(service, within)
+        try:
+            return await found.call(method, *args, within=left)
+        except ConnectionLost as error:
+            raise self._loss_of(service, error) from error
+
+    async def listen(
+        self, service: str, signal: str, heard: Callable[..., None], within: float = TIMEOUT
+    ) -> Unsubscribe:
+        """Call `heard(*values)` in the loop for each time the signal is emitted.
+
+        Raises as `call`.
+        """
+        found, left = await self._service_within(service, within)
+        try:
+            return await found.listen(signal, heard, left)
+        except ConnectionLost as error:
+            raise self._loss_of(service, error) from error
+
+    async def property(self, service: str, name: str, within: float = TIMEOUT) -> Any:
+        """Return the value of a service's property. Raises as `call`."""
+        found, left = await self._service_within(service, within)
+        try:
+            return await found.property(name, left)
+        except ConnectionLost as error:
+            raise self._loss_of(service, error) from error
+
+    async def close(self) -> None:
+        """Let go. Never raises, never waits for the robot."""
+        for task in tuple(self._found.values()):
+            task.cancel()
+        for connection in tuple(self._elsewhere.values()):
+            connection.end("closed")
+        self._connection.end("closed")
+
+    # Inside.
+
+    async def _meet_directory(self) -> None:
+        directory = await RemoteObject.fetch(self._connection, DIRECTORY_SERVICE, self._timeout)
+        members = await directory.call("service", DIRECTORY, within=self._timeout)
+        self._directory = ServiceInfo.of(members)
+        await directory.listen("serviceRemoved", self._removed, self._timeout)
+        task = asyncio.create_task(_already(directory))
+        self._found[DIRECTORY] = task
+        await task
+
+    async def _find(self, name: str) -> RemoteObject:
+        directory = await self.service(DIRECTORY)
+        info = ServiceInfo.of(await directory.call("service", name, within=self._timeout))
+        if shares_socket(info, self._directory):
+            connection = self._connection
+        else:
+            connection = await self._reach(info)
+        return await RemoteObject.fetch(connection, info.service, self._timeout)
+
+    async def _reach(self, info: ServiceInfo) -> Connection:
+        """Connect to the process in which a service lives, where that is not done yet."""
+        peer = self._connection.address("peername")[0]
+        endpoints = reachable(info, peer, self._way_in.tls is not None)
+        for endpoint in endpoints:
+            if endpoint in self._elsewhere:
+                return self._elsewhere[endpoint]
+        tried = []
+        for endpoint in endpoints:
+            try:
+                return await self._connect_elsewhere(endpoint)
+            except (ConnectionLost, TimedOut) as error:
+                tried.append(str(error))
+        why = "; ".join(tried) or "the directory names no address that can be reached from here"
+        raise ServiceLost(f"{info.name} cannot be reached: {why}")
+
+    async def _connect_elsewhere(self, endpoint: Endpoint) -> Connection:
+        connection = await self._way_in.connect(endpoint, self._timeout)
+        self._elsewhere[endpoint] = connection
+        connection.lost.add_done_callback(lambda _: self._drop(endpoint, connection))
+        if self.lost.done():
+            connection.end("closed")
+        return connection
+
+    def _drop(self, endpoint: Endpoint, connection: Connection) -> None:
+        self._elsewhere.pop(endpoint, None)
+        for name, task in tuple(self._found.items()):
+            if _result(task) and task.result().connection is connection:
+                del self._found[name]
+
+    def _forget_failed(self, name: str, task: asyncio.Task[RemoteObject]) -> None:
+        if not _result(task) and self._found.get(name) is task:
+            del self._found[name]
+
+    def _removed(self, _service: int, name: str) -> None:
+        """Look a service up again that has left the directory; it may come back elsewhere."""
+        if name != DIRECTORY:
+            self._found.pop(name, None)
+
+    async def _service_within(self, name: str, within: float) -> tuple[RemoteObject, float]:
+        task = self._found.get(name)
+        if task is not None and _result(task):
+            return task.result(), within
+        loop = asyncio.get_running_loop()
+        end = loop.time() + within
+        try:
+            async with asyncio.timeout_at(end):
+                found = await self.service(name)
+        except TimeoutError:
+            raise TimedOut(f"{name} was not found within {within:g} s") from None
+        return found, end - loop.time()
+
+    def _loss_of(self, service: str, error: ConnectionLost) -> QiError:
+        if self.lost.done():
+            return error
+        return ServiceLost(f"{service} has gone: {error}")
+
+
+async def _already(directory: RemoteObject) -> RemoteObject:
+    return directory
+
+
+def _result(task: asyncio.Task[RemoteObject]) -> bool:
+    """Tell whether a search has found its service (and take its error, if any, as known)."""
+    return task.done() and not task.cancelled() and task.exception() is None

@@ -1,0 +1,204 @@
+"""One connection: messages go out, replies find their calls, events their listeners.
+
+Both ends use it. What comes in as a call is handed to `incoming`; a connection without it
+answers that it serves nothing.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import itertools
+from collections.abc import Callable, Mapping
+from typing import Any, Final
+
+from woz_drivers.qimessaging.decoding import Decoder
+from woz_drivers.qimessaging.encoding import encode
+from woz_drivers.qimessaging.errors import ConnectionLost, ProtocolError, TimedOut
+from woz_drivers.qimessaging.frames import LONGEST, Frame, FrameReader, Kind
+
+#: Where an event comes from: service, object, signal.
+Source = tuple[int, int, int]
+
+CAPABILITIES: Final[Mapping[str, bool]] = {
+    "ClientServerSocket": True,  # calls may come to services of ours over this connection
+    "MessageFlags": True,
+    "MetaObjectCache": False,
+    "RemoteCancelableCalls": True,
+    "RelativeEndpointURI": True,  # the directory says which services its own socket serves
+}
+
+#: Bytes that may wait for a peer that does not read; after that it is taken for dead.
+_MOST_WAITING: Final = 128 << 20
+
+_ANSWERS: Final = frozenset({Kind.REPLY, Kind.ERROR, Kind.CANCELED})
+_ASKING: Final = frozenset({Kind.CALL, Kind.POST, Kind.CANCEL})
+
+Incoming = Callable[["Connection", Frame], None]
+
+
+class Connection(asyncio.Protocol):
+    """One connection. All of it belongs to the event loop in which it was opened."""
+
+    def __init__(self, incoming: Incoming | None = None, longest: int = LONGEST) -> None:
+        """Wait for `connection_made`, which the event loop calls."""
+        self._incoming = incoming
+        self._reader = FrameReader(longest)
+        self._transport: asyncio.Transport | None = None
+        self._numbers = itertools.count(1)
+        self._pending: dict[int, asyncio.Future[Frame]] = {}
+        self._heard: dict[Source, list[Callable[[Frame], None]]] = {}
+        self._capabilities: dict[str, Any] = {}
+        self._told = asyncio.Event()
+        self._reason = ""
+        self.lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
+
+    # What the event loop calls.
+
+    def connection_made(self, transport: asyncio.BaseTransport) -> None:
+        """Begin."""
+        assert isinstance(transport, asyncio.Transport)
+        self._transport = transport
+
+    def data_received(self, data: bytes) -> None:
+        """Take what came; end the connection where it is no qi messaging."""
+        if self.lost.done():
+            return
+        try:
+            for frame in self._reader.feed(data):
+                self._take(frame)
+        except ProtocolError as error:
+            self.end(f"the other end does not keep to the protocol: {error}")
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Tell everybody who waits, in this very turn of the loop."""
+        self._finish(self._reason or _loss(exc))
+
+    # What the rest of this package calls.
+
+    @property
+    def pending(self) -> int:
+        """How many calls wait for their reply."""
+        return len(self._pending)
+
+    def address(self, which: str) -> tuple[str, int]:
+        """Return host and port: of the other end (`peername`) or of ours (`sockname`)."""
+        found = self._transport.get_extra_info(which) if self._transport else None
+        return (str(found[0]), int(found[1])) if found else ("", 0)
+
+    def may(self, capability: str) -> bool:
+        """Tell whether both ends can do that."""
+        return bool(CAPABILITIES.get(capability)) and self._capabilities.get(capability) is True
+
+    def learn(self, capabilities: Mapping[Any, Any]) -> None:
+        """Take what the other end can do."""
+        self._capabilities.update(capabilities)
+        self._told.set()
+
+    async def capabilities_told(self) -> None:
+        """Return once the other end has said what it can do, unasked or not."""
+        await self._told.wait()
+
+    def send(self, frame: Frame) -> None:
+        """Send a message. Raises `ConnectionLost`."""
+        if self._transport is None or self.lost.done():
+            raise ConnectionLost(self._reason or "the connection is closed")
+        self._transport.write(frame.encoded())
+        if self._transport.get_write_buffer_size() > _MOST_WAITING:
+            self.end("the other end has stopped reading")
+
+    def post(self, service: int, obj: int, action: int, payload: bytes) -> None:
+        """Send a call that wants no answer. Raises `ConnectionLost`."""
+        self.send(Frame(Kind.POST, self._number(), service, obj, action, payload))
+
+    async def ask(
+        self, service: int, obj: int, action: int, payload: bytes, within: float
+    ) -> Frame:
+        """Call and return the message that answers: a reply, an error or that it was cancelled.
+
+        A cancelled call is cancelled on the other end, too, where it lets itself be.
+
+        Raises:
+            TimedOut: Nothing came within that many seconds; what comes later is dropped.
+            ConnectionLost: The connection ended meanwhile.
+        """
+        number = self._number()
+        answer: asyncio.Future[Frame] = asyncio.get_running_loop().create_future()
+        self._pending[number] = answer
+        frame = Frame(Kind.CALL, number, service, obj, action, payload)
+        try:
+            self.send(frame)
+            async with asyncio.timeout(within):
+                return await answer
+        except TimeoutError:
+            raise TimedOut(f"no answer within {within:g} s") from None
+        except asyncio.CancelledError:
+            self._cancel(frame)
+            raise
+        finally:
+            self._pending.pop(number, None)
+
+    def hear(self, source: Source, heard: Callable[[Frame], None]) -> None:
+        """Call `heard` for each event from there."""
+        self._heard.setdefault(source, []).append(heard)
+
+    def unhear(self, source: Source, heard: Callable[[Frame], None]) -> bool:
+        """Take it back; tell whether nobody hears that source any more."""
+        hearing = self._heard.get(source, [])
+        if heard in hearing:
+            hearing.remove(heard)
+        if not hearing:
+            self._heard.pop(source, None)
+        return not hearing
+
+    def end(self, reason: str) -> None:
+        """Close the connection at once; `lost` is done when this returns."""
+        self._reason = self._reason or reason
+        if self._transport is not None:
+            self._transport.abort()
+        self._finish(self._reason)
+
+    # Inside.
+
+    def _number(self) -> int:
+        return next(self._numbers) & 0xFFFFFFFF
+
+    def _cancel(self, call: Frame) -> None:
+        if self.may("RemoteCancelableCalls") and not self.lost.done():
+            number = encode("I", call.id)
+            self.send(Frame(Kind.CANCEL, self._number(), call.service, call.object, 0, number))
+
+    def _take(self, frame: Frame) -> None:
+        if frame.kind in _ANSWERS:
+            answer = self._pending.get(frame.id)
+            if answer is not None and not answer.done():
+                answer.set_result(frame)
+        elif frame.kind == Kind.EVENT:
+            source = (frame.service, frame.object, frame.action)
+            for heard in tuple(self._heard.get(source, ())):
+                heard(frame)
+        elif frame.kind == Kind.CAPABILITY:
+            self.learn(Decoder(frame.payload).value("{sm}"))
+        elif frame.kind in _ASKING:
+            self._serve(frame)
+
+    def _serve(self, frame: Frame) -> None:
+        if self._incoming is not None:
+            self._incoming(self, frame)
+        elif frame.kind == Kind.CALL:
+            self.send(frame.answer(Kind.ERROR, encode("m", "there are no services here")))
+
+    def _finish(self, reason: str) -> None:
+        if self.lost.done():
+            return
+        self._reason = reason
+        self.lost.set_result(reason)
+        for answer in self._pending.values():
+            if not answer.done():
+                answer.set_exception(ConnectionLost(reason))
+        self._heard.clear()
+
+
+def _loss(error: Exception | None) -> str:
+    if error is None:
+        return "the other end has closed the connection"
+    return f"the connection broke: {error}"

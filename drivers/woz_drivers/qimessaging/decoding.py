@@ -1,0 +1,169 @@
+"""Values from bytes, by signature.
+
+Whatever the bytes are, the outcome is a value or a `ProtocolError`: the number of values, their
+depth and every length are limited before memory is taken.
+"""
+
+from __future__ import annotations
+
+import struct
+from collections.abc import Callable
+from typing import Any, Final
+
+from woz_drivers.qimessaging.errors import ProtocolError
+from woz_drivers.qimessaging.signature import Type, parse
+
+#: How many values one message may hold, lists' elements included.
+MOST_VALUES: Final = 2_000_000
+#: How deeply values may nest; a dynamic value may hold another, so a signature does not limit it.
+DEEPEST: Final = 64
+
+_NUMBERS: Final = {
+    letter: struct.Struct("<" + code)
+    for letter, code in zip("cCwWiIlLfd", "bBhHiIqQfd", strict=True)
+}
+_LENGTH: Final = struct.Struct("<I")
+
+
+class Decoder:
+    """Reads values, one after the other, from one message's payload."""
+
+    def __init__(self, data: bytes, make_object: Callable[[Decoder], Any] | None = None) -> None:
+        """Begin at the first byte.
+
+        Args:
+            data: The payload.
+            make_object: Reads an object (`o`) and returns what stands for it here.
+        """
+        self._data = data
+        self._at = 0
+        self._left = MOST_VALUES
+        self._depth = 0
+        self._make_object = make_object
+
+    @property
+    def rest(self) -> int:
+        """How many bytes have not been read."""
+        return len(self._data) - self._at
+
+    def value(self, wanted: Type | str) -> Any:
+        """Read one value of that type. Raises `ProtocolError`."""
+        kind = parse(wanted) if isinstance(wanted, str) else wanted
+        self._spend(1)
+        number = _NUMBERS.get(kind.kind)
+        if number is not None:
+            return number.unpack(self._take(number.size))[0]
+        if kind.kind == "s":
+            return self._string()
+        return self._nested(kind)
+
+    def _nested(self, kind: Type) -> Any:
+        read = _READERS.get(kind.kind)
+        if read is None:
+            raise ProtocolError(f"values of type {kind.kind!r} cannot be sent")
+        if self._depth >= DEEPEST:
+            raise ProtocolError(f"a value nests more deeply than {DEEPEST}")
+        self._depth += 1
+        found = read(self, kind)
+        self._depth -= 1
+        return found
+
+    def _take(self, length: int) -> bytes:
+        end = self._at + length
+        if end > len(self._data):
+            raise ProtocolError(f"{length} bytes are announced, {self.rest} are there")
+        taken = self._data[self._at : end]
+        self._at = end
+        return taken
+
+    def _count(self) -> int:
+        return int(_LENGTH.unpack(self._take(4))[0])
+
+    def _spend(self, count: int) -> None:
+        self._left -= count
+        if self._left < 0:
+            raise ProtocolError(f"more than {MOST_VALUES} values in one message")
+
+    def _bool(self, _kind: Type) -> bool:
+        return self._take(1) != b"\0"
+
+    def _string(self) -> str | bytes:
+        raw = self._take(self._count())
+        try:
+            return raw.decode()
+        except UnicodeDecodeError:
+            # NAOqi also passes binary data as strings (an object's identity is one); they are
+            # handed over whole instead of being mended.
+            return raw
+
+    def _raw(self, _kind: Type) -> bytes:
+        return self._take(self._count())
+
+    def _nothing(self, _kind: Type) -> None:
+        return None
+
+    def _list(self, kind: Type) -> list[Any]:
+        count = self._count()
+        element = kind.inner[0]
+        if count > self._left:
+            raise ProtocolError(f"a list of {count} values is announced")
+        number = _NUMBERS.get(element.kind)
+        if number is not None:  # sound and coordinates come as long lists of numbers
+            self._spend(count)
+            packed = self._take(count * number.size)
+            return [found[0] for found in number.iter_unpack(packed)]
+        return [self.value(element) for _ in range(count)]
+
+    def _map(self, kind: Type) -> dict[Any, Any]:
+        count = self._count()
+        if count > self._left:
+            raise ProtocolError(f"a map of {count} values is announced")
+        key, value = kind.inner
+        found: dict[Any, Any] = {}
+        for _ in range(count):
+            name = self.value(key)
+            try:
+                found[name] = self.value(value)
+            except TypeError as error:
+                raise ProtocolError(f"a map's key cannot be a {type(name).__name__}") from error
+        return found
+
+    def _tuple(self, kind: Type) -> tuple[Any, ...]:
+        return tuple([self.value(member) for member in kind.inner])
+
+    def _dynamic(self, _kind: Type) -> Any:
+        signature = self._string()
+        if isinstance(signature, bytes):
+            raise ProtocolError("a signature is not text")
+        return self.value(signature) if signature else None
+
+    def _optional(self, kind: Type) -> Any:
+        return self.value(kind.inner[0]) if self._bool(kind) else None
+
+    def _object(self, _kind: Type) -> Any:
+        if self._make_object is None:
+            raise ProtocolError("an object is no use here")
+        return self._make_object(self)
+
+
+_READERS: Final[dict[str, Callable[[Decoder, Type], Any]]] = {
+    "b": Decoder._bool,
+    "r": Decoder._raw,
+    "v": Decoder._nothing,
+    "_": Decoder._nothing,
+    "[": Decoder._list,
+    "{": Decoder._map,
+    "(": Decoder._tuple,
+    "m": Decoder._dynamic,
+    "+": Decoder._optional,
+    "o": Decoder._object,
+}
+
+
+def decode(signature: Type | str, data: bytes) -> Any:
+    """Read one value that fills the data wholly. Raises `ProtocolError`."""
+    decoder = Decoder(data)
+    found = decoder.value(signature)
+    if decoder.rest:
+        raise ProtocolError(f"{decoder.rest} bytes too many")
+    return found

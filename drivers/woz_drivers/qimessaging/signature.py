@@ -1,0 +1,119 @@
+"""Signatures: the types of values as text, such as `(s[m]{sf})`.
+
+The letters are those of `qi/signature.hpp` of libqi. A signature may come from the other end, so
+its length and depth are limited.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+from woz_drivers.qimessaging.errors import ProtocolError
+
+#: The longest signature that is read. That of a meta object, the longest in use, has 287.
+LONGEST = 8192
+#: How deeply lists, maps, tuples and optionals may nest in one signature.
+DEEPEST = 32
+
+#: `_` is the element of an empty list whose type nobody knows; it has no bytes, like `v`.
+_LETTERS = frozenset("bcCwWiIlLfdsrvmoX_*")
+_ONE_ELEMENT = {"#": "[", "+": "+"}
+
+
+@dataclass(frozen=True, slots=True)
+class Type:
+    """The type of one value.
+
+    Attributes:
+        kind: One letter: `[` a list, `{` a map, `(` a tuple, `+` an optional, or a plain type.
+        inner: A list's element, a map's key and value, a tuple's members, an optional's value.
+        names: A struct's members by name; empty where the signature does not tell them.
+        text: The signature of this type.
+    """
+
+    kind: str
+    inner: tuple[Type, ...] = ()
+    names: tuple[str, ...] = ()
+    text: str = ""
+
+
+@lru_cache(maxsize=512)
+def parse(text: str) -> Type:
+    """Read the signature of exactly one value. Raises `ProtocolError`."""
+    if len(text) > LONGEST:
+        raise ProtocolError(f"a signature of {len(text)} characters; at most {LONGEST} are read")
+    found, end = _one(text, 0, 0)
+    if end != len(text):
+        raise ProtocolError(f"{_short(text)} is more than one signature")
+    return found
+
+
+def parse_members(text: str) -> tuple[Type, ...]:
+    """Read a method's or signal's parameters, `(..)`. Raises `ProtocolError`."""
+    found = parse(text)
+    if found.kind != "(":
+        raise ProtocolError(f"{_short(text)} are no parameters: a tuple is needed")
+    return found.inner
+
+
+def _one(text: str, at: int, depth: int) -> tuple[Type, int]:
+    if depth > DEEPEST:
+        raise ProtocolError(f"a signature nests more deeply than {DEEPEST}")
+    if at >= len(text):
+        raise ProtocolError(f"the signature {_short(text)} ends too early")
+    letter = text[at]
+    if letter in _LETTERS:
+        end = _skip_annotation(text, at + 1)
+        return Type(letter, text=text[at:end]), end
+    if letter == "[":
+        element, end = _one(text, at + 1, depth + 1)
+        end = _skip_annotation(text, _expect(text, end, "]"))
+        return Type("[", (element,), text=text[at:end]), end
+    if letter == "{":
+        key, end = _one(text, at + 1, depth + 1)
+        value, end = _one(text, end, depth + 1)
+        end = _skip_annotation(text, _expect(text, end, "}"))
+        return Type("{", (key, value), text=text[at:end]), end
+    if letter == "(":
+        return _tuple(text, at, depth)
+    if letter in _ONE_ELEMENT:
+        element, end = _one(text, at + 1, depth + 1)
+        return Type(_ONE_ELEMENT[letter], (element,), text=text[at:end]), end
+    raise ProtocolError(f"{letter!r} in the signature {_short(text)} is no type")
+
+
+def _tuple(text: str, at: int, depth: int) -> tuple[Type, int]:
+    members: list[Type] = []
+    end = at + 1
+    while end < len(text) and text[end] != ")":
+        member, end = _one(text, end, depth + 1)
+        members.append(member)
+    end = _expect(text, end, ")")
+    after = _skip_annotation(text, end)
+    names = tuple(text[end + 1 : after - 1].split(",")[1:]) if after > end else ()
+    if len(names) != len(members):
+        names = ()
+    return Type("(", tuple(members), names, text[at:after]), after
+
+
+def _skip_annotation(text: str, at: int) -> int:
+    """Return where `<Name,member,..>` ends, which may stand behind any type."""
+    if not text.startswith("<", at):
+        return at
+    depth = 0
+    for end in range(at, len(text)):
+        depth += {"<": 1, ">": -1}.get(text[end], 0)
+        if depth == 0:
+            return end + 1
+    raise ProtocolError(f"the signature {_short(text)} ends within its names")
+
+
+def _expect(text: str, at: int, letter: str) -> int:
+    if not text.startswith(letter, at):
+        raise ProtocolError(f"the signature {_short(text)} lacks a {letter!r}")
+    return at + 1
+
+
+def _short(text: str) -> str:
+    return repr(text if len(text) <= 60 else text[:60] + "...")

@@ -1,0 +1,108 @@
+"""The robot's modules that have to run so that its sensors say something."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.settings import PepperSettings
+from woz_tui.core.driver import DriverError
+
+#: How the robot knows this program: whatever it left behind has this name.
+NAME = "woz-tui"
+#: Unsubscribing at the end may take so long, in seconds.
+_FAREWELL_S = 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Module:
+    """A module that has to run, and the sensors that are nothing without it."""
+
+    service: str
+    sensors: tuple[str, ...]
+    begin: tuple[str, ...] = ("subscribe", NAME)
+    end: tuple[str, ...] = ("unsubscribe", NAME)
+
+
+_SONAR = (Module("ALSonar", ("distance",)),)
+_PEOPLE = (
+    Module("ALPeoplePerception", ("presence", "people", "person.distance", "gaze")),
+    Module("ALGazeAnalysis", ("gaze",)),
+    Module("ALFaceDetection", ("identity",)),
+)
+_SOUND = (
+    Module("ALSoundLocalization", ("direction",)),
+    Module(
+        "ALAudioDevice", ("loudness",), ("enableEnergyComputation",), ("disableEnergyComputation",)
+    ),
+)
+
+
+def wanted(settings: PepperSettings) -> tuple[Module, ...]:
+    """The modules for what is to be read."""
+    senses = settings.senses
+    return (
+        *(_SONAR if senses.sonar else ()),
+        *(_PEOPLE if senses.people else ()),
+        *(_SOUND if senses.loudness else ()),
+    )
+
+
+class Modules:
+    """Those modules of a robot: which run, and why the others do not.
+
+    `silent(sensor, why)` hears of each sensor whose module does not run.
+    """
+
+    def __init__(
+        self, robot: Robot, modules: Sequence[Module], silent: Callable[[str, str], None]
+    ) -> None:
+        self._robot = robot
+        self._modules = modules
+        self._silent = silent
+        self._missing: dict[Module, str] = dict.fromkeys(modules, "")
+
+    @property
+    def complete(self) -> bool:
+        """Whether all run."""
+        return not self._missing
+
+    def runs(self, sensor: str) -> bool:
+        """Whether all run that this sensor needs."""
+        needed = [one for one in self._modules if sensor in one.sensors]
+        return bool(needed) and not any(one in self._missing for one in needed)
+
+    def forget(self) -> None:
+        """The robot is gone, or another one: nothing runs."""
+        self._missing = dict.fromkeys(self._modules, "")
+
+    async def begin(self) -> None:
+        """Begin whatever does not run; what the robot does not have is told, the others go on."""
+        missing = list(self._missing)
+        said = await asyncio.gather(
+            *(self._robot.call(one.service, *one.begin) for one in missing), return_exceptions=True
+        )
+        for module, answer in zip(missing, said, strict=True):
+            if isinstance(answer, DriverError):
+                self._missing[module] = answer.what
+            elif isinstance(answer, BaseException):
+                raise answer
+            else:
+                del self._missing[module]
+        for module, why in self._missing.items():
+            for sensor in module.sensors:
+                self._silent(sensor, f"{module.service} does not run: {why}")
+
+    async def end(self) -> None:
+        """They need not run for us any more."""
+        running = [one for one in self._modules if one not in self._missing]
+        self.forget()
+        if self._robot.there:
+            await asyncio.gather(*(self._end(module) for module in running))
+
+    async def _end(self, module: Module) -> None:
+        with contextlib.suppress(DriverError):  # it goes on measuring, which disturbs nobody
+            await self._robot.call(module.service, *module.end, within=_FAREWELL_S)

@@ -1,0 +1,7 @@
+"""`python -m woz_drivers.naoqi`."""
+
+import sys
+
+from woz_drivers.naoqi.process import main
+
+sys.exit(main())

@@ -1,0 +1,147 @@
+"""The body as it is at any moment: joints that are on their way, stiffness, a base that drives."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from woz_drivers.naoqi.joints import BREATHING, JOINTS, POSTURES, clip
+from woz_drivers.naoqi.passing import Time
+
+
+@dataclass(frozen=True, slots=True)
+class _Course:
+    """From one angle (rad) to another between two times (s), evenly."""
+
+    start: float
+    end: float
+    begun: float
+    seconds: float
+
+    def at(self, now: float) -> float:
+        if self.seconds <= 0 or now >= self.begun + self.seconds:
+            return self.end
+        share = max(0.0, (now - self.begun) / self.seconds)
+        return self.start + share * (self.end - self.start)
+
+
+@dataclass(frozen=True, slots=True)
+class Drive:
+    """The base on its way: metres and radians a second, from where and when, for how long."""
+
+    x: float
+    y: float
+    turn: float
+    begun: float
+    seconds: float
+
+
+class Body:
+    """Angles in radians, poses in metres and radians of the world in which it was started."""
+
+    def __init__(self, time_: Time) -> None:
+        self._time = time_
+        self._courses = {
+            name: _Course(angle, angle, 0.0, 0.0) for name, angle in POSTURES["Crouch"].items()
+        }
+        self.stiffness = dict.fromkeys(JOINTS, 0.0)
+        self.awake = False
+        self.posture = "Crouch"
+        self.breathing = dict.fromkeys(BREATHING["Body"], False)
+        self._pose = (0.0, 0.0, 0.0)
+        self._drive: Drive | None = None
+        #: Metres to what stands in front or at the side, as of where the robot stood then.
+        self._front: float | None = None
+        self._front_from = 0.0
+        self.side: float | None = None
+        self._driven = 0.0
+
+    def angle(self, joint: str) -> float:
+        """Where the joint is now."""
+        return self._courses[joint].at(self._time.now())
+
+    def move_joint(self, joint: str, angle: float, seconds: float) -> None:
+        """Let a joint go; without stiffness it stays where it is."""
+        if self.stiffness[joint] > 0:
+            now = self._time.now()
+            self._courses[joint] = _Course(self.angle(joint), clip(joint, angle), now, seconds)
+
+    def hold(self) -> None:
+        """Every joint stays where it is."""
+        now = self._time.now()
+        self._courses = {
+            name: _Course(course.at(now), course.at(now), now, 0.0)
+            for name, course in self._courses.items()
+        }
+
+    def take(self, posture: str, seconds: float) -> None:
+        """Let all joints go to those of a posture."""
+        for joint, angle in POSTURES[posture].items():
+            self.move_joint(joint, angle, seconds)
+
+    def wake(self) -> None:
+        """Motors on."""
+        self.awake = True
+        self.stiffness = dict.fromkeys(JOINTS, 1.0)
+
+    def relax(self) -> None:
+        """Motors off; nothing breathes."""
+        self.awake = False
+        self.stiffness = dict.fromkeys(JOINTS, 0.0)
+        self.breathing = dict.fromkeys(self.breathing, False)
+
+    def seconds_to(self, targets: Mapping[str, float], fraction: float) -> float:
+        """How long the slowest of these joints needs at a fraction of its full speed."""
+        return max(
+            (abs(angle - self.angle(joint)) / (JOINTS[joint][2] * fraction))
+            for joint, angle in targets.items()
+        )
+
+    def drive(self, x: float, y: float, turn: float, seconds: float) -> None:
+        """Drive with these speeds of the robot's own frame, for so long."""
+        self.halt()
+        self._drive = Drive(x, y, turn, self._time.now(), seconds)
+
+    def halt(self) -> None:
+        """The base stands; where it is now is where it stays."""
+        self._pose, self._driven = self.pose(), self._forward()
+        self._drive = None
+
+    def _elapsed(self) -> float:
+        if self._drive is None:
+            return 0.0
+        return min(self._drive.seconds, max(0.0, self._time.now() - self._drive.begun))
+
+    def pose(self) -> tuple[float, float, float]:
+        """Where the base is: x, y (m), heading (rad, within half a turn)."""
+        x, y, heading = self._pose
+        if self._drive is None:
+            return self._pose
+        passed = self._elapsed()
+        along, across = self._drive.x * passed, self._drive.y * passed
+        x += along * math.cos(heading) - across * math.sin(heading)
+        y += along * math.sin(heading) + across * math.cos(heading)
+        turned = heading + self._drive.turn * passed
+        return x, y, math.remainder(turned, math.tau)
+
+    def velocity(self) -> tuple[float, float, float]:
+        """Speeds now: m/s, m/s, rad/s."""
+        drive = self._drive
+        if drive is None or self._elapsed() >= drive.seconds:
+            return 0.0, 0.0, 0.0
+        return drive.x, drive.y, drive.turn
+
+    def _forward(self) -> float:
+        return self._driven + (self._drive.x * self._elapsed() if self._drive else 0.0)
+
+    @property
+    def front(self) -> float | None:
+        """Metres to what was put in front of it; nearer by what it has driven since."""
+        if self._front is None:
+            return None
+        return max(0.0, self._front - (self._forward() - self._front_from))
+
+    @front.setter
+    def front(self, metres: float | None) -> None:
+        self._front, self._front_from = metres, self._forward()

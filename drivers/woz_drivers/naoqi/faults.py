@@ -1,0 +1,140 @@
+"""What can go wrong with the robot on demand, and the record of what it was asked to do."""
+
+from __future__ import annotations
+
+import asyncio
+import inspect
+import json
+import os
+import signal
+import subprocess
+import time
+from collections.abc import Callable, Sequence
+from typing import Any
+
+from woz_drivers.naoqi.passing import Time
+from woz_drivers.naoqi.table import Method, Refused, Service
+
+#: Faults that last until they are cleared, or for some seconds; `NAME:DETAIL` where one is needed.
+LASTING = ("invalid-signature", "slow", "refuse", "says-no", "deaf", "moody")
+#: Faults that happen once.
+SUDDEN = ("killed", "frozen")
+#: Faulty or not, this service answers.
+UNTOUCHED = "StandIn"
+
+
+class Faults:
+    """Which faults are there now, and until when."""
+
+    def __init__(self, time_: Time) -> None:
+        self._time = time_
+        self._until: dict[str, float] = {}
+        self._detail: dict[str, str] = {}
+        self._healed = asyncio.Event()
+
+    def begin(self, fault: str, seconds: float) -> None:
+        """Let a fault be there, for so many seconds of the robot; 0: until `clear`.
+
+        Raises Refused for one that is not known.
+        """
+        kind, _, detail = fault.partition(":")
+        if kind == "none":
+            self.clear()
+        elif kind == "killed":
+            os.kill(os.getpid(), signal.SIGKILL)
+        elif kind == "frozen":
+            freeze(seconds)
+        elif kind in LASTING:
+            self._until[kind] = self._time.now() + seconds if seconds > 0 else float("inf")
+            self._detail[kind] = detail
+        else:
+            raise Refused(f"no fault {kind!r}; there are none, {', '.join(SUDDEN + LASTING)}")
+
+    def clear(self) -> None:
+        """Nothing is wrong any more; what waits for a deaf robot goes on."""
+        self._until.clear()
+        self._healed.set()
+        self._healed = asyncio.Event()
+
+    def there(self, kind: str) -> bool:
+        """Whether this fault is there now."""
+        return self._time.now() < self._until.get(kind, -1.0)
+
+    def detail(self, kind: str) -> str:
+        """What was said after the colon."""
+        return self._detail.get(kind, "")
+
+    def names(self) -> list[str]:
+        """All that are there now."""
+        return [kind for kind in LASTING if self.there(kind)]
+
+    async def before(self, called: str) -> None:
+        """What a call meets before it is carried out. Raises Refused."""
+        while self.there("deaf"):
+            healed = asyncio.ensure_future(self._healed.wait())
+            left = asyncio.ensure_future(
+                self._time.sleep(min(3600.0, self._until["deaf"] - self._time.now()))
+            )
+            try:
+                await asyncio.wait({healed, left}, return_when=asyncio.FIRST_COMPLETED)
+            finally:
+                healed.cancel()
+                left.cancel()
+        if self.there("slow"):
+            # Real milliseconds: a slow network does not know of the robot's pace.
+            await asyncio.sleep(float(self.detail("slow") or 500) / 1000)
+        if self.there("refuse"):
+            method, _, text = self.detail("refuse").partition("=")
+            if method == called:
+                raise Refused(text or f"{called.replace('.', '::')}\n\tnot now")
+
+
+def freeze(seconds: float) -> None:
+    """Stop this process as SIGSTOP does; a child lets it go on after so many real seconds.
+
+    With 0 seconds it stays frozen until somebody sends SIGCONT.
+    """
+    own = os.getpid()
+    if seconds > 0:
+        subprocess.Popen(
+            ["/bin/sh", "-c", f"sleep {seconds:.3f}; kill -CONT {own}"],
+            stdin=subprocess.DEVNULL,
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.DEVNULL,
+        )
+    os.kill(own, signal.SIGSTOP)
+
+
+Entry = tuple[str, str, str, int]
+
+
+class Desk:
+    """Where every call arrives: it is written down, meets the faults, and is carried out."""
+
+    def __init__(self, faults: Faults) -> None:
+        self.faults = faults
+        self.entries: list[Entry] = []
+        self.heard: list[Callable[[Entry], None]] = []
+
+    async def enter(self, service: Service, method: Method, args: Sequence[Any]) -> Any:
+        """Carry out one call. Raises Refused, or whatever is a mistake of ours."""
+        if service.name != UNTOUCHED:
+            self._write_down(service.name, method.name, args)
+            await self.faults.before(f"{service.name}.{method.name}")
+        result = method.run(service, *args)
+        return await result if inspect.isawaitable(result) else result
+
+    def _write_down(self, service: str, method: str, args: Sequence[Any]) -> None:
+        entry = (service, method, as_json(list(args)), time.monotonic_ns())
+        self.entries.append(entry)
+        for hear in self.heard:
+            hear(entry)
+
+
+def as_json(value: object) -> str:
+    """Any value of the wire as JSON text; bytes as their number."""
+
+    def other(odd: object) -> object:
+        return {"bytes": len(odd)} if isinstance(odd, bytes | bytearray) else str(odd)
+
+    return json.dumps(value, default=other, ensure_ascii=False)

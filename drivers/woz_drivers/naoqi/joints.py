@@ -1,0 +1,95 @@
+"""Pepper's joints: ranges, speeds, chains and postures.
+
+Ranges and speeds are those of the robot's published description (radians, radians a second); hands
+go from closed to open.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+#: Lowest and highest angle (rad), highest speed (rad/s).
+JOINTS: Mapping[str, tuple[float, float, float]] = MappingProxyType(
+    {
+        "HeadYaw": (-2.0857, 2.0857, 7.33998),
+        "HeadPitch": (-0.7068, 0.4451, 9.22756),
+        "LShoulderPitch": (-2.0857, 2.0857, 7.33998),
+        "LShoulderRoll": (0.0087, 1.5620, 9.22756),
+        "LElbowYaw": (-2.0857, 2.0857, 7.33998),
+        "LElbowRoll": (-1.5620, -0.0087, 9.22756),
+        "LWristYaw": (-1.8239, 1.8239, 17.3835),
+        "LHand": (0.0, 1.0, 8.0),
+        "HipRoll": (-0.5149, 0.5149, 2.27032),
+        "HipPitch": (-1.0385, 1.0385, 2.93276),
+        "KneePitch": (-0.5149, 0.5149, 2.93276),
+        "RShoulderPitch": (-2.0857, 2.0857, 7.33998),
+        "RShoulderRoll": (-1.5620, -0.0087, 9.22756),
+        "RElbowYaw": (-2.0857, 2.0857, 7.33998),
+        "RElbowRoll": (0.0087, 1.5620, 9.22756),
+        "RWristYaw": (-1.8239, 1.8239, 17.3835),
+        "RHand": (0.0, 1.0, 8.0),
+    }
+)
+_WHEELS = ("WheelFL", "WheelFR", "WheelB")
+_LEFT = ("LShoulderPitch", "LShoulderRoll", "LElbowYaw", "LElbowRoll", "LWristYaw", "LHand")
+_RIGHT = ("RShoulderPitch", "RShoulderRoll", "RElbowYaw", "RElbowRoll", "RWristYaw", "RHand")
+
+CHAINS: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "Head": ("HeadYaw", "HeadPitch"),
+        "LArm": _LEFT,
+        "RArm": _RIGHT,
+        "Arms": _LEFT + _RIGHT,
+        "Leg": ("HipRoll", "HipPitch", "KneePitch"),
+        "Legs": ("HipRoll", "HipPitch", "KneePitch"),
+        "Body": tuple(JOINTS),
+        "JointActuators": tuple(JOINTS),
+        "Joints": tuple(JOINTS),
+        "Wheels": (),
+    }
+)
+#: Chains that can breathe, and which single ones they stand for.
+BREATHING: Mapping[str, tuple[str, ...]] = MappingProxyType(
+    {
+        "Head": ("Head",),
+        "LArm": ("LArm",),
+        "RArm": ("RArm",),
+        "Arms": ("LArm", "RArm"),
+        "Legs": ("Legs",),
+        "Body": ("Head", "LArm", "RArm", "Legs"),
+    }
+)
+
+_STAND = {
+    **{"HeadYaw": 0.0, "HeadPitch": -0.21},
+    **{"LShoulderPitch": 1.57, "LShoulderRoll": 0.12, "LElbowYaw": -1.22, "LElbowRoll": -0.52},
+    **{"LWristYaw": 0.0, "LHand": 0.6, "HipRoll": 0.0, "HipPitch": -0.04, "KneePitch": 0.0},
+    **{"RShoulderPitch": 1.57, "RShoulderRoll": -0.12, "RElbowYaw": 1.22, "RElbowRoll": 0.52},
+    **{"RWristYaw": 0.0, "RHand": 0.6},
+}
+POSTURES: Mapping[str, Mapping[str, float]] = MappingProxyType(
+    {
+        "Stand": _STAND,
+        "StandInit": _STAND | {"HeadPitch": 0.0},
+        "StandZero": {name: min(high, max(low, 0.0)) for name, (low, high, _) in JOINTS.items()},
+        "Crouch": _STAND | {"HeadPitch": 0.4, "HipPitch": -1.0, "KneePitch": 0.5},
+    }
+)
+
+
+def expand(name: str) -> tuple[str, ...]:
+    """The joints that a name of a joint or a chain stands for. Raises KeyError."""
+    return CHAINS[name] if name in CHAINS else (name,) if name in JOINTS else _unknown(name)
+
+
+def _unknown(name: str) -> tuple[str, ...]:
+    if name in _WHEELS:
+        return ()
+    raise KeyError(name)
+
+
+def clip(joint: str, angle: float) -> float:
+    """The angle that the joint can really take, in radians."""
+    low, high, _ = JOINTS[joint]
+    return min(high, max(low, angle))

@@ -1,0 +1,149 @@
+"""ALLeds: eyes, ears and chest."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.world import World
+
+_EYES = tuple(f"{side}FaceLed{number}" for side in ("Right", "Left") for number in range(1, 9))
+_EARS = tuple(f"{side}EarLed{number}" for side in ("Right", "Left") for number in range(1, 11))
+_CHEST = ("ChestLed",)
+GROUPS = {
+    "FaceLeds": _EYES,
+    "RightFaceLeds": _EYES[:8],
+    "LeftFaceLeds": _EYES[8:],
+    "EarLeds": _EARS,
+    "ChestLeds": _CHEST,
+    "AllLeds": _EYES + _EARS + _CHEST,
+}
+_NAMED = {
+    **{"white": 0xFFFFFF, "red": 0xFF0000, "green": 0x00FF00, "blue": 0x0000FF},
+    **{"yellow": 0xFFFF00, "magenta": 0xFF00FF, "cyan": 0x00FFFF},
+}
+Color = tuple[float, float, float]
+_WHITE: Color = (1.0, 1.0, 1.0)
+
+
+def _color(number: int) -> Color:
+    return ((number >> 16 & 255) / 255, (number >> 8 & 255) / 255, (number & 255) / 255)
+
+
+class Leds(Service):
+    """Each LED has a colour (red, green, blue, 0 to 1) and may be on its way to another."""
+
+    name = "ALLeds"
+
+    def __init__(self, world: World) -> None:
+        super().__init__()
+        self._world = world
+        self._fades: dict[str, tuple[Color, Color, float, float]] = {}
+        self._set(GROUPS["AllLeds"], _WHITE, 0.0)
+
+    def color(self, led: str) -> Color:
+        """The colour now."""
+        start, end, begun, seconds = self._fades[led]
+        share = 1.0 if seconds <= 0 else min(1.0, (self._world.time.now() - begun) / seconds)
+        red, green, blue = (a + share * (b - a) for a, b in zip(start, end, strict=True))
+        return red, green, blue
+
+    @offers("fadeRGB(sffff)v")
+    async def fade_rgb(self, name: str, red: float, green: float, blue: float, s: float) -> None:
+        """Go to a colour within some seconds; returns when it is there."""
+        for value in (red, green, blue):
+            if not 0 <= value <= 1:
+                raise Refused("ALLeds::fadeRGB\n\tintensities must be within [0.0, 1.0]")
+        self._set(self._leds("fadeRGB", name), (red, green, blue), s)
+        await self._world.going.last("leds", s, "fadeRGB")
+
+    @offers("fadeRGB(sif)v")
+    async def fade_rgb_number(self, name: str, rgb: int, seconds: float) -> None:
+        """As above, with 0x00RRGGBB."""
+        await self.fade_rgb(name, *_color(rgb), seconds)
+
+    @offers("fadeRGB(ssf)v")
+    async def fade_rgb_named(self, name: str, color: str, seconds: float) -> None:
+        """As above, with white, red, green, blue, yellow, magenta or cyan."""
+        if color not in _NAMED:
+            raise Refused(f"ALLeds::fadeRGB\n\tunknown colour {color}")
+        await self.fade_rgb(name, *_color(_NAMED[color]), seconds)
+
+    @offers("fade(sff)v")
+    async def fade(self, name: str, intensity: float, seconds: float) -> None:
+        """All channels to one intensity within some seconds."""
+        await self.fade_rgb(name, intensity, intensity, intensity, seconds)
+
+    @offers("setIntensity(sf)v")
+    def set_intensity(self, name: str, intensity: float) -> None:
+        """All channels at once: white of this brightness."""
+        if not 0 <= intensity <= 1:
+            raise Refused("ALLeds::setIntensity\n\tintensity must be within [0.0, 1.0]")
+        self._set(self._leds("setIntensity", name), (intensity,) * 3, 0.0)
+
+    @offers("getIntensity(s)m")
+    def get_intensity(self, name: str) -> list[float]:
+        """Blue, green, red of the first LED that the name stands for, in this order."""
+        return list(reversed(self.color(self._leds("getIntensity", name)[0])))
+
+    @offers("on(s)v")
+    def on(self, name: str) -> None:
+        """White."""
+        self._set(self._leds("on", name), _WHITE, 0.0)
+
+    @offers("off(s)v")
+    def off(self, name: str) -> None:
+        """Dark."""
+        self._set(self._leds("off", name), (0.0, 0.0, 0.0), 0.0)
+
+    @offers("reset(s)v")
+    def reset(self, name: str) -> None:
+        """Back to what they are after switching on."""
+        self.on(name)
+
+    @offers("listGroups()[s]")
+    def list_groups(self) -> list[str]:
+        """Names of groups."""
+        return sorted(GROUPS)
+
+    @offers("randomEyes(f)v")
+    async def random_eyes(self, seconds: float) -> None:
+        """Random colours in the eyes; nothing ends them early."""
+        await self._animate("randomEyes", seconds)
+
+    @offers("rasta(f)v")
+    async def rasta(self, seconds: float) -> None:
+        """Green, yellow and red; nothing ends them early."""
+        await self._animate("rasta", seconds)
+
+    @offers("rotateEyes(iff)v")
+    async def rotate_eyes(self, rgb: int, turn_s: float, seconds: float) -> None:
+        """A colour going round; nothing ends it early."""
+        if turn_s <= 0:
+            raise Refused("ALLeds::rotateEyes\n\ttimeForRotation must be above 0")
+        await self._animate(f"rotateEyes #{rgb:06x}", seconds)
+
+    async def _animate(self, about: str, seconds: float) -> None:
+        before = {led: self.color(led) for led in _EYES}
+        await self._world.going.last("eyes", seconds, about)
+        # What was set meanwhile stays: only what still is as before was the animation's.
+        for led, color in before.items():
+            if self._fades[led][1] == color:
+                self._set((led,), color, 0.0)
+
+    def animation(self) -> str:
+        """What the eyes play now, or nothing."""
+        playing = self._world.going.of("eyes")
+        return playing[-1].about if playing else ""
+
+    def _leds(self, method: str, name: str) -> tuple[str, ...]:
+        leds: Any = GROUPS.get(name, (name,) if name in GROUPS["AllLeds"] else ())
+        if not leds:
+            raise Refused(f"ALLeds::{method}\n\tunknown group or LED {name}")
+        return tuple(leds)
+
+    def _set(self, leds: tuple[str, ...], color: Color, seconds: float) -> None:
+        now = self._world.time.now()
+        for led in leds:
+            start = self.color(led) if led in self._fades else color
+            self._fades[led] = (start, color, now, seconds)

@@ -1,0 +1,183 @@
+"""ALMotion: motors, joints, breathing."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from woz_drivers.naoqi.joints import BREATHING, JOINTS, expand
+from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.world import World, flat
+
+#: Seconds that waking up and resting take.
+WAKE_S, REST_S = 2.5, 2.5
+_OWN_SPEED = 0.3
+
+
+class Joints(Service):
+    """The part of ALMotion that has to do with joints; `base.Motion` adds the base."""
+
+    name = "ALMotion"
+
+    def __init__(self, world: World) -> None:
+        super().__init__()
+        self._world = world
+        self._body = world.body
+
+    @offers("wakeUp()v")
+    async def wake_up(self) -> None:
+        """Motors on, stand up."""
+        if not self._body.awake:
+            self._body.wake()
+            self._body.take("StandInit", WAKE_S)
+            if await self._world.going.last("posture", WAKE_S, "wakeUp"):
+                self._body.posture = "Stand"
+
+    @offers("rest()v")
+    async def rest(self) -> None:
+        """Go to a safe posture, motors off."""
+        self._end_all()
+        if self._body.awake:
+            self._body.take("Crouch", REST_S)
+            await self._world.going.last("posture", REST_S, "rest")
+            self._body.posture = "Crouch"
+        self._body.relax()
+
+    @offers("robotIsWakeUp()b")
+    def robot_is_wake_up(self) -> bool:
+        """Whether the motors are on."""
+        return self._body.awake
+
+    @offers("setStiffnesses(mm)v")
+    def set_stiffnesses(self, names: Any, values: Any) -> None:
+        """0 to 1 for joints or chains; one value for all or one for each name."""
+        wanted = self._pairs("setStiffnesses", names, values)
+        for joint, stiffness in wanted.items():
+            self._body.stiffness[joint] = min(1.0, max(0.0, float(stiffness)))
+
+    @offers("getStiffnesses(m)[f]")
+    def get_stiffnesses(self, names: Any) -> list[float]:
+        """0 to 1 for each joint."""
+        return [self._body.stiffness[one] for one in self._joints("getStiffnesses", names)]
+
+    @offers("getAngles(mb)[f]")
+    def get_angles(self, names: Any, _sensors: bool) -> list[float]:
+        """Radians for each joint."""
+        return [self._body.angle(one) for one in self._joints("getAngles", names)]
+
+    @offers("getBodyNames(s)[s]")
+    def get_body_names(self, name: str) -> list[str]:
+        """The joints of a chain."""
+        return self._joints("getBodyNames", name)
+
+    @offers("getLimits(s)m")
+    def get_limits(self, name: str) -> list[list[float]]:
+        """Lowest, highest angle (rad), highest speed (rad/s), highest torque (not simulated: 0)."""
+        return [[*JOINTS[one], 0.0] for one in self._joints("getLimits", name)]
+
+    @offers("setAngles(mmf)v")
+    def set_angles(self, names: Any, angles: Any, fraction: float) -> None:
+        """Let joints go there; returns at once. Angles out of range are clipped."""
+        if not 0 < fraction <= 1:
+            raise Refused("ALMotion::setAngles\n\tfractionMaxSpeed must be within ]0, 1]")
+        for joint, angle in self._pairs("setAngles", names, angles).items():
+            seconds = self._body.seconds_to({joint: float(angle)}, fraction)
+            self._body.move_joint(joint, float(angle), seconds)
+
+    @offers("changeAngles(mmf)v")
+    def change_angles(self, names: Any, changes: Any, fraction: float) -> None:
+        """As setAngles, from where the joints are."""
+        wanted = self._pairs("changeAngles", names, changes)
+        angles = [self._body.angle(joint) + float(by) for joint, by in wanted.items()]
+        self.set_angles(list(wanted), angles, fraction)
+
+    @offers("angleInterpolation(mmmb)v")
+    async def angle_interpolation(
+        self, names: Any, angles: Any, times: Any, absolute: bool
+    ) -> None:
+        """Move joints through angles (rad) at times (s); returns when it is over."""
+        courses = self._courses(flat(names), flat(angles), flat(times))
+        await asyncio.gather(*(self._follow(*course, absolute) for course in courses))
+
+    def _courses(
+        self, names: list[Any], angles: list[Any], times: list[Any]
+    ) -> list[tuple[str, list[float], list[float]]]:
+        joints = self._joints("angleInterpolation", names)
+        if len(joints) == 1 and not isinstance(angles[0], list | tuple):
+            # One joint takes a plain list of its own.
+            angles, times = [angles], [times if not isinstance(times[0], list) else times[0]]
+        if not len(joints) == len(angles) == len(times):
+            raise Refused("ALMotion::angleInterpolation\n\tlists do not have the same size")
+        courses = [
+            (joint, [float(one) for one in flat(turns)], [float(one) for one in flat(when)])
+            for joint, turns, when in zip(joints, angles, times, strict=True)
+        ]
+        for joint, turns, when in courses:
+            rising = all(a < b for a, b in zip([0.0, *when], when, strict=False))
+            if len(turns) != len(when) or not rising:
+                raise Refused(
+                    f"ALMotion::angleInterpolation\n\t{joint}: times must be positive and rise,"
+                    " one for each angle"
+                )
+        return courses
+
+    async def _follow(
+        self, joint: str, angles: list[float], times: list[float], absolute: bool
+    ) -> None:
+        start, passed = self._body.angle(joint), 0.0
+        for angle, when in zip(angles, times, strict=True):
+            self._body.move_joint(joint, angle if absolute else start + angle, when - passed)
+            if not await self._world.going.last("joints", when - passed, joint):
+                return
+            passed = when
+
+    @offers("angleInterpolationWithSpeed(mmf)v")
+    async def angle_interpolation_with_speed(
+        self, names: Any, angles: Any, fraction: float
+    ) -> None:
+        """Move joints at a fraction of their full speed; returns when it is over."""
+        wanted = self._pairs("angleInterpolationWithSpeed", names, angles)
+        targets = {joint: float(angle) for joint, angle in wanted.items()}
+        if not 0 < fraction <= 1:
+            raise Refused("ALMotion::angleInterpolationWithSpeed\n\tspeed must be within ]0, 1]")
+        seconds = self._body.seconds_to(targets, fraction)
+        for joint, angle in targets.items():
+            self._body.move_joint(joint, angle, seconds)
+        await self._world.going.last("joints", seconds, ",".join(targets))
+
+    @offers("setBreathEnabled(sb)v")
+    def set_breath_enabled(self, chain: str, on: bool) -> None:
+        """Body, Legs, Arms, LArm, RArm or Head."""
+        for one in self._breathing("setBreathEnabled", chain):
+            self._body.breathing[one] = on
+
+    @offers("getBreathEnabled(s)b")
+    def get_breath_enabled(self, chain: str) -> bool:
+        """Whether all of the chain breathes."""
+        chains = self._breathing("getBreathEnabled", chain)
+        return all(self._body.breathing[one] for one in chains)
+
+    def _breathing(self, method: str, chain: str) -> tuple[str, ...]:
+        if chain not in BREATHING:
+            raise Refused(f"ALMotion::{method}\n\t{chain} is not a valid chain name")
+        return BREATHING[chain]
+
+    def _joints(self, method: str, names: Any) -> list[str]:
+        try:
+            return [joint for name in flat(names) for joint in expand(str(name))]
+        except KeyError as error:
+            raise Refused(f"ALMotion::{method}\n\tunknown joint name {error.args[0]}") from None
+
+    def _pairs(self, method: str, names: Any, values: Any) -> dict[str, Any]:
+        joints, given = self._joints(method, names), flat(values)
+        if len(given) == 1:
+            given = given * len(joints)
+        if len(given) != len(joints):
+            raise Refused(f"ALMotion::{method}\n\tlists do not have the same size")
+        return dict(zip(joints, given, strict=True))
+
+    def _end_all(self) -> None:
+        """End every movement that a client asked for."""
+        self._world.going.end("move", "joints", "posture", "animation")
+        self._body.halt()
+        self._body.hold()

@@ -1,0 +1,109 @@
+"""The whole robot: all services around one world, what goes on by itself, what can be looked at."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from types import MappingProxyType
+
+from woz_drivers.naoqi.animations import AnimationPlayer, Animations, BehaviorManager
+from woz_drivers.naoqi.base import Motion
+from woz_drivers.naoqi.leds import Leds
+from woz_drivers.naoqi.life import Ability, Awareness, Life
+from woz_drivers.naoqi.memory import Memory
+from woz_drivers.naoqi.posture import Postures
+from woz_drivers.naoqi.senses import Senses
+from woz_drivers.naoqi.speech import AnimatedSpeech, TextToSpeech, Voice
+from woz_drivers.naoqi.standin import Knobs, StandIn
+from woz_drivers.naoqi.system import Battery, System
+from woz_drivers.naoqi.table import Service
+from woz_drivers.naoqi.world import World
+
+#: Seconds of the robot between two looks at what has changed.
+TICK_S = 0.1
+#: Chance in a second that a moody robot changes something of its autonomy.
+MOOD_PER_S = 0.1
+
+
+class Pepper:
+    """One robot."""
+
+    def __init__(self, world: World) -> None:
+        self.world = world
+        self.knobs = Knobs()
+        self.animations = Animations(world)
+        self.voice = Voice(world)
+        self.motion = Motion(world)
+        self.leds = Leds(world)
+        self.senses = Senses(world)
+        self.battery = Battery(world)
+        self.awareness = Awareness(world)
+        abilities: dict[str, Ability] = {"ALBasicAwareness": self.awareness}
+        for name in ("ALAutonomousBlinking", "ALListeningMovement", "ALSpeakingMovement"):
+            abilities[name] = Ability(name, world)
+        self.life = Life(world, self.motion, abilities)
+        everything: tuple[Service, ...] = (
+            *(self.motion, Postures(world), self.leds, self.battery, System(world), self.life),
+            *(TextToSpeech(self.voice, self.animations), Memory(world)),
+            *(AnimatedSpeech(self.voice, self.animations), *abilities.values()),
+            *(AnimationPlayer(self.animations, world), BehaviorManager(self.animations, world)),
+            *self.senses.extractors.values(),
+            StandIn(world, self.knobs, lambda x, y: None),
+        )
+        self._knobs()
+        self.services: Mapping[str, Service] = MappingProxyType(
+            {service.name: service for service in everything}
+        )
+        self._switch_on()
+
+    def _switch_on(self) -> None:
+        self.life.become(self.world.options.life)
+        if self.world.options.life != "disabled":
+            self.world.body.wake()
+            self.world.body.take("StandInit", 0.0)
+            self.world.body.posture = "Stand"
+
+    async def live(self) -> None:
+        """What goes on by itself, until cancelled."""
+        while True:
+            await self.world.time.sleep(TICK_S)
+            self.tick()
+
+    def tick(self) -> None:
+        """One look at what has changed, and what the robot does about it."""
+        self.senses.tick()
+        self.awareness.follow()
+        moody = self.world.options.moody or self.world.faults.there("moody")
+        if moody and self.world.random.random() < MOOD_PER_S * TICK_S:
+            self.world.note(f"by itself: {self.life.drift()}")
+
+    def _knobs(self) -> None:
+        world, add = self.world, self.knobs.add
+        add("awake", lambda: world.body.awake)
+        add("posture", lambda: world.body.posture)
+        add("pose", world.body.pose)
+        add("velocity", world.body.velocity)
+        add("angles", self.angles)
+        add("front", lambda: world.body.front, lambda m: setattr(world.body, "front", m))
+        add("side", lambda: world.body.side, lambda m: setattr(world.body, "side", m))
+        add("going", lambda: [(one.kind, one.about) for one in world.going])
+        add("faults", world.faults.names)
+        add("notes", lambda: list(world.notes))
+        add("said", lambda: self.voice.said)
+        add("animations", lambda: self.animations.done)
+        add("life", lambda: self.life.state, self.life.become)
+        add("drift", lambda: "", lambda _: world.note(f"by itself: {self.life.drift()}"))
+        add("eyes", lambda: self.leds.color("RightFaceLed1"))
+        add("eyes.animation", self.leds.animation)
+        add("battery", self.battery.get_battery_charge, self.battery.fill)
+        add("breathing", lambda: world.body.breathing)
+        add("now", world.time.now)
+
+    def angles(self) -> dict[str, float]:
+        """Every joint's angle in radians."""
+        return dict(
+            zip(
+                names := self.motion.get_body_names("Body"),
+                self.motion.get_angles(names, True),
+                strict=True,
+            )
+        )

@@ -1,0 +1,61 @@
+"""ALRobotPosture."""
+
+from __future__ import annotations
+
+from woz_drivers.naoqi.joints import POSTURES
+from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.world import World
+
+
+class Postures(Service):
+    """Named postures; the ways between them are not checked for balance."""
+
+    name = "ALRobotPosture"
+
+    def __init__(self, world: World) -> None:
+        super().__init__()
+        self._world = world
+
+    @offers("goToPosture(sf)b")
+    async def go_to_posture(self, posture: str, fraction: float) -> bool:
+        """Take a posture; False if it was not reached."""
+        if posture not in POSTURES:
+            raise Refused(f"ALRobotPosture::goToPosture\n\tunknown posture {posture}")
+        if not 0 < fraction <= 1:
+            raise Refused("ALRobotPosture::goToPosture\n\tspeed must be within ]0, 1]")
+        body = self._world.body
+        if not body.awake or self._world.faults.there("says-no"):
+            return False
+        # As the real one it is never at its fastest: half a second at the least.
+        seconds = max(0.5, body.seconds_to(POSTURES[posture], fraction))
+        body.take(posture, seconds)
+        reached = await self._world.going.last("posture", seconds, posture)
+        if reached:
+            body.posture = posture
+        return reached
+
+    @offers("applyPosture(sf)b")
+    async def apply_posture(self, posture: str, fraction: float) -> bool:
+        """As goToPosture here."""
+        return await self.go_to_posture(posture, fraction)
+
+    @offers("stopMove()v")
+    def stop_move(self) -> None:
+        """Stay where it is."""
+        if self._world.going.end("posture"):
+            self._world.body.hold()
+
+    @offers("getPosture()s")
+    def get_posture(self) -> str:
+        """The posture taken last."""
+        return self._world.body.posture
+
+    @offers("getPostureFamily()s")
+    def get_posture_family(self) -> str:
+        """Standing or Crouching."""
+        return "Crouching" if self._world.body.posture == "Crouch" else "Standing"
+
+    @offers("getPostureList()[s]")
+    def get_posture_list(self) -> list[str]:
+        """All that goToPosture takes."""
+        return sorted(POSTURES)

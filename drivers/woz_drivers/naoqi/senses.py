@@ -1,0 +1,174 @@
+"""What the robot perceives, as keys of ALMemory, and the services that switch it on.
+
+As on the real robot a key has a value only while somebody is subscribed to the service that
+fills it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.world import World
+
+SONAR = "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value"
+SONAR_BACK = "Device/SubDeviceList/Platform/Back/Sonar/Sensor/Value"
+#: What the sonar says when nothing is there, in metres: its range.
+SONAR_M = 5.0
+VISIBLE = "PeoplePerception/VisiblePeopleList"
+PEOPLE = "PeoplePerception/PeopleList"
+PERSON = "PeoplePerception/Person/"
+LOOKING = "GazeAnalysis/PeopleLookingAtRobot"
+FACES = "FaceDetected"
+SOUND = "ALSoundLocalization/SoundLocated"
+#: ALPeoplePerception's own range of numbers begins here in this stand-in.
+FIRST_ID = 26000
+
+
+class Extractor(Service):
+    """A service that fills keys while somebody is subscribed to it."""
+
+    def __init__(self, name: str) -> None:
+        super().__init__()
+        self.name = name
+        self.subscribers: dict[str, list[float]] = {}
+
+    @offers("subscribe(s)v")
+    def subscribe(self, who: str) -> None:
+        """Begin, or go on, for this subscriber."""
+        self.subscribers[who] = []
+
+    @offers("subscribe(sif)v")
+    def subscribe_with(self, who: str, period: int, precision: float) -> None:
+        """As subscribe(s); period and precision are only kept."""
+        self.subscribers[who] = [period, precision]
+
+    @offers("unsubscribe(s)v")
+    def unsubscribe(self, who: str) -> None:
+        """Not for this subscriber any more."""
+        if self.subscribers.pop(who, None) is None:
+            raise Refused(f"{self.name}::unsubscribe\n\t{who} is not subscribed")
+
+    @offers("getSubscribersInfo()m")
+    def get_subscribers_info(self) -> list[Any]:
+        """Name, period, precision of each."""
+        return [[who, *how] for who, how in self.subscribers.items()]
+
+    @property
+    def on(self) -> bool:
+        """Whether anybody wants it."""
+        return bool(self.subscribers)
+
+
+class Senses:
+    """Fills ALMemory from the world."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        names = (
+            *("ALSonar", "ALPeoplePerception", "ALFaceDetection", "ALGazeAnalysis"),
+            *("ALSoundLocalization", "ALEngagementZones", "ALSoundDetection"),
+        )
+        self.extractors = {name: Extractor(name) for name in names}
+        self._last: dict[str, Any] = {}
+        store = world.store
+        # Written by the body's own loop, whether anybody is subscribed or not; the sonar itself
+        # sends only while somebody is.
+        store.provide(SONAR, self.sonar)
+        store.provide(SONAR_BACK, lambda: SONAR_M)
+        store.provide(VISIBLE, self.visible)
+        store.provide(PEOPLE, self.visible)
+        store.provide_all(PERSON, self.of_person)
+        store.provide(LOOKING, self.looking)
+        store.provide(FACES, self.faces)
+        store.provide(SOUND, self.sound)
+
+    def _on(self, *names: str) -> bool:
+        return any(self.extractors[name].on for name in names)
+
+    def sonar(self) -> float:
+        """Metres to what is in front."""
+        ahead = self._world.nearest() if self._on("ALSonar") else None
+        return SONAR_M if ahead is None else min(SONAR_M, round(ahead, 3))
+
+    def visible(self) -> list[int]:
+        """Numbers of the people seen."""
+        seen = self._on("ALPeoplePerception", "ALGazeAnalysis", "ALFaceDetection")
+        person = self._world.person() if seen else None
+        return [FIRST_ID + person.number] if person else []
+
+    def of_person(self, key: str) -> Any:
+        """One thing about one person; None for anybody who is not there."""
+        number, _, what = key.removeprefix(PERSON).partition("/")
+        person = self._world.person()
+        if person is None or [int(number) if number.isdigit() else -1] != self.visible():
+            return None
+        if what == "IsLookingAtRobot" and not self._on("ALGazeAnalysis"):
+            return None
+        values = {
+            "Distance": round(person.distance, 3),
+            "IsVisible": True,
+            "AnglesYawPitch": [person.angle, -0.1],
+            "IsLookingAtRobot": person.looking,
+            "LookingAtRobotScore": 0.9 if person.looking else 0.1,
+        }
+        return values.get(what)
+
+    def looking(self) -> list[int]:
+        """Numbers of the people who look at the robot."""
+        person = self._world.person()
+        on = self._on("ALGazeAnalysis") and person is not None and person.looking
+        return self.visible() if on else []
+
+    def faces(self) -> list[Any]:
+        """As ALFaceDetection writes it: time, faces and who was recognised, where the camera was.
+
+        Empty without a face. Angles in radians.
+        """
+        person = self._world.person() if self._on("ALFaceDetection") else None
+        if person is None or not person.looking:
+            return []
+        body = self._world.body
+        size = 0.16 / max(0.3, person.distance)
+        shape = [0, person.angle - body.angle("HeadYaw"), 0.0, size, size]
+        extra = [person.number, 0.7 if person.name else 0.0, person.name, *([[0.0, 0.0]] * 6)]
+        filtered = [2, [person.name]] if person.name else [4, []]
+        pose = [0.0, 0.0, 1.2, 0.0, body.angle("HeadPitch"), body.angle("HeadYaw")]
+        return [self.stamp(), [[shape, extra], filtered], pose, pose, 0]
+
+    def sound(self) -> list[Any]:
+        """As ALSoundLocalization writes it: time, [azimuth, elevation, confidence, energy], head.
+
+        Azimuth in radians from the head, left positive; empty while nobody has been heard.
+        """
+        person = self._world.person() if self._on("ALSoundLocalization") else None
+        if person is None or not person.talking:
+            return list(self._last.get(SOUND, []))
+        yaw = self._world.body.angle("HeadYaw")
+        located = [person.angle - yaw, 0.0, 0.8, 0.6]
+        heard = [self.stamp(), located, [0.0, 0.0, 1.2, 0.0, 0.0, yaw], [0.0] * 6]
+        self._last[SOUND] = heard
+        return heard
+
+    def stamp(self) -> list[int]:
+        """Seconds and microseconds of the robot's clock."""
+        now = self._world.time.now()
+        return [int(now), int(now % 1 * 1_000_000)]
+
+    def tick(self) -> None:
+        """Tell those who listen to events of what has changed."""
+        self._changed(VISIBLE, self.visible())
+        self._changed(LOOKING, self.looking())
+        faces, sound = self.faces(), self.sound()
+        if faces or self._last.get(FACES):
+            self._world.store.tell(FACES, faces)
+        self._last[FACES] = faces
+        person = self._world.person()
+        if sound and person is not None and person.talking:
+            self._world.store.tell(SOUND, sound)
+
+    def _changed(self, key: str, value: Sequence[int]) -> None:
+        if self._last.get(key, []) != value:
+            self._last[key] = value
+            self._world.store.tell(key, value)

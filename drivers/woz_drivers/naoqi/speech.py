@@ -1,0 +1,198 @@
+"""ALTextToSpeech and ALAnimatedSpeech: one voice, one text after the other."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import asdict
+from typing import Any, ClassVar
+
+from woz_drivers.naoqi import tags
+from woz_drivers.naoqi.animations import Animations
+from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.world import World
+
+#: Seconds from the call until the sound begins.
+ONSET_S = 0.15
+_LIMITS = {"pitchShift": (0.0, 4.0), "speed": (50.0, 400.0), "volume": (0.0, 100.0)}
+
+
+class Voice:
+    """The voice itself: what it says now, how, and what it has said."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self._turn = asyncio.Lock()
+        self._generation = 0
+        self._number = 0
+        self.parameters = {"pitchShift": 0.0, "speed": 100.0, "doubleVoice": 0.0}
+        self.volume = 0.7
+        self.said: list[dict[str, object]] = []
+
+    async def say(self, pieces: list[tags.Piece], text: str, animations: Animations) -> None:
+        """Say the pieces when all before are said; a stop ends this one and all that wait."""
+        self._number += 1
+        number, generation = self._number, self._generation
+        self._status(number, "enqueued")
+        async with self._turn:
+            if generation != self._generation:
+                return self._status(number, "stopped")
+            self._event("TextStarted", 1)
+            self._event("CurrentSentence", text)
+            self._status(number, "started")
+            whole = await self._pieces(pieces, animations)
+            self._event("TextDone" if whole else "TextInterrupted", 1)
+            self._status(number, "done" if whole else "stopped")
+        return None
+
+    def stop(self) -> None:
+        """Silence, at once."""
+        self._generation += 1
+        self._world.going.end("speech")
+
+    @property
+    def speaking(self) -> bool:
+        """Whether a text is being said."""
+        return bool(self._world.going.of("speech"))
+
+    async def _pieces(self, pieces: list[tags.Piece], animations: Animations) -> bool:
+        generation, last = self._generation, self._world.going.last
+        whole = await last("speech", ONSET_S, "onset")
+        for piece in pieces:
+            if not whole or generation != self._generation:
+                return False
+            if isinstance(piece, tags.Animate):
+                await animations.from_speech(piece.how, piece.path)
+            elif isinstance(piece, tags.Pause):
+                whole = await last("speech", piece.seconds, "pause")
+            else:
+                whole = await self._words(piece)
+        return whole and generation == self._generation
+
+    async def _words(self, words: tags.Words) -> bool:
+        said = {"text": words.text, **asdict(words.manner), "whole": False}
+        self.said.append(said)
+        seconds = words.seconds(self.parameters["speed"])
+        said["whole"] = await self._world.going.last("speech", seconds, words.text)
+        return bool(said["whole"])
+
+    def _event(self, name: str, value: Any) -> None:
+        self._world.store.raise_event(f"ALTextToSpeech/{name}", value)
+
+    def _status(self, number: int, status: str) -> None:
+        self._event("Status", [number, status])
+
+
+class TextToSpeech(Service):
+    """The voice without gestures."""
+
+    name = "ALTextToSpeech"
+    signals: ClassVar = {"synchroTTS": "(s)", "languageTTS": "(s)"}
+
+    def __init__(self, voice: Voice, animations: Animations) -> None:
+        super().__init__()
+        self._voice, self._animations = voice, animations
+        self._language = "English"
+
+    @offers("say(s)v")
+    async def say(self, text: str) -> None:
+        """Say a text; returns when it is said or stopped."""
+        await self._voice.say(tags.plain(text), text, self._animations)
+
+    @offers("say(ss)v")
+    async def say_in(self, text: str, _language: str) -> None:
+        """Say a text in a language; the length is the same here."""
+        await self.say(text)
+
+    @offers("stopAll()v")
+    def stop_all(self) -> None:
+        """End what is being said and drop what waits."""
+        self._voice.stop()
+
+    @offers("setVolume(f)v")
+    def set_volume(self, volume: float) -> None:
+        """0 to 1."""
+        if not 0 <= volume <= 1:
+            raise Refused("ALTextToSpeech::setVolume\n\tvolume must be within [0.0, 1.0]")
+        self._voice.volume = volume
+
+    @offers("getVolume()f")
+    def get_volume(self) -> float:
+        """0 to 1."""
+        return self._voice.volume
+
+    @offers("setParameter(sf)v")
+    def set_parameter(self, name: str, value: float) -> None:
+        """Speed in percent, pitchShift 0 or 1 to 4, and others that are only kept."""
+        low, high = _LIMITS.get(name, (float("-inf"), float("inf")))
+        if name not in {*self._voice.parameters, *_LIMITS}:
+            raise Refused(f"ALTextToSpeech::setParameter\n\tunknown parameter {name}")
+        if not low <= value <= high or (name == "pitchShift" and 0 < value < 1):
+            raise Refused(f"ALTextToSpeech::setParameter\n\t{value:g} is out of range for {name}")
+        self._voice.parameters[name] = value
+
+    @offers("getParameter(s)f")
+    def get_parameter(self, name: str) -> float:
+        """The value set last, or the default."""
+        if name not in self._voice.parameters:
+            raise Refused(f"ALTextToSpeech::getParameter\n\tunknown parameter {name}")
+        return self._voice.parameters[name]
+
+    @offers("resetSpeed()v")
+    def reset_speed(self) -> None:
+        """Back to 100."""
+        self._voice.parameters["speed"] = 100.0
+
+    @offers("getLanguage()s")
+    def get_language(self) -> str:
+        """English, unless another was set."""
+        return self._language
+
+    @offers("setLanguage(s)v")
+    def set_language(self, language: str) -> None:
+        """Kept; the length of speech is the same in every language here."""
+        if language not in self.get_available_languages():
+            raise Refused(f"ALTextToSpeech::setLanguage\n\t{language} is not installed")
+        self._language = language
+
+    @offers("getAvailableLanguages()[s]")
+    def get_available_languages(self) -> list[str]:
+        """What is installed on this robot."""
+        return ["English", "French", "German", "Japanese"]
+
+
+class AnimatedSpeech(Service):
+    """The voice with animations in the text; no gestures of its own are added."""
+
+    name = "ALAnimatedSpeech"
+
+    def __init__(self, voice: Voice, animations: Animations) -> None:
+        super().__init__()
+        self._voice, self._animations = voice, animations
+        self._mode = "contextual"
+
+    @offers("say(s)v")
+    async def say(self, text: str) -> None:
+        """Say a text with tags; returns when it is said or stopped."""
+        await self._voice.say(tags.animated(text), text, self._animations)
+
+    @offers("say(sm)v")
+    async def say_with(self, text: str, _configuration: Any) -> None:
+        """As say(s); the configuration is not simulated."""
+        await self.say(text)
+
+    @offers("setBodyLanguageModeFromStr(s)v")
+    def set_mode(self, mode: str) -> None:
+        """Disabled, random or contextual: only kept."""
+        if mode not in ("disabled", "random", "contextual"):
+            raise Refused("ALAnimatedSpeech::setBodyLanguageModeFromStr\n\tunknown mode")
+        self._mode = mode
+
+    @offers("getBodyLanguageModeToStr()s")
+    def get_mode(self) -> str:
+        """The mode set last."""
+        return self._mode
+
+    @offers("_stopAll(b)v")
+    def stop_all(self, _blocking: bool) -> None:
+        """As ALTextToSpeech.stopAll."""
+        self._voice.stop()

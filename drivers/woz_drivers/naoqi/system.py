@@ -1,0 +1,62 @@
+"""ALSystem and ALBattery."""
+
+from __future__ import annotations
+
+from woz_drivers.naoqi.table import Service, offers
+from woz_drivers.naoqi.world import World
+
+#: Percent that the battery loses in an hour awake: from 100 to 0 in the 12 hours the maker names.
+PER_HOUR = 100 / 12
+
+
+class System(Service):
+    """Who the robot is."""
+
+    name = "ALSystem"
+
+    def __init__(self, world: World) -> None:
+        super().__init__()
+        self._world = world
+        self._robot_name = "Pepper"
+
+    @offers("systemVersion()s")
+    def system_version(self) -> str:
+        """As of NAOqi, for example, 2.5.10.7."""
+        return self._world.options.version
+
+    @offers("robotName()s")
+    def robot_name(self) -> str:
+        """The name it was given."""
+        return self._robot_name
+
+    @offers("setRobotName(s)b")
+    def set_robot_name(self, name: str) -> bool:
+        """Name it."""
+        self._robot_name = name
+        return True
+
+    @offers("timezone()s")
+    def timezone(self) -> str:
+        """Of the robot's clock."""
+        return "UTC"
+
+
+class Battery(Service):
+    """How full it is."""
+
+    name = "ALBattery"
+
+    def __init__(self, world: World) -> None:
+        super().__init__()
+        self._world = world
+        self.full = 87.0
+        self._since = world.time.now()
+
+    @offers("getBatteryCharge()i")
+    def get_battery_charge(self) -> int:
+        """Percent."""
+        return round(max(0.0, self.full - (self._world.time.now() - self._since) / 3600 * PER_HOUR))
+
+    def fill(self, percent: float) -> None:
+        """Let it be this full now."""
+        self.full, self._since = percent, self._world.time.now()

@@ -1,0 +1,104 @@
+"""The people around the robot: one visitor after the other, drawn from a seed.
+
+A visitor comes nearer, stays for a while, looks, talks, turns away in between, and leaves. Where
+somebody is at a time depends on the seed and that time alone.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from dataclasses import dataclass
+
+#: Whom the robot has been taught; the others have faces without a name.
+NAMES = ("Ada", "Grace", "Alan")
+#: Seconds of walking up to the robot, and away.
+WALK_S = 3.0
+FAR_M = 2.6
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Somebody as the robot perceives them: metres, radians (left positive)."""
+
+    number: int
+    distance: float
+    angle: float
+    looking: bool
+    talking: bool
+    name: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class _Doing:
+    until: float
+    looking: bool
+    talking: bool
+
+
+@dataclass(frozen=True, slots=True)
+class _Visit:
+    number: int
+    comes: float
+    stays: float
+    leaves: float
+    gone: float
+    distance: float
+    angle: float
+    name: str
+    doings: tuple[_Doing, ...]
+
+
+class Visitors:
+    """All visits, as far as they were asked for."""
+
+    def __init__(self, seed: int) -> None:
+        self._random = random.Random(seed)
+        self._visits: list[_Visit] = []
+
+    def at(self, seconds: float) -> Person | None:
+        """Who is there after so many seconds of the robot."""
+        while not self._visits or self._visits[-1].gone <= seconds:
+            self._visits.append(self._next())
+        visit = next(one for one in self._visits if seconds < one.gone)
+        return None if seconds < visit.comes else _seen(visit, seconds)
+
+    def _next(self) -> _Visit:
+        draw = self._random
+        number = len(self._visits) + 1
+        comes = (self._visits[-1].gone if self._visits else 0.0) + draw.uniform(4.0, 10.0)
+        stays = comes + WALK_S
+        doings = self._doings(stays, draw.randint(3, 6))
+        leaves = doings[-1].until
+        name = draw.choice(NAMES) if draw.random() < 0.5 else ""
+        return _Visit(
+            *(number, comes, stays, leaves, leaves + WALK_S),
+            *(draw.uniform(0.8, 1.4), draw.uniform(-0.4, 0.4), name, doings),
+        )
+
+    def _doings(self, begin: float, number: int) -> tuple[_Doing, ...]:
+        """Look, then talk, then perhaps turn away, and so on; the first is always a look."""
+        doings: list[_Doing] = []
+        for index in range(number):
+            looking = index % 3 != 2
+            talking = looking and index % 3 == 1
+            begin += self._random.uniform(2.0, 6.0)
+            doings.append(_Doing(begin, looking, talking))
+        return tuple(doings)
+
+
+def _seen(visit: _Visit, now: float) -> Person:
+    sway = 0.05 * math.sin(now * 0.8)
+    if now < visit.stays:
+        share = (now - visit.comes) / WALK_S
+        distance = FAR_M + share * (visit.distance - FAR_M)
+        return Person(visit.number, distance, visit.angle + sway, True, False, visit.name)
+    if now >= visit.leaves:
+        share = (now - visit.leaves) / WALK_S
+        distance = visit.distance + share * (FAR_M - visit.distance)
+        return Person(visit.number, distance, visit.angle + 0.6 * share, False, False, visit.name)
+    doing = next(one for one in visit.doings if now < one.until)
+    return Person(
+        *(visit.number, visit.distance, visit.angle + sway),
+        *(doing.looking, doing.talking, visit.name),
+    )

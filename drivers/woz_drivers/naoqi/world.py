@@ -1,0 +1,89 @@
+"""The one simulated robot and the room it stands in: what all services share."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any, Protocol
+
+from woz_drivers.naoqi.body import Body
+from woz_drivers.naoqi.faults import Desk, Faults
+from woz_drivers.naoqi.passing import Going, Time
+from woz_drivers.naoqi.store import Store
+from woz_drivers.naoqi.visitor import Person, Visitors
+
+
+class Clients(Protocol):
+    """Services that clients of the robot have registered: where sound is sent to."""
+
+    async def call(self, service: str, method: str, *args: Any) -> Any:
+        """Call a client's service. Raises LookupError when there is none of that name."""
+        ...
+
+
+@dataclass(frozen=True, slots=True)
+class Options:
+    """How this robot is: `python -m woz_drivers.naoqi --help` says what each means."""
+
+    seed: int = 7
+    visitors: bool = True
+    life: str = "solitary"
+    moody: bool = False
+    invalid_signature: bool = True
+    version: str = "2.5.10.7"
+    files: Path | None = None
+
+
+@dataclass(slots=True)
+class World:
+    """Everything that is so at this moment."""
+
+    time: Time
+    options: Options = field(default_factory=Options)
+    clients: Clients | None = None
+    faults: Faults = field(init=False)
+    desk: Desk = field(init=False)
+    going: Going = field(init=False)
+    body: Body = field(init=False)
+    store: Store = field(init=False)
+    random: random.Random = field(init=False)
+    #: What went wrong without anybody being told on the wire: an animation in speech that is not
+    #: installed, an address that the tablet could not load.
+    notes: list[str] = field(init=False)
+    #: A person put there by hand; False: nobody.
+    placed: Person | bool | None = field(init=False)
+    _visitors: Visitors = field(init=False)
+
+    def __post_init__(self) -> None:
+        self.faults = Faults(self.time)
+        self.desk = Desk(self.faults)
+        self.going = Going(self.time)
+        self.body = Body(self.time)
+        self.store = Store()
+        self.random = random.Random(self.options.seed)
+        self.notes = []
+        self.placed = None if self.options.visitors else False
+        self._visitors = Visitors(self.options.seed)
+
+    def person(self) -> Person | None:
+        """Who stands before the robot now."""
+        if isinstance(self.placed, Person):
+            return self.placed
+        return None if self.placed is False else self._visitors.at(self.time.now())
+
+    def nearest(self) -> float | None:
+        """Metres to what is in front of the robot, or None for nothing within the sonar's range."""
+        person = self.person()
+        there = [self.body.front] + ([person.distance] if person else [])
+        return min((one for one in there if one is not None), default=None)
+
+    def note(self, text: str) -> None:
+        """Keep for whoever looks at the robot's log."""
+        self.notes.append(text)
+
+
+def flat(value: Any) -> list[Any]:
+    """One value or a list of them, as a list: how NAOqi takes names and angles."""
+    return list(value) if isinstance(value, Sequence) and not isinstance(value, str) else [value]

@@ -1,0 +1,175 @@
+"""A simulated Pepper for tests: `async with stand_in() as robot`.
+
+It runs in a process of its own, so that it can be killed and frozen like a real one. Orders go
+through its standard input, not through the wire under test.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import os
+import signal
+import sys
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager, suppress
+from typing import Any, NamedTuple
+
+#: Real seconds for anything that should happen; a broken robot fails a test, it hangs none.
+PATIENCE_S = 20.0
+
+
+class Call(NamedTuple):
+    """One method that the robot was asked to carry out."""
+
+    service: str
+    method: str
+    args: list[Any]
+    at_ns: int
+
+    @property
+    def name(self) -> str:
+        """As `ALMotion.moveTo`."""
+        return f"{self.service}.{self.method}"
+
+
+class StandIn:
+    """The robot as its test sees it."""
+
+    def __init__(self, process: asyncio.subprocess.Process, address: str) -> None:
+        self._process = process
+        self._turn = asyncio.Lock()
+        self.address = address
+
+    @property
+    def pid(self) -> int:
+        """Its process."""
+        return self._process.pid
+
+    @property
+    def port(self) -> int:
+        """Where it listens."""
+        return int(self.address.rpartition(":")[2])
+
+    async def trace(self, *names: str) -> list[Call]:
+        """What it was asked to do, the oldest first: everything, or only `ALMotion.moveTo` ..."""
+        entries = await self.order(do="trace")
+        calls = [Call(one, two, json.loads(args), at) for one, two, args, at in entries]
+        return [call for call in calls if not names or call.name in names]
+
+    async def clear(self) -> None:
+        """Forget the trace, end all faults."""
+        await self.order(do="clear")
+
+    async def get(self, name: str = "state") -> Any:
+        """Something about it, `memory:KEY`, or everything."""
+        return await self.order(do="get", name=name)
+
+    async def set(self, name: str, value: Any) -> None:
+        """Change something about it."""
+        await self.order(do="set", name=name, value=value)
+
+    async def person(self, who: Any) -> None:
+        """Put somebody before it: fields of `visitor.Person`, None for nobody, "auto"."""
+        await self.order(do="person", who=who)
+
+    async def touch(self, x: float, y: float) -> None:
+        """Touch its tablet, in shares of the screen."""
+        await self.order(do="touch", x=x, y=y)
+
+    async def fault(self, kind: str, seconds: float = 0.0) -> None:
+        """Let something be wrong; see `python -m woz_drivers.naoqi --help`."""
+        await self.order(do="fault", kind=kind, seconds=seconds)
+
+    async def until(self, holds: Callable[[], Any], patience: float = PATIENCE_S) -> Any:
+        """Await `holds()` again and again until its result is true; return that."""
+        async with asyncio.timeout(patience):
+            while not (result := await holds()):  # noqa: ASYNC110 - it is another process
+                await asyncio.sleep(0.01)
+            return result
+
+    async def called(self, name: str, times: int = 1) -> list[Call]:
+        """Wait until a method was entered at least so often; all its calls."""
+
+        async def enough() -> list[Call]:
+            calls = await self.trace(name)
+            return calls if len(calls) >= times else []
+
+        found: list[Call] = await self.until(enough)
+        return found
+
+    def kill(self) -> None:
+        """End it at once, without a goodbye."""
+        with suppress(ProcessLookupError):
+            self._process.kill()
+
+    def freeze(self) -> None:
+        """It goes on existing and does nothing."""
+        os.kill(self.pid, signal.SIGSTOP)
+
+    def thaw(self) -> None:
+        """It goes on."""
+        os.kill(self.pid, signal.SIGCONT)
+
+    async def order(self, **order: Any) -> Any:
+        """One line to its standard input, the answer. Raises AssertionError if it says no."""
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        async with self._turn, asyncio.timeout(PATIENCE_S):
+            self._process.stdin.write(json.dumps(order).encode() + b"\n")
+            await self._process.stdin.drain()
+            line = await self._process.stdout.readline()
+        if not line:
+            raise AssertionError(f"the stand-in is gone: {self._process.returncode}")
+        answer = json.loads(line)
+        if "error" in answer:
+            raise AssertionError(answer["error"])
+        return answer["ok"]
+
+    async def close(self) -> None:
+        """End it, frozen or not."""
+        with suppress(ProcessLookupError):
+            self.thaw()
+            self._process.terminate()
+        try:
+            async with asyncio.timeout(3):
+                await self._process.wait()
+        except TimeoutError:
+            self.kill()
+            await self._process.wait()
+
+
+@asynccontextmanager
+async def stand_in(
+    server: str = "auto",
+    *,
+    pace: float = 20.0,
+    port: int = 0,
+    visitors: bool = False,
+    life: str = "solitary",
+    options: tuple[str, ...] = (),
+) -> AsyncIterator[StandIn]:
+    """Start a robot, yield it when it listens, end it.
+
+    `pace`: how many times as fast its time passes. Without `visitors` nobody comes by, so that
+    nobody stands in its way; `person` puts somebody there.
+    """
+    process = await asyncio.create_subprocess_exec(
+        *(sys.executable, "-m", "woz_drivers.naoqi", "--control", "--server", server),
+        *("--pace", str(pace), "--port", str(port), "--life", life),
+        *("--visitors", "seeded" if visitors else "none", *options),
+        stdin=asyncio.subprocess.PIPE,
+        stdout=asyncio.subprocess.PIPE,
+        limit=1 << 24,
+    )
+    robot = StandIn(process, "")
+    try:
+        assert process.stdout is not None
+        async with asyncio.timeout(PATIENCE_S):
+            line = await process.stdout.readline()
+        if not line:
+            raise AssertionError("the stand-in ended before it listened; see its standard error")
+        robot.address = json.loads(line)["address"]
+        yield robot
+    finally:
+        await robot.close()

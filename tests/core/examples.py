@@ -18,6 +18,7 @@ from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
 from woz_tui.core.clock import timestamp
+from woz_tui.core.pictures import PictureShown
 from woz_tui.core.views import ActionView, PanelView
 
 GOLDEN = Path(__file__).parent / "golden"
@@ -261,6 +262,8 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskCheck(ref=28, check="the camera sees the whole table", ok=False, text="lamp in the way"),
     r.AskReplay(ref=29, what="seek", by_s=-5.0),
     r.AskReplay(ref=30, what="go", to="12:34"),
+    r.AskPicture(ref=33, driver="eye", width=76, height=40, after=17),
+    r.AskPicture(ref=34, width=640, height=480, format="sixel", rate=2.5),
 )
 
 
@@ -340,6 +343,20 @@ def answers() -> list[r.AnyAnswer]:
             engagement={"timeouts": {"listening": 60.0}, "handshake": 60.0, "attempts": 3},
             study={"design": {"order": "latin-square", "within": True, "trials": 3}},
         ),
+        PictureShown(
+            ref=34,
+            driver="eye",
+            cameras=["eye"],
+            number=18,
+            t=3_100_000,
+            width=2,
+            height=1,
+            camera_width=640,
+            camera_height=480,
+            format="sixel",
+            data='\x1bP0;1;0q"1;1;2;1#0;2;0;100;0#0@@\x1b\\',
+        ),
+        PictureShown(ref=35, driver="eye", cameras=["eye"], why="eye gave no new picture"),
     ]
 
 

@@ -48,3 +48,8 @@ class Feeds:
         """The feed `topic` of the driver `driver`, in full (`left.body`)."""
         with self._lock:
             return self._feeds.setdefault((driver, topic), Feed())
+
+    def drivers(self, topic: str) -> list[str]:
+        """Full names of the drivers whose feed `topic` somebody has named, oldest first."""
+        with self._lock:
+            return [driver for driver, named in self._feeds if named == topic]

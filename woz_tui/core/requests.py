@@ -11,6 +11,7 @@ from typing import Literal
 import msgspec
 
 from woz_tui.core.envelope import Json
+from woz_tui.core.pictures import PictureFormat, PictureShown
 from woz_tui.core.views import PanelView
 
 PROTOCOL = 1
@@ -237,6 +238,19 @@ class AskReplay(Request, frozen=True, kw_only=True, omit_defaults=True, tag="rep
     to: str = ""
 
 
+class AskPicture(Request, frozen=True, kw_only=True, omit_defaults=True, tag="picture"):
+    """The newest picture of the camera of `driver` (empty: of the first one) that is not number
+    `after`, in at most `width` x `height` pixels; the answer is a `pictures.PictureShown`.
+    """
+
+    driver: str = ""
+    width: int = 320
+    height: int = 240
+    format: PictureFormat = "rgb"
+    after: int = 0
+    rate: float = 5.0
+
+
 AnyRequest = (
     Hello
     | AskAction
@@ -261,6 +275,7 @@ AnyRequest = (
     | AskAnswer
     | AskCheck
     | AskReplay
+    | AskPicture
     | Beat
 )
 
@@ -379,4 +394,4 @@ class PanelsChanged(
 
 
 #: Lines from the host that are not messages of the session.
-AnyAnswer = Reply | Welcome | Pulse | PanelsChanged | Replaying
+AnyAnswer = Reply | Welcome | Pulse | PanelsChanged | Replaying | PictureShown

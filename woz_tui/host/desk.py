@@ -22,6 +22,7 @@ from woz_tui.core.requests import (
     AskMarker,
     AskMistake,
     AskNote,
+    AskPicture,
     AskPreflight,
     AskProfile,
     AskProposal,
@@ -37,6 +38,7 @@ from woz_tui.core.requests import (
 from woz_tui.experiment.reload import compare
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.host.client import Client
+from woz_tui.host.pictures import Pictures
 from woz_tui.session.identity import AskError
 from woz_tui.session.preflight import preflight
 from woz_tui.session.questioning import PARTICIPANT
@@ -47,7 +49,7 @@ from woz_tui.session.variables import MissingError, filled
 log = logging.getLogger(__name__)
 
 #: What somebody who only watches may ask for (the stop is open to all, see `server`).
-WATCHER_MAY = (AskPreflight, AskMarker, AskNote)
+WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture)
 #: What a participant may ask for, who sits at a terminal to answer a questionnaire.
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: What takes its time, because it reads files or asks devices.
@@ -65,6 +67,7 @@ class Desk:
     def __init__(self, session: Session, load: Callable[[], Experiment]) -> None:
         self._session = session
         self._load = load
+        self._pictures = Pictures(session)
         self._tasks: set[asyncio.Task[None]] = set()
         self._reading = asyncio.Lock()  # what was read last is what counts
         self._looking = asyncio.Lock()  # into the earlier logs, one after the other
@@ -72,7 +75,7 @@ class Desk:
         self.on_panels: Callable[[], None] = lambda: None
 
     def answer(self, client: Client, request: AnyRequest) -> None:
-        """Carry `request` out and reply; every request gets exactly one reply."""
+        """Carry `request` out and reply; every request gets exactly one reply; a picture is one."""
         if client.role == "watcher" and not isinstance(request, WATCHER_MAY):
             client.send(
                 Reply(
@@ -85,6 +88,8 @@ class Desk:
         elif client.role == PARTICIPANT and not isinstance(request, PARTICIPANT_MAY):
             reason = "you can answer questionnaires here, and nothing else"
             client.send(Reply(ref=request.ref, ok=False, reason=reason))
+        elif isinstance(request, AskPicture):
+            self._pictures.ask(client, request)
         elif isinstance(request, Slow):
             task = asyncio.get_running_loop().create_task(self._later(client, request))
             self._tasks.add(task)

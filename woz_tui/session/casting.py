@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from woz_tui.core.feeds import Feeds
 from woz_tui.experiment.sensors import published_names
 from woz_tui.plugins import PluginError
 from woz_tui.record.names import media_folder
@@ -20,7 +19,6 @@ def make_drivers(session: Session, asked: Asked) -> None:
     `asked` carries out what drivers ask for. Raises `PluginError` if one cannot be made.
     """
     names = published_names(session.experiment.drivers)
-    feeds = Feeds()
     for spec in session.experiment.drivers:
         outlet = DriverOutlet(
             spec.name,
@@ -28,7 +26,7 @@ def make_drivers(session: Session, asked: Asked) -> None:
             session.clock,
             session.experiment.path.parent,
             names=names[spec.name],
-            feeds=feeds,
+            feeds=session.feeds,
             asked=asked,
             media=lambda: media_folder(session.recorder.path),
         )

@@ -14,6 +14,7 @@ from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, timestamp
 from woz_tui.core.driver import Ask, Driver, Performer
+from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Call, Experiment, Place
 from woz_tui.record.recorder import Recorder
@@ -56,6 +57,7 @@ class Session:
     recorder: Recorder
     clock: Clock
     drivers: dict[str, Driver] = field(init=False, default_factory=dict)
+    feeds: Feeds = field(init=False, default_factory=Feeds)
     locked: dict[str, bool] = field(init=False, default_factory=dict)
     script_at: int = field(init=False, default=0)
     ended: bool = field(init=False, default=False)

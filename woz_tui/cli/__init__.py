@@ -20,6 +20,7 @@ COMMANDS = {
     "replay": "a session again, on the screen or on the robot",
     "compare": "two sessions, or a session and its re-run, side by side",
     "check": "check an experiment file and show its keys",
+    "convert": "write a WoZ4U config.yaml as an experiment file",
     "design": "who gets which conditions: used so far, and next",
     "doctor": "check this machine, its devices and this terminal for an experiment",
     "midi": "learn the controls of a MIDI panel, or show what they do",

@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from woz_tui.core.driver import Driver, Verb
-from woz_tui.experiment import check, template
+from woz_tui.experiment import check, template, woz4u
 from woz_tui.experiment.actions import PanelReader, StepReader, titles
 from woz_tui.experiment.asked import check_asks
 from woz_tui.experiment.by_condition import read_variables
@@ -52,7 +52,11 @@ def load(path: Path, catalogue: Mapping[str, type[Driver]]) -> Experiment:
     report = Report()
     report.file(str(path))
     root, sources = _root(path, report)
-    report.fail()
+    if root is not None and isinstance(root.node, Table) and woz4u.recognised(root.node, TOP_LEVEL):
+        made = woz4u.opened(sources[0], TOP_LEVEL)
+        root, report = made.root, made.report
+    else:
+        report.fail()
     assert root is not None  # `fail` has raised otherwise
     experiment = _Decoder(path, catalogue, report, sources).read(root)
     report.fail()

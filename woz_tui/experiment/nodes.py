@@ -92,10 +92,14 @@ def described(node: Node) -> str:
             return "nothing" if node.nothing else quoted(node.text)
 
 
-def tree(source: Source, report: Report) -> Node | None:
-    """The document's root, or None if it is empty or broken; reports what is wrong."""
+def tree(source: Source, report: Report, *, last_wins: bool = False) -> Node | None:
+    """The document's root, or None if it is empty or broken; reports what is wrong.
+
+    `last_wins`: of two equal keys the last one counts, as PyYAML has it, with a warning; else the
+    second one is an error.
+    """
     try:
-        return _Composer(source, report).compose()
+        return _Composer(source, report, last_wins=last_wins).compose()
     except yaml.YAMLError as error:
         line, column, message = explained(error, source.text)
         report.error(Place(source.name, line, column), "YAML", message)
@@ -126,9 +130,10 @@ class _Open:
 
 
 class _Composer:
-    def __init__(self, source: Source, report: Report) -> None:
+    def __init__(self, source: Source, report: Report, *, last_wins: bool) -> None:
         self._source = source
         self._report = report
+        self._last_wins = last_wins
         self._stack: list[_Open] = []
         self._anchors: dict[str, Node | None] = {}
         self._root: Node | None = None
@@ -263,13 +268,13 @@ class _Composer:
         self._grow(table, node)
         if key.text == "<<" and key.plain:
             self._merge_later(top, node)
-        elif (first := table.keys.get(key.text)) is not None:
-            self._report.error(
-                key.place,
-                join(top.path, key.text),
-                f"{quoted(key.text)} stands here twice (first in line {first.place.line})",
-            )
-        else:
+            return
+        first = table.keys.get(key.text)
+        if first is not None:
+            twice = f"{quoted(key.text)} stands here twice (first in line {first.place.line})"
+            say = self._report.warning if self._last_wins else self._report.error
+            say(key.place, join(top.path, key.text), twice)
+        if first is None or self._last_wins:
             table.keys[key.text] = key
             table.entries[key.text] = node
 

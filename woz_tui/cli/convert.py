@@ -1,0 +1,128 @@
+"""`woz convert config.yaml`: a WoZ4U file as an experiment file of our own format."""
+
+from __future__ import annotations
+
+import argparse
+import os
+import sys
+from collections.abc import Mapping
+from pathlib import Path, PurePosixPath
+
+from woz_tui import plugins
+from woz_tui.core.driver import Driver
+from woz_tui.experiment import woz4u
+from woz_tui.experiment.decode import TOP_LEVEL, load
+from woz_tui.experiment.nodes import Table, tree
+from woz_tui.experiment.report import Report
+from woz_tui.experiment.shape import ExperimentError
+from woz_tui.experiment.source import Source, SourceError, read
+from woz_tui.experiment.woz4u.written import written
+
+_HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
+docs/woz4u.md says what became of each of its keys; `woz check` shows the keys of this file."""
+
+
+def add(parser: argparse.ArgumentParser) -> None:
+    """Declare the command's options."""
+    parser.add_argument("file", type=Path, help="config.yaml of WoZ4U")
+    parser.add_argument(
+        "-o", "--output", type=Path, help="the file to write (default: standard output)"
+    )
+    parser.add_argument("--force", action="store_true", help="replace a file that is there")
+    parser.set_defaults(run=run)
+
+
+def run(arguments: argparse.Namespace) -> int:
+    """Write the file, print warnings to stderr and return 0; or errors, and 1."""
+    try:
+        return convert(arguments, plugins.installed())
+    except (ConvertError, plugins.PluginError) as error:
+        return _told(str(error))
+
+
+class ConvertError(RuntimeError):
+    """Nothing was written; the text says why."""
+
+
+def convert(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+    """`run` with the drivers of `catalogue`."""
+    source = _source(arguments.file)
+    output: Path | None = arguments.output
+    if output is not None:
+        _free(output, arguments.file, force=arguments.force)
+    try:
+        experiment = load(arguments.file, catalogue)
+    except ExperimentError as error:
+        for problem in error.problems:
+            print(problem, file=sys.stderr)
+        count = f"{len(error.problems)} error{'s' if len(error.problems) > 1 else ''}"
+        return _told(f"{arguments.file}: {count}; nothing was written")
+    opened = woz4u.opened(source, TOP_LEVEL, _move(arguments.file, output))
+    table = opened.root.node
+    assert isinstance(table, Table)  # it was one when it was recognised
+    text = written(table, opened.remarks, _HEAD.format(name=arguments.file.name))
+    for warning in experiment.warnings:
+        print(warning, file=sys.stderr)
+    if output is None:
+        print(text, end="")
+        return 0
+    try:
+        output.write_text(text, encoding="utf-8")
+    except OSError as error:
+        raise ConvertError(f"{output} cannot be written: {error.strerror or error}") from error
+    print(f"{output}: written; woz check {output} shows it", file=sys.stderr)
+    return 0
+
+
+def _source(file: Path) -> Source:
+    """The file, if it is a WoZ4U file."""
+    try:
+        source = read(file, str(file))
+    except SourceError as error:
+        raise ConvertError(f"{file}:{error.line}:{error.column}: {error.message}") from error
+    report = Report()
+    node = tree(source, report, last_wins=True)
+    if node is None and report.errors:
+        raise ConvertError(str(report.errors[0]))
+    if not isinstance(node, Table) or not woz4u.recognised(node, TOP_LEVEL):
+        ours = isinstance(node, Table) and not {"panels", "robot", "robots"}.isdisjoint(
+            node.entries
+        )
+        raise ConvertError(
+            f"{file} is an experiment file of our own format already"
+            if ours
+            else f"{file} is no WoZ4U file: it has none of its sections, such as pepper_ips,"
+            " animated_speech, gestures, tablet_items"
+        )
+    return source
+
+
+def _free(output: Path, original: Path, *, force: bool) -> None:
+    """Raises `ConvertError` if writing there would lose something."""
+    try:
+        if output.exists() and output.samefile(original):
+            raise ConvertError(f"{output} is the WoZ4U file itself; write to another file")
+        if output.exists() and not force:
+            raise ConvertError(f"{output} is there already; --force replaces it")
+    except OSError as error:
+        raise ConvertError(f"{output}: {error.strerror or error}") from error
+
+
+def _move(original: Path, output: Path | None) -> woz4u.Move:
+    """Relative paths begin at the file they stand in, so they change with its folder."""
+    if output is None:
+        return str
+    try:
+        way = os.path.relpath(original.resolve().parent, output.resolve().parent)
+    except (OSError, ValueError) as error:
+        raise ConvertError(f"{output}: {error}") from error
+    return str if way == "." else lambda path: _joined(way, path)
+
+
+def _joined(way: str, path: str) -> str:
+    return path if path.startswith("~") else str(PurePosixPath(way) / path)
+
+
+def _told(sentence: str) -> int:
+    print(f"woz convert: {sentence}", file=sys.stderr)
+    return 1

@@ -1,0 +1,200 @@
+"""Buttons: one for each item of the file's lists, with what it does in our own verbs."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import dataclass, field
+from pathlib import PurePosixPath
+
+from woz_tui.experiment.nodes import Node, Scalar, Table
+from woz_tui.experiment.shape import Place
+from woz_tui.experiment.spot import Spot
+from woz_tui.experiment.woz4u import made, values
+from woz_tui.experiment.woz4u.known import ITEMS
+from woz_tui.experiment.woz4u.texts import decoded, literal, one_line
+
+#: How a path that is relative to the file's folder is to be written.
+Move = Callable[[str], str]
+
+
+@dataclass(slots=True)
+class Button:
+    """One action on its way: its verbs with their arguments, and what else it says.
+
+    `key` and `why` are filled in when keys are given out, `name` when names are.
+    """
+
+    title: str
+    place: Place
+    does: list[made.Entry]
+    title_place: Place
+    help: Scalar | None = None
+    help_place: Place | None = None
+    comb: Spot | None = None
+    key: str = ""
+    why: str = ""
+    name: str = ""
+
+    def node(self) -> Table:
+        """The action as our own format has it."""
+        entries: list[made.Entry] = []
+        if self.key:
+            where = self.comb.place if self.comb is not None else self.place
+            entries.append(("key", where, made.said(self.key, where)))
+        entries.append(("label", self.title_place, made.said(self.title, self.title_place)))
+        if self.name:
+            entries.append(("name", self.title_place, made.said(self.name, self.title_place)))
+        if self.help is not None and self.help_place is not None:
+            entries.append(("help", self.help_place, self.help))
+        return made.table([*entries, *self.does], self.place)
+
+
+@dataclass(frozen=True, slots=True)
+class Item:
+    """One entry of a list: its fields by name."""
+
+    spot: Spot
+    fields: Mapping[str, Spot] = field(default_factory=dict)
+
+    def needed(self, name: str, otherwise: str) -> Spot | None:
+        """A field without which the item does nothing: None, after saying so."""
+        found = self.fields.get(name)
+        if found is None or values.empty(found):
+            where = self.spot if found is None else found
+            where.warning(f"without {name!r} {otherwise}; {values.LEFT_OUT}")
+            return None
+        if not isinstance(found.node, Scalar):
+            found.wrong("text")
+            return None
+        return found
+
+    def button(self, fallback: str, *does: made.Entry) -> Button:
+        """Its button; `fallback` is the label if it has no title."""
+        title = self.fields.get("title")
+        typed = values.text(title, f"its button is called {fallback!r}")
+        label = one_line(decoded(title, typed)) if title is not None and typed else ""
+        if not label and (title is None or values.empty(title)):
+            self.spot.warning(f"without 'title' its button is called {fallback!r}")
+        tip = self.fields.get("tooltip")
+        hint = values.text(tip)
+        hint = one_line(decoded(tip, hint)) if tip is not None and hint else ""
+        return Button(
+            title=label or fallback,
+            place=self.spot.place,
+            does=[*does],
+            title_place=title.place if title is not None else self.spot.place,
+            help=made.said(hint, tip.place) if tip is not None and hint else None,
+            help_place=tip.place if tip is not None else None,
+            comb=self.fields.get("key_comb"),
+        )
+
+
+def entries(table: Mapping[str, Spot], section: str, example: str) -> Iterator[Item]:
+    """The items of a section; what they should not say is a warning."""
+    for spot in values.items(table.get(section), example):
+        fields = dict(spot.entries())
+        warn_unknown(fields, ITEMS[section])
+        yield Item(spot, fields)
+
+
+def warn_unknown(fields: Mapping[str, Spot], known: tuple[str, ...]) -> None:
+    """Warn of fields that nothing reads."""
+    for name, entry in fields.items():
+        if name not in known:
+            near = entry.report.hint(name, known, or_list="read are")
+            entry.warning(f"nothing reads this{near}")
+
+
+def speech(table: Mapping[str, Spot], move: Move) -> list[Button]:
+    """`animated_speech`: texts to say, and text files to read out."""
+    buttons = []
+    example = "{title: Hello, string: 'Hello!', key_comb: [h]}"
+    for number, item in enumerate(entries(table, "animated_speech", example), 1):
+        spot = item.needed("string", "there is nothing to say")
+        typed = values.text(spot)
+        if spot is None or typed is None:
+            continue
+        if typed.strip().endswith(".txt"):
+            path = move(typed.strip().replace("\\", "/"))
+            does = ("read", spot.place, made.said(literal(path), spot.place))
+            fallback = PurePosixPath(path).stem or f"Speech {number}"
+        else:
+            words = decoded(spot, typed)
+            does = ("say", spot.place, made.said(literal(words), spot.place))
+            fallback = f"Speech {number}"
+        buttons.append(item.button(fallback, does))
+    return buttons
+
+
+def gestures(table: Mapping[str, Spot]) -> list[Button]:
+    """`gestures`: animations of the robot."""
+    buttons = []
+    example = "{title: Hello, gesture: animations/Stand/Gestures/Hey_1}"
+    for item in entries(table, "gestures", example):
+        spot = item.needed("gesture", "there is nothing to play")
+        typed = values.text(spot)
+        if spot is None or typed is None:
+            continue
+        path = typed.strip()
+        does = ("play", spot.place, made.said(literal(path), spot.place))
+        buttons.append(item.button(PurePosixPath(path).name or path, does))
+    return buttons
+
+
+def sounds(table: Mapping[str, Spot], volume: Scalar | None) -> list[Button]:
+    """`audio_files`: sound files on the robot, as loud as its speech."""
+    buttons = []
+    for item in entries(table, "audio_files", "{title: Bell, location: /home/nao/bell.wav}"):
+        spot = item.needed("location", "there is nothing to play")
+        typed = values.text(spot)
+        if spot is None or typed is None:
+            continue
+        path = typed.strip()
+        node: Node = made.said(literal(path), spot.place)
+        if volume is not None:
+            inner = [("file", spot.place, node), ("volume", volume.place, volume)]
+            node = made.table(inner, spot.place)
+        buttons.append(item.button(PurePosixPath(path).stem or path, ("sound", spot.place, node)))
+    return buttons
+
+
+@dataclass(frozen=True, slots=True)
+class Shown:
+    """What `tablet_items` come to: buttons, and what is shown when nothing else is."""
+
+    buttons: list[Button]
+    default: Scalar | None
+
+
+def tablet(table: Mapping[str, Spot], move: Move) -> Shown:
+    """`tablet_items`: pictures, videos and pages; files lie in `tablet_root_location`."""
+    root = tablet_root(table, move)
+    shown = Shown([], None)
+    for item in entries(table, "tablet_items", "{title: Map, file_name: map.png}"):
+        spot = item.needed("file_name", "there is nothing to show")
+        typed = values.text(spot)
+        if spot is None or typed is None:
+            continue
+        path = _shown_path(typed.strip(), root, move)
+        does = ("screen", spot.place, made.said(literal(path), spot.place))
+        shown.buttons.append(item.button(PurePosixPath(path).stem or path, does))
+        mark = item.fields.get("is_default_img")
+        if values.flag(mark) and mark is not None:
+            if shown.default is None:
+                shown = Shown(shown.buttons, made.said(path, mark.place))
+            else:
+                mark.warning("an item above is the default already; that one is shown")
+    return shown
+
+
+def tablet_root(table: Mapping[str, Spot], move: Move) -> str:
+    """The folder of the tablet's files; empty if none is named."""
+    typed = values.text(table.get("tablet_root_location")) or ""
+    path = typed.strip().replace("\\", "/")
+    return move(path) if path else ""
+
+
+def _shown_path(typed: str, root: str, move: Move) -> str:
+    if typed.lower().startswith(("http://", "https://")):
+        return typed
+    return str(PurePosixPath(root) / typed) if root else move(typed)

@@ -1,0 +1,195 @@
+"""The robot of a WoZ4U file: a Pepper with the settings of the driver `pepper`."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.core.fields import Range
+from woz_tui.experiment.nodes import Items, Node, Scalar, Table
+from woz_tui.experiment.report import Report, quoted
+from woz_tui.experiment.shape import Place
+from woz_tui.experiment.spot import Spot
+from woz_tui.experiment.woz4u import made, values
+from woz_tui.experiment.woz4u.buttons import Move, warn_unknown
+from woz_tui.experiment.woz4u.known import AUTONOMY
+
+#: The driver's word for a robot that it starts itself.
+SIMULATED = "simulated"
+
+STATES = ("solitary", "interactive", "safeguard", "disabled")
+ENGAGEMENT_MODES = ("Unengaged", "FullyEngaged", "SemiEngaged")
+_AS_IT_IS = "the robot's value stays"
+
+#: The driver's name of each setting.
+_WORDS = {
+    "autonomous_state": ("state", STATES),
+    "engagement_mode": ("engagement", ENGAGEMENT_MODES),
+}
+_DISTANCES = {"tangential_collision": "tangential", "orthogonal_collision": "orthogonal"}
+_FLAGS = {
+    "basic_awareness": "awareness",
+    **{
+        name: name
+        for name in (
+            *("blinking", "listening_movement", "speaking_movement", "head_breathing"),
+            *("arms_breathing", "body_breathing", "legs_breathing"),
+        )
+    },
+}
+_METRES = Range(0.0, 5.0, "m")
+#: `voice_pitch` is 0 (its own voice) or 1 to 4.
+_VOICE = {
+    "volume": ("volume", Range(0.0, 1.0)),
+    "voice_speed": ("speed", Range(50.0, 400.0, "%")),
+    "voice_pitch": ("pitch", Range(0.0, 4.0)),
+}
+_STEPS = {
+    "default_head_turn_deg": ("head", Range(0.1, 90.0, "degrees"), 1.0),
+    "default_turn_deg": ("turn", Range(1.0, 360.0, "degrees"), 1.0),
+    "default_drive_dist": ("drive", Range(1.0, 500.0, "cm"), 0.01),
+}
+#: Degrees that the hip bends by with one key press: 0.2 rad in WoZ4U's program.
+_HIP_DEGREES = 11.46
+
+Figures = Mapping[str, Scalar]
+
+
+def robot(
+    root: Spot,
+    speech: Figures,
+    shown: tuple[str, Scalar | None],
+    eyes: Scalar | None,
+    move: Move,
+) -> Table:
+    """`{name: pepper, drivers: {pepper: {type: pepper, ...}}}`.
+
+    `speech`: what `voice` has read. `shown`: folder and default of the tablet. `eyes`: their
+    colour on connect.
+    """
+    table, start = dict(root.entries()), root.place
+    settings: list[made.Entry] = [
+        ("type", start, made.said("pepper", start)),
+        ("robots", *_robots(table.get("pepper_ips"), root.place, root.report)),
+    ]
+    autonomy = _autonomy(table.get("autonomous_life_config"))
+    if autonomy is not None:
+        settings.append(("autonomy", autonomy.place, autonomy))
+    if speech:
+        entries: list[made.Entry] = [(name, node.place, node) for name, node in speech.items()]
+        settings.append(("voice", entries[0][1], made.table(entries, entries[0][1])))
+    if eyes is not None:
+        settings.append(("eyes", eyes.place, eyes))
+    settings += _tablet(table, *shown)
+    settings += _folder(table.get("camera_save_dir"), "pictures", move)
+    settings += _folder(table.get("audio_save_dir"), "recordings", str)
+    pepper = made.table(settings, start)
+    drivers = made.table([("pepper", start, pepper)], start)
+    name = made.said("pepper", start)
+    return made.table([("name", start, name), ("drivers", start, drivers)], start)
+
+
+def _robots(spot: Spot | None, start: Place, report: Report) -> tuple[Place, Items]:
+    """`pepper_ips`, each once. None at all: a simulated robot, so that the file can be tried."""
+    found: dict[str, Node] = {}
+    if spot is not None and not values.empty(spot):
+        entries = [*spot.items()] if isinstance(spot.node, Items) else [spot]
+        if isinstance(spot.node, Scalar):
+            spot.warning("expected a list of addresses; this one is read as a list of one")
+        for entry in entries:
+            address = _address(entry)
+            if address in found:
+                entry.warning(f"{quoted(address)} stands here twice")
+            elif address:
+                found[address] = made.said(address, entry.place)
+    place = start if spot is None else spot.place
+    if not found:
+        where = f"pepper_ips: [{SIMULATED}]"
+        if not (spot is not None and isinstance(spot.node, Table)):  # that is an error already
+            message = f"no robot is named; a simulated one is played ({where})"
+            report.warning(place, "pepper_ips", message)
+        found[SIMULATED] = made.said(SIMULATED, place)
+    return place, made.listed(found.values(), place)
+
+
+def _address(entry: Spot) -> str:
+    if values.empty(entry):
+        return ""
+    if not isinstance(entry.node, Scalar):
+        entry.wrong("a robot's address, such as 192.168.1.20")
+        return ""
+    return (values.text(entry) or "").strip()
+
+
+def _autonomy(spot: Spot | None) -> Table | None:
+    """`autonomous_life_config`; None if it leaves everything as it is."""
+    if spot is None:
+        return None
+    fields = values.mapping(spot, "{autonomous_state: solitary}")
+    warn_unknown(fields, AUTONOMY)
+    entries: list[made.Entry] = []
+    for name, entry in fields.items():
+        node = _life(name, entry)
+        if node is not None:
+            entries.append((node[0], entry.place, node[1]))
+    return made.table(entries, spot.place) if entries else None
+
+
+def _life(name: str, spot: Spot) -> tuple[str, Scalar] | None:
+    """The driver's name and the value of one setting; None if it is left as it is."""
+    if name in _WORDS:
+        ours, choices = _WORDS[name]
+        word = values.word(spot, choices)
+        return None if word is None else (ours, made.said(word, spot.place))
+    if name in _DISTANCES:
+        metres = values.number(spot, _METRES, _AS_IT_IS)
+        return None if metres is None else (_DISTANCES[name], made.figure(metres, spot.place))
+    if name in _FLAGS:
+        on = values.flag(spot, _AS_IT_IS)
+        return None if on is None else (_FLAGS[name], made.flag(on, spot.place))
+    return None
+
+
+def voice(table: Mapping[str, Spot]) -> dict[str, Scalar]:
+    """`volume`, `voice_speed` and `voice_pitch` by the driver's names."""
+    found = {}
+    for name, (ours, allowed) in _VOICE.items():
+        spot = table.get(name)
+        value = values.number(spot, allowed, _AS_IT_IS)
+        if spot is None or value is None:
+            continue
+        if ours == "pitch" and 0.0 < value < 1.0:
+            spot.warning(f"{value:g} is no pitch: it is 0, or from 1 to 4; {_AS_IT_IS}")
+            continue
+        found[ours] = made.figure(value, spot.place)
+    return found
+
+
+def steps(table: Mapping[str, Spot], start: Place) -> Table:
+    """How far a press of an arrow key goes; centimetres become metres."""
+    entries: list[made.Entry] = []
+    for name, (ours, allowed, factor) in _STEPS.items():
+        spot = table.get(name)
+        value = values.number(spot, allowed, "the usual step is taken")
+        if spot is not None and value is not None:
+            entries.append((ours, spot.place, made.figure(value * factor, spot.place)))
+    return made.table([*entries, ("hip", start, made.figure(_HIP_DEGREES, start))], start)
+
+
+def _tablet(table: Mapping[str, Spot], root: str, default: Scalar | None) -> list[made.Entry]:
+    spot = table.get("tablet_root_location")
+    entries: list[made.Entry] = []
+    if spot is not None and root:
+        entries.append(("root", spot.place, made.said(root, spot.place)))
+    if default is not None:
+        entries.append(("default", default.place, default))
+    if not entries:
+        return []
+    where = entries[0][1]
+    return [("tablet", where, made.table(entries, where))]
+
+
+def _folder(spot: Spot | None, ours: str, move: Move) -> list[made.Entry]:
+    typed = values.text(spot)
+    if spot is None or typed is None:
+        return []
+    return [(ours, spot.place, made.said(move(typed.strip()), spot.place))]

@@ -1,0 +1,146 @@
+"""A WoZ4U file as a tree of nodes of our own format, each with the place of what it comes from."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+
+from woz_tui.experiment.layouts import LAYOUTS
+from woz_tui.experiment.nodes import Node, Table
+from woz_tui.experiment.shape import Place
+from woz_tui.experiment.spot import Spot
+from woz_tui.experiment.woz4u import eyes, made, panels, pepper
+from woz_tui.experiment.woz4u.buttons import (
+    Button,
+    Move,
+    gestures,
+    sounds,
+    speech,
+    tablet,
+    tablet_root,
+)
+from woz_tui.experiment.woz4u.keyed import Wish, grant, layout_of
+from woz_tui.experiment.woz4u.known import OLDER, TOP_LEVEL
+from woz_tui.experiment.woz4u.panels import Panel
+
+#: What the translation writes itself, and so is not taken over from the file.
+_MADE = ("robot", "robots", "steps", "panels")
+#: What a reader of the text is told about its sections.
+_SECTIONS = {
+    "robot": "Addresses to choose from, and what is set on connect. What is not named stays.",
+    "steps": "One press of an arrow key: degrees; drive in metres. Alt: the base, shift: the hip.",
+    "panels": "covers: verbs that nobody's hand may send while the panel is locked.",
+}
+
+
+@dataclass(frozen=True, slots=True)
+class Translation:
+    """The tree, and remarks for readers of its text by the identity of the node they belong to."""
+
+    table: Table
+    remarks: Mapping[int, str] = field(default_factory=dict)
+
+
+def translated(root: Spot, own: Collection[str], move: Move) -> Translation:
+    """Translate the file whose top level `root` is; what is wrong or odd goes to its report.
+
+    `own`: what our own format says at its top level. What the file has of it is taken over as it
+    stands. `move`: how a path that is relative to the file's folder is to be written.
+    """
+    table = dict(root.entries())
+    _unknown(table, own)
+    kept = {name: table[name] for name in own if name in table and name not in _MADE}
+    found, robot = _read(root, table, move)
+    panels.name_apart(found)
+    _keys(found, layout_of(kept.get("keyboard"), tuple(LAYOUTS)))
+    start = root.place
+    sections: dict[str, tuple[Place, Node]] = {"title": (start, _title(start))}
+    sections |= {name: (spot.place, spot.node) for name, spot in kept.items()}
+    sections["robot"] = (start, robot)
+    sections["steps"] = (start, pepper.steps(table, start))
+    nodes = [(panel, panel.node()) for panel in found if panel.shown]
+    sections["panels"] = (start, made.listed([node for _, node in nodes], start))
+    made_table = made.table([(name, *entry) for name, entry in sections.items()], start)
+    return Translation(made_table, _remarks(made_table, nodes))
+
+
+def _title(start: Place) -> Node:
+    return made.said(f"WoZ4U: {Path(start.file).name}", start)
+
+
+def _unknown(table: Mapping[str, Spot], own: Collection[str]) -> None:
+    for name, spot in table.items():
+        if name in OLDER and name not in TOP_LEVEL:
+            spot.warning(f"nothing reads this any more; it is {OLDER[name]!r} now")
+        elif name in _MADE:
+            spot.warning("a WoZ4U file does not say this; convert it to change it (woz convert)")
+        elif name not in TOP_LEVEL and name not in own:
+            near = spot.report.nearest(name, TOP_LEVEL)
+            spot.warning(f"nothing reads this{f'; did you mean {near!r}?' if near else ''}")
+
+
+def _read(root: Spot, table: Mapping[str, Spot], move: Move) -> tuple[list[Panel], Table]:
+    """Every section as a panel, and the robot."""
+    figures = pepper.voice(table)
+    shown = tablet(table, move)
+    colours = eyes.colours(table)
+    found = [
+        _panel(root, table, "Speech", "lock_anim_speech_section", "animated_speech"),
+        _panel(root, table, "Gestures", "lock_gesture_section", "gestures"),
+        _panel(root, table, "Tablet", "lock_tablet_section", "tablet_items"),
+        _panel(root, table, "Sounds", "lock_audio_section", "audio_files"),
+        _panel(root, table, "Eyes", "lock_color_section", "colors"),
+        _panel(root, table, "Eye animations", "lock_eye_anim_section", "rasta_anim"),
+        _panel(root, table, "Movement", "lock_movement_control_section", ""),
+        _panel(root, table, "Autonomy", "lock_autonomous_life_section", "autonomous_life_config"),
+        _panel(root, table, "Voice", "lock_volume_section", "volume"),
+    ]
+    panels.locks(table, found)
+    places = {panel.title: panel.place for panel in found}
+    buttons: dict[str, list[Button]] = {
+        "Speech": speech(table, move),
+        "Gestures": gestures(table),
+        "Tablet": shown.buttons,
+        "Sounds": sounds(table, figures.get("volume")),
+        "Eyes": colours.buttons,
+        "Eye animations": eyes.animations(table, colours),
+        "Movement": panels.movement(places["Movement"]),
+        "Autonomy": panels.autonomy(places["Autonomy"]),
+        "Voice": panels.speaking(figures),
+    }
+    for panel in found:
+        panel.buttons = buttons[panel.title]
+    if shown.buttons:
+        shown.buttons.append(panels.default_picture(places["Tablet"]))
+    folder = tablet_root(table, move)
+    return found, pepper.robot(root, figures, (folder, shown.default), colours.default, move)
+
+
+def _panel(root: Spot, table: Mapping[str, Spot], title: str, lock: str, section: str) -> Panel:
+    """A panel without buttons; it stands where its section does, or else its lock."""
+    spot = table.get(section) or table.get(lock)
+    return Panel(title, lock, spot.place if spot is not None else root.place, [])
+
+
+def _keys(found: list[Panel], layout: str) -> None:
+    """Give every button its key, or another one with the reason why."""
+    wishes = [
+        (button, Wish(button.title, button.comb))
+        for panel in found
+        for button in panel.buttons
+        if button.comb is not None
+    ]
+    grant([wish for _, wish in wishes], layout)
+    for button, wish in wishes:
+        button.key, button.why = wish.key, wish.why
+
+
+def _remarks(table: Table, nodes: list[tuple[Panel, Table]]) -> dict[int, str]:
+    remarks = {id(table.entries[name]): text for name, text in _SECTIONS.items()}
+    for panel, node in nodes:
+        actions = node.entries.get("actions")
+        for button, action in zip(panel.buttons, getattr(actions, "nodes", ()), strict=True):
+            if button.why:
+                remarks[id(action)] = button.why
+    return remarks

@@ -12,6 +12,7 @@ from woz_drivers.camera import doctor
 from woz_drivers.camera.blob import Finder
 from woz_drivers.camera.pictures import Cutter
 from woz_drivers.camera.settings import CameraSettings
+from woz_drivers.camera.watched import Offer
 from woz_tui.core.driver import (
     DriverError,
     Finding,
@@ -37,7 +38,8 @@ class Camera:
     """One camera and one green thing.
 
     Every picture goes into the feed `seen` (`motion.setpoints.Seen`), whether something is seen or
-    not; readings are for the log. The sensors' state is ok while pictures come, else stale.
+    not; readings are for the log. While somebody watches the pictures themselves go into the feed
+    `picture`. The sensors' state is ok while pictures come, else stale.
     """
 
     Settings: ClassVar[type] = CameraSettings
@@ -48,6 +50,7 @@ class Camera:
         self._settings = settings
         self._outlet = outlet
         self._feed = outlet.feed(SEEN)
+        self._offer = Offer(settings, outlet)
         self._finder = Finder(settings.rule)
         self._layout = settings.layout
         self._cutter = Cutter(self._layout.size, self._came)
@@ -164,6 +167,7 @@ class Camera:
         for sensor in SENSORS:
             self._outlet.sensor(sensor, "ok")
         self._publish(now_us, (x, y, size))
+        self._offer.look_at(data, now_us)
 
     def _publish(self, now_us: int, values: tuple[float | None, float | None, float]) -> None:
         """At most `publish` times a second."""

@@ -10,6 +10,8 @@ import numpy.typing as npt
 
 #: A picture: shape (rows, columns, 3), red, green, blue, 0 to 255.
 Picture = npt.NDArray[np.uint8]
+#: One number a pixel: shape (rows, columns), 0 to 255.
+Plane = npt.NDArray[np.uint8]
 
 #: How pictures may come. rgb24 and bgr24: three bytes a pixel. yuv420: all brightness, then two
 #: planes of colour with half as many rows and columns (I420, what rpicam-vid calls yuv420 and
@@ -51,6 +53,20 @@ class Layout:
         picture = rows[:, : 3 * self.width].reshape(self.height, self.width, 3)
         return picture[:, :, ::-1] if self.format == "bgr24" else picture
 
+    def whole(self, data: bytes, widest: int) -> Picture:
+        """One picture for people, about `widest` pixels wide: every second, third ... row and
+        column where it is at least twice as wide. Colours of yuv420 count for two by two pixels.
+        """
+        step = max(1, self.width // max(1, widest))
+        if self.format != "yuv420":
+            return self.decode(data)[::step, ::step]
+        planes = np.frombuffer(data, np.uint8)
+        bright, u, v = self._planes(planes)
+        rows = np.arange(0, self.height, step)
+        columns = np.arange(0, self.width, step)
+        u, v = (plane[rows // 2][:, columns // 2] for plane in (u, v))
+        return _colours(bright[::step, ::step], u, v)
+
     @property
     def thinned(self) -> int:
         """Of how many rows and columns of a picture `decode` keeps one."""
@@ -70,18 +86,27 @@ class Layout:
     def _half_height(self) -> int:
         return (self.height + 1) // 2
 
-    def _of_planes(self, data: npt.NDArray[np.uint8]) -> Picture:
-        """ITU-R BT.601 with limited range: what cameras' video is in."""
-        whole, step = self.stride * self.height, self.thinned
-        rows, columns = self._half_height, self._half_width
-        bright = data[:whole].reshape(self.height, self.stride)[::step, : self.width : step]
-        colours = data[whole:].reshape(2, rows, self._half_stride)
-        colours = colours[:, :: step // 2, : columns : step // 2]
-        y = 1.164 * (bright.astype(np.float32) - 16)
-        u, v = colours.astype(np.float32) - 128
-        planes = (y + 1.596 * v, y - 0.392 * u - 0.813 * v, y + 2.017 * u)
-        picture: Picture = np.clip(np.rint(np.stack(planes, axis=-1)), 0, 255).astype(np.uint8)
-        return picture
+    def _planes(self, data: Plane) -> tuple[Plane, Plane, Plane]:
+        """Brightness, and the two of colour with half as many rows and columns."""
+        whole, rows = self.stride * self.height, self._half_height
+        bright = data[:whole].reshape(self.height, self.stride)[:, : self.width]
+        u, v = data[whole:].reshape(2, rows, self._half_stride)[:, :, : self._half_width]
+        return bright, u, v
+
+    def _of_planes(self, data: Plane) -> Picture:
+        bright, u, v = self._planes(data)
+        step = self.thinned
+        half = step // 2
+        return _colours(bright[::step, ::step], u[::half, ::half], v[::half, ::half])
+
+
+def _colours(bright: Plane, u: Plane, v: Plane) -> Picture:
+    """ITU-R BT.601 with limited range: what cameras' video is in."""
+    y = 1.164 * (bright.astype(np.float32) - 16)
+    blue, red = u.astype(np.float32) - 128, v.astype(np.float32) - 128
+    planes = (y + 1.596 * red, y - 0.392 * blue - 0.813 * red, y + 2.017 * blue)
+    picture: Picture = np.clip(np.rint(np.stack(planes, axis=-1)), 0, 255).astype(np.uint8)
+    return picture
 
 
 class Cutter:

@@ -1,0 +1,142 @@
+"""The camera's pictures for people: only while somebody watches, as they are, turned if told to."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from woz_drivers.camera import Camera
+from woz_drivers.camera.pictures import Layout
+from woz_drivers.camera.pictures import Picture as Pixels
+from woz_drivers.camera.settings import CameraSettings
+
+from tests.drivers.camera.pictures import PipedCamera, planes, with_block
+from tests.drivers.heard import Heard, until
+from woz_tui.core.clock import ManualClock
+from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
+from woz_tui.motion.setpoints import SEEN
+
+SMALL = {"width": 20, "height": 15, "format": "rgb24"}
+
+
+class Seat:
+    """A camera behind a pipe, and a clock that stands still."""
+
+    def __init__(self, folder: Path, **more: object) -> None:
+        self.clock = ManualClock()
+        self.heard = Heard(folder, self.clock)
+        self.pipe = PipedCamera(folder / "pipe")
+        made = CameraSettings(command=self.pipe.command, **{**SMALL, **more})  # type: ignore[arg-type]
+        self.camera = Camera("it", made, self.heard.outlet)
+        self._count = 0
+
+    def watch(self, seconds: float, width: int = 20, rate: float = 5.0) -> None:
+        wish = Watched(self.clock.now_us() + round(seconds * 1_000_000), width, rate)
+        self.heard.outlet.feed(WATCHED).put(wish)
+
+    async def film(self, picture: Pixels | bytes) -> None:
+        """One picture comes and has been looked at."""
+        self.pipe.send(picture)
+        self._count += 1
+        await until(lambda: self.heard.outlet.feed(SEEN).latest().serial >= self._count)
+
+    @property
+    def offered(self) -> int:
+        return self.heard.outlet.feed(PICTURE).latest().serial
+
+    @property
+    def last(self) -> Picture:
+        value = self.heard.outlet.feed(PICTURE).latest().value
+        assert isinstance(value, Picture)
+        return value
+
+    @property
+    def pixels(self) -> Pixels:
+        last = self.last
+        return np.frombuffer(last.rgb, np.uint8).reshape(last.height, last.width, 3)
+
+
+@pytest.fixture
+async def seats(tmp_path: Path) -> AsyncIterator[list[Seat]]:
+    made: list[Seat] = []
+    yield made
+    for seat in made:
+        await seat.camera.close()
+
+
+async def opened(seats: list[Seat], folder: Path, **more: object) -> Seat:
+    seat = Seat(folder, **more)
+    seats.append(seat)
+    await seat.camera.open()
+    await until(seat.pipe.connected)
+    return seat
+
+
+async def test_pictures_come_while_somebody_watches_and_no_longer(
+    seats: list[Seat], tmp_path: Path
+) -> None:
+    seat = await opened(seats, tmp_path)
+    made = with_block(3, 4, 2)
+    await seat.film(made)
+    assert seat.offered == 0, "nobody watches"
+    seat.watch(2.0)
+    await seat.film(made)
+    assert seat.offered == 1
+    assert np.array_equal(seat.pixels, made)
+    seat.clock.advance(2.0)
+    await seat.film(made)
+    assert seat.offered == 1, "the watch is over"
+
+
+async def test_no_more_pictures_than_twice_the_wanted_rate(
+    seats: list[Seat], tmp_path: Path
+) -> None:
+    seat = await opened(seats, tmp_path)
+    seat.watch(60.0, rate=4.0)
+    for _ in range(32):
+        await seat.film(with_block(3, 4))
+        seat.clock.advance(1 / 32)
+    assert seat.offered == 8
+    assert seat.last.t_us == 875_000
+
+
+@pytest.mark.parametrize(
+    ("mirror", "flip", "corner"),
+    [
+        (False, False, (4, 3)),
+        (True, False, (4, 16)),
+        (False, True, (10, 3)),
+        (True, True, (10, 16)),
+    ],
+)
+async def test_a_turned_camera_is_turned_back(
+    seats: list[Seat], tmp_path: Path, mirror: bool, flip: bool, corner: tuple[int, int]
+) -> None:
+    seat = await opened(seats, tmp_path, mirror=mirror, flip=flip)
+    seat.watch(2.0)
+    await seat.film(with_block(3, 4))
+    assert np.argwhere(seat.pixels[:, :, 1] == 200).tolist() == [list(corner)]
+
+
+@pytest.mark.parametrize(
+    ("width", "wanted", "gets"), [(640, 640, 640), (640, 200, 214), (640, 9000, 640)]
+)
+def test_pictures_of_planes_keep_their_size(width: int, wanted: int, gets: int) -> None:
+    made = with_block(100, 60, 40, width, 480)
+    shown = Layout(width, 480, "yuv420", width).whole(planes(made, width), wanted)
+    assert shown.shape[1] == gets
+    step = -(-width // gets)
+    assert np.abs(shown.astype(int) - made[::step, ::step].astype(int)).max() <= 4
+
+
+@given(st.integers(1, 40), st.integers(1, 40), st.integers(1, 60), st.integers(0, 3))
+@settings(max_examples=60, deadline=None)
+def test_planes_of_any_size(width: int, height: int, wanted: int, padding: int) -> None:
+    layout = Layout(width, height, "yuv420", width + padding)
+    shown = layout.whole((bytes(range(256)) * 20)[: layout.size], wanted)
+    assert shown.shape[0] >= 1
+    assert min(width, wanted) <= shown.shape[1] <= max(width, wanted)

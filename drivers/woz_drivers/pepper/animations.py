@@ -1,0 +1,89 @@
+"""Animations: whole movements of the body that are stored on the robot."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from typing import ClassVar
+
+from woz_drivers.pepper.animations_known import path_of
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_calls import LONG_S, Endings
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import text
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.messages import Json
+
+LANE = "body"
+
+
+class Animations:
+    """Plays one animation at a time. The robot ends it when the call is cancelled."""
+
+    name: ClassVar[str] = "animations"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._endings = Endings()
+        self._playing = ""
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """`play`."""
+        return (
+            Verb(
+                "play",
+                "play an animation of the robot",
+                (Argument("move", "text", "its path, or its short name such as Hey_1", True),),
+                lane=LANE,
+                limit_s=600.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Play it to its end."""
+        path = path_of(text(job.args, "move"))
+        await self._endings.settled()
+        self._playing = path
+        try:
+            await self._robot.call("ALAnimationPlayer", "run", path, within=LONG_S)
+        except asyncio.CancelledError:
+            self._endings.send(self._end(path))
+            raise
+        except (Lost, Rejected):
+            raise
+        except DriverError as error:
+            raise DriverError(
+                f"{path} was not played: {error.what}",
+                error.remedy
+                or "check the path; `naoqi: ALBehaviorManager.getInstalledBehaviors`"
+                " lists what the robot has",
+            ) from error
+        finally:
+            self._playing = ""
+        return {"move": path}
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """End the animation under way."""
+        if scope is not Scope.ALL or not self._playing:
+            return ()
+        await self._end(self._playing)
+        return (self.name,)
+
+    async def connected(self) -> None:
+        """Nothing to set."""
+
+    def lost(self) -> None:
+        """Nothing is kept."""
+
+    async def read(self) -> Mapping[str, Json]:
+        """It has no settings."""
+        return {}
+
+    async def close(self) -> None:
+        """End what is on its way."""
+        await self._endings.close()
+
+    async def _end(self, path: str) -> None:
+        """The job's cancelled call ends it where the robot listens to that; this ends it anyway."""
+        await self._robot.call("ALBehaviorManager", "stopBehavior", path)

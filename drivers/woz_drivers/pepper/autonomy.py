@@ -1,0 +1,160 @@
+"""What the robot does by itself: autonomous life, awareness, blinking, breathing, distances kept.
+
+The robot changes all of this by itself, too; therefore it is read back all the time, and nothing is
+taken for granted because it was set once.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import ClassVar
+
+from woz_drivers.pepper.autonomy_settings import ABILITIES, CHAINS, DISTANCES, FLAGS
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_calls import LOOK_S, Call, answers
+from woz_drivers.pepper.settings import ENGAGEMENT_MODES, STATES, PepperSettings
+from woz_drivers.simulated.values import number
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+LIFE, AWARENESS, MOTION = "ALAutonomousLife", "ALBasicAwareness", "ALMotion"
+LANE = "settings"
+#: A change of state may wake the robot up, or put it to rest, before it returns.
+STATE_S = 20.0
+_METRES = Range(0.0, 5.0, "m")
+
+
+class Autonomy:
+    """Switches of the robot's autonomy, and the distances that it keeps."""
+
+    name: ClassVar[str] = "autonomy"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._settings = settings.autonomy
+        self._outlet = outlet
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """`autonomy` and `collision`; what is not named is left as it is."""
+        states, modes = (tuple(filter(None, one)) for one in (STATES, ENGAGEMENT_MODES))
+        choices = (
+            Argument("state", "choice", "autonomous life", choices=states),
+            Argument("awareness", "flag", FLAGS["awareness"]),
+            Argument("engagement", "choice", "how steadfast awareness is", choices=modes),
+        )
+        flags = [Argument(name, "flag", what) for name, what in FLAGS.items()]
+        return (
+            Verb(
+                "autonomy",
+                "change what the robot does by itself",
+                (*choices, *(flag for flag in flags if flag.name != "awareness")),
+                lane=LANE,
+                limit_s=STATE_S + 5.0,
+                brief=True,
+            ),
+            Verb(
+                "collision",
+                "change which distances the robot keeps when it moves",
+                tuple(
+                    Argument(name, "number", f"metres kept from {what}", range=_METRES)
+                    for name, (what, _) in DISTANCES.items()
+                ),
+                lane=LANE,
+                limit_s=10.0,
+                brief=True,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Set what was named; the rest is set even if the robot refuses one of them."""
+        wanted = {name: value for name, value in job.args.items() if value is not None}
+        if not wanted:
+            raise Rejected(f"{job.verb} was told nothing", "name what to change and its value")
+        if job.verb == "collision":
+            wanted = {name: number(wanted, name) for name in wanted}
+        elif job.verb != "autonomy":
+            raise Rejected(f"autonomy cannot {job.verb!r}")
+        refused = await self._set(wanted)
+        if refused:
+            which = "; ".join(f"{name}: {error.what}" for name, error in refused.items())
+            kept = [name for name in wanted if name not in refused]
+            also = f"; {', '.join(kept)} did change" if kept else ""
+            raise DriverError(
+                f"the robot did not change {which}{also}", "look at the robot's settings"
+            )
+        return dict(wanted)
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """Autonomous life is left as it is: what it moves now ends with the stop of motion."""
+        return ()
+
+    async def connected(self) -> None:
+        """Apply what the robot file says; what the robot refuses is told."""
+        wanted = asked_for(self._settings)
+        for name, error in (await self._set(wanted)).items():
+            self._outlet.notice("warning", f"{name} could not be set: {error.what}", error.remedy)
+
+    def lost(self) -> None:
+        """Nothing is kept."""
+
+    async def read(self) -> Mapping[str, Json]:
+        """All of it as the robot has it now."""
+        ask = self._robot.call
+        calls = {
+            "state": ask(LIFE, "getState", within=LOOK_S),
+            "engagement": ask(AWARENESS, "getEngagementMode", within=LOOK_S),
+        }
+        for name, service in ABILITIES.items():
+            calls[name] = ask(service, "isEnabled", within=LOOK_S)
+        for name, chain in CHAINS.items():
+            calls[name] = ask(MOTION, "getBreathEnabled", chain, within=LOOK_S)
+        for name, (_, which) in DISTANCES.items():
+            calls[name] = ask(MOTION, f"get{which}SecurityDistance", within=LOOK_S)
+        values = await answers(calls)
+        return {
+            name: round(float(value), 3) if name in DISTANCES else value
+            for name, value in values.items()
+        }
+
+    async def close(self) -> None:
+        """Nothing to let go."""
+
+    async def _set(self, wanted: Mapping[str, Json]) -> dict[str, DriverError]:
+        """Set these in an order that works; returns what the robot refused, and why.
+
+        The state comes first, as it switches most of the others by itself; breathing of the whole
+        body before that of its parts, as it switches them, too. Raises `Lost`.
+        """
+        order = ("state", "awareness", "engagement", *ABILITIES, *CHAINS, *DISTANCES)
+        refused: dict[str, DriverError] = {}
+        for name in dict.fromkeys(order):
+            if name not in wanted:
+                continue
+            try:
+                await self._one(name, wanted[name])
+            except Lost:
+                raise
+            except DriverError as error:
+                refused[name] = error
+        return refused
+
+    def _one(self, name: str, value: Json) -> Call:
+        call = self._robot.call
+        if name == "state":
+            return call(LIFE, "setState", value, within=STATE_S)
+        if name == "engagement":
+            return call(AWARENESS, "setEngagementMode", value)
+        if name in ABILITIES:
+            return call(ABILITIES[name], "setEnabled", value)
+        if name in CHAINS:
+            return call(MOTION, "setBreathEnabled", CHAINS[name], value)
+        return call(MOTION, f"set{DISTANCES[name][1]}SecurityDistance", float(str(value)))
+
+
+def asked_for(settings: object) -> dict[str, Json]:
+    """What a section `autonomy` of the robot file asks for, by name; the rest is left alone."""
+    names = ("state", "engagement", *FLAGS, *DISTANCES)
+    found = {name: getattr(settings, name) for name in names}
+    return {name: value for name, value in found.items() if value is not None and value != ""}

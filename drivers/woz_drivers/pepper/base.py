@@ -1,0 +1,122 @@
+"""The base: driving and turning from where it stands."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import Mapping
+from typing import ClassVar
+
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_calls import LOOK_S, Endings, answers
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import number
+from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+MOTION = "ALMotion"
+#: Speeds that a Pepper drives at unless it is told otherwise; the expected time is made of them.
+M_S, RAD_S = 0.35, 1.0
+#: It starts and brakes gently, and goes round what it can: it may take so much longer.
+SLACK_FACTOR, SLACK_S = 4.0, 10.0
+#: Slower than this it stands (m/s, rad/s); how often it is asked while it comes to a halt.
+STILL, ASK_S = 0.01, 0.03
+_METRES = Range(-5, 5, "m")
+
+
+class Base:
+    """Three wheels by `ALMotion.moveTo`; the posture stays as it is."""
+
+    name: ClassVar[str] = "driving"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._endings = Endings()
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """`drive`."""
+        return (
+            Verb(
+                "drive",
+                "drive and turn from where it stands",
+                (
+                    Argument("x", "number", "metres forward", False, 0.0, _METRES),
+                    Argument("y", "number", "metres to the left", False, 0.0, _METRES),
+                    Argument("turn", "number", "degrees to the left", False, 0.0, Range(-360, 360)),
+                ),
+                lane="base",
+                drives=True,
+                limit_s=120.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Drive there; fails with a sentence when something is in the way."""
+        x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
+        if x == y == turn == 0.0:
+            raise Rejected("there is nowhere to drive", "give x, y or turn")
+        await self._endings.settled()
+        # A robot that was silent for a while must not set off when it wakes from that.
+        await self._robot.probe()
+        if not await self._robot.call(MOTION, "robotIsWakeUp"):
+            raise DriverError("the robot is at rest and cannot drive", "wake it: `torque: true`")
+        seconds = max(math.hypot(x, y) / M_S, abs(math.radians(turn)) / RAD_S)
+        job.expects(seconds)
+        arrived = await self._drive(x, y, math.radians(turn), seconds * SLACK_FACTOR + SLACK_S)
+        if arrived is False:
+            raise DriverError(*await self._why())
+        return {"x": x, "y": y, "turn": turn}
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """Brake; returns when the robot says that it stands."""
+        await self._robot.call(MOTION, "stopMove")
+        while not _still(await self._robot.call(MOTION, "getRobotVelocity")):  # noqa: ASYNC110
+            await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
+        return (self.name,)
+
+    async def connected(self) -> None:
+        """Nothing to set."""
+
+    def lost(self) -> None:
+        """Nothing is kept."""
+
+    async def read(self) -> Mapping[str, Json]:
+        """It has no settings; the distances that it keeps are with the autonomy."""
+        return {}
+
+    async def close(self) -> None:
+        """End what is on its way."""
+        await self._endings.close()
+
+    async def _drive(self, x: float, y: float, turn: float, within: float) -> object:
+        try:
+            return await self._robot.call(MOTION, "moveTo", x, y, turn, within=within)
+        except (asyncio.CancelledError, DriverError):
+            # Cut short, or no answer in time: it must not drive on by itself.
+            self._endings.send(self._robot.call(MOTION, "stopMove"))
+            raise
+
+    async def _why(self) -> tuple[str, str]:
+        """A sentence and a remedy for a drive that ended before its goal."""
+        call = self._robot.call
+        kept = await answers(
+            {
+                "ahead": call(MOTION, "getOrthogonalSecurityDistance", within=LOOK_S),
+                "beside": call(MOTION, "getTangentialSecurityDistance", within=LOOK_S),
+            }
+        )
+        distances = " and ".join(f"{metres:.2f} m {where}" for where, metres in kept.items())
+        within = f" (it keeps {distances})" if distances else ""
+        return (
+            f"the robot did not arrive: something is within its security distance{within},"
+            " or an animation has its body",
+            "clear the way, or let it keep less distance with `collision`; then drive again",
+        )
+
+
+def _still(velocity: object) -> bool:
+    if not isinstance(velocity, list | tuple):
+        return True
+    return all(abs(float(speed)) < STILL for speed in velocity)

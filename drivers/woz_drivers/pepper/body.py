@@ -1,0 +1,184 @@
+"""The body: postures, poses of single joints, motors on and off, and the stop of all motion."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable, Mapping
+from typing import ClassVar
+
+from woz_drivers.pepper.body_joints import checked, native
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Call, Endings, answers
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import positive, text
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+MOTION, POSTURE = "ALMotion", "ALRobotPosture"
+LANE = "body"
+#: Below this a joint is slack and would not follow; what `wakeUp` gives it.
+SLACK, STIFF = 0.1, 1.0
+#: Share of the full speed at which a posture is taken; `home` in one second goes at the default.
+SPEED = Range(0.05, 1.0)
+DEFAULT_SPEED = 0.5
+SHORTEST_S = 0.1
+_SECONDS = Range(0, 60, "s")
+
+
+class Body:
+    """Joints and postures by ALMotion and ALRobotPosture."""
+
+    name: ClassVar[str] = "motion"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._settings = settings
+        self._endings = Endings()
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """`posture`, `pose`, `home` and `torque`."""
+        seconds = Argument("seconds", "seconds", "time it takes", False, 1.0, _SECONDS)
+        speed = Argument("speed", "number", "share of full speed", False, DEFAULT_SPEED, SPEED)
+        return (
+            Verb(
+                "posture",
+                "take a posture of the robot",
+                (Argument("name", "text", "Stand, StandInit, StandZero, Crouch", True), speed),
+                lane=LANE,
+                limit_s=60.0,
+            ),
+            Verb(
+                "pose",
+                "move joints to angles in degrees, together",
+                (Argument("joints", "joints", "degrees by joint; hands 0 to 1", True), seconds),
+                lane=LANE,
+                limit_s=70.0,
+            ),
+            Verb("home", "stand upright again", (seconds,), lane=LANE, limit_s=60.0),
+            Verb(
+                "torque",
+                "wake up, or go to rest and switch the motors off",
+                (Argument("on", "flag", "motors on", required=True),),
+                lane=LANE,
+                limit_s=60.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Move; ends when the robot is there."""
+        await self._endings.settled()
+        match job.verb:
+            case "posture":
+                speed = float(str(job.args.get("speed", DEFAULT_SPEED)))
+                return await self.take(text(job.args, "name"), speed)
+            case "pose":
+                return await self._pose(job)
+            case "home":
+                seconds = max(positive(job.args, "seconds", 1.0), SHORTEST_S)
+                speed = min(max(DEFAULT_SPEED / seconds, SPEED.low or 0.0), 1.0)
+                return await self.take("Stand", round(speed, 3))
+            case "torque":
+                return await self._torque(job)
+        raise Rejected(f"the body cannot {job.verb!r}")
+
+    async def take(self, posture: str, speed: float) -> dict[str, Json]:
+        """Go to a posture. Raises `DriverError` if the robot did not get there."""
+        if not posture.strip():
+            raise Rejected("no posture was named", "Stand, StandInit, StandZero or Crouch")
+        reached = await self._moving(
+            self._robot.call(POSTURE, "goToPosture", posture, speed, within=LONG_S),
+            lambda: self._robot.call(POSTURE, "stopMove"),
+        )
+        if reached is False:
+            raise DriverError(
+                f"the posture {posture} was not reached",
+                "wake the robot up (`torque: true`), give its arms room, and check the name",
+            )
+        return {"name": posture, "speed": speed}
+
+    async def rest(self) -> None:
+        """How the robot is left alone: the posture of the robot file, otherwise at rest."""
+        if self._settings.posture:
+            await self.take(self._settings.posture, DEFAULT_SPEED)
+        else:
+            await self._robot.call(MOTION, "rest", within=LONG_S)
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """End every movement of every joint and of the wheels, whoever began it."""
+        if scope is not Scope.ALL:
+            return ()
+        await self._robot.call(MOTION, "killAll")
+        return (self.name,)
+
+    async def connected(self) -> None:
+        """Nothing to set: a robot that sleeps is not woken by being looked at."""
+
+    def lost(self) -> None:
+        """Nothing is kept."""
+
+    async def read(self) -> Mapping[str, Json]:
+        """Whether the motors are on, and in which posture it is."""
+        call = self._robot.call
+        return await answers(
+            {
+                "awake": call(MOTION, "robotIsWakeUp", within=LOOK_S),
+                "posture": call(POSTURE, "getPosture", within=LOOK_S),
+            }
+        )
+
+    async def close(self) -> None:
+        """End what is on its way."""
+        await self._endings.close()
+
+    async def _pose(self, job: Job) -> dict[str, Json]:
+        pose = checked(job.args.get("joints"))
+        seconds = max(positive(job.args, "seconds", 1.0), SHORTEST_S)
+        names = list(pose)
+        await hold(self._robot, names)
+        job.expects(seconds)
+        angles = [native(name, angle) for name, angle in pose.items()]
+        await self._moving(
+            self._robot.call(
+                *(MOTION, "angleInterpolation", names, angles, [seconds] * len(names), True),
+                within=seconds + LONG_S,
+            ),
+            lambda: self._let_go(names),
+        )
+        return {"joints": dict(pose), "seconds": seconds}
+
+    async def _torque(self, job: Job) -> dict[str, Json]:
+        on = job.args.get("on")
+        if not isinstance(on, bool):
+            raise Rejected(f"the motors are switched on or off, not {on!r}")
+        await self._moving(
+            self._robot.call(MOTION, "wakeUp" if on else "rest", within=LONG_S),
+            lambda: self._robot.call(MOTION, "killAll"),
+        )
+        return {"on": on}
+
+    async def _moving(self, call: Call, end: Callable[[], Call]) -> object:
+        """Carry a movement to its end; one that is cut short ends on the robot, too."""
+        try:
+            return await call
+        except asyncio.CancelledError:
+            self._endings.send(end())
+            raise
+
+    async def _let_go(self, joints: list[str]) -> None:
+        """End what moves these joints; all motion where the robot cannot end it for some alone."""
+        try:
+            await self._robot.call(MOTION, "killTasksUsingResources", joints)
+        except Lost:
+            raise
+        except DriverError:
+            await self._robot.call(MOTION, "killAll")
+
+
+async def hold(robot: Robot, names: list[str]) -> None:
+    """Switch on the motors of those joints that are slack: they would not follow."""
+    now = await robot.call(MOTION, "getStiffnesses", names)
+    slack = [name for name, stiffness in zip(names, now, strict=False) if stiffness < SLACK]
+    if slack:
+        await robot.call(MOTION, "setStiffnesses", slack, STIFF)

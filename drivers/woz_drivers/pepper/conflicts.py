@@ -1,0 +1,78 @@
+"""Settings that work against each other, or against the wizard, in sentences."""
+
+from __future__ import annotations
+
+from collections.abc import Collection, Mapping
+
+from woz_tui.core.messages import Json
+
+#: Closer than this the robot touches what it passes, in metres; 0.1 is what NAOqi begins with.
+NEAR_M = 0.1
+#: States of autonomous life in which the robot begins things by itself.
+BUSY = ("solitary", "interactive")
+STEERS_HEAD = ("gaze", "nudge")
+GESTURES = ("play", "pose")
+
+
+def conflicts(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+    """What may surprise the wizard.
+
+    Args:
+        values: Settings as the robot has them; what is missing is unknown and no conflict.
+        used: Verbs that were performed so far.
+    """
+    said = [*_life(values), *_head(values, used), *_arms(values, used), *_eyes(values, used)]
+    said += _distances(values)
+    return said
+
+
+def _life(values: Mapping[str, Json]) -> list[str]:
+    state, awake = values.get("state"), values.get("awake")
+    if state in BUSY:
+        return [f"autonomous life is {state}: the robot moves and talks by itself"]
+    if state == "safeguard":
+        return ["autonomous life is safeguard: the robot protects itself and may not obey"]
+    if state == "disabled" and awake is False:
+        return ["autonomous life is disabled and the motors are off: nothing moves until torque"]
+    if awake is False:
+        return ["the motors are off: nothing moves until torque"]
+    return []
+
+
+def _head(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+    if not any(verb in used for verb in STEERS_HEAD):
+        return []
+    said = []
+    if values.get("awareness") is True:
+        said.append("awareness turns the head away from where the wizard has turned it")
+    if _breathes(values, "head_breathing"):
+        said.append("the head breathes while the wizard turns it")
+    return said
+
+
+def _arms(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+    said = []
+    if any(verb in used for verb in GESTURES) and _breathes(values, "arms_breathing"):
+        said.append("the arms breathe: animations and poses begin and end with a jerk")
+    if "say" in used and values.get("speaking_movement") is True:
+        said.append("speaking movement adds gestures of its own to those in a sentence's tags")
+    return said
+
+
+def _eyes(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+    if "eyes" in used and values.get("blinking") is True:
+        return ["blinking darkens the eyes now and then, whatever their colour"]
+    return []
+
+
+def _distances(values: Mapping[str, Json]) -> list[str]:
+    said = []
+    for name in ("tangential", "orthogonal"):
+        metres = values.get(name)
+        if isinstance(metres, int | float) and not isinstance(metres, bool) and metres < NEAR_M:
+            said.append(f"the {name} security distance is {metres:g} m: the robot may hit people")
+    return said
+
+
+def _breathes(values: Mapping[str, Json], part: str) -> bool:
+    return values.get(part) is True or values.get("body_breathing") is True

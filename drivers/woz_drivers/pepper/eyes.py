@@ -1,0 +1,267 @@
+"""The lights of the eyes: a colour, one that blinks or comes and goes, and three animations.
+
+A brightness below 1 dims every colour that is shown. Blinking is done from here, so that it ends
+at once with the next command and with the stop. The three animations are the robot's own; NAOqi
+has no call that ends one, so they are asked for a second at a time: after a stop the colour of
+before is set at once, and again when the second is over.
+"""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Mapping
+from typing import ClassVar
+
+from woz_drivers.pepper.eyes_color import BLACK, WHITE, Color
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_calls import LOOK_S, Endings
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import color as color_of
+from woz_drivers.simulated.values import number, positive, word
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+LEDS = "ALLeds"
+GROUP, ONE_LIGHT = "FaceLeds", "RightFaceLed1"
+LANE = "face"
+ANIMATIONS = ("steady", "blink", "intermittent")
+KINDS = ("rasta", "random", "rotate")
+#: Blinking lids, in seconds: open, and closed.
+OPEN_S, CLOSED_S = 3.5, 0.15
+#: A light that comes and goes, in seconds: each of its two fades.
+FADE_S = 0.6
+#: One turn of the rotating light, and how long the colour of before takes to come back.
+TURN_S, BACK_S = 1.0, 0.2
+#: An animation is asked for in pieces so long: one turn of the rotating light.
+SLICE_S = TURN_S
+LONGEST = Range(0, 3600, "s")
+#: A fade's call returns when the fade is over; it may take so much longer.
+MARGIN_S = 5.0
+
+
+class Eyes:
+    """Both eyes together."""
+
+    name: ClassVar[str] = "eyes"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._settings = settings
+        self._outlet = outlet
+        self._endings = Endings()
+        #: Shown last by command, undimmed; None: whatever the robot shows by itself.
+        self._shown: Color | None = None
+        self._level = 1.0
+        self._loop: asyncio.Task[None] | None = None
+        self._animated = False
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """A colour, an animation, the brightness."""
+        return (
+            Verb(
+                "eyes",
+                "colour the eyes",
+                (
+                    Argument("color", "text", "a name or #rrggbb; off", required=True),
+                    Argument(
+                        "animation",
+                        "choice",
+                        "steady, blinking lids, or a light that comes and goes",
+                        default="steady",
+                        choices=ANIMATIONS,
+                    ),
+                    Argument("seconds", "seconds", "fade to it", False, 0.0, LONGEST),
+                ),
+                lane=LANE,
+                limit_s=60.0,
+            ),
+            Verb(
+                "eyes_animation",
+                "play an animation of the eyes; the colour of before comes back",
+                (
+                    Argument("kind", "choice", required=True, choices=KINDS),
+                    Argument("seconds", "seconds", "how long", False, 3.0, LONGEST),
+                    Argument("color", "text", "of the rotating light", False, "white"),
+                ),
+                lane=LANE,
+                limit_s=60.0,
+            ),
+            Verb(
+                "eyes_brightness",
+                "dim the eyes",
+                (Argument("level", "number", "0 dark, 1 full", True, None, Range(0, 1)),),
+                lane=LANE,
+                limit_s=5.0,
+                brief=True,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Show it; a fade and an animation take their time."""
+        await self._endings.settled()
+        match job.verb:
+            case "eyes":
+                return await self._color(job)
+            case "eyes_animation":
+                return await self._animation(job)
+            case "eyes_brightness":
+                level = min(max(number(job.args, "level"), 0.0), 1.0)
+                await self._dim(level)
+                return {"level": level}
+        raise Rejected(f"the eyes cannot {job.verb!r}")
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """Hold a steady light; nothing to do where nothing moves."""
+        if scope is not Scope.ALL or not (self._loop or self._animated):
+            return ()
+        self._end_loop()
+        await self._fade(await self._before(), 0.0)
+        return (self.name,)
+
+    async def connected(self) -> None:
+        """Show what the robot file says; after a loss, what was shown."""
+        self.lost()
+        if self._settings.eyes and self._shown is None:
+            self._shown = Color.of(color_of({"color": self._settings.eyes}, "color"))
+        if self._shown is not None:
+            try:
+                await self._fade(self._shown, 0.0)
+            except Lost:
+                raise
+            except DriverError as error:
+                self._outlet.notice("warning", f"the eyes stay as they are: {error.what}")
+
+    def lost(self) -> None:
+        """Blinking ends."""
+        self._end_loop()
+        self._animated = False
+
+    async def read(self) -> Mapping[str, Json]:
+        """The colour (undimmed where it is the one asked for) and the brightness, 0 to 1.
+
+        While the light blinks or plays, both are those that it does so with.
+        """
+        if self._shown is not None and (self._loop or self._animated):
+            return {"eyes": self._shown.text, "eyes_brightness": round(self._level, 3)}
+        seen = Color.read_back(
+            await self._robot.call(LEDS, "getIntensity", ONE_LIGHT, within=LOOK_S)
+        )
+        if seen is None:
+            return {}
+        if self._shown is not None and seen.close_to(self._shown.dimmed(self._level)):
+            return {"eyes": self._shown.text, "eyes_brightness": round(self._level, 3)}
+        return {"eyes": seen.text, "eyes_brightness": round(seen.brightness, 3)}
+
+    async def close(self) -> None:
+        """End what blinks; the light stays."""
+        loop = self._loop
+        self._end_loop()
+        if loop is not None:
+            await asyncio.wait([loop])
+        await self._endings.close()
+
+    # -- verbs -----------------------------------------------------------------------------------
+
+    async def _color(self, job: Job) -> dict[str, Json]:
+        shown = Color.of(color_of(job.args, "color"))
+        animation = word(
+            {"animation": job.args.get("animation", "steady")}, "animation", ANIMATIONS
+        )
+        seconds = positive(job.args, "seconds", 0.0)
+        self._end_loop()
+        job.expects(seconds)
+        self._shown = shown
+        await self._fade(shown, seconds)
+        if animation != "steady":
+            self._loop = asyncio.get_running_loop().create_task(
+                self._repeat(animation), name="pepper eyes"
+            )
+        return {"color": shown.text, "animation": animation}
+
+    async def _animation(self, job: Job) -> dict[str, Json]:
+        kind = word(job.args, "kind", KINDS)
+        seconds = positive(job.args, "seconds", 3.0)
+        light = Color.of(color_of({"color": job.args.get("color", "white")}, "color"))
+        self._end_loop()
+        before = await self._before()
+        job.expects(seconds)
+        self._animated = True
+        left = seconds
+        while left > 0:
+            await self._slice(kind, light, min(left, SLICE_S), before)
+            left = round(left - SLICE_S, 6)
+        self._animated = False
+        await self._fade(before, BACK_S)
+        return {"kind": kind, "seconds": seconds}
+
+    async def _dim(self, level: float) -> None:
+        """NAOqi sets all parts of the lights to a level; the colour is put back upon it."""
+        shown = self._shown or await self._before()
+        await self._robot.call(LEDS, "setIntensity", GROUP, level)
+        self._level = level
+        self._shown = shown
+        if not self._loop:
+            await self._fade(shown, 0.0)
+
+    # -- lights ----------------------------------------------------------------------------------
+
+    async def _slice(self, kind: str, light: Color, seconds: float, before: Color) -> None:
+        """A piece of an animation. Cut short, the colour of before comes back behind it."""
+        match kind:
+            case "rasta":
+                call = self._robot.call(LEDS, "rasta", seconds, within=seconds + MARGIN_S)
+            case "random":
+                call = self._robot.call(LEDS, "randomEyes", seconds, within=seconds + MARGIN_S)
+            case _:
+                call = self._robot.call(
+                    *(LEDS, "rotateEyes", light.number, TURN_S, seconds), within=seconds + MARGIN_S
+                )
+        playing = asyncio.get_running_loop().create_task(call, name="pepper eyes")
+        try:
+            await asyncio.shield(playing)
+        except asyncio.CancelledError:
+            self._endings.send(self._after(playing, before))
+            raise
+
+    async def _after(self, playing: asyncio.Task[object], before: Color) -> None:
+        """NAOqi ends no animation early: cover it now, and once more when it is over."""
+        await self._fade(before, 0.0)
+        await asyncio.wait([playing])
+        playing.exception()
+        self._animated = False
+        await self._fade(before, 0.0)
+
+    async def _fade(self, shown: Color, seconds: float) -> None:
+        red, green, blue = shown.dimmed(self._level).parts
+        await self._robot.call(
+            *(LEDS, "fadeRGB", GROUP, red, green, blue, float(seconds)), within=seconds + MARGIN_S
+        )
+
+    async def _before(self) -> Color:
+        """The colour asked for last, otherwise what is seen now."""
+        if self._shown is not None:
+            return self._shown
+        seen = Color.read_back(await self._robot.call(LEDS, "getIntensity", ONE_LIGHT))
+        return WHITE if seen is None else seen
+
+    async def _repeat(self, animation: str) -> None:
+        """Blink, or let the light come and go, until it is ended or the robot is gone."""
+        try:
+            while True:
+                if animation == "blink":
+                    await asyncio.sleep(OPEN_S)
+                    await self._fade(BLACK, 0.0)
+                    await asyncio.sleep(CLOSED_S)
+                    await self._fade(self._shown or WHITE, 0.0)
+                else:
+                    await self._fade(BLACK, FADE_S)
+                    await self._fade(self._shown or WHITE, FADE_S)
+        except DriverError as error:
+            self._outlet.notice("warning", f"the eyes stopped to {animation}: {error.what}")
+
+    def _end_loop(self) -> None:
+        if self._loop is not None:
+            self._loop.cancel()
+            self._loop = None

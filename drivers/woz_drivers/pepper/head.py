@@ -1,0 +1,172 @@
+"""Head and hip: directions to look into, and steps from where they are.
+
+Both go by `ALMotion.setAngles`, which takes the newest goal at once; steps add up from the goal of
+the last one, so that a key that is held down loses none of them.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+from woz_drivers.pepper.body import MOTION, SLACK, STIFF
+from woz_drivers.pepper.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import number
+from woz_tui.core.clock import Clock
+from woz_tui.core.driver import Argument, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+#: Share of the joints' full speed.
+HEAD_SPEED, HIP_SPEED = 0.2, 0.1
+#: A step that comes so soon after the last one goes on from its goal; later ones from where the
+#: robot looks then: it may have been moved by something else. The motors are asked as seldom.
+RECENT_US = 1_500_000
+_DEGREES = Range(-180, 180, "degrees")
+_STEP = Range(-90, 90, "degrees")
+
+
+@dataclass
+class Pair:
+    """Two joints that move together: a chain of NAOqi, and what of it was asked for last."""
+
+    robot: Robot
+    clock: Clock
+    chain: str
+    joints: tuple[str, str]
+    speed: float
+    nearest: Callable[[float, float], tuple[float, float]]
+    goal: tuple[float, float] = (0.0, 0.0)
+    moved_us: int | None = field(default=None)
+
+    async def to(self, first: float, second: float) -> tuple[float, float]:
+        """Go to these degrees, or to the nearest that can be taken; returns those."""
+        if not self._recent():
+            await self._hold()
+        return await self._send(*self.nearest(first, second))
+
+    async def by(self, first: float, second: float) -> tuple[float, float]:
+        """Go so many degrees further."""
+        if not self._recent():
+            await self._hold()
+            now = await self.robot.call(MOTION, "getAngles", list(self.joints), False)
+            self.goal = math.degrees(now[0]), math.degrees(now[1])
+        return await self._send(*self.nearest(self.goal[0] + first, self.goal[1] + second))
+
+    def forget(self) -> None:
+        """Something else has moved it, or may have."""
+        self.moved_us = None
+
+    def _recent(self) -> bool:
+        return self.moved_us is not None and self.clock.now_us() - self.moved_us < RECENT_US
+
+    async def _hold(self) -> None:
+        """Switch the motors on if they are slack: the joints would not follow."""
+        stiffness = await self.robot.call(MOTION, "getStiffnesses", list(self.joints))
+        if min(stiffness) < SLACK:
+            await self.robot.call(MOTION, "setStiffnesses", self.chain, STIFF)
+
+    async def _send(self, first: float, second: float) -> tuple[float, float]:
+        angles = [math.radians(first), math.radians(second)]
+        await self.robot.call(MOTION, "setAngles", list(self.joints), angles, self.speed)
+        self.goal, self.moved_us = (first, second), self.clock.now_us()
+        return self.goal
+
+
+class Head:
+    """`gaze`, `nudge` and `hip`. What they began ends with the stop of all motion (`Body`)."""
+
+    name: ClassVar[str] = "head"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        clock = outlet.clock
+        self._head = Pair(robot, clock, "Head", (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
+        self._hip = Pair(robot, clock, "Leg", (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """Directions and steps of the head, steps of the hip."""
+        return (
+            Verb(
+                "gaze",
+                "look into a direction",
+                (
+                    Argument("yaw", "number", "degrees, left is positive", True, None, _DEGREES),
+                    Argument("pitch", "number", "degrees, down is positive", False, 0.0, _DEGREES),
+                ),
+                lane="head",
+                stream=True,
+                limit_s=5.0,
+            ),
+            Verb(
+                "nudge",
+                "turn the head a step from where it looks",
+                (
+                    Argument("yaw", "number", "degrees, left is positive", False, 0.0, _STEP),
+                    Argument("pitch", "number", "degrees, down is positive", False, 0.0, _STEP),
+                ),
+                lane="head",
+                limit_s=5.0,
+                brief=True,
+            ),
+            Verb(
+                "hip",
+                "bend the hip a step from where it is",
+                (
+                    Argument("pitch", "number", "degrees, forward is positive", False, 0.0, _STEP),
+                    Argument("roll", "number", "degrees, left is positive", False, 0.0, _STEP),
+                ),
+                lane="hip",
+                limit_s=5.0,
+                brief=True,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Send the goal and return: the robot is still on its way then."""
+        names = ("pitch", "roll") if job.verb == "hip" else ("yaw", "pitch")
+        first, second = (number(job.args, name) for name in names)
+        match job.verb:
+            case "gaze":
+                goal = await self._head.to(first, second)
+                asked = first, second
+            case "nudge":
+                goal = await self._head.by(first, second)
+                asked = goal
+            case "hip":
+                goal = await self._hip.by(first, second)
+                asked = goal
+            case _:
+                raise Rejected(f"the head cannot {job.verb!r}")
+        sent: dict[str, Json] = dict(zip(names, (round(angle, 3) for angle in goal), strict=True))
+        clamped: dict[str, Json] = {
+            name: was for name, was, now in zip(names, asked, goal, strict=True) if was != now
+        }
+        if clamped:
+            sent["clamped"] = clamped
+        return sent
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """The stop of all motion holds them; the next step begins where they are then."""
+        if scope is Scope.ALL:
+            self.lost()
+        return ()
+
+    async def connected(self) -> None:
+        """Nothing to set."""
+
+    def lost(self) -> None:
+        """Where they are is not known any more."""
+        self._head.forget()
+        self._hip.forget()
+
+    async def read(self) -> Mapping[str, Json]:
+        """They have no settings."""
+        return {}
+
+    async def close(self) -> None:
+        """Nothing to let go."""

@@ -1,0 +1,97 @@
+"""Any call of any service of the robot, for what no verb is made for."""
+
+from __future__ import annotations
+
+import json
+import re
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import text
+from woz_tui.core.driver import Argument, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.messages import Json
+
+LANE = "line"
+LIMIT_S = 60.0
+_CALL = re.compile(r"(?P<service>\w+)\.(?P<method>\w+)", re.ASCII)
+
+
+class NaoqiCall:
+    """The verb `naoqi`."""
+
+    name: ClassVar[str] = "calls"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """`naoqi`."""
+        return (
+            Verb(
+                "naoqi",
+                "call any method of any service of the robot",
+                (
+                    Argument("call", "text", "Service.method, as ALMotion.getSummary", True),
+                    Argument("args", "text", 'a JSON list, as ["Head", 0.5]', False, "[]"),
+                ),
+                lane=LANE,
+                limit_s=LIMIT_S + 5.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Call it; what the robot returns is in the result."""
+        named = _CALL.fullmatch(text(job.args, "call").strip())
+        if named is None:
+            raise Rejected(
+                f"{job.args.get('call')!r} is no call", "write Service.method: ALMotion.getSummary"
+            )
+        args = _list(text(job.args, "args") or "[]")
+        result = await self._robot.call(named["service"], named["method"], *args, within=LIMIT_S)
+        return {"call": named[0], "args": args, "result": _plain(result)}
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """What a call began is ended by the stop of motion, speech and sounds."""
+        return ()
+
+    async def connected(self) -> None:
+        """Nothing to set."""
+
+    def lost(self) -> None:
+        """Nothing is kept."""
+
+    async def read(self) -> Mapping[str, Json]:
+        """It has no settings."""
+        return {}
+
+    async def close(self) -> None:
+        """Nothing to let go."""
+
+
+def _list(written: str) -> list[Json]:
+    try:
+        args = json.loads(written)
+    except ValueError as error:
+        raise Rejected(
+            f"args is no JSON list: {error}", "write for example args: '[\"Head\", 0.5]'"
+        ) from None
+    if not isinstance(args, list):
+        raise Rejected(f"args must be a list, not {written}", f"put it in brackets: [{written}]")
+    return args
+
+
+def _plain(value: Any) -> Json:
+    """What can stand in a log; raw bytes are only counted."""
+    match value:
+        case bytes() | bytearray():
+            return f"{len(value)} bytes"
+        case list() | tuple():
+            return [_plain(one) for one in value]
+        case Mapping():
+            return {str(name): _plain(one) for name, one in value.items()}
+        case None | bool() | int() | float() | str():
+            return value
+    return str(value)

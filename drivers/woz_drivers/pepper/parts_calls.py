@@ -1,0 +1,86 @@
+"""What the parts have in common when they call the robot."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Coroutine, Mapping
+from typing import Any
+
+from woz_drivers.pepper.parts import WITHIN_S
+from woz_tui.core.driver import DriverError, Lost, Outlet
+
+#: For calls that end when something has ended on the robot: longer than any of that takes. A robot
+#: that falls silent meanwhile is noticed by the connection.
+LONG_S = 3600.0
+#: A question about the robot's settings may take so long.
+LOOK_S = 0.9
+
+Call = Coroutine[Any, Any, Any]
+
+
+async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
+    """Ask everything at once; whatever the robot did not say is left out.
+
+    Raises `Lost` when nothing at all was answered because the robot is gone.
+    """
+    said = await asyncio.gather(*calls.values(), return_exceptions=True)
+    found = {}
+    for name, answer in zip(calls, said, strict=True):
+        if not isinstance(answer, BaseException):
+            found[name] = answer
+        elif not isinstance(answer, DriverError):
+            raise answer
+    if not found and said and all(isinstance(answer, Lost) for answer in said):
+        raise Lost(str(said[0]))
+    return found
+
+
+async def apply(outlet: Outlet, calls: Mapping[str, Call]) -> list[str]:
+    """Set everything at once; what the robot refuses is a warning that names it.
+
+    Returns what was set. Raises `Lost` if the robot went away meanwhile.
+    """
+    said = await asyncio.gather(*calls.values(), return_exceptions=True)
+    done = []
+    for name, answer in zip(calls, said, strict=True):
+        if isinstance(answer, DriverError) and not isinstance(answer, Lost):
+            outlet.notice("warning", f"{name} could not be set: {answer.what}", answer.remedy)
+        elif isinstance(answer, BaseException):
+            raise answer
+        else:
+            done.append(name)
+    return done
+
+
+class Endings:
+    """What must still be said to the robot after a job was cut short, without the job waiting.
+
+    The next job of the same kind waits for it: an ending that arrives late would end that one.
+    """
+
+    def __init__(self) -> None:
+        self._tasks: set[asyncio.Task[None]] = set()
+
+    def send(self, call: Call) -> None:
+        """Send it now; a robot that is gone needs no ending."""
+        task = asyncio.get_running_loop().create_task(_quietly(call), name="pepper ending")
+        self._tasks.add(task)
+        task.add_done_callback(self._tasks.discard)
+
+    async def settled(self) -> None:
+        """Return when nothing is on its way, or the robot does not answer."""
+        if self._tasks:
+            await asyncio.wait(self._tasks, timeout=WITHIN_S)
+
+    async def close(self) -> None:
+        """Give up what is left."""
+        for task in list(self._tasks):
+            task.cancel()
+        if self._tasks:
+            await asyncio.wait(self._tasks)
+
+
+async def _quietly(call: Call) -> None:
+    with contextlib.suppress(DriverError):
+        await call

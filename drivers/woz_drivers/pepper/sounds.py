@@ -1,0 +1,111 @@
+"""Sound files on the robot, played by its own player."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping
+from typing import ClassVar
+
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Endings
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import number, text
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+PLAYER = "ALAudioPlayer"
+#: Reading a long file takes the robot a moment.
+LOAD_S = 15.0
+
+
+class Sounds:
+    """One sound at a time; a file is loaded once."""
+
+    name: ClassVar[str] = "sounds"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._endings = Endings()
+        self._ids: dict[str, int] = {}
+        self._playing = ""
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """`sound`."""
+        loud = Argument("volume", "number", "0 mute, 1 full", False, 1.0, Range(0, 1))
+        return (
+            Verb(
+                "sound",
+                "play a sound file that is on the robot",
+                (Argument("file", "text", "its path on the robot", required=True), loud),
+                lane="sound",
+                limit_s=600.0,
+            ),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Play it; ends when the sound has ended."""
+        path = text(job.args, "file")
+        volume = min(max(number(job.args, "volume", 1.0), 0.0), 1.0)
+        await self._endings.settled()
+        sound = await self._loaded(path)
+        with contextlib.suppress(DriverError):  # how long it is is only for the countdown
+            job.expects(float(await self._robot.call(PLAYER, "getFileLength", sound)))
+        await self._robot.call(PLAYER, "setVolume", sound, volume)
+        self._playing = path
+        try:
+            await self._robot.call(PLAYER, "play", sound, within=LONG_S)
+        except asyncio.CancelledError:
+            self._endings.send(self._robot.call(PLAYER, "stopAll"))
+            raise
+        finally:
+            self._playing = ""
+        return {"file": path, "volume": volume}
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """Fall silent, whoever began the sound."""
+        if scope is not Scope.ALL:
+            return ()
+        await self._robot.call(PLAYER, "stopAll")
+        return (self.name,)
+
+    async def connected(self) -> None:
+        """The robot may have been started anew: what was loaded is not known any more."""
+        self._ids.clear()
+
+    def lost(self) -> None:
+        """Its ids mean nothing any more."""
+        self._ids.clear()
+
+    async def read(self) -> Mapping[str, Json]:
+        """The file being played, empty if none. What the robot has unloaded is loaded anew."""
+        there = await self._robot.call(PLAYER, "getLoadedFilesIds", within=LOOK_S)
+        if isinstance(there, list | tuple):
+            self._ids = {path: sound for path, sound in self._ids.items() if sound in there}
+        return {"sound": self._playing}
+
+    async def close(self) -> None:
+        """Free the robot's memory of the files."""
+        await self._endings.close()
+        if self._ids and self._robot.there:
+            self._ids.clear()
+            with contextlib.suppress(DriverError):
+                await self._robot.call(PLAYER, "unloadAllFiles")
+
+    async def _loaded(self, path: str) -> int:
+        if not path.strip():
+            raise Rejected("no sound file was named", "give its path on the robot")
+        if path not in self._ids:
+            try:
+                sound = await self._robot.call(PLAYER, "loadFile", path, within=LOAD_S)
+            except Lost:
+                raise
+            except DriverError as error:
+                raise DriverError(
+                    f"the robot could not load {path}: {error.what}",
+                    "the file must be on the robot: copy it there, and give its whole path",
+                ) from error
+            self._ids[path] = int(sound)
+        return self._ids[path]

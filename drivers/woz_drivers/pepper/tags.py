@@ -1,0 +1,119 @@
+r"""Tags in an utterance: which there are, and sentences about those that the robot will not take.
+
+Two families: `\rspd=80\` changes the voice from there on, `^run(animations/...)` moves the body
+meanwhile. A tag that is wrong is told and still sent as it was written: whoever wrote it decides.
+Ranges as the manufacturer documents them for ALTextToSpeech and ALAnimatedSpeech.
+"""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass
+
+from woz_tui.core.fields import Range
+from woz_tui.core.robots import Tag
+
+
+@dataclass(frozen=True, slots=True)
+class VoiceTag:
+    r"""A tag `\name=number\`; without a range it takes no number."""
+
+    name: str
+    help: str
+    range: Range | None = None
+    example: str = ""
+
+
+VOICE_TAGS = {
+    tag.name: tag
+    for tag in (
+        VoiceTag("vct", "pitch of the voice from here on, 50 to 200 %", Range(50, 200, "%"), "100"),
+        VoiceTag("rspd", "speed from here on, 50 to 400 %", Range(50, 400, "%"), "80"),
+        VoiceTag("pau", "a pause of so many milliseconds", Range(0, 60_000, "ms"), "500"),
+        VoiceTag("vol", "volume from here on, 0 to 100 %", Range(0, 100, "%"), "80"),
+        VoiceTag("rst", "voice, speed and volume as they were"),
+    )
+}
+
+#: Moves inside of a sentence; each takes the path of an animation.
+MOVE_TAGS = {
+    "run": "stop speaking, play this animation, speak on",
+    "start": "begin this animation and speak on meanwhile",
+    "stop": "end this animation here",
+    "wait": "wait until this animation has ended",
+}
+
+#: Further tags that the robot takes, whose values nobody checks here.
+_VOICE_OTHERS = frozenset(
+    ("audio", "bound", "emph", "eos", "mrk", "prompt", "readmode", "rmw", "sel", "style", "toi")
+)
+_MOVE_OTHERS = frozenset(
+    ("call", "mode", "pCall", "runSound", "runTag", "startSound", "startTag", "stopSound")
+) | {"stopTag", "waitSound", "waitTag"}
+_SLASH = "\\"
+
+_VOICE = re.compile(r"\\(?P<name>[A-Za-z]+)(?:=(?P<value>[^\\\s]*))?(?P<end>\\)?")
+_MOVE = re.compile(r"\^(?P<name>[A-Za-z]+)\((?P<value>[^()]*)(?P<end>\))?")
+
+
+def offered() -> list[Tag]:
+    """All tags with their help, for completion in the console."""
+    voice = [
+        Tag(text=f"\\{tag.name}={tag.example}\\" if tag.range else f"\\{tag.name}\\", help=tag.help)
+        for tag in VOICE_TAGS.values()
+    ]
+    moves = [
+        Tag(text=f"^{name}(animations/Stand/Gestures/Hey_1)", help=help_)
+        for name, help_ in MOVE_TAGS.items()
+    ]
+    return [*voice, *moves]
+
+
+def problems(text: str) -> list[str]:
+    """A sentence for each tag in `text` that is unknown, not closed or out of its range."""
+    return [*_voice_problems(text), *_move_problems(text)]
+
+
+def _voice_problems(text: str) -> Iterator[str]:
+    for found in _VOICE.finditer(text):
+        name, value, closed = found["name"], found["value"], found["end"] is not None
+        written = found[0]
+        tag = VOICE_TAGS.get(name)
+        if tag is None:
+            if (closed or value is not None) and name not in _VOICE_OTHERS:
+                hint = _meant(name, VOICE_TAGS, _SLASH)
+                yield f"{written} is no tag that the robot knows{hint}"
+        elif not closed:
+            yield f"the tag {written} is not closed: it needs another backslash behind it"
+        elif tag.range is None:
+            if value is not None:
+                yield f"{written} takes no value: write \\{name}\\"
+        elif not _within(value, tag.range):
+            yield f"{written} needs a number of {tag.range}, as in \\{name}={tag.example}\\"
+
+
+def _move_problems(text: str) -> Iterator[str]:
+    for found in _MOVE.finditer(text):
+        name, value = found["name"], found["value"].strip()
+        written = found[0]
+        if name not in MOVE_TAGS:
+            if name not in _MOVE_OTHERS:
+                yield f"{written} is no tag that the robot knows{_meant(name, MOVE_TAGS, '^')}"
+        elif found["end"] is None:
+            yield f"the tag {written} is not closed: it needs a ) behind it"
+        elif not value:
+            yield f"{written} names no animation, as in ^{name}(animations/Stand/Gestures/Hey_1)"
+
+
+def _within(value: str | None, allowed: Range) -> bool:
+    try:
+        return allowed.contains(float(value or "nothing"))
+    except ValueError:
+        return False
+
+
+def _meant(name: str, known: dict[str, VoiceTag] | dict[str, str], sign: str) -> str:
+    near = difflib.get_close_matches(name, known, 1, 0.5)
+    return f"; did you mean {sign}{near[0]}?" if near else ""

@@ -17,6 +17,7 @@ DEMOS: dict[str, tuple[str, str, str]] = {
     "eyepi": ("eyepi.yaml", "default", "P01"),
     "show": ("show.yaml", "", "S1"),
     "guide": ("guide.yaml", "alone", "G01"),
+    "pepper": ("pepper.yaml", "lively", "P01"),
     "study": ("study.yaml", "", ""),
 }
 
@@ -29,6 +30,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         default="simulated",
         help="simulated: a museum guide and a visitor; eyepi: a body with a face to be played by"
         " hand; show: two of these; guide: knows who is with it, and runs alone;"
+        " pepper: a simulated Pepper behind a real connection;"
         " study: a whole study, with conditions that are kept from the wizard",
     )
     add_session(parser)

@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from types import MappingProxyType
 
 from woz_drivers.naoqi.animations import AnimationPlayer, Animations, BehaviorManager
+from woz_drivers.naoqi.audio import AudioDevice
 from woz_drivers.naoqi.base import Motion
+from woz_drivers.naoqi.camera import VideoDevice
 from woz_drivers.naoqi.leds import Leds
 from woz_drivers.naoqi.life import Ability, Awareness, Life
 from woz_drivers.naoqi.memory import Memory
 from woz_drivers.naoqi.posture import Postures
 from woz_drivers.naoqi.senses import Senses
+from woz_drivers.naoqi.sounds import AudioPlayer, AudioRecorder, Disk
 from woz_drivers.naoqi.speech import AnimatedSpeech, TextToSpeech, Voice
 from woz_drivers.naoqi.standin import Knobs, StandIn
 from woz_drivers.naoqi.system import Battery, System
 from woz_drivers.naoqi.table import Service
+from woz_drivers.naoqi.tablet import Tablet
 from woz_drivers.naoqi.world import World
 
 #: Seconds of the robot between two looks at what has changed.
@@ -37,6 +42,12 @@ class Pepper:
         self.senses = Senses(world)
         self.battery = Battery(world)
         self.awareness = Awareness(world)
+        self.tablet = Tablet(world)
+        self.disk = Disk(world)
+        self.player = AudioPlayer(world, self.disk)
+        self.recorder = AudioRecorder(world, self.disk)
+        self.audio = AudioDevice(world)
+        self.camera = VideoDevice(world)
         abilities: dict[str, Ability] = {"ALBasicAwareness": self.awareness}
         for name in ("ALAutonomousBlinking", "ALListeningMovement", "ALSpeakingMovement"):
             abilities[name] = Ability(name, world)
@@ -47,7 +58,8 @@ class Pepper:
             *(AnimatedSpeech(self.voice, self.animations), *abilities.values()),
             *(AnimationPlayer(self.animations, world), BehaviorManager(self.animations, world)),
             *self.senses.extractors.values(),
-            StandIn(world, self.knobs, lambda x, y: None),
+            *(self.tablet, self.player, self.recorder, self.audio, self.camera),
+            StandIn(world, self.knobs, self.tablet.touch),
         )
         self._knobs()
         self.services: Mapping[str, Service] = MappingProxyType(
@@ -97,6 +109,17 @@ class Pepper:
         add("battery", self.battery.get_battery_charge, self.battery.fill)
         add("breathing", lambda: world.body.breathing)
         add("now", world.time.now)
+        add("tablet", self.tablet.state)
+        add("tablet.fetched", lambda: [asdict(one) for one in self.tablet.fetched])
+        add("tablet.video_seconds", lambda: self.tablet.video_s, self._video_seconds)
+        add("sounds", lambda: self.disk.table, self.disk.table.update)
+        add("sounds.loaded", self.player.state)
+        add("recording", lambda: self.recorder.path)
+        add("sound.subscribers", self.audio.subscribers)
+        add("camera.subscribers", self.camera.get_subscribers)
+
+    def _video_seconds(self, seconds: float) -> None:
+        self.tablet.video_s = float(seconds)
 
     def angles(self) -> dict[str, float]:
         """Every joint's angle in radians."""

@@ -1,0 +1,133 @@
+"""ALAudioDevice: how loud it is, and sound for clients."""
+
+from __future__ import annotations
+
+import asyncio
+from dataclasses import dataclass
+
+from woz_drivers.naoqi import hearing
+from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.world import World
+
+#: Samples a channel of one block, by rate: 85 ms, as the robot sends them.
+BLOCKS = {16_000: 1365, 48_000: 4096}
+ALL_CHANNELS = 0
+
+
+@dataclass(frozen=True, slots=True)
+class _Wish:
+    """What a client wants: Hz, and 0 for all four microphones or 1 to 4 for one of them."""
+
+    rate: int = 48_000
+    channels: int = ALL_CHANNELS
+
+
+class AudioDevice(Service):
+    """The microphones and the loudspeakers."""
+
+    name = "ALAudioDevice"
+
+    def __init__(self, world: World) -> None:
+        super().__init__()
+        self._world = world
+        self._measuring = False
+        self._wishes: dict[str, _Wish] = {}
+        self._sending: dict[str, asyncio.Task[None]] = {}
+        self.volume = 70
+
+    @offers("enableEnergyComputation()v")
+    def enable_energy(self) -> None:
+        """Measure from now on."""
+        self._measuring = True
+
+    @offers("disableEnergyComputation()v")
+    def disable_energy(self) -> None:
+        """Measure no more: every energy is 0."""
+        self._measuring = False
+
+    @offers("getFrontMicEnergy()f")
+    def get_front(self) -> float:
+        """0 to about 10000."""
+        if not self._measuring:
+            return 0.0
+        return hearing.energy(self._world.person(), self._world.time.now())
+
+    @offers("getRearMicEnergy()f")
+    def get_rear(self) -> float:
+        """Half of what comes from the front."""
+        return self.get_front() / 2
+
+    @offers("getLeftMicEnergy()f")
+    def get_left(self) -> float:
+        """As the front."""
+        return self.get_front()
+
+    @offers("getRightMicEnergy()f")
+    def get_right(self) -> float:
+        """As the front."""
+        return self.get_front()
+
+    @offers("setOutputVolume(i)v")
+    def set_output_volume(self, percent: int) -> None:
+        """Of the loudspeakers."""
+        if not 0 <= percent <= 100:
+            raise Refused("ALAudioDevice::setOutputVolume\n\tvolume must be within [0, 100]")
+        self.volume = percent
+
+    @offers("getOutputVolume()i")
+    def get_output_volume(self) -> int:
+        """Of the loudspeakers, in percent."""
+        return self.volume
+
+    @offers("setClientPreferences(siii)v")
+    def set_client_preferences(self, who: str, rate: int, channels: int, planes: int) -> None:
+        """Before subscribing: 48000 with all channels (0), or 16000 with one (1 to 4).
+
+        What NAOqi does not document is taken as it does: 48000 with one channel is sent as such.
+        """
+        if rate not in BLOCKS or not 0 <= channels <= 4 or planes not in (0, 1):
+            raise Refused("ALAudioDevice::setClientPreferences\n\tinvalid preferences")
+        self._wishes[who] = _Wish(rate, channels)
+
+    @offers("subscribe(s)v")
+    def subscribe(self, who: str) -> None:
+        """Call `processRemote` of the client's service of this name with every block."""
+        if who not in self._sending:
+            self._sending[who] = asyncio.ensure_future(self._send(who))
+
+    @offers("unsubscribe(s)v")
+    def unsubscribe(self, who: str) -> None:
+        """Send no more."""
+        task = self._sending.pop(who, None)
+        if task is None:
+            raise Refused(f"ALAudioDevice::unsubscribe\n\t{who} is not subscribed")
+        task.cancel()
+
+    def subscribers(self) -> list[str]:
+        """Who gets sound."""
+        return list(self._sending)
+
+    async def _send(self, who: str) -> None:
+        wish = self._wishes.get(who, _Wish())
+        samples = BLOCKS[wish.rate]
+        channels = 4 if wish.channels == ALL_CHANNELS else 1
+        begin = self._world.time.now()
+        try:
+            while True:
+                due = begin + samples / wish.rate
+                await self._world.time.sleep(due - self._world.time.now())
+                sound = hearing.block(self._world.person(), begin, samples, wish.rate, channels)
+                stamp = [int(begin), int(begin % 1 * 1e6)]
+                await self._give(who, channels, samples, stamp, sound.tobytes())
+                # A client that is too slow loses sound, as on the robot; time does not wait.
+                begin = max(due, self._world.time.now() - samples / wish.rate)
+        except (LookupError, ConnectionError, RuntimeError) as error:
+            self._world.note(f"sound for {who}: {error}")
+            self._sending.pop(who, None)
+
+    async def _give(
+        self, who: str, channels: int, samples: int, stamp: list[int], sound: bytes
+    ) -> None:
+        if self._world.clients is None:
+            raise LookupError("nobody can be called from here")
+        await self._world.clients.call(who, "processRemote", channels, samples, stamp, sound)

@@ -1,0 +1,243 @@
+"""ALAudioPlayer and ALAudioRecorder."""
+
+from __future__ import annotations
+
+import itertools
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.naoqi import hearing
+from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.world import World, flat
+from woz_drivers.wav import NoWav, Wav, parse
+
+#: Sounds that come with the stand-in, with seconds: `set("sounds", ...)` adds others.
+FILES = {
+    "/home/nao/sounds/beep.wav": 0.4,
+    "/home/nao/sounds/applause.wav": 3.0,
+    "/home/nao/sounds/music.mp3": 30.0,
+}
+
+
+class Disk:
+    """The robot's files: those of the table, and real WAV files below the root it was given."""
+
+    def __init__(self, world: World) -> None:
+        self._world = world
+        self.table = dict(FILES)
+
+    def seconds(self, path: str) -> float | None:
+        """How long a sound is, or None when there is no such file."""
+        if path in self.table:
+            return self.table[path]
+        try:
+            return parse(self.place(path).read_bytes()).seconds
+        except (OSError, NoWav):
+            return None
+
+    def place(self, path: str) -> Path:
+        """Where a path of the robot is on this machine."""
+        root = self._world.options.files
+        return Path(path) if root is None else root / path.lstrip("/")
+
+    def write(self, path: str, content: bytes) -> None:
+        """Write a file, with its folders where the root is ours. Raises OSError."""
+        place = self.place(path)
+        if self._world.options.files is not None:
+            place.parent.mkdir(parents=True, exist_ok=True)
+        place.write_bytes(content)
+
+
+@dataclass(slots=True)
+class _Loaded:
+    path: str
+    seconds: float
+    volume: float = 1.0
+
+
+class AudioPlayer(Service):
+    """Plays files of the robot."""
+
+    name = "ALAudioPlayer"
+
+    def __init__(self, world: World, disk: Disk) -> None:
+        super().__init__()
+        self._world, self._disk = world, disk
+        self._numbers = itertools.count(1)
+        self._loaded: dict[int, _Loaded] = {}
+        self.master = 1.0
+
+    @offers("loadFile(s)i")
+    def load_file(self, path: str) -> int:
+        """Make a file ready; its number."""
+        seconds = self._disk.seconds(path)
+        if seconds is None:
+            raise Refused(f"ALAudioPlayer::loadFile\n\tcannot find or open file {path}")
+        number = next(self._numbers)
+        self._loaded[number] = _Loaded(path, seconds)
+        return number
+
+    @offers("play(i)v")
+    async def play(self, number: int) -> None:
+        """Play it; returns when it is over or ended."""
+        await self._play("play", number)
+
+    @offers("play(iff)v")
+    async def play_at(self, number: int, volume: float, _pan: float) -> None:
+        """As play, with a volume of its own."""
+        self.set_volume(number, volume)
+        await self._play("play", number)
+
+    @offers("playFile(s)v")
+    async def play_file(self, path: str) -> None:
+        """Load, play, unload."""
+        number = self.load_file(path)
+        await self._play("playFile", number)
+        self._loaded.pop(number, None)
+
+    @offers("stop(i)v")
+    def stop(self, number: int) -> None:
+        """End this one."""
+        self._world.going.end("sound", about=self._file("stop", number).path)
+
+    @offers("stopAll()v")
+    def stop_all(self) -> None:
+        """End all."""
+        self._world.going.end("sound")
+
+    @offers("setVolume(if)v")
+    def set_volume(self, number: int, volume: float) -> None:
+        """0 to 1."""
+        if not 0 <= volume <= 1:
+            raise Refused("ALAudioPlayer::setVolume\n\tvolume must be within [0.0, 1.0]")
+        self._file("setVolume", number).volume = volume
+
+    @offers("getVolume(i)f")
+    def get_volume(self, number: int) -> float:
+        """0 to 1."""
+        return self._file("getVolume", number).volume
+
+    @offers("setMasterVolume(f)v")
+    def set_master_volume(self, volume: float) -> None:
+        """Of all files, 0 to 1."""
+        self.master = min(1.0, max(0.0, volume))
+
+    @offers("getMasterVolume()f")
+    def get_master_volume(self) -> float:
+        """Of all files, 0 to 1."""
+        return self.master
+
+    @offers("getFileLength(i)f")
+    def get_file_length(self, number: int) -> float:
+        """Seconds."""
+        return self._file("getFileLength", number).seconds
+
+    @offers("getCurrentPosition(i)f")
+    def get_current_position(self, number: int) -> float:
+        """Seconds; 0 while it is not played."""
+        path = self._file("getCurrentPosition", number).path
+        playing = [one for one in self._world.going.of("sound") if one.about == path]
+        return self._world.time.now() - playing[0].begun if playing else 0.0
+
+    @offers("unloadFile(i)v")
+    def unload_file(self, number: int) -> None:
+        """Forget this one."""
+        self._file("unloadFile", number)
+        del self._loaded[number]
+
+    @offers("unloadAllFiles()v")
+    def unload_all_files(self) -> None:
+        """Forget all."""
+        self.stop_all()
+        self._loaded.clear()
+
+    @offers("getLoadedFilesIds()m")
+    def get_loaded_files_ids(self) -> list[int]:
+        """Numbers."""
+        return list(self._loaded)
+
+    @offers("getLoadedFilesNames()m")
+    def get_loaded_files_names(self) -> list[str]:
+        """Paths."""
+        return [one.path for one in self._loaded.values()]
+
+    async def _play(self, method: str, number: int) -> None:
+        file = self._file(method, number)
+        await self._world.going.last("sound", file.seconds, file.path)
+
+    def _file(self, method: str, number: int) -> _Loaded:
+        if number not in self._loaded:
+            raise Refused(f"ALAudioPlayer::{method}\n\tno file is loaded under {number}")
+        return self._loaded[number]
+
+    def state(self) -> list[dict[str, Any]]:
+        """Files that are ready."""
+        return [
+            {"id": number, "path": one.path, "volume": one.volume}
+            for number, one in self._loaded.items()
+        ]
+
+
+@dataclass(frozen=True, slots=True)
+class _Recording:
+    path: str
+    rate: int
+    channels: int
+    begun: float
+
+
+class AudioRecorder(Service):
+    """Records the microphones into a file."""
+
+    name = "ALAudioRecorder"
+
+    def __init__(self, world: World, disk: Disk) -> None:
+        super().__init__()
+        self._world, self._disk = world, disk
+        self._recording: _Recording | None = None
+
+    @offers("startMicrophonesRecording(ssim)v")
+    def start(self, path: str, kind: str, rate: int, channels: Any) -> None:
+        """Begin; channels are flags for left, right, front, rear."""
+        method = "ALAudioRecorder::startMicrophonesRecording"
+        if self._recording is not None:
+            raise Refused(f"{method}\n\talready recording")
+        if kind not in ("wav", "ogg"):
+            raise Refused(f"{method}\n\tunknown type {kind}")
+        flags = flat(channels)
+        if len(flags) != 4 or not any(flags):
+            raise Refused(f"{method}\n\tchannels must be four flags, one of them at least set")
+        if rate not in (16_000, 48_000):
+            raise Refused(f"{method}\n\tsample rate must be 16000 or 48000")
+        # All four come at 48 kHz or 16 kHz, as the documentation's examples have it.
+        self._recording = _Recording(
+            path, rate, sum(bool(one) for one in flags), self._world.time.now()
+        )
+
+    @offers("stopMicrophonesRecording()v")
+    def stop(self) -> None:
+        """End, and write the file; a file that cannot be written is noted in the robot's log."""
+        recording, self._recording = self._recording, None
+        if recording is None:
+            raise Refused("ALAudioRecorder::stopMicrophonesRecording\n\tnot recording")
+        try:
+            self._disk.write(recording.path, self._content(recording).to_bytes())
+        except OSError as error:
+            self._world.note(f"recording {recording.path}: {error}")
+        else:
+            self._world.note(f"recorded {recording.path}")
+
+    @property
+    def path(self) -> str:
+        """The file that is being recorded, or nothing."""
+        return self._recording.path if self._recording else ""
+
+    def _content(self, recording: _Recording) -> Wav:
+        passed = self._world.time.now() - recording.begun
+        samples = round(min(passed, 600.0) * recording.rate)
+        sound = hearing.block(
+            *(self._world.person(), recording.begun, samples),
+            *(recording.rate, recording.channels),
+        )
+        return Wav("S16_LE", recording.rate, recording.channels, sound.tobytes())

@@ -15,18 +15,27 @@ from woz_drivers.qimessaging.errors import (
     ServiceLost,
     TimedOut,
 )
+from woz_drivers.qimessaging.hosting import Hosted, Method, Property, Signal
+from woz_drivers.qimessaging.registering import Registration
 from woz_drivers.qimessaging.remote import RemoteObject
+from woz_drivers.qimessaging.server import Server
 
 __all__ = [
     "Cancelled",
     "Client",
     "ConnectionLost",
+    "Hosted",
     "LoginError",
+    "Method",
+    "Property",
     "ProtocolError",
     "QiError",
     "Refused",
+    "Registration",
     "RemoteError",
     "RemoteObject",
+    "Server",
     "ServiceLost",
+    "Signal",
     "TimedOut",
 ]

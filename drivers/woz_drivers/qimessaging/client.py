@@ -8,15 +8,21 @@ from collections.abc import Callable
 from typing import Any, Final, Self
 
 from woz_drivers.qimessaging.connection import Connection
+from woz_drivers.qimessaging.directory import MACHINE
 from woz_drivers.qimessaging.endpoints import (
     DIRECTORY,
     Endpoint,
     ServiceInfo,
+    is_loopback,
     reachable,
     shares_socket,
 )
 from woz_drivers.qimessaging.errors import ConnectionLost, QiError, ServiceLost, TimedOut
+from woz_drivers.qimessaging.host import Host
+from woz_drivers.qimessaging.hosting import Hosted
+from woz_drivers.qimessaging.listening import Listener
 from woz_drivers.qimessaging.opening import WayIn
+from woz_drivers.qimessaging.registering import Registration, describe, register
 from woz_drivers.qimessaging.remote import RemoteObject, Unsubscribe
 
 DIRECTORY_SERVICE: Final = 1
@@ -32,10 +38,12 @@ class Client:
             words. Services that live elsewhere may be lost before; their calls tell it.
     """
 
-    def __init__(self, connection: Connection, way_in: WayIn, timeout: float) -> None:
+    def __init__(self, connection: Connection, way_in: WayIn, host: Host, timeout: float) -> None:
         """Use a connection that has let us in; `open` makes it and the rest."""
         self._connection = connection
         self._way_in = way_in
+        self._host = host
+        self._listener = Listener(host)
         self._timeout = timeout
         self._directory = ServiceInfo(DIRECTORY, DIRECTORY_SERVICE, "", 0, (), "")
         self._found: dict[str, asyncio.Task[RemoteObject]] = {}
@@ -70,9 +78,10 @@ class Client:
             ProtocolError: Something else listens there.
         """
         endpoint = Endpoint(host, port, tls is not None)
-        way_in = WayIn(tls, user, token)
+        services = Host()
+        way_in = WayIn(tls, user, token, services.handle)
         connection = await way_in.connect(endpoint, timeout)
-        this = cls(connection, way_in, timeout)
+        this = cls(connection, way_in, services, timeout)
         try:
             await this._meet_directory()
         except QiError as error:
@@ -146,6 +155,33 @@ class Client:
         except ConnectionLost as error:
             raise self._loss_of(service, error) from error
 
+    async def register(self, name: str, hosted: Hosted, *, listen: bool = True) -> Registration:
+        """Register a service of ours, which the robot then calls by its name.
+
+        Args:
+            name: Its name at the robot.
+            hosted: What it offers.
+            listen: Whether processes of the robot may connect to it at this machine's address
+                on the line to the robot. Without that only the process of the directory can
+                call it, over this connection.
+
+        Raises:
+            Refused: The name is taken.
+            ConnectionLost: No address to listen on; otherwise as `call`.
+        """
+        if listen and not self._listener.endpoints:
+            try:
+                await self._listener.listen(self.local_host, 0)
+            except OSError as error:
+                raise ConnectionLost(f"cannot listen on {self.local_host}: {error}") from error
+        directory = await self.service(DIRECTORY)
+        endpoints = self._listener.endpoints if listen else []
+        # On one and the same machine its own name for it is used: libqi does not look for
+        # services at 127.0.0.1 of another.
+        same = is_loopback(self._connection.address("peername")[0])
+        info = describe(name, endpoints, self._directory.machine if same else MACHINE)
+        return await register(directory, self._host, info, hosted, self._timeout)
+
     async def close(self) -> None:
         """Let go. Never raises, never waits for the robot."""
         for task in tuple(self._found.values()):
@@ -153,6 +189,8 @@ class Client:
         for connection in tuple(self._elsewhere.values()):
             connection.end("closed")
         self._connection.end("closed")
+        await self._listener.close()
+        await self._host.close()
 
     # Inside.
 

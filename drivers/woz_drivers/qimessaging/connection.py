@@ -46,7 +46,7 @@ class Connection(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
         self._numbers = itertools.count(1)
         self._pending: dict[int, asyncio.Future[Frame]] = {}
-        self._heard: dict[Source, list[Callable[[Frame], None]]] = {}
+        self._heard: dict[Source, Callable[[Frame], None]] = {}
         self._capabilities: dict[str, Any] = {}
         self._told = asyncio.Event()
         self._reason = ""
@@ -138,17 +138,18 @@ class Connection(asyncio.Protocol):
             self._pending.pop(number, None)
 
     def hear(self, source: Source, heard: Callable[[Frame], None]) -> None:
-        """Call `heard` for each event from there."""
-        self._heard.setdefault(source, []).append(heard)
+        """Call `heard` for each event from there; one listener each source."""
+        self._heard[source] = heard
 
-    def unhear(self, source: Source, heard: Callable[[Frame], None]) -> bool:
-        """Take it back; tell whether nobody hears that source any more."""
-        hearing = self._heard.get(source, [])
-        if heard in hearing:
-            hearing.remove(heard)
-        if not hearing:
-            self._heard.pop(source, None)
-        return not hearing
+    def unhear(self, source: Source) -> None:
+        """Drop what comes from there."""
+        self._heard.pop(source, None)
+
+    def hang_up(self, reason: str) -> None:
+        """Close the connection once what was sent last is out."""
+        self._reason = self._reason or reason
+        if self._transport is not None:
+            self._transport.close()
 
     def end(self, reason: str) -> None:
         """Close the connection at once; `lost` is done when this returns."""
@@ -173,8 +174,8 @@ class Connection(asyncio.Protocol):
             if answer is not None and not answer.done():
                 answer.set_result(frame)
         elif frame.kind == Kind.EVENT:
-            source = (frame.service, frame.object, frame.action)
-            for heard in tuple(self._heard.get(source, ())):
+            heard = self._heard.get((frame.service, frame.object, frame.action))
+            if heard is not None:
                 heard(frame)
         elif frame.kind == Kind.CAPABILITY:
             self.learn(Decoder(frame.payload).value("{sm}"))

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ipaddress
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Final
 from urllib.parse import urlsplit
 
@@ -56,6 +56,14 @@ class ServiceInfo:
             rest[0] if rest else "",
         )
 
+    def numbered(self, service: int) -> ServiceInfo:
+        """Return it with the number which the directory has given."""
+        return replace(self, service=service)
+
+    def at(self, endpoints: Iterable[str]) -> ServiceInfo:
+        """Return it with other addresses."""
+        return replace(self, endpoints=tuple(endpoints))
+
     def members(self) -> tuple[Any, ...]:
         """Return it as it is encoded."""
         return (
@@ -92,11 +100,11 @@ def reachable(service: ServiceInfo, peer: str, tls: bool) -> list[Endpoint]:
     """
     known = [each for each in map(_read, service.endpoints) if each is not None]
     usable = [each for each in known if tls or not each.tls]
-    at_home = _is_loopback(peer)
-    found = [each for each in usable if at_home or not _is_loopback(each.host)]
+    at_home = is_loopback(peer)
+    found = [each for each in usable if at_home or not is_loopback(each.host)]
     # Behind a forwarded port the robot's own addresses lead nowhere, its ports perhaps do.
     found += [Endpoint(peer, each.port, each.tls) for each in usable]
-    ranked = sorted(found, key=lambda each: (each.host != peer, not _is_loopback(each.host)))
+    ranked = sorted(found, key=lambda each: (each.host != peer, not is_loopback(each.host)))
     return list(dict.fromkeys(ranked))
 
 
@@ -112,13 +120,9 @@ def _read(text: str) -> Endpoint | None:
     return Endpoint(host, port, parts.scheme == "tcps")
 
 
-def _is_loopback(host: str) -> bool:
+def is_loopback(host: str) -> bool:
+    """Tell whether an address leads to this machine itself."""
     try:
         return ipaddress.ip_address(host).is_loopback
     except ValueError:
         return host == "localhost"
-
-
-def names(services: Iterable[ServiceInfo]) -> list[str]:
-    """Return the services' names in order."""
-    return sorted(each.name for each in services)

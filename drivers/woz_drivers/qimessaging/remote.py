@@ -15,7 +15,7 @@ from woz_drivers.qimessaging.errors import Cancelled, ProtocolError, Refused, Re
 from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
 from woz_drivers.qimessaging.handshake import error_text
 from woz_drivers.qimessaging.metaobject import MetaMethod, MetaObject, MetaSignal
-from woz_drivers.qimessaging.signature import parse, parse_members
+from woz_drivers.qimessaging.signature import Type, parse, parse_members
 
 #: Takes back what was subscribed. Raises nothing where the connection is lost.
 Unsubscribe = Callable[[], Awaitable[None]]
@@ -42,12 +42,13 @@ class RemoteObject:
         self.service = service
         self.object = obj
         self.meta = meta
+        self._hearings: dict[int, Hearing] = {}
 
     @classmethod
     async def fetch(cls, connection: Connection, service: int, within: float) -> RemoteObject:
         """Ask a service what it offers. Raises as `call`."""
         this = cls(connection, service, 1, MetaObject())
-        reply = await this._ask(META_OBJECT, encode("I", 1), within)
+        reply = await this.ask(META_OBJECT, encode("I", 1), within)
         this.meta = metaobject.read(Decoder(reply.payload))
         return this
 
@@ -61,8 +62,8 @@ class RemoteObject:
             ConnectionLost: The connection ended.
         """
         chosen = self.meta.choose(method, args)
-        reply = await self._ask(chosen.uid, _arguments(chosen, args), within)
-        return self._value(reply, chosen.returns)
+        reply = await self.ask(chosen.uid, _arguments(chosen, args), within)
+        return self.values(reply, chosen.returns)
 
     async def listen(
         self, signal: str, heard: Callable[..., None], within: float = WITHIN
@@ -72,37 +73,22 @@ class RemoteObject:
         Raises as `call`. `heard` runs in the event loop, soon after the event has come.
         """
         found = self.meta.signal(signal)
-        parse(found.signature)
-        take = self._taker(found, heard)
-        source = (self.service, self.object, found.uid)
-        link = next(_links)
-        self.connection.hear(source, take)
-        try:
-            # The first number is the service's: libqi sends it, NAOqi expects it.
-            payload = encode("(IIL)", (self.service, found.uid, link))
-            await self._ask(REGISTER_EVENT, payload, within)
-        except BaseException:
-            self.connection.unhear(source, take)
-            raise
-
-        async def unsubscribe() -> None:
-            self.connection.unhear(source, take)
-            if not self.connection.lost.done():
-                payload = encode("(IIL)", (self.service, found.uid, link))
-                await self._ask(UNREGISTER_EVENT, payload, within)
-
-        return unsubscribe
+        hearing = self._hearings.get(found.uid)
+        if hearing is None:
+            hearing = Hearing(self, found, within)
+            self._hearings[found.uid] = hearing
+        return await hearing.join(heard)
 
     async def property(self, name: str, within: float = WITHIN) -> Any:
         """Return a property's value. Raises as `call`."""
         uid = self.meta.property(name).uid
-        reply = await self._ask(GET_PROPERTY, _dynamic_uid(uid), within)
-        return self._value(reply, "m")
+        reply = await self.ask(GET_PROPERTY, _dynamic_uid(uid), within)
+        return self.values(reply, "m")
 
     async def set_property(self, name: str, value: Any, within: float = WITHIN) -> None:
         """Set a property. Raises as `call`."""
         uid = self.meta.property(name).uid
-        await self._ask(SET_PROPERTY, _dynamic_uid(uid) + encode("m", value), within)
+        await self.ask(SET_PROPERTY, _dynamic_uid(uid) + encode("m", value), within)
 
     def release(self) -> None:
         """Tell the other end that this object is no longer needed; not for services."""
@@ -110,7 +96,15 @@ class RemoteObject:
             payload = encode("I", self.object)
             self.connection.post(self.service, self.object, TERMINATE, payload)
 
-    async def _ask(self, action: int, payload: bytes, within: float) -> Frame:
+    def stop_hearing(self, uid: int, hearing: Hearing) -> bool:
+        """Forget how a signal is heard; tell whether it was this way."""
+        if self._hearings.get(uid) is not hearing:
+            return False
+        del self._hearings[uid]
+        return True
+
+    async def ask(self, action: int, payload: bytes, within: float) -> Frame:
+        """Call the action of that number and return its reply. Raises as `call`."""
         answer = await self.connection.ask(self.service, self.object, action, payload, within)
         if answer.kind == Kind.ERROR:
             raise RemoteError(error_text(answer) or "the robot reports an error without a text")
@@ -118,23 +112,83 @@ class RemoteObject:
             raise Cancelled("the robot has cancelled the call")
         return answer
 
-    def _value(self, reply: Frame, returns: str) -> Any:
+    def values(self, reply: Frame, returns: Type | str) -> Any:
+        """Read what a message from this object holds. Raises `ProtocolError`."""
         wanted = "m" if reply.flags & DYNAMIC_PAYLOAD else returns
         return Decoder(reply.payload, self._make_object).value(wanted)
 
     def _make_object(self, decoder: Decoder) -> RemoteObject | None:
         return read_object(decoder, self.connection)
 
-    def _taker(self, signal: MetaSignal, heard: Callable[..., None]) -> Callable[[Frame], None]:
-        loop = asyncio.get_running_loop()
 
-        def take(frame: Frame) -> None:
-            values = self._value(frame, signal.signature)
-            if not isinstance(values, tuple):
-                values = (values,)  # a property, announced with its value's type alone
-            loop.call_soon(heard, *values)
+class Hearing:
+    """One signal of one object: registered once over there, for all who listen here.
 
-        return take
+    The other end sends an event once for each registration; with one a listener, every event
+    would be heard by each as many times as there are listeners.
+    """
+
+    def __init__(self, remote: RemoteObject, signal: MetaSignal, within: float) -> None:
+        """Register for the signal. Raises `ProtocolError` for types that cannot be read."""
+        self._kind = parse(signal.signature)
+        self._remote = remote
+        self._uid = signal.uid
+        self._link = next(_links)
+        self._listeners: list[Callable[..., None]] = []
+        self._source = (remote.service, remote.object, signal.uid)
+        self._loop = asyncio.get_running_loop()
+        remote.connection.hear(self._source, self._take)
+        self._registered = asyncio.create_task(self._register(within))
+
+    async def join(self, heard: Callable[..., None]) -> Unsubscribe:
+        """Add a listener; return when the other end knows. Raises as `RemoteObject.call`."""
+
+        def listener(*values: Any) -> None:
+            heard(*values)
+
+        self._listeners.append(listener)
+        try:
+            await asyncio.shield(self._registered)
+        except BaseException:
+            await self._leave(listener, tell=False)
+            raise
+
+        async def unsubscribe() -> None:
+            await self._leave(listener, tell=True)
+
+        return unsubscribe
+
+    async def _register(self, within: float) -> None:
+        try:
+            # The first number is the service's: libqi sends it, NAOqi expects it.
+            payload = encode("(IIL)", (self._remote.service, self._uid, self._link))
+            await self._remote.ask(REGISTER_EVENT, payload, within)
+        except BaseException:
+            self._forget()
+            raise
+
+    async def _leave(self, listener: Callable[..., None], *, tell: bool) -> None:
+        if listener not in self._listeners:
+            return
+        self._listeners.remove(listener)
+        if self._listeners:
+            return
+        self._forget()
+        if tell and not self._remote.connection.lost.done():
+            payload = encode("(IIL)", (self._remote.service, self._uid, self._link))
+            await self._remote.ask(UNREGISTER_EVENT, payload, WITHIN)
+
+    def _forget(self) -> None:
+        if self._remote.stop_hearing(self._uid, self):
+            self._remote.connection.unhear(self._source)
+
+    def _take(self, frame: Frame) -> None:
+        values = self._remote.values(frame, self._kind)
+        if not isinstance(values, tuple):
+            values = (values,)  # a property, announced with its value's type alone
+        for listener in tuple(self._listeners):
+            # Soon instead of at once: what a listener raises is its own trouble, not the line's.
+            self._loop.call_soon(listener, *values)
 
 
 def read_object(decoder: Decoder, connection: Connection) -> RemoteObject | None:

@@ -1,0 +1,143 @@
+"""The service directory of a server of ours: which services there are and where.
+
+Names, numbers and errors are those of libqi's directory; its clients rely on the numbers.
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import uuid
+from collections.abc import Callable
+from typing import Any, Final
+
+from woz_drivers.qimessaging.connection import Connection
+from woz_drivers.qimessaging.endpoints import DIRECTORY, Endpoint, ServiceInfo
+from woz_drivers.qimessaging.errors import Refused
+from woz_drivers.qimessaging.hosting import Hosted, Method, Signal
+
+#: The directory's own number; services have higher ones.
+NUMBER: Final = 1
+
+_INFO: Final = (
+    "(sIsI[s]ss)<ServiceInfo,name,serviceId,machineId,processId,endpoints,sessionId,objectUid>"
+)
+#: One process is one machine to the directory: nothing of it is looked for on the real one.
+MACHINE: Final = str(uuid.uuid4())
+
+
+class Directory:
+    """Knows services of ours and those which clients register."""
+
+    def __init__(self, endpoints: Callable[[], list[Endpoint]]) -> None:
+        """Begin with the directory itself; `endpoints` are where its server listens."""
+        self._endpoints = endpoints
+        self._numbers = itertools.count(NUMBER + 1)
+        self._ready: dict[int, ServiceInfo] = {}
+        self._pending: dict[int, ServiceInfo] = {}
+        self._owners: dict[int, Connection] = {}
+        self.hosted = Hosted(
+            [  # in the order of libqi's numbers, 100 to 109
+                Method("service", "(s)", _INFO, self._service, with_caller=True),
+                Method("services", "()", f"[{_INFO}]", self._services, with_caller=True),
+                Method("registerService", f"({_INFO})", "I", self._register, with_caller=True),
+                Method("unregisterService", "(I)", "v", self.remove),
+                Method("serviceReady", "(I)", "v", self._make_ready),
+                Method("updateServiceInfo", f"({_INFO})", "v", self._update),
+                Signal("serviceAdded", "(Is)"),
+                Signal("serviceRemoved", "(Is)"),
+                Method("machineId", "()", "s", lambda: MACHINE),
+            ]
+        )
+        self._ready[NUMBER] = _ours(DIRECTORY, NUMBER)
+
+    def add(self, name: str) -> int:
+        """Add a service of ours; return its number. Raises `Refused` where there is one."""
+        self._refuse_double(name)
+        number = next(self._numbers)
+        self._ready[number] = _ours(name, number)
+        self.hosted.emit("serviceAdded", number, name)
+        return number
+
+    def remove(self, number: int) -> None:
+        """Remove a service. Raises `Refused` where there is none."""
+        found = self._ready.pop(number, None) or self._pending.pop(number, None)
+        if found is None:
+            raise Refused(f"Unregister Service: Can't find service #{number}")
+        self._owners.pop(number, None)
+        self.hosted.emit("serviceRemoved", number, found.name)
+
+    def number(self, name: str) -> int:
+        """Return a service's number. Raises `Refused`."""
+        for number, info in self._ready.items():
+            if info.name == name:
+                return number
+        raise Refused(f"Cannot find service '{name}' in index")
+
+    def owner(self, number: int) -> Connection | None:
+        """Return the connection over which a client has registered a service."""
+        return self._owners.get(number)
+
+    # Methods.
+
+    def _service(self, caller: Connection, name: str) -> tuple[Any, ...]:
+        return self._told(self._ready[self.number(name)], caller)
+
+    def _services(self, caller: Connection) -> list[tuple[Any, ...]]:
+        return [self._told(info, caller) for _, info in sorted(self._ready.items())]
+
+    def _register(self, caller: Connection, members: tuple[Any, ...]) -> int:
+        info = ServiceInfo.of(members)
+        self._refuse_double(info.name)
+        number = next(self._numbers)
+        self._pending[number] = info.numbered(number)
+        if caller not in self._owners.values():
+            caller.lost.add_done_callback(lambda _: self._remove_all_of(caller))
+        self._owners[number] = caller
+        return number
+
+    def _make_ready(self, number: int) -> None:
+        info = self._pending.pop(number, None)
+        if info is None:
+            raise Refused(f"Can't find pending service #{number}")
+        self._ready[number] = info
+        self.hosted.emit("serviceAdded", number, info.name)
+
+    def _update(self, members: tuple[Any, ...]) -> None:
+        info = ServiceInfo.of(members)
+        for known in (self._ready, self._pending):
+            if info.service in known and info.service in self._owners:
+                known[info.service] = info
+                return
+        raise Refused(f"updateServiceInfo: Can't find service #{info.service}")
+
+    # Inside.
+
+    def _told(self, info: ServiceInfo, caller: Connection) -> tuple[Any, ...]:
+        """Say where a service of ours is by the address at which the caller has come."""
+        if info.service in self._owners:
+            return info.members()
+        host = caller.address("sockname")[0]
+        endpoints = [str(Endpoint(host, each.port, each.tls)) for each in self._endpoints()]
+        if caller.may("RelativeEndpointURI"):
+            endpoints.insert(0, f"qi:{DIRECTORY}")
+        return info.at(endpoints).members()
+
+    def _refuse_double(self, name: str) -> None:
+        for info in (*self._ready.values(), *self._pending.values()):
+            if info.name == name:
+                raise Refused(
+                    f'Service "{name}" (#{info.service}) is already registered. '
+                    "Rejecting conflicting registration attempt."
+                )
+
+    def _remove_all_of(self, caller: Connection) -> None:
+        for number, owner in tuple(self._owners.items()):
+            if owner is caller:
+                self.remove(number)
+
+
+def _ours(name: str, number: int) -> ServiceInfo:
+    session = "0" if number == NUMBER else str(uuid.uuid4())
+    identity = os.urandom(20)
+    return ServiceInfo(name, number, MACHINE, os.getpid(), (), session, identity)

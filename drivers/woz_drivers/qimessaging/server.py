@@ -1,0 +1,125 @@
+"""A server: services of ours with a directory of their own, for clients of any make.
+
+    server = Server()
+    speech = server.add(
+        "ALTextToSpeech",
+        methods=[Method("say", "(s)", "v", say), Method("getVolume", "()", "f", volume)],
+        signals=[Signal("textDone", "()")],
+    )
+    endpoint = await server.listen("127.0.0.1", 9559)
+    server.emit("ALTextToSpeech", "textDone")     # or speech.emit("textDone")
+    await server.close()
+
+Functions may be coroutine functions: each call is a task of its own, so that a slow one holds up
+nobody. Plain functions run at once, in the order in which the calls come, and must not block.
+"""
+
+from __future__ import annotations
+
+import ssl
+from collections.abc import Iterable
+from typing import Any
+
+from woz_drivers.qimessaging import directory
+from woz_drivers.qimessaging.directory import Directory
+from woz_drivers.qimessaging.endpoints import Endpoint
+from woz_drivers.qimessaging.errors import Refused
+from woz_drivers.qimessaging.frames import LONGEST
+from woz_drivers.qimessaging.host import Host
+from woz_drivers.qimessaging.hosting import Hosted, Member, Method, Property, Signal
+from woz_drivers.qimessaging.listening import Authenticator, Listener
+from woz_drivers.qimessaging.remote import WITHIN, RemoteObject
+
+
+class Server:
+    """Services under names. All of it belongs to the event loop in which it listens."""
+
+    def __init__(
+        self, *, authenticator: Authenticator | None = None, longest: int = LONGEST
+    ) -> None:
+        """Begin with the directory alone.
+
+        Args:
+            authenticator: Told name and token, says who is let in; None lets everybody in.
+            longest: The longest message accepted, in bytes.
+        """
+        self._host = Host()
+        self._listener = Listener(self._host, authenticator, longest)
+        self._directory = Directory(lambda: self._listener.endpoints)
+        self._host.add(directory.NUMBER, self._directory.hosted)
+        self._services: dict[str, tuple[int, Hosted]] = {}
+        self._called: dict[int, RemoteObject] = {}
+
+    def add(
+        self,
+        name: str,
+        *,
+        methods: Iterable[Method] = (),
+        signals: Iterable[Signal] = (),
+        properties: Iterable[Property] = (),
+    ) -> Hosted:
+        """Offer a service; also while listening.
+
+        Raises:
+            Refused: There is a service of that name.
+            ProtocolError: A signature is wrong.
+        """
+        members: list[Member] = [*methods, *signals, *properties]
+        hosted = Hosted(members)
+        number = self._directory.add(name)
+        self._host.add(number, hosted)
+        self._services[name] = (number, hosted)
+        return hosted
+
+    def remove(self, name: str) -> None:
+        """Offer a service no longer. Raises `Refused` where it is none of ours."""
+        if name not in self._services:
+            raise Refused(f"there is no service {name}")
+        number, _ = self._services.pop(name)
+        self._host.remove(number)
+        self._directory.remove(number)
+
+    async def listen(
+        self, host: str, port: int = 0, *, tls: ssl.SSLContext | None = None
+    ) -> Endpoint:
+        """Listen on an address, and on another with each further call.
+
+        Args:
+            host: An address of this machine.
+            port: 0 takes a free one.
+            tls: Listens with TLS by these certificates.
+
+        Returns:
+            Where it listens; as text `tcp://127.0.0.1:9559`, or `tcps://..` with TLS.
+
+        Raises:
+            OSError: The address is taken or is none of this machine's.
+        """
+        return await self._listener.listen(host, port, tls)
+
+    def emit(self, service: str, signal: str, *values: Any) -> None:
+        """Emit a signal of a service. Raises as `Hosted.emit`."""
+        if service not in self._services:
+            raise Refused(f"there is no service {service}")
+        self._services[service][1].emit(signal, *values)
+
+    async def call(self, service: str, method: str, *args: Any, within: float = WITHIN) -> Any:
+        """Call a service which a client has registered here, over that client's connection.
+
+        Raises as `RemoteObject.call`.
+        """
+        number = self._directory.number(service)
+        owner = self._directory.owner(number)
+        if owner is None:
+            raise Refused(f"{service} is no service of a client")
+        found = self._called.get(number)
+        if found is None:
+            found = await RemoteObject.fetch(owner, number, within)
+            self._called[number] = found
+            owner.lost.add_done_callback(lambda _: self._called.pop(number, None))
+        return await found.call(method, *args, within=within)
+
+    async def close(self) -> None:
+        """End all connections and all calls that run. Never raises."""
+        await self._listener.close()
+        await self._host.close()

@@ -19,6 +19,10 @@ class Said(LinkError):  # noqa: N818 - read as `raise Said(...)`
     """The robot said no: the method raised, does not exist, or does not take these arguments."""
 
 
+class Missing(Said):
+    """The robot has no such service now; after a start they come up one after the other."""
+
+
 class Unanswered(LinkError):  # noqa: N818 - as above
     """No answer came in time. The robot may still carry the call out."""
 
@@ -40,6 +44,18 @@ class Link(Protocol):
         ...
 
     @property
+    def client(self) -> str:
+        """Which library carries it, with its version: qi 3.1.5, or own."""
+        ...
+
+    @property
+    def certificate(self) -> str:
+        """SHA-256 of the robot's certificate in hexadecimal; empty where the line is not secured or
+        the library does not tell.
+        """
+        ...
+
+    @property
     def local_host(self) -> str:
         """The address of this machine on the line to the robot: what the robot can reach."""
         ...
@@ -47,11 +63,20 @@ class Link(Protocol):
     async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
         """Call `service.method(*args)` and return its value.
 
-        Arguments and values are bool, int, float, str, bytes, list, tuple, dict and None; the
-        overload is chosen by name, number and types of the arguments. Services are looked up once
-        a link. Raises `Said`, `Unanswered` after `within` seconds, or `Gone`. A cancelled call is
+        Arguments and values are bool, int, float, str, bytes, list, tuple, dict and None (for a
+        picture or a sound use `binary(value)`); the overload is chosen by name, number and types
+        of the arguments. Services are looked up once a link. Raises `Said` (`Missing` where there
+        is no such service), `Unanswered` after `within` seconds, or `Gone`. A cancelled call is
         cancelled on the robot, too, where it lets itself be.
         """
+        ...
+
+    async def ask(self, within: float) -> None:
+        """Return when the robot has answered a cheap question over the line. Raises as `call`."""
+        ...
+
+    async def services(self, within: float) -> frozenset[str]:
+        """Names of the services that the robot has now. Raises as `call`."""
         ...
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
@@ -59,5 +84,21 @@ class Link(Protocol):
         ...
 
     async def close(self) -> None:
-        """Let go. Never raises, never waits for the robot."""
+        """Let go. Never raises, never waits for the robot.
+
+        Calls under way end with `Gone`. What the system has not yet brought to the robot is thrown
+        away, so that it does not arrive when a cut cable is plugged in again.
+        """
         ...
+
+
+def binary(value: Any) -> bytes:
+    """A picture or a sound as bytes. Through `qi` it comes as text where it is valid UTF-8.
+
+    Raises `Said` if it is neither bytes nor text.
+    """
+    if isinstance(value, (bytes, bytearray)):
+        return bytes(value)
+    if isinstance(value, str):
+        return value.encode()
+    raise Said(f"bytes were expected, but the robot gave {type(value).__name__}")

@@ -1,0 +1,126 @@
+"""Where a robot is: what stands in `robots:` and what the wizard types."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+
+from woz_drivers.pepper.settings import SIMULATED
+from woz_tui.core.driver import Rejected
+
+#: Where NAOqi listens: up to 2.8, and from 2.9 on, where the line is secured.
+PORT = 9559
+SECURE_PORT = 9503
+#: NAOqi's own user, for a secured line without a name.
+USER = "nao"
+
+_EXAMPLES = "write a host name, tcp://HOST:9559, tcps://USER@HOST:9503, or simulated"
+_SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*)://(.*)", re.DOTALL)
+#: IPv6 in brackets or a name without a colon; then a port.
+_PLACE = re.compile(
+    r"(?:\[(?P<six>[0-9A-Fa-f:.]+(?:%[\w.-]+)?)\]|(?P<name>[^:\[\]]+))(?::(?P<port>.*))?"
+)
+_NAME = re.compile(r"[A-Za-z0-9_](?:[A-Za-z0-9_.-]{0,251}[A-Za-z0-9_.])?")
+_USER = re.compile(r"[\w.-]{1,64}")
+
+
+@dataclass(frozen=True, slots=True)
+class Address:
+    """A robot's address. It never holds a password.
+
+    Attributes:
+        host: Name or IP address, IPv6 without brackets; empty: the simulated robot.
+        port: 1 to 65535.
+        secure: Whether the line is secured (tcps), with user and password.
+        user: Who logs in on a secured line.
+    """
+
+    host: str = ""
+    port: int = PORT
+    secure: bool = False
+    user: str = ""
+
+    @property
+    def simulated(self) -> bool:
+        """Whether the driver starts this robot itself."""
+        return not self.host
+
+    @property
+    def url(self) -> str:
+        """As libqi writes it, without the user."""
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"{'tcps' if self.secure else 'tcp'}://{host}:{self.port}"
+
+    @property
+    def shown(self) -> str:
+        """In as few words as the wizard needs."""
+        if self.simulated:
+            return SIMULATED
+        usual = SECURE_PORT if self.secure else PORT
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return host if self.port == usual else f"{host}:{self.port}"
+
+
+def parse(text: str) -> Address:
+    """The address in `text`.
+
+    Raises `Rejected` with what is wrong. Nothing of what may be a password is repeated.
+    """
+    text = text.strip()
+    if text.lower() == SIMULATED:
+        return Address()
+    scheme, rest = _split(text)
+    user, place = _without_user(rest)
+    secure = scheme == "tcps"
+    if user and not secure:
+        raise Rejected(
+            f"a user belongs to a secured line, not to {scheme}://",
+            f"leave the user out, or write tcps://{user}@...",
+        )
+    host, port = _host_and_port(place, SECURE_PORT if secure else PORT)
+    return Address(host, port, secure, (user or USER) if secure else "")
+
+
+def _split(text: str) -> tuple[str, str]:
+    found = _SCHEME.fullmatch(text)
+    if found is None:
+        return "tcp", text
+    scheme = found[1].lower()
+    if scheme not in ("tcp", "tcps"):
+        raise Rejected(f"{scheme}:// is no way to a robot", _EXAMPLES)
+    return scheme, found[2].removesuffix("/")
+
+
+def _without_user(rest: str) -> tuple[str, str]:
+    user, at, place = rest.rpartition("@")
+    if not at:
+        return "", rest
+    if ":" in user:
+        raise Rejected(
+            "a password must not stand in an address, where everybody reads it",
+            "give the user alone, and the password in the environment variable that `password`"
+            " names (WOZ_PEPPER_PASSWORD)",
+        )
+    if not _USER.fullmatch(user):
+        raise Rejected("the user before the @ is none: letters, digits, _ . -", _EXAMPLES)
+    return user, place
+
+
+def _host_and_port(place: str, usual: int) -> tuple[str, int]:
+    found = _PLACE.fullmatch(place)
+    if found is None:
+        if place.count(":") > 1 and "[" not in place:
+            raise Rejected(
+                "an IPv6 address stands in brackets", "write [ADDRESS] or [ADDRESS]:9559"
+            )
+        raise Rejected("this is no address of a robot", _EXAMPLES)
+    host = found["six"] or found["name"]
+    if (found["six"] is None and not _NAME.fullmatch(host)) or ".." in host:
+        raise Rejected("this is no name of a host", _EXAMPLES)
+    return host, usual if found["port"] is None else _port(found["port"])
+
+
+def _port(text: str) -> int:
+    if text.isascii() and text.isdigit() and len(text) <= 5 and 1 <= int(text) <= 65535:
+        return int(text)
+    raise Rejected("what stands after the host is no port: 1 to 65535", _EXAMPLES)

@@ -1,0 +1,294 @@
+"""The connection to the robot that is being played: kept, watched, found again.
+
+What is promised about calls, and what cannot be:
+
+- Every call ends exactly once: with its value, with the robot's refusal, or with `Lost`. A robot
+  that was killed is known at once; one that is frozen or cut off after at most 2 s, and all calls
+  under way end in that moment.
+- A call is sent only while the robot is known to be alive: it was heard within the last 0.1 s
+  (`connection_pulse.FRESH_S`), or it has just answered a question that was asked for this call. If
+  it is silent, the call is refused and never sent. Only calls that end something (`HALTS`) are sent
+  in any case, because late they do no harm.
+- What was sent into a cut cable is forgotten by this machine within 1.5 s and on closing: it does
+  not arrive when the cable is plugged in again.
+- What cannot be promised: a call that was sent to a robot that froze less than 0.1 s ago (or while
+  its question was being answered) lies in the robot's own memory, and NAOqi carries it out when it
+  wakes, although it was reported as lost. So does a call that it had begun before it froze.
+  Therefore the first thing after every reconnection, before any other call is let through, is to
+  end all speech, sound and motion. Nothing has a way to take back what has no end of its own: the
+  colour of an eye may change late.
+- A call that was not answered in time (`within`) while the robot is alive may still be carried out;
+  the robot is asked to cancel it.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Awaitable, Callable, Iterator
+from typing import Any
+
+from woz_drivers.pepper.address import Address, parse
+from woz_drivers.pepper.connection_line import HALTS, Line, silence, until_services
+from woz_drivers.pepper.link import Gone, Missing, Said, Unanswered, Unsubscribe
+from woz_drivers.pepper.links import open_link
+from woz_drivers.pepper.links_trouble import Refused
+from woz_drivers.pepper.parts import WITHIN_S
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.simulated_robot import SimulatedRobot
+from woz_tui.core.driver import DriverError, Health, Lost, Outlet, Rejected
+
+#: Pauses between attempts, in seconds: doubled up to the longest.
+_FIRST_PAUSE_S = 0.1
+_LONGEST_PAUSE_S = 2.0
+#: How long the parts may take to apply what the settings say, in seconds.
+_APPLIED_WITHIN_S = 10.0
+
+
+class Connection:
+    """Implements `parts.Robot`. Made in the event loop; begins with `start`, ends with `close`.
+
+    `on_connected` is awaited after each connection, once the robot is silent and its services are
+    there; `on_lost` is called when such a connection is gone.
+    """
+
+    def __init__(
+        self,
+        settings: PepperSettings,
+        outlet: Outlet,
+        *,
+        on_connected: Callable[[], Awaitable[None]],
+        on_lost: Callable[[], None],
+    ) -> None:
+        self._settings = settings
+        self._outlet = outlet
+        self._on_connected = on_connected
+        self._on_lost = on_lost
+        self._simulated = SimulatedRobot(settings.pace, outlet.folder)
+        self._address: Address | None = None
+        self._line: Line | None = None
+        self._keeper: asyncio.Task[None] | None = None
+        self._changing = asyncio.Lock()
+        self._met: set[Address] = set()
+        self._absent: dict[Address, frozenset[str]] = {}
+        self._why = Lost("no robot is connected", "take one with `connect`")
+
+    # -- for the driver ------------------------------------------------------------------------
+
+    def start(self) -> None:
+        """Begin with the first robot, if the settings say so; return at once."""
+        if not self._settings.connect or not self._settings.robots:
+            self._tell(Health.LOST, self._why)
+            return
+        try:
+            self._keep(parse(self._settings.robots[0]))
+        except Rejected as error:
+            self._tell(Health.FAULTED, Lost(f"robots: {error.what}", error.remedy))
+
+    async def connect(self, robot: str = "") -> None:
+        """Take another robot (empty: the first of the settings); return when it is there.
+
+        Raises `Rejected` for what is no address, `Lost` if the first attempt fails; it is tried
+        again even so.
+        """
+        text = robot or (self._settings.robots[0] if self._settings.robots else "")
+        address = parse(text)
+        async with self._changing:
+            await self._let_go(Lost(f"{address.shown} is being taken", "wait until it is there"))
+            first = self._keep(address)
+        await asyncio.shield(first)
+
+    async def disconnect(self) -> None:
+        """Let the robot go, and do not look for it until `connect`."""
+        shown = self.robot or "no robot"
+        async with self._changing:
+            why = Lost(f"{shown}: disconnected by the wizard", "take a robot with `connect`")
+            await self._let_go(why)
+            self._address = None
+            self._tell(Health.LOST, why)
+
+    async def close(self) -> None:
+        """End everything; never waits for the robot."""
+        async with self._changing:
+            await self._let_go(Lost("the session is over"))
+        await self._simulated.close()
+
+    @property
+    def robot(self) -> str:
+        """Which robot is being played, as shown; empty: none."""
+        return self._address.shown if self._address is not None else ""
+
+    @property
+    def client(self) -> str:
+        """Which library carries the connection; empty while there is none."""
+        return self._line.link.client if self._line is not None else ""
+
+    # -- for the parts: `parts.Robot` ----------------------------------------------------------
+
+    @property
+    def there(self) -> bool:
+        """Whether it is connected and answers."""
+        return self._line is not None and not self._line.pulse.silent
+
+    @property
+    def local_host(self) -> str:
+        """This machine's address as the robot reaches it; empty while not connected."""
+        return self._line.link.local_host if self._line is not None else ""
+
+    async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
+        """Call a method; raises `Lost`, or `DriverError` with the robot's own words."""
+        line = self._need()
+        what = f"{service}.{method}"
+        with self._in_words(line, what):
+            if what not in HALTS:
+                await line.pulse.fresh()
+            value = await line.link.call(service, method, *args, within=within)
+        line.pulse.heard()
+        return value
+
+    async def probe(self) -> None:
+        """Return when the robot has answered a question asked now. Raises `Lost`."""
+        line = self._need()
+        with self._in_words(line, "a question"):
+            await line.pulse.ask()
+
+    async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
+        """Hear a signal until the connection is lost. Raises as `call`."""
+        line = self._need()
+
+        def come(*values: Any) -> None:
+            line.pulse.heard()
+            heard(*values)
+
+        with self._in_words(line, f"{service}.{signal}"):
+            await line.pulse.fresh()
+            return await line.link.listen(service, signal, come)
+
+    def _need(self) -> Line:
+        if self._line is None:
+            raise Lost(self._why.what, self._why.remedy)
+        return self._line
+
+    @contextlib.contextmanager
+    def _in_words(self, line: Line, what: str) -> Iterator[None]:
+        """What a link raises, as sentences for the wizard."""
+        try:
+            yield
+        except Missing as missing:
+            raise DriverError(
+                str(missing), "after its start they come one by one; else see `woz doctor`"
+            ) from None
+        except Said as said:
+            raise DriverError(f"the robot refused {said}") from None
+        except Unanswered:
+            raise Lost(
+                f"the robot did not answer {what} in time; it may still do it",
+                "stop it if it does what it should not",
+            ) from None
+        except Gone as gone:
+            raise line.lost(str(gone)) from None
+
+    # -- keeping it ----------------------------------------------------------------------------
+
+    def _keep(self, address: Address) -> asyncio.Future[None]:
+        """Look after this robot from now on; the result is that of the first attempt."""
+        first: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        first.add_done_callback(lambda done: done.cancelled() or done.exception())
+        self._address = address
+        self._keeper = asyncio.create_task(self._keeping(address, first))
+        return first
+
+    async def _let_go(self, why: Lost) -> None:
+        """Close what there is; calls under way end with `why`."""
+        self._why = why
+        if self._line is not None:
+            self._line.why = why
+        keeper, self._keeper = self._keeper, None
+        if keeper is not None:
+            keeper.cancel()
+            await asyncio.gather(keeper, return_exceptions=True)
+        if self._address is not None and self._address.simulated:
+            await self._simulated.close()
+
+    async def _keeping(self, address: Address, first: asyncio.Future[None]) -> None:
+        """Connect, watch, connect again; ends when there is no use in trying."""
+        pause = _FIRST_PAUSE_S
+        self._why = Lost(f"{address.shown} is being looked for", "wait until it is there")
+        self._outlet.health(Health.CONNECTING, f"connecting to {address.shown}")
+        while True:
+            try:
+                line = await self._opened(address)
+            except Refused as refused:
+                self._failed(first, refused)
+                self._tell(Health.FAULTED, refused)
+                return
+            except DriverError as error:
+                self._failed(first, error)
+                self._tell(Health.LOST, error)
+            else:
+                was_there = await self._served(line, first)
+                pause = _FIRST_PAUSE_S if was_there else pause
+            await asyncio.sleep(pause)
+            pause = min(2 * pause, _LONGEST_PAUSE_S)
+
+    async def _opened(self, address: Address) -> Line:
+        real = await self._simulated.address() if address.simulated else address
+        link = await open_link(real, self._settings)
+        return Line(link, address, self._settings.heartbeat)
+
+    async def _served(self, line: Line, first: asyncio.Future[None]) -> bool:
+        """Watch this connection until it is lost; tells whether it had been ready."""
+        getting_ready = asyncio.create_task(self._get_ready(line, first))
+        try:
+            line.why = await line.until_lost(getting_ready)
+            self._failed(first, line.why)
+            self._tell(Health.LOST, line.why)
+        finally:
+            was_there = self._line is line
+            self._line = None
+            getting_ready.cancel()
+            await line.link.close()
+            await asyncio.gather(getting_ready, return_exceptions=True)
+            if was_there:
+                self._on_lost()
+        return was_there
+
+    async def _get_ready(self, line: Line, first: asyncio.Future[None]) -> None:
+        """Wait for its services, silence it, let calls through, have the settings applied."""
+        address = line.address
+        known = self._absent.get(address, frozenset())
+        self._absent[address] = await until_services(line, known, self._starting)
+        if address in self._met:
+            await silence(line)
+        self._met.add(address)
+        self._line = line
+        try:
+            async with asyncio.timeout(_APPLIED_WITHIN_S):
+                await self._on_connected()
+        except TimeoutError:
+            self._outlet.notice(
+                "warning",
+                f"{line.shown} did not take all settings within {_APPLIED_WITHIN_S:g} s",
+                "compare what is shown, and set again what is missing",
+            )
+        except DriverError as error:
+            self._outlet.notice("warning", f"{line.shown}: {error.what}", error.remedy)
+        detail = f"{line.shown} by {line.link.client}"
+        absent = ", ".join(sorted(self._absent[address]))
+        self._outlet.health(Health.CONNECTED, f"{detail}; without {absent}" if absent else detail)
+        if not first.done():
+            first.set_result(None)
+
+    def _starting(self, line: Line, missing: frozenset[str]) -> None:
+        """It has just been started: services come up one after the other."""
+        names = ", ".join(sorted(missing))
+        self._why = Lost(f"{line.shown} is starting: waiting for {names}", "wait")
+        self._outlet.health(Health.CONNECTING, self._why.what, "it takes a minute or two")
+
+    def _failed(self, first: asyncio.Future[None], error: DriverError) -> None:
+        if not first.done():
+            first.set_exception(error)
+
+    def _tell(self, health: Health, error: DriverError) -> None:
+        self._why = Lost(error.what, error.remedy)
+        self._outlet.health(health, error.what, error.remedy)

@@ -1,0 +1,104 @@
+"""Whether the robot is alive: it is asked whenever nothing was heard of it."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+
+from woz_drivers.pepper.link import Gone, Link, Said, Unanswered
+from woz_tui.core.driver import Lost
+
+#: A call is sent only if the robot was heard so lately, else it is asked first, in seconds.
+FRESH_S = 0.1
+#: A question open for longer means: silent, nothing is sent, in seconds.
+SILENT_S = 0.25
+#: A question open for so long means: gone, in seconds; less with a lazy heartbeat, so that both
+#: together stay below `KNOWN_S`.
+ANSWER_S = 1.0
+KNOWN_S = 1.9
+#: If this process itself slept for so long, the answer may lie in its own socket, in seconds.
+_OVERSLEPT_S = 0.1
+
+
+class Pulse:
+    """The life of one link, by the time of the event loop."""
+
+    def __init__(self, link: Link, heartbeat: float) -> None:
+        self._link = link
+        self._loop = asyncio.get_running_loop()
+        self._heartbeat = heartbeat
+        self._patience = min(ANSWER_S, KNOWN_S - heartbeat)
+        self._heard = self._loop.time()
+        self._question: asyncio.Task[None] | None = None
+        self._asked = 0.0
+
+    @property
+    def silent(self) -> bool:
+        """Whether a question has been open for too long."""
+        waiting = self._question is not None and self._heard < self._asked
+        return waiting and self._loop.time() - self._asked > SILENT_S
+
+    def heard(self) -> None:
+        """Something came from the robot."""
+        self._heard = self._loop.time()
+
+    async def until_dead(self) -> str:
+        """Watch; returns why the robot counts as gone."""
+        while True:
+            quiet = self._loop.time() - self._heard
+            if quiet < self._heartbeat:
+                await asyncio.sleep(self._heartbeat - quiet)
+                continue
+            try:
+                await asyncio.shield(self._ask())
+            except Unanswered:
+                if self._is_dead():
+                    return f"the robot has not answered for {self._patience:.1f} s"
+            except Gone as gone:
+                return str(gone)
+
+    async def fresh(self) -> None:
+        """Return at once if the robot was heard just now, else ask. Raises `Lost`."""
+        if self._loop.time() - self._heard > FRESH_S:
+            await self.ask()
+
+    async def ask(self) -> None:
+        """Ask now; return on the answer. Raises `Lost` if it does not come at once, or `Gone`."""
+        if self.silent:
+            raise _silent()
+        try:
+            await asyncio.wait_for(asyncio.shield(self._ask()), SILENT_S)
+        except (TimeoutError, Unanswered):
+            raise _silent() from None
+
+    # -- the question --------------------------------------------------------------------------
+
+    def _ask(self) -> asyncio.Task[None]:
+        """The open question, or a new one."""
+        if self._question is None:
+            self._asked = self._loop.time()
+            self._question = self._loop.create_task(self._asking())
+            self._question.add_done_callback(self._answered)
+        return self._question
+
+    async def _asking(self) -> None:
+        with contextlib.suppress(Said):  # that is an answer, too
+            await self._link.ask(self._patience)
+        self.heard()
+
+    def _answered(self, question: asyncio.Task[None]) -> None:
+        self._question = None
+        if not question.cancelled():
+            question.exception()  # fetched here, where nobody may be waiting for it
+
+    def _is_dead(self) -> bool:
+        """Whether an unanswered question proves anything."""
+        overslept = self._loop.time() - self._asked - self._patience > _OVERSLEPT_S
+        return not overslept and self._heard <= self._asked
+
+
+def _silent() -> Lost:
+    return Lost(
+        "the robot does not answer at the moment; nothing was sent",
+        "wait: it is asked all the time, and found again by itself",
+    )

@@ -1,0 +1,90 @@
+"""The robot of the address `simulated`: a NAOqi of our own, in a process of its own."""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import sys
+from pathlib import Path
+
+from woz_drivers import child
+from woz_drivers.child import Child
+from woz_drivers.pepper.address import Address, parse
+from woz_tui.core.driver import DriverError, Lost, Rejected
+
+#: Until it must have said where it listens, in seconds: Python starts slowly on a busy machine.
+_STARTS_WITHIN_S = 20.0
+_REMEDY = "start `python -m woz_drivers.naoqi` yourself to see what is wrong"
+
+
+class SimulatedRobot:
+    """Started when it is first needed, and again when it has ended, until `close`."""
+
+    def __init__(self, pace: float, folder: Path) -> None:
+        self._pace = pace
+        self._folder = folder
+        self._child: Child | None = None
+        self._address = Address()
+
+    async def address(self) -> Address:
+        """Where it listens. Raises `Lost` if it does not start."""
+        if self._child is not None and self._child.running:
+            return self._address
+        await self.close()
+        line: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
+        running = await self._start(line)
+        self._child = running
+        try:
+            self._address = await self._said(running, line)
+        except BaseException:
+            await self.close()
+            raise
+        return self._address
+
+    async def close(self) -> None:
+        """End it and what it started."""
+        ended, self._child = self._child, None
+        if ended is not None:
+            await ended.gone()
+
+    async def _start(self, line: asyncio.Future[bytes]) -> Child:
+        said = b""
+
+        def heard(data: bytes) -> None:
+            nonlocal said
+            if line.done():
+                return
+            said += data
+            if b"\n" in said:
+                line.set_result(said.partition(b"\n")[0])
+
+        words = (
+            sys.executable,
+            "-m",
+            "woz_drivers.naoqi",
+            "--port",
+            "0",
+            "--pace",
+            f"{self._pace:g}",
+        )
+        try:
+            return await child.start(words, self._folder, on_output=heard)
+        except DriverError as error:
+            raise Lost(f"the simulated robot: {error.what}", error.remedy) from error
+
+    async def _said(self, running: Child, line: asyncio.Future[bytes]) -> Address:
+        """The address in its first line. Raises `Lost`."""
+        ending = asyncio.create_task(running.wait())
+        ending.add_done_callback(lambda _: line.cancel())
+        try:
+            await asyncio.wait([line], timeout=_STARTS_WITHIN_S)
+        finally:
+            ending.cancel()
+        if not line.done() or line.cancelled():
+            reason = running.last_line or "it says nothing"
+            raise Lost(f"the simulated robot does not start: {reason}", _REMEDY)
+        try:
+            return parse(json.loads(line.result())["address"])
+        except (ValueError, KeyError, TypeError, Rejected):
+            said = line.result().decode("utf-8", "replace")[:100]
+            raise Lost(f"the simulated robot says no address, but {said!r}", _REMEDY) from None

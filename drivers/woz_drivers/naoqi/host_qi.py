@@ -13,7 +13,11 @@ from woz_drivers.naoqi.world import Clients
 
 
 class QiHost(Clients):
-    """A listening session. Calls come in threads of the library and are carried out in our loop."""
+    """A listening session. Calls come in threads of the library and are carried out in our loop.
+
+    The library cannot put bytes into a value of any type (`m`): pictures come as a typed tuple, and
+    sound reaches only a `processRemote` that is declared to take raw data (`r`).
+    """
 
     def __init__(self, desk: Desk, loop: asyncio.AbstractEventLoop) -> None:
         # Before the import: the library writes its log to standard output.
@@ -24,21 +28,26 @@ class QiHost(Clients):
         self._desk, self._loop = desk, loop
         self._session: Any = qi.Session()
         self._objects: list[Any] = []
+        self._services: dict[str, Service] = {}
 
-    def listen(self, host: str, port: int) -> str:
+    async def listen(self, host: str, port: int) -> str:
         """Listen and return the address. Raises OSError when that port cannot be had."""
         try:
             self._session.listenStandalone(f"tcp://{host}:{port}")
         except RuntimeError as error:
             raise OSError(f"cannot listen on {host}:{port}: {error}") from None
+        self._register()
         return str(self._session.endpoints()[0])
 
     def offer(self, services: Mapping[str, Service]) -> None:
-        """Register all services."""
-        for name, service in services.items():
+        """Offer all services as soon as it listens: the library takes them no earlier."""
+        self._services = dict(services)
+
+    def _register(self) -> None:
+        for name, service in self._services.items():
             self._session.registerService(name, self._object(service))
 
-    def close(self) -> None:
+    async def close(self) -> None:
         """Hang up on everybody."""
         self._session.close()
 

@@ -9,6 +9,7 @@ import json
 import os
 import signal
 import sys
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Protocol
 
@@ -16,7 +17,8 @@ from woz_drivers.naoqi.control import Control
 from woz_drivers.naoqi.life import STATES
 from woz_drivers.naoqi.passing import PacedTime
 from woz_drivers.naoqi.pepper import Pepper
-from woz_drivers.naoqi.world import Options, World
+from woz_drivers.naoqi.table import Service
+from woz_drivers.naoqi.world import Clients, Options, World
 
 SERVERS = ("auto", "qi", "own")
 
@@ -39,10 +41,18 @@ invalid-signature (ALMemory), none. The service StandIn on the wire does the sam
 """
 
 
-class Host(Protocol):
+class Host(Clients, Protocol):
     """What carries the services: the package qi, or our own server."""
 
-    def close(self) -> None:
+    def offer(self, services: Mapping[str, Service]) -> None:
+        """Offer all services as soon as it listens."""
+        ...
+
+    async def listen(self, host: str, port: int) -> str:
+        """Listen and return the address. Raises OSError when that port cannot be had."""
+        ...
+
+    async def close(self) -> None:
         """Hang up on everybody."""
         ...
 
@@ -127,17 +137,27 @@ async def _serve(given: argparse.Namespace, out: int) -> None:
     living.cancel()
     if control:
         control.cancel()
-    host.close()
+    await host.close()
 
 
 async def start(pepper: Pepper, server: str, host: str, port: int) -> tuple[Host, str]:
     """Let a robot be reached; how to hang up, and the address. Raises OSError."""
-    if server == "own":
-        raise OSError("the own server is not there yet; use --server qi")
-    from woz_drivers.naoqi.host_qi import QiHost  # noqa: PLC0415 - only where qi is installed
-
-    hosting = QiHost(pepper.world.desk, asyncio.get_running_loop())
-    address = hosting.listen(host, port)
+    hosting = _host(pepper, server)
     hosting.offer(pepper.services)
+    address = await hosting.listen(host, port)
     pepper.world.clients = hosting
     return hosting, address
+
+
+def _host(pepper: Pepper, server: str) -> Host:
+    desk = pepper.world.desk
+    if server == "own":
+        from woz_drivers.naoqi.host_own import OwnHost  # noqa: PLC0415 - only the one is needed
+
+        return OwnHost(desk)
+    try:
+        from woz_drivers.naoqi.host_qi import QiHost  # noqa: PLC0415 - only where it is installed
+
+        return QiHost(desk, asyncio.get_running_loop())
+    except ImportError as error:
+        raise OSError(f"{error}; install woz-tui[pepper], or use --server own") from None

@@ -13,6 +13,7 @@ from typing import ClassVar
 from woz_drivers.pepper import camera_files
 from woz_drivers.pepper.camera_wire import RGB, VGA, Frame, frame, resolution
 from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.parts_task import Background, apart
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
@@ -31,6 +32,7 @@ _SINGLE_RATE = 10
 #: A camera that was just begun has no picture for a while; so long one is waited for, in seconds.
 _PATIENCE_S = 2.0
 _FAREWELL_S = 0.5
+_NO_PICTURE = "is the robot awake? else restart it"
 
 
 class Camera:
@@ -47,7 +49,10 @@ class Camera:
         self._watching = Background("the camera", outlet)
         #: What the live pictures are subscribed under, and with which resolution and rate.
         self._subscribed: tuple[str, tuple[int, int]] | None = None
+        #: When the last of them came, in the loop's time.
+        self._came = 0.0
         self._trouble = ""
+        self._endings = Endings()
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -70,7 +75,7 @@ class Camera:
         path = await apart(lambda: camera_files.keep(folder, name, picture))
         self._pictures.put(picture)
         return {
-            "file": str(path) if self._folder else f"{folder.name}/{path.name}",
+            "file": str(Path(self._folder or folder.name) / path.name),
             "width": taken.width,
             "height": taken.height,
             "t": self._outlet.t(t_us),
@@ -103,6 +108,8 @@ class Camera:
         """Let the camera go."""
         await self._watching.close()
         await self._unsubscribe()
+        await self._endings.settled()
+        await self._endings.close()
 
     # -- while somebody watches ----------------------------------------------------------------
 
@@ -133,14 +140,18 @@ class Camera:
 
     async def _show(self, wish: Watched) -> None:
         size, rate = resolution(wish.width), max(1, min(math.ceil(wish.rate), _FASTEST))
+        loop = asyncio.get_running_loop()
         if self._subscribed is None or self._subscribed[1] != (size, rate):
             await self._unsubscribe()
             self._subscribed = (await self._subscribe(VIEW, size, rate), (size, rate))
+            self._came = loop.time()
         came = frame(await self._robot.call("ALVideoDevice", "getImageRemote", self._subscribed[0]))
         if isinstance(came, Frame):
             now_us = self._outlet.clock.now_us()
             self._pictures.put(Picture(now_us, came.width, came.height, came.rgb))
-            self._trouble = ""
+            self._came, self._trouble = loop.time(), ""
+        elif loop.time() - self._came >= _PATIENCE_S:
+            raise DriverError(came, _NO_PICTURE)
 
     def _tell(self, error: DriverError) -> None:
         """Say once why there are no pictures; that the robot is gone is told by others."""
@@ -158,23 +169,21 @@ class Camera:
 
     async def _unsubscribe(self) -> None:
         held, self._subscribed = self._subscribed, None
-        if held is not None:
-            await self._release(held[0])
-
-    async def _release(self, held: str) -> None:
-        if self._robot.there:
+        if held is not None and self._robot.there:
             with contextlib.suppress(DriverError):  # removed at the next connection
-                await self._robot.call("ALVideoDevice", "unsubscribe", held, within=_FAREWELL_S)
+                await self._robot.call("ALVideoDevice", "unsubscribe", held[0], within=_FAREWELL_S)
 
     # -- a single one --------------------------------------------------------------------------
 
     async def _take(self) -> tuple[Frame, int, datetime]:
         """A picture of 640 x 480 with the moment it came, of the clock and of the day."""
-        held = await self._subscribe(SINGLE, VGA, _SINGLE_RATE)
+        held = ""
         try:
+            held = await self._subscribe(SINGLE, VGA, _SINGLE_RATE)
             came = await self._first(held)
         finally:
-            await asyncio.shield(self._release(held))
+            words = ("unsubscribe", held) if held else ("unsubscribeAllInstances", SINGLE)
+            self._endings.send(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
         return came, self._outlet.clock.now_us(), self._outlet.clock.wall()
 
     async def _first(self, held: str) -> Frame:
@@ -185,7 +194,7 @@ class Camera:
             if isinstance(came, Frame):
                 return came
             if loop.time() >= until:
-                raise DriverError(came, "is the robot awake? else restart it")
+                raise DriverError(came, _NO_PICTURE)
             await asyncio.sleep(_LOOK_S)
 
     def _place(self) -> Path:

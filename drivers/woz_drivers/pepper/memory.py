@@ -86,14 +86,13 @@ def sound(value: Any) -> Sound | None:
     """`[[s, us], [azimuth, elevation, confidence, energy], head in torso, head in robot]`.
 
     The azimuth (radians, left is positive) counts from where the head looks, so the head's turn
-    (the last of its six coordinates) is added where the robot tells it.
+    (the last of its six coordinates; a Pepper's torso turns with its base) is added.
     """
     stamp = stamped(item(value, 0))
     azimuth = within(item(value, 1, 0), -4 * math.pi, 4 * math.pi)
     if stamp is None or azimuth is None:
         return None
-    heads = items(value)[2:4]
-    turn = within(item(heads[-1], 5), -math.pi, math.pi) if heads else None
+    turn = within(item(value, 2, 5), -math.pi, math.pi)
     around = math.degrees(azimuth + (turn or 0.0))
     return Sound(stamp, (around + 180.0) % 360.0 - 180.0)
 

@@ -1,0 +1,213 @@
+"""The files that the tablet shows, by HTTP: those that were listed and no others.
+
+A small server of its own, for it stands on the network of the robot: random paths, nothing but GET
+and HEAD, bounded connections, and no client can hold it up.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import errno
+import ipaddress
+import secrets
+import selectors
+import socket
+import threading
+import time
+from collections.abc import Callable
+from pathlib import Path
+
+from woz_drivers.pepper.image_server_answers import Answers, Listed
+from woz_tui.core.driver import DriverError
+
+#: Connections at once; a tablet opens six.
+MOST = 16
+#: A request has to be whole, and an answer to be taken up piece by piece, within this, in seconds.
+PATIENCE_S = 10.0
+_BACKLOG = 16
+_ENDS_WITHIN_S = 1.0
+#: How often those that are too slow are looked for, in seconds, while there are any connections.
+_LOOK_S = 1.0
+
+_BIND_TROUBLES = {
+    errno.EADDRINUSE: "take another `tablet.port`, or 0 for any",
+    errno.EADDRNOTAVAIL: "this machine has no such address: correct `tablet.address`, or leave it"
+    " empty so that it is found out",
+    errno.EACCES: "ports below 1024 belong to the system: take a higher `tablet.port`",
+}
+
+
+class ImageServer:
+    """Serves listed files at `http://host:port/token/...`.
+
+    `troubled(text)` is called from a thread for what should not happen. All methods are for one
+    thread; what is listed may be asked for from then on.
+    """
+
+    def __init__(
+        self,
+        host: str,
+        port: int,
+        troubled: Callable[[str], None],
+        *,
+        patience: float = PATIENCE_S,
+    ) -> None:
+        """Begin. Raises `DriverError` in words if the address or the port cannot be had."""
+        self._troubled = troubled
+        self._patience = patience
+        self._token = secrets.token_urlsafe(16)
+        self._listed: dict[str, Listed] = {}
+        self._known: dict[Listed, str] = {}
+        self._clients: dict[socket.socket, float] = {}
+        self._threads: set[threading.Thread] = set()
+        self._lock = threading.Lock()
+        self._over = False
+        self._door = _listening(host, port)
+        self.host = host
+        self.port: int = self._door.getsockname()[1]
+        self._waker, self._wakes = socket.socketpair()
+        self._thread = threading.Thread(target=self._serve, name="pepper tablet", daemon=True)
+        self._thread.start()
+
+    def list_file(self, path: Path) -> str:
+        """The address of a file from now on; the same one each time.
+
+        Where it leads is settled now; what is in it, when it is asked for. Raises `DriverError` if
+        it is missing or cannot be read.
+        """
+        try:
+            real = path.resolve(strict=True)
+            if not real.is_file():
+                raise DriverError(f"{path} is no file", "name a picture, a video or a page")
+            with real.open("rb"):
+                pass
+        except (OSError, RuntimeError) as error:  # RuntimeError: links in a circle
+            why = getattr(error, "strerror", None) or str(error)
+            raise DriverError(
+                f"{path} cannot be shown: {why}", "check its name and that you may read it"
+            ) from None
+        return self._list(Listed(real.suffix.lower(), path=real))
+
+    def list_page(self, html: str) -> str:
+        """The address of a page that was made here."""
+        return self._list(Listed(".html", content=html.encode()))
+
+    def close(self) -> None:
+        """End it with all connections. Waits for its threads a second at most."""
+        self._over = True
+        with contextlib.suppress(OSError):
+            self._waker.send(b"!")
+        until = time.monotonic() + _ENDS_WITHIN_S
+        self._thread.join(_ENDS_WITHIN_S)
+        with self._lock:
+            clients, threads = list(self._clients), list(self._threads)
+        for client in clients:
+            _hang_up(client)
+        for thread in threads:
+            thread.join(max(0.0, until - time.monotonic()))
+        self._waker.close()
+
+    def _list(self, listed: Listed) -> str:
+        place = self._known.get(listed)
+        if place is None:
+            place = f"/{self._token}/{len(self._known)}{listed.suffix}"
+            self._known[listed] = place
+            self._listed[place] = listed
+        host = f"[{self.host}]" if ":" in self.host else self.host
+        return f"http://{host}:{self.port}{place}"
+
+    # -- in the server's threads ---------------------------------------------------------------
+
+    def _serve(self) -> None:
+        with self._door, self._wakes, selectors.DefaultSelector() as ready:
+            ready.register(self._door, selectors.EVENT_READ)
+            ready.register(self._wakes, selectors.EVENT_READ)
+            while not self._over:
+                came = ready.select(_LOOK_S if self._clients else None)
+                if any(key.fileobj is self._door for key, _ in came):
+                    self._let_in()
+                self._show_out()
+
+    def _let_in(self) -> None:
+        try:
+            client, _ = self._door.accept()
+        except OSError:
+            return  # they went away again
+        with self._lock:
+            full = len(self._clients) >= MOST
+            if not full:
+                self._clients[client] = time.monotonic()
+        if full:
+            client.close()
+            return
+        client.settimeout(self._patience)
+        thread = threading.Thread(
+            target=self._answer, args=(client,), name="pepper tablet client", daemon=True
+        )
+        with self._lock:
+            self._threads.add(thread)
+        try:
+            thread.start()
+        except RuntimeError:  # the system gives no more threads: the tablet asks again
+            with self._lock:
+                self._threads.discard(thread)
+                self._clients.pop(client, None)
+            client.close()
+
+    def _show_out(self) -> None:
+        """Whoever has not asked yet after all that time never will."""
+        limit = time.monotonic() - self._patience
+        with self._lock:
+            slow = [client for client, since in self._clients.items() if since < limit]
+        for client in slow:
+            _hang_up(client)
+
+    def _asked(self, client: socket.socket) -> None:
+        """The request is whole: from here on the socket's own limit counts."""
+        with self._lock:
+            if client in self._clients:
+                self._clients[client] = float("inf")
+
+    def _answer(self, client: socket.socket) -> None:
+        try:
+            Answers(client, self._listed, self._asked)
+        except (OSError, ValueError):
+            pass  # the client went away, was too slow, or its socket was closed under it
+        except Exception as error:  # noqa: BLE001 - nothing else would notice
+            self._troubled(f"a request of the tablet failed: {error!r}")
+        finally:
+            with self._lock:
+                self._clients.pop(client, None)
+                self._threads.discard(threading.current_thread())
+            _hang_up(client)
+            client.close()
+
+
+def _listening(host: str, port: int) -> socket.socket:
+    """A socket that listens. Raises `DriverError`."""
+    try:
+        family = socket.AF_INET6 if ipaddress.ip_address(host).version == 6 else socket.AF_INET
+    except ValueError:
+        raise DriverError(
+            f"{host!r} is no address of this machine",
+            "give `tablet.address` in numbers, or leave it empty so that it is found out",
+        ) from None
+    door = socket.socket(family, socket.SOCK_STREAM)
+    try:
+        door.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
+        door.bind((host, port))
+        door.listen(_BACKLOG)
+        door.setblocking(False)
+    except OSError as error:
+        door.close()
+        why = error.strerror or str(error)
+        remedy = _BIND_TROUBLES.get(error.errno or 0, "check `tablet.address` and `tablet.port`")
+        raise DriverError(f"pictures cannot be served at {host}, port {port}: {why}", remedy) from (
+            None
+        )
+    return door
+
+
+def _hang_up(client: socket.socket) -> None:
+    with contextlib.suppress(OSError):
+        client.shutdown(socket.SHUT_RDWR)

@@ -1,0 +1,268 @@
+"""The tablet at the robot's chest: pictures, videos and pages, a default for the time between."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, ClassVar
+
+from woz_drivers.pepper.link import Unsubscribe
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_task import Background
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.tablet_files import Files
+from woz_drivers.pepper.tablet_page import Kind, kind, page
+from woz_drivers.pepper.tablet_video import played
+from woz_drivers.pepper.touch import SENSORS, Touch
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.messages import Json
+
+_SERVICE = "ALTabletService"
+_FAREWELL_S = 0.5
+_COMMANDS = ("wifi", "hide", "default", "stop")
+#: The argument of `screen` that means the default.
+_OFF = "off"
+
+
+@dataclass(frozen=True, eq=False, slots=True)
+class _Video:
+    """One that plays; two of the same file are two."""
+
+    text: str
+
+
+class Screen:
+    """Verbs `screen` and `tablet`, the default picture, and touches as readings."""
+
+    name: ClassVar[str] = "tablet"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._default = settings.tablet.default
+        self._outlet = outlet
+        self._files = Files(robot, settings.tablet, outlet)
+        self._touch = Touch(robot, outlet) if settings.senses.touch else None
+        self._turn = asyncio.Lock()
+        self._video: _Video | None = None
+        #: What is there, as the settings show it.
+        self._shows = ""
+        self._on_air = False
+        self._watching = Background("the tablet's video", outlet)
+        self._returning = Background("the tablet's default", outlet)
+        self._signals: list[Unsubscribe] = []
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """What the tablet does."""
+        what = "picture, video or page: a file, or http://...; off: the default"
+        command = Argument("what", "choice", "what it does", required=True, choices=_COMMANDS)
+        return (
+            Verb(
+                "screen",
+                "show something on the tablet",
+                (Argument("file", "text", what, required=True),),
+                lane="screen",
+            ),
+            Verb("tablet", "the tablet's wifi on; hide what it shows", (command,), lane="screen"),
+        )
+
+    @classmethod
+    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+        """Where it is touched."""
+        return SENSORS if settings.senses.touch else ()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Returns `shown`: what is on the tablet now. A video is not waited for."""
+        async with self._turn:
+            match job.verb, str(job.args.get("file", job.args.get("what", ""))):
+                case "screen", text if text.strip() and text != _OFF:
+                    await self._show(text)
+                case ("screen", _) | ("tablet", "default"):
+                    await self._show_default()
+                case "tablet", "wifi":
+                    await self._call("enableWifi")
+                case "tablet", "hide":
+                    await self._hide()
+                case "tablet", "stop":
+                    await self._end_video()
+                    await self._show_default()
+                case verb, what:
+                    raise Rejected(f"the tablet cannot {verb} {what}")
+        return {"shown": self._shows}
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """A video ends; the default comes afterwards, which is not waited for."""
+        if scope is not Scope.ALL or self._video is None:
+            return ()
+        self._video = None
+        self._watching.cancel()
+        await self._call("stopVideo", sure=False)
+        self._shows = ""
+        self._return()
+        return (self.name,)
+
+    async def connected(self) -> None:
+        """Listen to the tablet, and show the default."""
+        await self._quiet()
+        self._video, self._shows, self._on_air = None, "", False
+        await self._files.connected()
+        self._signals = []
+        for signal, heard in (
+            ("videoFinished", self._finished),
+            ("onLoadPageError", self._not_loaded),
+        ):
+            try:
+                self._signals.append(await self._robot.listen(_SERVICE, signal, heard))
+            except Lost:
+                raise
+            except DriverError:  # an older tablet: the video's end is asked for as well
+                continue
+        if self._touch is not None:
+            await self._touch.connected()
+        if self._default:
+            try:
+                async with self._turn:
+                    await self._show_default()
+            except Lost:
+                raise
+            except DriverError as error:
+                self._outlet.notice("warning", f"tablet: {error.what}", error.remedy)
+
+    def lost(self) -> None:
+        """Nobody knows what it shows."""
+        self._watching.cancel()
+        self._returning.cancel()
+        self._video, self._shows, self._signals = None, "", []
+        if self._touch is not None:
+            self._touch.lost()
+
+    async def read(self) -> Mapping[str, Json]:
+        """What it shows, as far as it was shown from here."""
+        return {"tablet": self._shows or "its own"}
+
+    async def close(self) -> None:
+        """A video ends, for its file cannot be fetched any more; a picture stays."""
+        await self._quiet()
+        if self._touch is not None:
+            await self._touch.close()
+        if self._robot.there:
+            with contextlib.suppress(DriverError):  # the session ends in any case
+                if self._video is not None:
+                    await self._robot.call(_SERVICE, "stopVideo", within=_FAREWELL_S)
+            await asyncio.gather(*(end() for end in self._signals))
+        self._video, self._signals = None, []
+        await self._files.close()
+
+    async def _quiet(self) -> None:
+        await self._watching.close()
+        await self._returning.close()
+
+    # -- showing -------------------------------------------------------------------------------
+
+    async def _show(self, text: str) -> None:
+        """Show a file or an address. Raises `DriverError`."""
+        what = kind(text)
+        address = await self._files.address(text)
+        if what is Kind.PICTURE:
+            address = await self._files.page(page(address))
+        await self._end_video()
+        await self._network()
+        self._shows = ""
+        if what is Kind.VIDEO:
+            await self._play(text, address)
+        else:
+            await self._call("showWebview", address)
+        self._shows = text
+
+    async def _play(self, text: str, address: str) -> None:
+        video = _Video(text)
+        self._video = video
+        try:
+            await self._call("playVideo", address)
+        except BaseException:
+            self._video = None
+            raise
+        if self._video is video:
+            self._watching.start(self._watch(video))
+
+    async def _show_default(self) -> None:
+        """What is there when nothing else is; without a default the tablet's own screen."""
+        if self._default:
+            await self._show(self._default)
+        else:
+            await self._hide()
+
+    async def _hide(self) -> None:
+        await self._end_video()
+        await self._call("hideWebview", sure=False)
+        self._shows = ""
+
+    async def _end_video(self) -> None:
+        video, self._video = self._video, None
+        if video is not None:
+            await self._watching.close()
+            await self._call("stopVideo", sure=False)
+
+    async def _network(self) -> None:
+        """What is fetched needs the tablet's wifi; that it is on is known after the first time."""
+        if not self._on_air:
+            with contextlib.suppress(Rejected):
+                await self._call("enableWifi", sure=False)
+            self._on_air = True
+
+    async def _call(self, method: str, *words: Any, sure: bool = True) -> None:
+        """Have the tablet do it. Raises `DriverError`, if `sure` also when it says that it did not."""
+        said = await self._robot.call(_SERVICE, method, *words)
+        if sure and said is False:
+            raise DriverError(
+                f"the tablet refused {method}", "is it on? `tablet wifi` switches its network on"
+            )
+
+    # -- a video's end -------------------------------------------------------------------------
+
+    async def _watch(self, video: _Video) -> None:
+        try:
+            if not await played(self._robot):
+                text = f"the tablet has not begun to play {video.text}"
+                self._outlet.notice("warning", text, "can it play that kind? is it on the network?")
+        except Lost:
+            return
+        self._over(video)
+
+    def _finished(self, *_: Any) -> None:
+        """The tablet says that its video is over."""
+        if self._video is not None:
+            self._watching.cancel()
+            self._over(self._video)
+
+    def _over(self, video: _Video) -> None:
+        if self._video is video:
+            self._video, self._shows = None, ""
+            self._return()
+
+    def _return(self) -> None:
+        if self._default:
+            self._returning.start(self._come_back())
+
+    async def _come_back(self) -> None:
+        """The default again, unless something else has been shown meanwhile."""
+        async with self._turn:
+            if self._shows or self._video is not None:
+                return
+            try:
+                await self._show_default()
+            except Lost:
+                return  # it is shown at the next connection
+            except DriverError as error:
+                self._outlet.notice("warning", f"tablet: {error.what}", error.remedy)
+
+    def _not_loaded(self, *said: Any) -> None:
+        """The tablet could not fetch a page or what is on it."""
+        words = [str(one) for one in said if isinstance(one, str) and one]
+        why = ": ".join(words[:2]) or "no reason given"
+        remedy = "check the address, and that the tablet reaches it: `tablet wifi`, tablet.address"
+        self._outlet.notice(
+            "warning", f"the tablet could not load what it was to show: {why}", remedy
+        )

@@ -1,0 +1,76 @@
+"""Where the tablet gets the files of this machine from."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from woz_drivers.pepper.image_server import ImageServer
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_task import apart
+from woz_drivers.pepper.settings import Tablet
+from woz_drivers.pepper.tablet_page import is_address
+from woz_tui.core.driver import DriverError, Lost, Outlet
+
+
+class Files:
+    """Finds files, and serves them where the robot reaches this machine.
+
+    The server begins with the first file, and anew when the robot is reached in another way.
+    """
+
+    def __init__(self, robot: Robot, settings: Tablet, outlet: Outlet) -> None:
+        self._robot = robot
+        self._settings = settings
+        self._outlet = outlet
+        self._server: ImageServer | None = None
+
+    async def connected(self) -> None:
+        """A server at another address than this robot needs is of no use."""
+        if self._server is not None and self._server.host != self._host:
+            await self.close()
+
+    async def address(self, text: str) -> str:
+        """Where the tablet fetches a file from; an address is one already. Raises `DriverError`."""
+        if is_address(text):
+            return text
+        path, server = self._found(text), self._serving()
+        return await apart(lambda: server.list_file(path))
+
+    async def page(self, html: str) -> str:
+        """Where the tablet fetches a page from. Raises `DriverError`."""
+        return self._serving().list_page(html)
+
+    async def close(self) -> None:
+        """Serve nothing more."""
+        server, self._server = self._server, None
+        if server is not None:
+            await apart(server.close)
+
+    @property
+    def _host(self) -> str:
+        return self._settings.address or self._robot.local_host
+
+    def _serving(self) -> ImageServer:
+        if self._server is None:
+            host = self._host
+            if not host:
+                raise Lost("the robot is not there, so nothing can be shown", "wait for it")
+            self._server = ImageServer(host, self._settings.port, self._troubled)
+        return self._server
+
+    def _troubled(self, text: str) -> None:
+        self._outlet.notice("warning", text, "show it again")
+
+    def _found(self, text: str) -> Path:
+        """A file below the tablet's root, else below the experiment's folder."""
+        folder = self._outlet.folder
+        places = [folder / Path(self._settings.root).expanduser()] if self._settings.root else []
+        try:
+            paths = [place / Path(text).expanduser() for place in (*places, folder)]
+            found = next((path for path in paths if path.exists()), None)
+        except (OSError, RuntimeError, ValueError) as error:
+            raise DriverError(f"{text!r} is no file: {error}", "check its name") from None
+        if found is None:
+            looked = " or ".join(dict.fromkeys(str(path) for path in paths))
+            raise DriverError(f"there is no file {looked}", "check its name, and tablet.root")
+        return found

@@ -1,0 +1,73 @@
+"""What a `screen` shows, and the page that holds a picture on the tablet's 1280 x 800."""
+
+from __future__ import annotations
+
+import enum
+import html
+from pathlib import PurePosixPath
+from urllib.parse import urlsplit
+
+from woz_tui.core.driver import Rejected
+
+PICTURES = frozenset({".png", ".jpg", ".jpeg", ".gif", ".svg", ".webp", ".bmp"})
+VIDEOS = frozenset(
+    {".mp4", ".m4v", ".webm", ".mkv", ".mov", ".avi", ".3gp", ".ogv", ".mpg", ".mpeg"}
+)
+PAGES = frozenset({".html", ".htm"})
+
+#: The tablet counts 1707 x 1067 unless a page says otherwise (doc.aldebaran.com,
+#: "naoqi/core/altabletservice"). The picture is as large as fits, in its own proportions.
+_PAGE = """<!DOCTYPE html>
+<html><head><meta charset="utf-8">
+<meta name="viewport" content="width=1280, initial-scale=1, user-scalable=no">
+<title></title>
+<style>
+html, body {{ margin: 0; width: 100%; height: 100%; overflow: hidden; background: #000; }}
+img {{ display: block; width: 100%; height: 100%; object-fit: contain; }}
+</style></head>
+<body><img src="{address}" alt=""></body></html>
+"""
+
+
+class Kind(enum.Enum):
+    """How something is shown."""
+
+    PICTURE = "picture"
+    VIDEO = "video"
+    PAGE = "page"
+
+
+def is_address(text: str) -> bool:
+    """Whether it is to be fetched from somewhere, rather than a file of this machine."""
+    return "://" in text
+
+
+def kind(text: str) -> Kind:
+    """What a file or an http(s) address holds, by its suffix; an address without a known one is a
+    page. Raises `Rejected` for what no tablet shows.
+    """
+    if not is_address(text):
+        return _by_suffix(text)
+    try:
+        split = urlsplit(text)
+        host = split.hostname
+    except ValueError as error:
+        raise Rejected(f"{text!r} is no address: {error}", "write http://HOST/PATH") from None
+    if split.scheme.lower() not in ("http", "https") or not host:
+        raise Rejected(f"the tablet cannot fetch {text!r}", "write http://HOST/PATH")
+    suffix = PurePosixPath(split.path).suffix.lower()
+    return Kind.PICTURE if suffix in PICTURES else Kind.VIDEO if suffix in VIDEOS else Kind.PAGE
+
+
+def _by_suffix(text: str) -> Kind:
+    suffix = PurePosixPath(text).suffix.lower()
+    for suffixes, found in ((PICTURES, Kind.PICTURE), (VIDEOS, Kind.VIDEO), (PAGES, Kind.PAGE)):
+        if suffix in suffixes:
+            return found
+    known = ", ".join(sorted(one[1:] for one in PICTURES | VIDEOS | PAGES))
+    raise Rejected(f"the tablet does not know what {text!r} is", f"it shows {known}, or http://...")
+
+
+def page(address: str) -> str:
+    """A black page with one picture in it."""
+    return _PAGE.format(address=html.escape(address, quote=True))

@@ -16,7 +16,7 @@ from woz_tui.experiment.woz4u.known import ANIMATION_FIELDS
 #: Seconds that a colour takes to come, as WoZ4U's program has it.
 _FADE_S = 0.5
 _CHANNELS = ("red", "green", "blue")
-_WIDE = Range(-1e6, 1e6)
+_ANY = Range()
 _DURATION = Range(0.1, 3600, "s")
 
 
@@ -81,7 +81,7 @@ def _channel(item: Item, name: str) -> float:
     if spot is None or values.empty(spot):
         item.spot.warning(f"without {name!r} there is no {name} in it")
         return 0.0
-    value = values.number(spot, _WIDE, f"there is no {name} in it") or 0.0
+    value = values.number(spot, _ANY, f"there is no {name} in it") or 0.0
     if value < 0.0:
         spot.warning(f"less than nothing; there is no {name} in it")
     return max(0.0, value)

@@ -104,7 +104,7 @@ class _Board:
         """Why a key cannot be had; empty if it can."""
         first, _, second = key.partition(" ")
         if is_stop(key, self._layout):
-            where = "" if key in STOPS else " on some terminals"
+            where = "" if {first, second} & set(STOPS) else " on some terminals"
             return f"{key} means stop{where}"
         if first in self._builtin:
             return f"{first} is the console's own key ({self._builtin[first]})"

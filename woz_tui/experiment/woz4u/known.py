@@ -49,20 +49,20 @@ OLDER = {
     "sentences": "animated_speech",
 }
 
+#: Words that other files may well have.
+_COMMON = ("gestures", "colors", "audio_files", *VOICE)
+
 #: Our own format says who the robot is; a WoZ4U file does not know these words.
 _OWN_ONLY = ("panels", "robot", "robots")
 
 
 def recognised(table: Table, own: Collection[str]) -> bool:
     """Whether a file is a WoZ4U file: it names neither panels nor a robot as our own format (whose
-    top level is `own`) does, and more of its keys are WoZ4U's than ours.
-
-    Loudness and voice alone do not count: other files have such words, too.
+    top level is `own`) does, and it has a key that only WoZ4U has, or more keys of WoZ4U's than of
+    ours. Loudness and voice alone do not count.
     """
     keys = table.entries.keys()
-    theirs = keys & set(TOP_LEVEL)
-    return (
-        not keys & set(_OWN_ONLY)
-        and bool(theirs - set(VOICE))
-        and len(theirs) > len(keys & set(own))
-    )
+    if keys & set(_OWN_ONLY):
+        return False
+    theirs = (keys & set(TOP_LEVEL)) - set(VOICE)
+    return bool(theirs - set(_COMMON)) or len(theirs) > len(keys & set(own))

@@ -70,7 +70,7 @@ def name_apart(panels: Sequence[Panel]) -> None:
         for button in panel.buttons:
             name, number = button.title, 1
             while name in names or (number > 1 and name in titles):
-                tail = f" {number}" if number > 2 else ""
+                tail = f" {number}" if number > 1 else ""
                 name = f"{button.title} ({panel.title}{tail})"
                 number += 1
             names.add(name)

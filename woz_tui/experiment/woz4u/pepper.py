@@ -138,7 +138,7 @@ def _life(name: str, spot: Spot) -> tuple[str, Scalar] | None:
     """The driver's name and the value of one setting; None if it is left as it is."""
     if name in _WORDS:
         ours, choices = _WORDS[name]
-        word = values.word(spot, choices)
+        word = values.word(spot, choices, _AS_IT_IS)
         return None if word is None else (ours, made.said(word, spot.place))
     if name in _DISTANCES:
         metres = values.number(spot, _METRES, _AS_IT_IS)

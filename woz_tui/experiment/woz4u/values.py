@@ -48,7 +48,8 @@ def number(spot: Spot | None, allowed: Range, otherwise: str = LEFT_OUT) -> floa
     pointed = typed.replace(",", ".", 1)
     if not _NUMBER.fullmatch(pointed):
         found = described(spot.node)
-        spot.warning(f"expected a number ({allowed}), not {found}; {otherwise}")
+        bounds = "" if allowed == Range() else f" ({allowed})"
+        spot.warning(f"expected a number{bounds}, not {found}; {otherwise}")
         return None
     if pointed != typed:
         spot.warning(f"{quoted(typed)} is read as {pointed}: the decimal sign is a point")
@@ -77,16 +78,16 @@ def locked(spot: Spot | None) -> bool:
     return flag(spot, "the section is locked to be on the safe side") is not False
 
 
-def word(spot: Spot | None, choices: Sequence[str]) -> str | None:
+def word(spot: Spot | None, choices: Sequence[str], otherwise: str = LEFT_OUT) -> str | None:
     """One of `choices`, in whatever case; None, with a warning, for anything else."""
-    typed = text(spot)
+    typed = text(spot, otherwise)
     if spot is None or typed is None:
         return None
     known = {choice.lower(): choice for choice in choices}
     found = known.get(typed.strip().lower())
     if found is None:
         near = spot.report.hint(typed, choices, or_list="it can be")
-        spot.warning(f"{quoted(typed)} is not known and {LEFT_OUT}{near}")
+        spot.warning(f"{quoted(typed)} is not known; {otherwise}{near}")
     return found
 
 

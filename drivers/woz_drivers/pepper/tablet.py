@@ -213,7 +213,7 @@ class Screen:
             self._on_air = True
 
     async def _call(self, method: str, *words: Any, sure: bool = True) -> None:
-        """Have the tablet do it. Raises `DriverError`, if `sure` also when it says that it did not."""
+        """Have the tablet do it. Raises `DriverError`; if `sure`, also when it says no."""
         said = await self._robot.call(_SERVICE, method, *words)
         if sure and said is False:
             raise DriverError(

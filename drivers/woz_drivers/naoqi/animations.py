@@ -1,45 +1,15 @@
-"""ALAnimationPlayer and ALBehaviorManager.
-
-The paths are those of the library that Pepper comes with. How long each takes here is a round
-figure of ours by its folder, not a measurement.
-"""
+"""ALAnimationPlayer and ALBehaviorManager: `library.py` has what is installed."""
 
 from __future__ import annotations
 
 import asyncio
 
+from woz_drivers.naoqi.library import LENGTHS, with_tag
 from woz_drivers.naoqi.table import Refused, Service, offers
 from woz_drivers.naoqi.world import World
 
-_ROOT = "animations/Stand/"
-_NUMBERED = {
-    "Emotions/Negative/": {"Bored": "1"},
-    "Emotions/Neutral/": {"Embarrassed": "1"},
-    "Emotions/Positive/": {"Happy": "1 2 3 4", "Hysterical": "1", "Peaceful": "1"},
-    "Gestures/": {
-        **{"BowShort": "1", "But": "1", "CalmDown": "1 5 6", "Choice": "1"},
-        **{"Desperate": "1 2 4 5", "Enthusiastic": "4 5", "Everything": "1 2 3 4", "Excited": "1"},
-        **{"Explain": "1 2 3 4 5 6 7 8 9 10 11", "Far": "1 2 3", "Give": "3 4 5 6"},
-        **{"Hey": "1 3 4 6", "IDontKnow": "1 2 3", "Me": "1 2 4 7", "No": "1 2 3 8 9"},
-        **{"Nothing": "2", "Please": "1", "ShowFloor": "1 3 4"},
-        **{"ShowSky": "1 2 4 5 6 7 8 9 11", "ShowTablet": "2 3", "Thinking": "1 3 4 6 8"},
-        **{"Yes": "1 2 3", "You": "1 4", "YouKnowWhat": "1 2 3 5 6"},
-    },
-    "Waiting/": {"ShowSky": "1 2", "Think": "1 2 3"},
-    "BodyTalk/": {"BodyTalk": " ".join(str(number) for number in range(1, 17))},
-}
-_SECONDS = {"Emotions": 4.0, "Gestures": 2.5, "Waiting": 5.0, "BodyTalk": 3.0}
 #: Seconds that a second animation waits for the body before it gives up.
 PATIENCE_S = 1.0
-
-
-def _library() -> dict[str, float]:
-    return {
-        f"{_ROOT}{folder}{name}_{number}": _SECONDS[folder.split("/")[0]]
-        for folder, names in _NUMBERED.items()
-        for name, numbers in names.items()
-        for number in numbers.split()
-    }
 
 
 class Animations:
@@ -47,9 +17,11 @@ class Animations:
 
     def __init__(self, world: World) -> None:
         self._world = world
-        self.lengths = _library()
+        self.lengths = dict(LENGTHS)
         self.done: list[str] = []
+        #: By what a text asked for: what was begun, and which path that was.
         self._started: dict[str, asyncio.Task[None]] = {}
+        self._last: dict[str, str] = {}
 
     def find(self, asked: str, method: str) -> str:
         """The path of an animation; `[posture]` and `[robot]` are filled in. Raises Refused."""
@@ -57,6 +29,13 @@ class Animations:
         if path not in self.lengths:
             raise Refused(f"{method}\n\tanimation {asked} is not installed")
         return path
+
+    def any_of(self, tag: str, method: str) -> str:
+        """The path of an animation for a tag. Raises Refused."""
+        paths = with_tag(tag)
+        if not paths:
+            raise Refused(f"{method}\n\tno animation has the tag {tag}")
+        return self._world.random.choice(paths)
 
     async def run(self, path: str, method: str) -> None:
         """Play until the end or until it is ended. Raises Refused when it cannot begin."""
@@ -75,18 +54,27 @@ class Animations:
     async def from_speech(self, how: str, asked: str) -> None:
         """What a tag in a text asks for; what cannot be played is noted, and speech goes on."""
         try:
-            path = self.find(asked, "ALAnimatedSpeech::say")
-            if how == "run":
-                await self.run(path, "ALAnimatedSpeech::say")
-            elif how == "start":
-                self._started[path] = asyncio.ensure_future(self._noting(path))
-                await asyncio.sleep(0)
-            elif how == "stop":
-                self._world.going.end("animation", about=path)
-            elif path in self._started:
-                await asyncio.wait({self._started[path]})
+            if how in ("run", "runTag", "start", "startTag"):
+                await self._play(how, asked)
+            elif how in ("stop", "stopTag"):
+                self._world.going.end("animation", about=self._last.get(asked, asked))
+            elif how in ("wait", "waitTag"):
+                if asked in self._started:
+                    await asyncio.wait({self._started[asked]})
+            else:
+                self._world.note(f"ALAnimatedSpeech: ^{how}({asked}) is not simulated")
         except Refused as refused:
             self._world.note(str(refused))
+
+    async def _play(self, how: str, asked: str) -> None:
+        method = "ALAnimatedSpeech::say"
+        path = self.any_of(asked, method) if how.endswith("Tag") else self.find(asked, method)
+        self._last[asked] = path
+        if how.startswith("run"):
+            await self.run(path, method)
+        else:
+            self._started[asked] = asyncio.ensure_future(self._noting(path))
+            await asyncio.sleep(0)
 
     async def _noting(self, path: str) -> None:
         try:
@@ -112,13 +100,9 @@ class AnimationPlayer(Service):
 
     @offers("runTag(s)v", cancellable=True)
     async def run_tag(self, tag: str) -> None:
-        """Play any animation whose name is the tag (`hey`, `yes`)."""
-        fits = [
-            one for one in self._animations.lengths if f"/{tag}_" in one.replace(" ", "").lower()
-        ]
-        if not fits:
-            raise Refused(f"ALAnimationPlayer::runTag\n\tno animation for the tag {tag}")
-        await self._animations.run(self._world.random.choice(fits), "ALAnimationPlayer::runTag")
+        """Play any animation whose name is the tag: hey, yes."""
+        method = "ALAnimationPlayer::runTag"
+        await self._animations.run(self._animations.any_of(tag, method), method)
 
 
 class BehaviorManager(Service):

@@ -27,8 +27,7 @@ class Motion(Joints):
     @offers("moveTo(fff)b")
     async def move_to(self, x: float, y: float, turn: float) -> bool:
         """Drive by x, y (m) and turn (rad); False if it did not get there."""
-        refused = self._world.faults.there("says-no") or not self._body.awake
-        if refused or self._world.going.of("animation"):
+        if self._world.faults.there("says-no") or not self._body.awake:
             return False
         self._world.going.end("move")
         seconds = max(math.hypot(x, y) / SPEED_M_S, abs(turn) / SPEED_RAD_S)
@@ -86,6 +85,15 @@ class Motion(Joints):
     def kill_all(self) -> None:
         """All movements end where they are."""
         self._end_all()
+
+    @offers("killTasksUsingResources([s])v")
+    def kill_tasks_using_resources(self, resources: list[str]) -> None:
+        """End what moves these joints or chains; animations and postures move all of them."""
+        joints = set(self._joints("killTasksUsingResources", resources))
+        for span in self._world.going.of("joints", "posture", "animation"):
+            if span.kind != "joints" or joints & set(span.about.split(",")):
+                self._world.going.end(span.kind, about=span.about)
+        self._body.hold(joints)
 
     @offers("waitUntilMoveIsFinished()v")
     async def wait_until_move_is_finished(self) -> None:

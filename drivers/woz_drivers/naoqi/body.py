@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from woz_drivers.naoqi.joints import BREATHING, JOINTS, POSTURES, clip
@@ -67,13 +67,12 @@ class Body:
             now = self._time.now()
             self._courses[joint] = _Course(self.angle(joint), clip(joint, angle), now, seconds)
 
-    def hold(self) -> None:
-        """Every joint stays where it is."""
+    def hold(self, joints: Iterable[str] = JOINTS) -> None:
+        """These joints stay where they are."""
         now = self._time.now()
-        self._courses = {
-            name: _Course(course.at(now), course.at(now), now, 0.0)
-            for name, course in self._courses.items()
-        }
+        for joint in joints:
+            here = self._courses[joint].at(now)
+            self._courses[joint] = _Course(here, here, now, 0.0)
 
     def take(self, posture: str, seconds: float) -> None:
         """Let all joints go to those of a posture."""

@@ -9,6 +9,8 @@ import os
 import signal
 import subprocess
 import time
+import traceback
+from collections import deque
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -106,6 +108,7 @@ def freeze(seconds: float) -> None:
 
 
 Entry = tuple[str, str, str, int]
+MOST_ENTRIES = 100_000
 
 
 class Desk:
@@ -113,16 +116,24 @@ class Desk:
 
     def __init__(self, faults: Faults) -> None:
         self.faults = faults
-        self.entries: list[Entry] = []
+        #: The latest ones: a robot that is read ten times a second for a day stays small.
+        self.entries: deque[Entry] = deque(maxlen=MOST_ENTRIES)
         self.heard: list[Callable[[Entry], None]] = []
 
     async def enter(self, service: Service, method: Method, args: Sequence[Any]) -> Any:
-        """Carry out one call. Raises Refused, or whatever is a mistake of ours."""
+        """Carry out one call. Raises Refused."""
         if service.name != UNTOUCHED:
             self._write_down(service.name, method.name, args)
             await self.faults.before(f"{service.name}.{method.name}")
-        result = method.run(service, *args)
-        return await result if inspect.isawaitable(result) else result
+        try:
+            result = method.run(service, *args)
+            return await result if inspect.isawaitable(result) else result
+        except Refused:
+            raise
+        except Exception as error:
+            # A mistake of ours must not look like a robot's answer.
+            traceback.print_exc()
+            raise Refused(f"mistake of the stand-in: {error!r}") from error
 
     def _write_down(self, service: str, method: str, args: Sequence[Any]) -> None:
         entry = (service, method, as_json(list(args)), time.monotonic_ns())

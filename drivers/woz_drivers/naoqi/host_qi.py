@@ -119,8 +119,6 @@ async def _into(promise: Any, work: Coroutine[Any, Any, Any]) -> None:
         promise.setCanceled()
     except Refused as refused:
         promise.setError(str(refused))
-    except Exception as error:  # noqa: BLE001 - whatever it is, the caller must hear of it
-        promise.setError(f"mistake of the stand-in: {error!r}")
     else:
         promise.setValue(value)
 

@@ -98,10 +98,11 @@ class Life(Service):
         return self.state
 
     def become(self, state: str) -> None:
-        """Be in a state from now on, with all that it switches, and tell."""
+        """Be in a state from now on, with all that it switches, and tell. Raises KeyError."""
+        abilities = _ABILITIES[state]
         self.state = state
         for name, ability in self._abilities.items():
-            ability.on = name in _ABILITIES[state]
+            ability.on = name in abilities
         breathes = state in ("solitary", "interactive")
         self._world.body.breathing = dict.fromkeys(self._world.body.breathing, breathes)
         self._world.store.raise_event("AutonomousLife/State", state)

@@ -95,8 +95,8 @@ class Pepper:
         add("pose", world.body.pose)
         add("velocity", world.body.velocity)
         add("angles", self.angles)
-        add("front", lambda: world.body.front, lambda m: setattr(world.body, "front", m))
-        add("side", lambda: world.body.side, lambda m: setattr(world.body, "side", m))
+        add("front", lambda: world.body.front, self._front)
+        add("side", lambda: world.body.side, self._side)
         add("going", lambda: [(one.kind, one.about) for one in world.going])
         add("faults", world.faults.names)
         add("notes", lambda: list(world.notes))
@@ -106,7 +106,7 @@ class Pepper:
         add("drift", lambda: "", lambda _: world.note(f"by itself: {self.life.drift()}"))
         add("eyes", lambda: self.leds.color("RightFaceLed1"))
         add("eyes.animation", self.leds.animation)
-        add("battery", self.battery.get_battery_charge, self.battery.fill)
+        add("battery", self.battery.get_battery_charge, lambda p: self.battery.fill(float(p)))
         add("breathing", lambda: world.body.breathing)
         add("now", world.time.now)
         add("tablet", self.tablet.state)
@@ -117,6 +117,12 @@ class Pepper:
         add("recording", lambda: self.recorder.path)
         add("sound.subscribers", self.audio.subscribers)
         add("camera.subscribers", self.camera.get_subscribers)
+
+    def _front(self, metres: float | None) -> None:
+        self.world.body.front = None if metres is None else float(metres)
+
+    def _side(self, metres: float | None) -> None:
+        self.world.body.side = None if metres is None else float(metres)
 
     def _video_seconds(self, seconds: float) -> None:
         self.tablet.video_s = float(seconds)

@@ -10,6 +10,8 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
+import msgspec
+
 from woz_drivers.naoqi.faults import Entry, as_json
 from woz_drivers.naoqi.table import Refused, Service, offers
 from woz_drivers.naoqi.visitor import Person
@@ -123,9 +125,11 @@ class StandIn(Service):
 
 
 def _placed(given: Mapping[str, Any]) -> Person:
+    if unknown := set(given) - set(asdict(_DEFAULT)):
+        raise Refused(f"StandIn::person\n\tnobody has {', '.join(sorted(unknown))}")
     try:
-        return Person(**{**asdict(_DEFAULT), **given})
-    except TypeError as error:
+        return msgspec.convert({**asdict(_DEFAULT), **given}, Person)
+    except msgspec.ValidationError as error:
         raise Refused(f"StandIn::person\n\t{error}") from None
 
 

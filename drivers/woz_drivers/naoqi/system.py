@@ -9,6 +9,9 @@ from woz_drivers.naoqi.world import World
 PER_HOUR = 100 / 12
 
 
+CHARGE = "Device/SubDeviceList/Battery/Charge/Sensor/Value"
+
+
 class System(Service):
     """Who the robot is."""
 
@@ -51,11 +54,17 @@ class Battery(Service):
         self._world = world
         self.full = 87.0
         self._since = world.time.now()
+        world.store.provide(CHARGE, self.share)
 
     @offers("getBatteryCharge()i")
     def get_battery_charge(self) -> int:
         """Percent."""
-        return round(max(0.0, self.full - (self._world.time.now() - self._since) / 3600 * PER_HOUR))
+        return round(self.share() * 100)
+
+    def share(self) -> float:
+        """0 to 1."""
+        hours = (self._world.time.now() - self._since) / 3600
+        return max(0.0, self.full - hours * PER_HOUR) / 100
 
     def fill(self, percent: float) -> None:
         """Let it be this full now."""

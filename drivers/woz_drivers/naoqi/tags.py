@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 #: Letters a second at speed 100, about three words.
 LETTERS_PER_S = 15.0
-_TAG = re.compile(r"\\\s*(vct|rspd|pau|vol|rst)\s*(?:=\s*(\d+)\s*)?\\", re.IGNORECASE)
-_RUN = re.compile(r"\^(run|start|stop|wait)\(\s*([^)]*?)\s*\)")
+_TAG = re.compile(r"\\\s*([a-z]+)\s*(?:=\s*([^\\]*?)\s*)?\\", re.IGNORECASE)
+_RUN = re.compile(r"\^([A-Za-z]+)\(\s*([^)]*?)\s*\)")
 _RANGES = {"vct": (50, 200), "rspd": (50, 400), "vol": (0, 100), "pau": (0, 65535)}
 
 
@@ -43,7 +43,7 @@ class Pause:
 
 @dataclass(frozen=True, slots=True)
 class Animate:
-    """What is done with an animation: run, start, stop or wait."""
+    """What is done with an animation: run, start, stop, wait, and `runTag` and so on."""
 
     how: str
     path: str
@@ -94,9 +94,11 @@ def _changed(manner: Manner, match: re.Match[str]) -> Manner:
     name = match[1].lower()
     if name == "rst":
         return Manner()
-    return manner if name == "pau" else replace(manner, **{name: _number(match)})
+    # Tags that are not simulated are not read out either.
+    return replace(manner, **{name: _number(match)}) if name in asdict(manner) else manner
 
 
 def _number(match: re.Match[str]) -> int:
+    """The value within its range; 100 when there is none."""
     low, high = _RANGES[match[1].lower()]
-    return min(high, max(low, int(match[2] or 100)))
+    return min(high, max(low, int(match[2]))) if (match[2] or "").isdigit() else 100

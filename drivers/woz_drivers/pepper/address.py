@@ -18,7 +18,7 @@ _EXAMPLES = "write a host name, tcp://HOST:9559, tcps://USER@HOST:9503, or simul
 _SCHEME = re.compile(r"([A-Za-z][A-Za-z0-9+.-]*)://(.*)", re.DOTALL)
 #: IPv6 in brackets or a name without a colon; then a port.
 _PLACE = re.compile(
-    r"(?:\[(?P<six>[0-9A-Fa-f:.]+(?:%[\w.-]+)?)\]|(?P<name>[^:\[\]]+))(?::(?P<port>.*))?"
+    r"(?:\[(?P<six>[0-9A-Fa-f:.]+(?:%[\w.-]+)?)\]|(?P<name>[^:\[\]]+))(?::(?P<port>[^:]*))?"
 )
 _NAME = re.compile(r"[A-Za-z0-9_](?:[A-Za-z0-9_.-]{0,251}[A-Za-z0-9_.])?")
 _USER = re.compile(r"[\w.-]{1,64}")

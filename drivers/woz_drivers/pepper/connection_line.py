@@ -77,7 +77,7 @@ class Line:
             while waiting & {dead, self.link.lost} == {dead, self.link.lost}:
                 done, waiting = await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
                 if getting_ready in done and (error := getting_ready.exception()) is not None:
-                    return self.lost(f"it could not be got ready: {error}")
+                    return self.lost(f"it could not be got ready: {error!r}")
             return self.lost(dead.result() if dead.done() else self.link.lost.result())
         finally:
             dead.cancel()

@@ -18,6 +18,11 @@ class Refused(Lost):
     """
 
 
+def words(text: str) -> str:
+    """What a robot says of an error, in one line, without the listing of its program."""
+    return " ".join(text.partition("\n\nAt:")[0].split())
+
+
 def unreachable(address: Address, number: int | None, text: str) -> Lost:
     """The system said no: `number` is its errno where known, `text` its words."""
     where = address.shown

@@ -16,6 +16,7 @@ from woz_drivers.pepper.links_socket import keep_nothing_unsent, resolved
 from woz_drivers.pepper.links_trouble import (
     unknown,
     unreachable,
+    words,
     wrong_certificate,
     wrong_password,
 )
@@ -174,9 +175,4 @@ class OwnLink:
         except errors.QiError as error:
             if _ABSENT.search(str(error)):
                 raise Missing(f"the robot has no service {service} now") from None
-            raise Said(f"{what}: {_first(str(error))}") from None
-
-
-def _first(text: str) -> str:
-    """The words of an error without the robot's program listing."""
-    return text.partition("\n\nAt:")[0].strip()
+            raise Said(f"{what}: {words(str(error))}") from None

@@ -22,7 +22,7 @@ from woz_drivers.pepper.links_socket import (
     local_host_towards,
     resolved,
 )
-from woz_drivers.pepper.links_trouble import unknown, unreachable, wrong_password
+from woz_drivers.pepper.links_trouble import unknown, unreachable, words, wrong_password
 from woz_drivers.pepper.qi_link_library import Login, library
 from woz_drivers.pepper.secrets import Secret
 
@@ -111,10 +111,10 @@ class QiLink:
     async def services(self, within: float) -> frozenset[str]:
         """Names of all services; where they listen is kept for `keep_nothing_unsent`."""
         infos = await self.call(_DIRECTORY, "services", within=within)
-        for end in (end for info in infos for end in info[4]):
+        for end in (end for info in infos for end in _member(info, "endpoints", 4)):
             if found := _TCP_END.fullmatch(end):
                 self._peers.add((found[1], int(found[2])))
-        return frozenset(info[0] for info in infos)
+        return frozenset(_member(info, "name", 0) for info in infos)
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
         """Hear a signal; see `Link.listen`. Not answered within 2 s: raises `Unanswered`."""
@@ -152,7 +152,7 @@ class QiLink:
         try:
             future = proxy.call(method, *args, _async=True)
         except (RuntimeError, TypeError, ValueError) as error:
-            raise Said(f"{service}.{method}: {_first(str(error))}") from None
+            raise Said(f"{service}.{method}: {words(str(error))}") from None
         try:
             return _plain(await self._answer(future))
         except Said as said:
@@ -195,7 +195,7 @@ class QiLink:
             # One process of the robot has ended, its other services go on: look it up anew.
             self._services.pop(service, None)
             return Missing(f"{service} has just ended on the robot")
-        return Said(f"{what}: {_first(text)}")
+        return Said(f"{what}: {words(text)}")
 
     async def _in_time(self, doing: Coroutine[Any, Any, _T], within: float, what: str) -> _T:
         try:
@@ -266,9 +266,9 @@ def _end(session: Any, services: list[Any]) -> None:
     del session
 
 
-def _first(text: str) -> str:
-    """The words of an error without the robot's program listing."""
-    return text.partition("\n\nAt:")[0].strip()
+def _member(info: Any, name: str, place: int) -> Any:
+    """Of a struct: its members have names only where the other end tells them."""
+    return info[name] if isinstance(info, dict) else info[place]
 
 
 def _plain(value: Any) -> Any:

@@ -1,0 +1,114 @@
+"""Addresses of robots: what is understood, what is refused, and that no password shows."""
+
+from __future__ import annotations
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.pepper.address import Address, parse
+from woz_drivers.pepper.secrets import Secret, password
+
+from woz_tui.core.driver import Rejected
+
+
+@pytest.mark.parametrize(
+    ("text", "address", "url", "shown"),
+    [
+        ("pepper.local", Address("pepper.local"), "tcp://pepper.local:9559", "pepper.local"),
+        (" 10.0.0.7:9600 ", Address("10.0.0.7", 9600), "tcp://10.0.0.7:9600", "10.0.0.7:9600"),
+        ("tcp://pepper", Address("pepper"), "tcp://pepper:9559", "pepper"),
+        ("TCP://pepper:9559/", Address("pepper"), "tcp://pepper:9559", "pepper"),
+        ("tcps://p", Address("p", 9503, True, "nao"), "tcps://p:9503", "p"),
+        ("tcps://ada@p:1", Address("p", 1, True, "ada"), "tcps://p:1", "p:1"),
+        ("[fe80::1]", Address("fe80::1"), "tcp://[fe80::1]:9559", "[fe80::1]"),
+        ("tcp://[fe80::1%eth0]:7", Address("fe80::1%eth0", 7), "tcp://[fe80::1%eth0]:7", None),
+        ("Simulated", Address(), None, "simulated"),
+    ],
+)
+def test_what_is_understood(
+    text: str, address: Address, url: str | None, shown: str | None
+) -> None:
+    found = parse(text)
+    assert found == address
+    assert url is None or found.url == url
+    assert shown is None or found.shown == shown
+    assert found.simulated == (text == "Simulated")
+
+
+@pytest.mark.parametrize(
+    ("text", "what", "remedy"),
+    [
+        ("", "no address", "tcp://HOST:9559"),
+        ("http://pepper", "http://", "tcp://HOST:9559"),
+        ("pepper:", "port", "tcp://HOST:9559"),
+        ("pepper:0", "port", "tcp://HOST:9559"),
+        ("pepper:65536", "port", "tcp://HOST:9559"),
+        ("pepper:٣", "port", "tcp://HOST:9559"),
+        ("pepper room", "name of a host", "tcp://HOST:9559"),
+        ("a..b", "name of a host", "tcp://HOST:9559"),
+        ("fe80::1", "brackets", "[ADDRESS]"),
+        ("tcp://nao@pepper", "secured line", "tcps://nao@"),
+        ("nao@pepper", "secured line", "tcps://nao@"),
+        ("tcps://@pepper", "user", "tcps://USER@HOST"),
+        ("tcps://a b@pepper", "user", "tcps://USER@HOST"),
+    ],
+)
+def test_what_is_refused_says_what_to_write(text: str, what: str, remedy: str) -> None:
+    with pytest.raises(Rejected) as refused:
+        parse(text)
+    assert what in refused.value.what
+    assert remedy in refused.value.remedy
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        "tcps://nao:Hush!42@pepper:9503",
+        "tcp://nao:Hush!42@pepper",
+        "nao:Hush!42@pepper",
+        "tcps://nao:Hush!42",
+        "nao:Hush!42",
+        "nao:Hush!42:9503",
+        "http://nao:Hush!42@pepper",
+        "tcps://nao@pepper:Hush!42",
+    ],
+)
+def test_a_password_in_an_address_is_refused_and_not_repeated(text: str) -> None:
+    with pytest.raises(Rejected) as refused:
+        parse(text)
+    assert "Hush" not in refused.value.what + refused.value.remedy + repr(refused.value)
+
+
+def test_a_user_with_a_password_is_told_where_that_belongs() -> None:
+    with pytest.raises(Rejected) as refused:
+        parse("tcps://nao:Hush!42@pepper")
+    assert "WOZ_PEPPER_PASSWORD" in refused.value.remedy
+
+
+@given(st.text(max_size=40))
+def test_any_text_is_understood_or_refused(text: str) -> None:
+    try:
+        found = parse(text)
+    except Rejected as refused:
+        assert refused.what
+        assert refused.remedy
+    else:
+        assert 1 <= found.port <= 65535
+        assert found.simulated or parse(found.url) == Address(
+            found.host, found.port, found.secure, "nao" if found.secure else ""
+        )
+
+
+def test_a_secret_shows_nowhere_but_on_the_wire(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("ROBOT_PASSWORD", "Hush!42")
+    secret = password("ROBOT_PASSWORD")
+    assert secret.reveal() == "Hush!42"
+    assert "Hush" not in f"{secret} {secret!r} {[secret]}"
+    assert secret.hidden_in("no Hush!42 here") == "no *** here"
+
+
+def test_without_a_password_nothing_is_hidden(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.delenv("ROBOT_PASSWORD", raising=False)
+    assert not password("ROBOT_PASSWORD")
+    assert not password("")
+    assert Secret("").hidden_in("as it is") == "as it is"

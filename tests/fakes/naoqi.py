@@ -15,6 +15,13 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any, NamedTuple
 
+from woz_drivers.naoqi.control import carry_out
+from woz_drivers.naoqi.passing import PacedTime, Time
+from woz_drivers.naoqi.pepper import Pepper
+from woz_drivers.naoqi.process import start
+from woz_drivers.naoqi.table import Refused
+from woz_drivers.naoqi.world import Options, World
+
 #: Real seconds for anything that should happen; a broken robot fails a test, it hangs none.
 PATIENCE_S = 20.0
 
@@ -33,18 +40,14 @@ class Call(NamedTuple):
         return f"{self.service}.{self.method}"
 
 
-class StandIn:
-    """The robot as its test sees it."""
+class Robot:
+    """The robot as its test sees it, wherever it runs."""
 
-    def __init__(self, process: asyncio.subprocess.Process, address: str) -> None:
-        self._process = process
-        self._turn = asyncio.Lock()
-        self.address = address
+    address: str
 
-    @property
-    def pid(self) -> int:
-        """Its process."""
-        return self._process.pid
+    async def order(self, **order: Any) -> Any:
+        """Carry out an order of `control.carry_out`. Raises AssertionError if it says no."""
+        raise NotImplementedError
 
     @property
     def port(self) -> int:
@@ -98,6 +101,20 @@ class StandIn:
         found: list[Call] = await self.until(enough)
         return found
 
+
+class StandIn(Robot):
+    """A robot in a process of its own."""
+
+    def __init__(self, process: asyncio.subprocess.Process, address: str) -> None:
+        self._process = process
+        self._turn = asyncio.Lock()
+        self.address = address
+
+    @property
+    def pid(self) -> int:
+        """Its process."""
+        return self._process.pid
+
     def kill(self) -> None:
         """End it at once, without a goodbye."""
         with suppress(ProcessLookupError):
@@ -112,7 +129,7 @@ class StandIn:
         os.kill(self.pid, signal.SIGCONT)
 
     async def order(self, **order: Any) -> Any:
-        """One line to its standard input, the answer. Raises AssertionError if it says no."""
+        """By its standard input. Raises AssertionError if it says no, or is gone."""
         assert self._process.stdin is not None
         assert self._process.stdout is not None
         async with self._turn, asyncio.timeout(PATIENCE_S):
@@ -173,3 +190,34 @@ async def stand_in(
         yield robot
     finally:
         await robot.close()
+
+
+class StandInHere(Robot):
+    """A robot in the test's own loop, on our own server; `pepper` is all of it."""
+
+    def __init__(self, pepper: Pepper) -> None:
+        self.pepper = pepper
+
+    async def order(self, **order: Any) -> Any:
+        """Carried out at once. Raises AssertionError if it says no."""
+        try:
+            return carry_out(self.pepper.standin, order)
+        except Refused as refused:
+            raise AssertionError(str(refused)) from None
+
+
+@asynccontextmanager
+async def stand_in_here(
+    time: Time | None = None, options: Options | None = None
+) -> AsyncIterator[StandInHere]:
+    """As `stand_in`, without a process: it cannot be killed, but its time can be injected.
+
+    What goes on by itself needs `robot.pepper.tick()`.
+    """
+    world = World(time or PacedTime(20.0), options or Options(visitors=False))
+    robot = StandInHere(Pepper(world))
+    host, robot.address = await start(robot.pepper, "own", "127.0.0.1", 0)
+    try:
+        yield robot
+    finally:
+        await host.close()

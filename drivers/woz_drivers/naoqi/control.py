@@ -21,9 +21,7 @@ class Control:
     """Reads orders, answers each with `{"ok": ...}` or `{"error": ...}`, in order."""
 
     def __init__(self, pepper: Pepper, out: int) -> None:
-        service = pepper.services["StandIn"]
-        assert isinstance(service, StandIn)
-        self._standin, self._out = service, out
+        self._standin, self._out = pepper.standin, out
 
     async def run(self, ended: asyncio.Event) -> None:
         """Until nobody can give orders any more; then the robot ends, too."""
@@ -36,7 +34,7 @@ class Control:
 
     def _answer(self, line: bytes) -> None:
         try:
-            answer: dict[str, Any] = {"ok": self._carry_out(json.loads(line))}
+            answer: dict[str, Any] = {"ok": carry_out(self._standin, json.loads(line))}
         except Refused as refused:
             answer = {"error": str(refused)}
         except (ValueError, TypeError, KeyError, AttributeError) as error:
@@ -45,17 +43,18 @@ class Control:
         while data:
             data = data[os.write(self._out, data) :]
 
-    def _carry_out(self, order: Mapping[str, Any]) -> Any:
-        standin = self._standin
-        orders: Mapping[str, Callable[[], Any]] = {
-            "trace": standin.trace,
-            "clear": standin.clear,
-            "get": lambda: json.loads(standin.get(order["name"])),
-            "set": lambda: standin.set(order["name"], json.dumps(order["value"])),
-            "touch": lambda: standin.touch(order["x"], order["y"]),
-            "person": lambda: standin.person(json.dumps(order["who"])),
-            "fault": lambda: standin.fault(order["kind"], order.get("seconds", 0.0)),
-        }
-        if order["do"] not in orders:
-            raise Refused(f"no order {order['do']!r}; there is {', '.join(orders)}")
-        return orders[order["do"]]()
+
+def carry_out(standin: StandIn, order: Mapping[str, Any]) -> Any:
+    """Carry out one order: `{"do": "get", "name": "state"}`. Raises Refused."""
+    orders: Mapping[str, Callable[[], Any]] = {
+        "trace": standin.trace,
+        "clear": standin.clear,
+        "get": lambda: json.loads(standin.get(order["name"])),
+        "set": lambda: standin.set(order["name"], json.dumps(order["value"])),
+        "touch": lambda: standin.touch(order["x"], order["y"]),
+        "person": lambda: standin.person(json.dumps(order["who"])),
+        "fault": lambda: standin.fault(order["kind"], order.get("seconds", 0.0)),
+    }
+    if order["do"] not in orders:
+        raise Refused(f"no order {order['do']!r}; there is {', '.join(orders)}")
+    return orders[order["do"]]()

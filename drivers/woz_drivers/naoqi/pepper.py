@@ -52,6 +52,7 @@ class Pepper:
         for name in ("ALAutonomousBlinking", "ALListeningMovement", "ALSpeakingMovement"):
             abilities[name] = Ability(name, world)
         self.life = Life(world, self.motion, abilities)
+        self.standin = StandIn(world, self.knobs, self.tablet.touch)
         everything: tuple[Service, ...] = (
             *(self.motion, Postures(world), self.leds, self.battery, System(world), self.life),
             *(TextToSpeech(self.voice, self.animations), Memory(world)),
@@ -59,7 +60,7 @@ class Pepper:
             *(AnimationPlayer(self.animations, world), BehaviorManager(self.animations, world)),
             *self.senses.extractors.values(),
             *(self.tablet, self.player, self.recorder, self.audio, self.camera),
-            StandIn(world, self.knobs, self.tablet.touch),
+            self.standin,
         )
         self._knobs()
         self.services: Mapping[str, Service] = MappingProxyType(

@@ -28,6 +28,8 @@ OPENERS = {
     "ProfileDialog": "minus",
     "EngagementDialog": "equals_sign",
     "TrialDialog": "asterisk",
+    "RobotDialog": "at",
+    "MoveDialog": "percent_sign",
 }
 
 
@@ -54,6 +56,7 @@ OPENING: tuple[str, ...] = (
     "reload",
 )
 OPENING += ("drivers", "leave", "body", "knobs", "profile", "engagement", "trial")
+OPENING += ("robot", "move")
 #: What Textual's names of keys stand for.
 CHARACTERS = {
     "slash": "/",
@@ -65,6 +68,8 @@ CHARACTERS = {
     "minus": "-",
     "equals_sign": "=",
     "asterisk": "*",
+    "at": "@",
+    "percent_sign": "%",
     "enter": "\r",
 }
 

@@ -217,6 +217,7 @@ class Console(App[str]):
         self._panels.bear(self.caps)
         self.keyboard.bind(self.keymap.table, self.keymap.builtin_table)
         self.keyboard.verbs = picture.verbs
+        self.desk.arrows.adopt(picture.settings.get("steps"))
         if self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
 

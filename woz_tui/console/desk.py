@@ -7,7 +7,9 @@ from typing import TYPE_CHECKING
 
 from woz_tui.console.engagement.hand import Order, is_offered, request
 from woz_tui.console.feed import GONE
+from woz_tui.console.robot.steps import ArrowSteps
 from woz_tui.core import requests as r
+from woz_tui.core.messages import Json
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
@@ -31,6 +33,8 @@ class Desk:
         self._ending = False
         self.drafts: dict[str, str] = {}
         self.said: list[str] = []
+        self.moved: list[str] = []
+        self.arrows = ArrowSteps(console.keyboard)
 
     # -- requests ---------------------------------------------------------------------------
 
@@ -66,6 +70,17 @@ class Desk:
         """Say a typed utterance."""
         self.said = [*(old for old in self.said if old != text), text][-HISTORY:]
         self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key="/"))
+
+    def move(self, name: str, on: str) -> None:
+        """Play a typed animation."""
+        self.moved = [*(old for old in self.moved if old != name), name][-HISTORY:]
+        args: dict[str, Json] = {"move": name}
+        self.ask(r.AskVerb(verb="play", args=args, on=on, source="key", key=self.key_of("move")))
+
+    def key_of(self, name: str) -> str:
+        """The key by which one of the console's own is pressed here; empty: it has none."""
+        found = self._console.keymap.builtins.get(name)
+        return found.press if found is not None else ""
 
     def end_session(self) -> None:
         """End the session; the console goes when the robot process has gone.
@@ -197,6 +212,21 @@ class Desk:
         from woz_tui.console.screens.knobs import KnobsDialog  # noqa: PLC0415
 
         self._open(KnobsDialog())
+
+    def do_robot(self) -> None:
+        """Show a robot's settings, and change them."""
+        from woz_tui.console.screens.robot import RobotDialog  # noqa: PLC0415
+
+        self._open(RobotDialog())
+
+    def do_move(self) -> None:
+        """Type and play an animation."""
+        from woz_tui.console.screens.move import MoveDialog, players  # noqa: PLC0415
+
+        if players(self._console.picture):
+            self._open(MoveDialog())
+        else:
+            self._console.news("no driver of this session plays animations")
 
     def do_engagement(self) -> None:
         """Show the engagement model."""

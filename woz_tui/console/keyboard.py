@@ -72,7 +72,8 @@ class Keyboard:
         #: What the key for suspending does; set by the terminal.
         self.on_suspend: Callable[[], None] | None = None
         self._clock = clock or RealClock()
-        self._steps = _steps(steps or Steps())
+        self._steps = steps or Steps()
+        self._arrows = _steps(self._steps)
         self._lock = threading.RLock()
         self._table: Mapping[str, str] = {}
         self._builtins: Mapping[str, str] = {item.chord: item.id for item in BUILTIN}
@@ -110,6 +111,16 @@ class Keyboard:
         self._free = free
         if not free:
             self._set_prefix("")
+
+    @property
+    def steps(self) -> Steps:
+        """How far one press of an arrow goes."""
+        return self._steps
+
+    @steps.setter
+    def steps(self, steps: Steps) -> None:
+        with self._lock:
+            self._steps, self._arrows = steps, _steps(steps)
 
     # -- keys -----------------------------------------------------------------------------------
 
@@ -246,8 +257,8 @@ class Keyboard:
         return True
 
     def _request(self, name: str, chord: str, age_us: int, stale: bool) -> AnyRequest | None:
-        if name in self._steps:
-            verb, args = self._steps[name]
+        if name in self._arrows:
+            verb, args = self._arrows[name]
             if not any(verb in offered for offered in self.verbs.values()):
                 return None
             return AskVerb(

@@ -33,6 +33,7 @@ from woz_tui.console.parts import (
 from woz_tui.console.profiles import Profiles, profiles_of
 from woz_tui.console.reducers import reduce
 from woz_tui.console.replay.standing import ReplayPicture, following
+from woz_tui.console.robot.outlines import robots_of
 from woz_tui.console.runs import Failure, Run, Runs
 from woz_tui.console.sentences import Event, event_of
 from woz_tui.console.study.blind import Blind, blind_of
@@ -40,6 +41,7 @@ from woz_tui.console.study.perceived import Perception, kind_of, perception_of
 from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.robots import RobotOutline
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.core.wire import WireError, decode_message
 
@@ -96,6 +98,9 @@ class Picture:
     knobs: dict[str, KnobsPicture] = field(default_factory=dict)
     #: A robot's settings as it told them last, by driver.
     robots: dict[str, RobotPicture] = field(default_factory=dict)
+    robot_outlines: dict[str, RobotOutline] = field(default_factory=dict)
+    #: How the last commands ended, by command.
+    ends: dict[str, m.End] = field(default_factory=dict)
     runs: Runs = field(default_factory=Runs)
     last_run: LastRun | None = None
     mistakes: set[str] = field(default_factory=set)
@@ -163,6 +168,7 @@ class Picture:
         self.variables = tuple(welcome.variables)
         self.settings = dict(welcome.settings)
         self.outlines = outlines_of(self.settings)
+        self.robot_outlines = robots_of(self.settings)
         self.profiles = profiles_of(self.settings)
         self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
         self._study(self.settings.get("study"))
@@ -187,6 +193,8 @@ class Picture:
         self.settings["values"] = dict(changed.values)
         self.settings["profiles"] = list(changed.profiles)
         self.settings["profile"] = changed.profile
+        if changed.steps:
+            self.settings["steps"] = dict(changed.steps)
         self.settings["allows"] = dict(changed.allows)
         if self.settings.get("engagement") and not changed.engagement:
             self.engaged = Engaged()  # the file has no such section any more

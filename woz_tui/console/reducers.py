@@ -17,6 +17,9 @@ from woz_tui.console.parts import (
 )
 from woz_tui.core import messages as m
 
+#: Commands whose end is remembered: of those that a dialog waits for there are a few at a time.
+ENDS = 64
+
 if TYPE_CHECKING:
     from woz_tui.console.picture import Picture
 
@@ -142,6 +145,12 @@ def _settings(picture: Picture, message: m.SettingsShown) -> None:
     )
 
 
+def _command_end(picture: Picture, message: m.End) -> None:
+    picture.ends[message.command] = message
+    if len(picture.ends) > ENDS:
+        del picture.ends[next(iter(picture.ends))]
+
+
 def _controls(picture: Picture, message: m.ControlsMoved) -> None:
     knobs = picture.knobs.setdefault(message.driver, KnobsPicture())
     moved = _mapping(message.values)
@@ -217,6 +226,9 @@ _REDUCERS: dict[type[m.Message], Callable[[Picture, Any], None]] = {
     m.FaceShown: _face,
     m.BodyChanged: _body,
     m.SettingsShown: _settings,
+    **dict.fromkeys(
+        (m.Done, m.Failed, m.TimedOut, m.Refused, m.Stopped, m.Superseded), _command_end
+    ),
     m.ControlsMoved: _controls,
     m.Mistake: _mistake,
     m.ScriptMoved: _script,

@@ -11,6 +11,7 @@ from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
 from woz_tui.console.replay.standing import notes, wall_at
+from woz_tui.console.robot.trouble import driver_trouble
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
@@ -188,6 +189,9 @@ def _drivers(picture: Picture, glyphs: Glyphs) -> Row:
         mode = picture.modes.get(driver.name, "")
         if mode and mode != "normal":
             row.append((f" {mode}", "wait"))
+        trouble = driver_trouble(picture, driver.name)
+        if trouble:
+            row.append((f": {glyphs.warning} {trouble}", "warn"))
         row.append(("   ", "plain"))
     return tuple(row)
 

@@ -11,12 +11,14 @@ from textual.suggester import Suggester
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import clean
+from woz_tui.console.cells import Row, clean
 from woz_tui.console.picture import Picture
+from woz_tui.console.robot.tags import Begun, Offer, begun_tag, completed, offers
 from woz_tui.console.screens.dialog import Entry, content
+from woz_tui.core.robots import RobotOutline
 
-#: Lines of matching utterances under the field.
-MATCHES = 5
+#: Lines of matching utterances under the field, and of matching tags or animations.
+MATCHES, TAGS = 5, 9
 
 
 def complete(text: str, utterances: Iterable[str], variables: Iterable[str]) -> str | None:
@@ -49,12 +51,15 @@ def utterances_of(picture: Picture, said: Iterable[str]) -> list[str]:
 
 
 class _Completer(Suggester):
-    def __init__(self, utterances: list[str], variables: tuple[str, ...]) -> None:
+    """What stands behind the caret at the end of the text, in pale letters."""
+
+    def __init__(self, dialog: SayDialog) -> None:
         super().__init__(use_cache=False, case_sensitive=True)
-        self._utterances, self._variables = utterances, variables
+        self._dialog = dialog
 
     async def get_suggestion(self, value: str) -> str | None:
-        return complete(value, self._utterances, self._variables)
+        whole, _ = self._dialog.completed(value, len(value))
+        return whole if whole is not None and whole.startswith(value) else None
 
 
 class SayDialog(Entry):
@@ -63,6 +68,7 @@ class SayDialog(Entry):
     heading = "Say"
     hint = "enter says it · tab completes · arrows: history · ctrl+q closes"
     placeholder = "type what the robot shall say; { for variables"
+    _WITH_TAGS = "type what the robot shall say; { for variables, \\ and ^ for tags"
     wide = True
     BINDINGS: ClassVar[list[BindingType]] = [
         Binding("tab", "complete", priority=True),
@@ -81,8 +87,8 @@ class SayDialog(Entry):
         if not self.there:
             return
         self._utterances = utterances_of(self.picture, self.desk.said)
-        self.entry.suggester = _Completer(self._utterances, self.picture.variables)
-        self._show_matches(self.entry.value)
+        self.entry.suggester = _Completer(self)
+        self.watch(self.entry, "cursor_position", self._show_matches, init=False)
         self._show_voice()
 
     def below(self) -> Iterable[Widget]:
@@ -101,11 +107,42 @@ class SayDialog(Entry):
         elif len(voices) > 1:
             text = f"voice: {voices[self._voice]}  (ctrl+o: another)"
         self.query_one("#voice", Static).update(Content(text))
+        self.entry.placeholder = self._WITH_TAGS if self._outline.tags else self.placeholder
+        self._show_matches()
 
-    def _show_matches(self, typed: str) -> None:
+    @property
+    def _outline(self) -> RobotOutline:
+        """Of the robot that speaks; an empty one where it tells of none."""
+        voices = self._voices()
+        name = voices[self._voice] if voices else ""
+        return self.picture.robot_outlines.get(name) or RobotOutline()
+
+    def _offers(self, text: str, caret: int) -> tuple[Begun | None, list[Offer]]:
+        """The tag that is being typed, and what it may become."""
+        outline = self._outline
+        begun = begun_tag(text, caret) if outline.tags else None
+        return begun, offers(begun, outline) if begun is not None else []
+
+    def _show_matches(self) -> None:
+        entry = self.entry
+        begun, offered = self._offers(entry.value, entry.cursor_position)
+        if begun is None:
+            self._show_utterances(entry.value)
+            return
+        rows: list[Row] = [
+            ((f"  {clean(offer.text)}", "plain"), (f"  {clean(offer.help)}", "muted"))
+            for offer in offered[:TAGS]
+        ]
+        if len(offered) > TAGS:
+            rows.append(((f"  {self.glyphs.ellipsis} {len(offered) - TAGS} more", "muted"),))
+        self._show(rows or [(("  no tag that this robot tells of", "muted"),)])
+
+    def _show_utterances(self, typed: str) -> None:
         folded = typed.casefold().strip()
         matches = [text for text in self._utterances if folded in text.casefold()][:MATCHES]
-        rows = [((f"  {clean(text)}", "muted"),) for text in matches if text != typed]
+        self._show([((f"  {clean(text)}", "muted"),) for text in matches if text != typed])
+
+    def _show(self, rows: list[Row]) -> None:
         matches_widget = self.query_one("#matches", Static)
         matches_widget.update(content(rows))
         matches_widget.display = bool(rows)
@@ -114,7 +151,7 @@ class SayDialog(Entry):
         """Show what matches."""
         event.stop()
         if self.there:
-            self._show_matches(event.value)
+            self._show_matches()
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Say it; an empty line only closes."""
@@ -127,9 +164,17 @@ class SayDialog(Entry):
 
     def action_complete(self) -> None:
         """Take what is suggested."""
-        whole = complete(self.entry.value, self._utterances, self.picture.variables)
+        whole, caret = self.completed(self.entry.value, self.entry.cursor_position)
         if whole is not None:
-            self._put(whole)
+            self._put(whole, caret)
+
+    def completed(self, text: str, caret: int) -> tuple[str | None, int]:
+        """What the text becomes by tab, and where the caret is then; None: it stays."""
+        begun, offered = self._offers(text, caret)
+        if begun is not None:
+            return completed(text, begun, offered[0]) if offered else (None, caret)
+        whole = complete(text, self._utterances, self.picture.variables)
+        return whole, len(whole or "")
 
     def action_history(self, by: int) -> None:
         """Walk through what was typed before; down from the newest is the empty line."""
@@ -144,6 +189,6 @@ class SayDialog(Entry):
             self._voice = (self._voice + 1) % len(voices)
             self._show_voice()
 
-    def _put(self, text: str) -> None:
+    def _put(self, text: str, caret: int | None = None) -> None:
         self.entry.value = text
-        self.entry.cursor_position = len(text)
+        self.entry.cursor_position = len(text) if caret is None else caret

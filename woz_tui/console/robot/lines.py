@@ -1,0 +1,81 @@
+"""The lines of a robot's settings: what it tells of itself, which robot it is, the arrow keys."""
+
+from __future__ import annotations
+
+import enum
+from collections.abc import Collection
+from dataclasses import dataclass
+
+from woz_tui.console.robot.steps import steps_offered
+from woz_tui.core.robots import RobotOutline, Setting
+
+CONNECTION = "Connection"
+
+
+class What(enum.Enum):
+    """What a line is about."""
+
+    SETTING = "setting"
+    ROBOT = "robot"
+    ADDRESS = "address"
+    DISCONNECT = "disconnect"
+    STEP = "step"
+
+
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One line. `setting` says how it is called and what may be set, whatever it is about."""
+
+    what: What
+    setting: Setting
+
+    @property
+    def id(self) -> str:
+        """Its name among the lines of its robot."""
+        return f"{self.what.value} {self.setting.name}"
+
+    @property
+    def is_set(self) -> bool:
+        """Whether it has a value that can be changed, here or at the robot."""
+        return self.what is What.STEP or (self.what is What.SETTING and bool(self.setting.verb))
+
+    @property
+    def is_typed(self) -> bool:
+        """Whether enter opens a field for it."""
+        kinds = ("number", "color", "text")
+        return self.what is What.ADDRESS or (self.is_set and self.setting.kind in kinds)
+
+
+def lines_of(outline: RobotOutline, verbs: Collection[str]) -> list[Line]:
+    """All lines of a robot that offers `verbs`, section after section."""
+    sections: dict[str, list[Line]] = {}
+    for setting in outline.settings:
+        sections.setdefault(setting.section, []).append(Line(What.SETTING, setting))
+    found = [line for lines in sections.values() for line in lines]
+    found += _connection(outline, verbs)
+    return found + [Line(What.STEP, setting) for setting in steps_offered(verbs)]
+
+
+def _connection(outline: RobotOutline, verbs: Collection[str]) -> list[Line]:
+    found: list[Line] = []
+    if "connect" in verbs:
+        found += [
+            Line(What.ROBOT, _link(name=name, label=name, verb="connect", argument="robot"))
+            for name in dict.fromkeys(outline.robots)
+        ]
+        other = _link(name="", label="Another address", verb="connect", argument="robot")
+        found.append(Line(What.ADDRESS, other))
+    if "disconnect" in verbs:
+        found.append(Line(What.DISCONNECT, _link(name="", label="Disconnect", verb="disconnect")))
+    return found
+
+
+def _link(name: str, label: str, verb: str, argument: str = "") -> Setting:
+    return Setting(name=name, section=CONNECTION, label=label, verb=verb, argument=argument)
+
+
+def host_of(address: str) -> str:
+    """An address without scheme and port: `tcp://10.0.0.7:9559` -> `10.0.0.7`."""
+    bare = address.strip().rpartition("://")[2]
+    host, colon, port = bare.rpartition(":")
+    return (host if colon and port.isdigit() else bare).casefold()

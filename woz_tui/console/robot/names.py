@@ -1,0 +1,25 @@
+"""Completion of long names of which people know a part."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+
+def begin_with(typed: str, names: Iterable[str]) -> list[str]:
+    """Names that begin with exactly what was typed, and go on."""
+    return [name for name in names if name.startswith(typed) and name != typed]
+
+
+def holding(typed: str, names: Iterable[str]) -> list[str]:
+    """Names that hold what was typed, in whatever case: those first that have it where the name or
+    its last part begins; all names if nothing was typed.
+    """
+    folded = typed.casefold()
+    found = [name for name in names if folded in name.casefold()]
+    return sorted(found, key=lambda name: _rank(name.casefold(), folded))
+
+
+def _rank(name: str, typed: str) -> int:
+    if name.startswith(typed) or name.rpartition("/")[2] == typed:
+        return 0
+    return 1 if name.rpartition("/")[2].startswith(typed) else 2

@@ -1,0 +1,17 @@
+"""Which drivers are whole robots, as the welcome tells it (`outlines` of its settings)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+from woz_tui.core.messages import Json
+from woz_tui.core.robots import RobotOutline
+
+
+def robots_of(settings: Mapping[str, Json]) -> dict[str, RobotOutline]:
+    """Outlines of whole robots by driver; what cannot be read is left out."""
+    told = settings.get("outlines")
+    if not isinstance(told, dict):
+        return {}
+    read = {driver: RobotOutline.read(outline) for driver, outline in told.items()}
+    return {driver: outline for driver, outline in read.items() if outline is not None}

@@ -1,0 +1,125 @@
+"""Type the name of an animation and have the robot play it."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+from textual.binding import Binding, BindingType
+from textual.content import Content
+from textual.suggester import Suggester
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from woz_tui.console.cells import clean
+from woz_tui.console.picture import Picture
+from woz_tui.console.robot.names import begin_with, holding
+from woz_tui.console.screens.dialog import Entry, content
+
+#: Lines of matching names under the field.
+MATCHES = 8
+
+
+def players(picture: Picture) -> list[str]:
+    """Drivers that play animations."""
+    return [name for name, verbs in picture.verbs.items() if "play" in verbs]
+
+
+def known_moves(picture: Picture, driver: str) -> list[str]:
+    """Names that the driver is known to play; it may play others."""
+    outline = picture.robot_outlines.get(driver)
+    return outline.moves if outline is not None else []
+
+
+class _Completer(Suggester):
+    def __init__(self, names: list[str]) -> None:
+        super().__init__(use_cache=False, case_sensitive=True)
+        self._names = names
+
+    async def get_suggestion(self, value: str) -> str | None:
+        return next(iter(begin_with(value, self._names)), None) if value else None
+
+
+class MoveDialog(Entry):
+    """Type and play: tab takes the first name that holds what was typed, arrows walk through what
+    was played, ctrl+o takes another robot.
+    """
+
+    heading = "Play"
+    hint = "enter plays it · tab completes · arrows: history · ctrl+q closes"
+    placeholder = "a part of an animation's name, or its whole path"
+    wide = True
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("tab", "complete", priority=True),
+        Binding("up", "history(-1)", priority=True),
+        Binding("down", "history(1)", priority=True),
+        Binding("ctrl+o", "robot", priority=True),
+    ]
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._back = 0
+        self._player = 0
+
+    def on_mount(self) -> None:
+        """Names as they are now."""
+        if self.there:
+            self._adopt()
+
+    def below(self) -> Iterable[Widget]:
+        """Matching names, and who plays."""
+        yield Static("", id="matches", classes="caption")
+        yield Static("", id="player", classes="caption")
+
+    def _adopt(self) -> None:
+        playing = players(self.picture)
+        self._driver = playing[self._player % len(playing)] if playing else ""
+        self._names = list(dict.fromkeys(known_moves(self.picture, self._driver)))
+        self.entry.suggester = _Completer(self._names)
+        text = f"robot: {self._driver}  (ctrl+o: another)" if len(playing) > 1 else ""
+        self.query_one("#player", Static).update(Content(text))
+        self._show_matches(self.entry.value)
+
+    def _show_matches(self, typed: str) -> None:
+        found = [name for name in holding(typed, self._names) if name != typed]
+        rows = [((f"  {clean(name)}", "muted"),) for name in found[:MATCHES]]
+        if len(found) > MATCHES:
+            more = f"  {self.glyphs.ellipsis} {len(found) - MATCHES} more"
+            rows.append(((more, "muted"),))
+        elif typed and not found and typed not in self._names:
+            rows.append((("  not in the list; it is sent as it is typed", "muted"),))
+        self.query_one("#matches", Static).update(content(rows))
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Show what matches."""
+        event.stop()
+        if self.there:
+            self._show_matches(event.value)
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Play it; an empty line only closes."""
+        event.stop()
+        name = event.value.strip()
+        if name:
+            self.desk.move(name, self._driver)
+        self.sent()
+
+    def action_complete(self) -> None:
+        """Take the first name that matches."""
+        for name in holding(self.entry.value.strip(), self._names)[:1]:
+            self._put(name)
+
+    def action_history(self, by: int) -> None:
+        """Walk through what was played before; down from the newest is the empty line."""
+        moved = self.desk.moved
+        self._back = max(0, min(len(moved), self._back - by))
+        self._put(moved[-self._back] if self._back else "")
+
+    def action_robot(self) -> None:
+        """Let another robot play."""
+        self._player += 1
+        self._adopt()
+
+    def _put(self, text: str) -> None:
+        self.entry.value = text
+        self.entry.cursor_position = len(text)

@@ -1,0 +1,219 @@
+"""A robot's settings: what they are, what they were to be, and the wizard's hand on them.
+
+The arrows, space and enter are the screen's; every other key plays the robot as everywhere.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from typing import ClassVar
+
+from textual import events
+from textual.content import Content
+from textual.widget import Widget
+from textual.widgets import Input, Static
+
+from woz_tui.console.cells import Row
+from woz_tui.console.glyphs import Frame
+from woz_tui.console.robot.hand import Hand
+from woz_tui.console.robot.lines import Line, What
+from woz_tui.console.robot.rows import Place, list_room, scrolled, settings_rows
+from woz_tui.console.robot.swatch import Swatches
+from woz_tui.console.robot.values import WrongValue, about, next_value, typed_value, value_text
+from woz_tui.console.robot.view import Viewer
+from woz_tui.console.screens.dialog import Entry
+from woz_tui.console.screens.drawing import Drawing
+from woz_tui.core.messages import Json
+from woz_tui.experiment.textual_names import from_textual
+
+_ROBOTS = {"tab": 1, "shift+tab": -1}
+_LINES = {"up": -1, "down": 1}
+_VALUES = {"left": -1, "right": 1}
+_DO = frozenset(("space", "enter"))
+#: Taken only where no action of the experiment has them.
+_FAR = frozenset(("pageup", "pagedown", "home", "end"))
+
+
+class RobotDialog(Drawing):
+    """One of the session's robots; tab shows the next."""
+
+    heading = "Robot"
+    hint = "arrows, enter: change · other keys play · tab: next · ctrl+q closes"
+    opened_by = "robot"
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._line = 0
+        self._top = 0
+        self.own_keys = frozenset((*_ROBOTS, *_LINES, *_VALUES, *_DO))
+
+    def on_mount(self) -> None:
+        """Now the app is known: its keys, its requests."""
+        app = self.console_app
+        self.own_keys |= _FAR - app.keymap.table.keys()
+        self._hand = Hand(app.picture, self.desk.ask, self.desk.refused, self.desk.key_of("robot"))
+        self._viewer = Viewer(app.picture, self.glyphs, self.desk.arrows, self._hand)
+        super().on_mount()
+
+    def closing(self) -> None:
+        """What is refused from now on is told on the main screen."""
+        if self.is_mounted:
+            self._hand.open = False
+
+    def body(self) -> Iterable[Widget]:
+        """Cells that can show a colour."""
+        yield Swatches(id="drawing")
+
+    def count(self) -> int:
+        """Robots of the session."""
+        return len(self.picture.robot_outlines)
+
+    def nothing(self) -> str:
+        """What stands there in a session without such a robot."""
+        return (
+            "No robot of this session tells of settings.\n"
+            "A robot whose driver does is Pepper; see docs/pepper.md:\n"
+            "  pepper: {type: pepper, robots: [ADDRESS]}"
+        )
+
+    def rows(self, chosen: int, frame: Frame) -> list[Row]:
+        """The chosen robot."""
+        self._hand.settle(frame.now)
+        driver, outline = list(self.picture.robot_outlines.items())[chosen]
+        view = self._viewer.see(driver, outline, frame.now)
+        self._line = min(self._line, max(0, len(view.lines) - 1))
+        self._top = scrolled(view.lines, self._line, self._top, frame)
+        colours = not (self.console_app.no_color or self.console_app.has_class("-sixteen"))
+        place = Place(self._line, self._top, chosen, self.count(), colours)
+        return settings_rows(view, place, frame)
+
+    # -- keys -----------------------------------------------------------------------------------
+
+    def on_key(self, event: events.Key) -> None:
+        """Choose a line, change its value."""
+        chord = from_textual(event.key, event.character)
+        if chord not in self.own_keys:
+            return
+        event.stop()
+        if not self.count():
+            return
+        if chord in _ROBOTS:
+            self._chosen, self._line, self._top = self._chosen + _ROBOTS[chord], 0, 0
+        elif chord in _VALUES:
+            self._step(_VALUES[chord])
+        elif chord in _DO:
+            self._enter(typed=chord == "enter")
+        else:
+            self._walk(chord)
+        self.refreshed()
+
+    @property
+    def _driver(self) -> str:
+        return list(self.picture.robot_outlines)[self._chosen % self.count()]
+
+    def _lines(self) -> list[Line]:
+        return self._viewer.lines(self._driver, self.picture.robot_outlines[self._driver])
+
+    def _walk(self, chord: str) -> None:
+        last = max(0, len(self._lines()) - 1)
+        page = max(1, self._room() - 2)
+        by = {**_LINES, "pageup": -page, "pagedown": page, "home": -last, "end": last}[chord]
+        self._line = min(last, max(0, self._line + by))
+
+    def _room(self) -> int:
+        cells = self.query_one("#drawing", Swatches)
+        return list_room(Frame(cells.size.width, cells.size.height, 0, self.glyphs))
+
+    def _chosen_line(self) -> Line | None:
+        """The chosen line, if something may be done there."""
+        lines = self._lines()
+        line = lines[self._line] if self._line < len(lines) else None
+        return None if line is None or self._viewer.locked(line) else line
+
+    def _step(self, by: int) -> None:
+        """An arrow to the left or right."""
+        line = self._chosen_line()
+        if line is None or not line.is_set:
+            return
+        value = next_value(line.setting, self._viewer.value(self._driver, line), by)
+        if value is None:
+            self._type(line)
+        else:
+            self._change(line, value)
+
+    def _enter(self, *, typed: bool) -> None:
+        """Enter or space: do it, change it or type it; only enter asks for a number."""
+        line = self._chosen_line()
+        if line is None:
+            return
+        if line.what is What.ROBOT:
+            self._change(line, line.setting.name)
+        elif line.what is What.DISCONNECT:
+            self._change(line, True)
+        elif line.is_typed and (typed or line.setting.kind != "number"):
+            self._type(line)
+        elif line.is_set:
+            self._step(1)
+
+    def _type(self, line: Line) -> None:
+        if line.is_typed:
+            value = self._viewer.value(self._driver, line) if line.is_set else None
+            now = value_text(line.setting, value, self.glyphs)
+            self.console_app.open_dialog(ValueDialog(self, self._driver, line, now))
+
+    def typed(self, driver: str, line: Line, value: Json) -> None:
+        """A value was typed."""
+        if self._viewer.locked(line):
+            return
+        self._change(line, value, driver)
+        self.refreshed()
+
+    def _change(self, line: Line, value: Json, driver: str = "") -> None:
+        if line.what is not What.STEP:
+            self._hand.change(driver or self._driver, line, value)
+        elif isinstance(value, int | float):
+            self.desk.arrows.change(line.setting.name, value)
+
+
+class ValueDialog(Entry):
+    """A field for one value."""
+
+    heading = "Value"
+    hint = "enter sets it · ctrl+q closes"
+    BINDINGS: ClassVar = []
+
+    def __init__(self, asks: RobotDialog, driver: str, line: Line, now: str) -> None:
+        super().__init__()
+        self._asks, self._driver, self._line, self._now = asks, driver, line, now
+
+    @property
+    def draft(self) -> str:
+        """Each setting has its own."""
+        return f"{type(self).__name__} {self._driver} {self._line.id}"
+
+    def on_mount(self) -> None:
+        """Say what it is about."""
+        for box in self.query(".dialog"):
+            box.border_title = f"{self._driver}: {self._line.setting.label}"
+        for entry in self.query("#entry").results(Input):
+            entry.placeholder = f"now {self._now}"
+
+    def below(self) -> Iterable[Widget]:
+        """What may be typed, and what is wrong with what was."""
+        yield Static(Content(self.glyphs.plain(about(self._line.setting))), classes="caption")
+        yield Static("", id="wrong", classes="wrong")
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Set it; an empty field only closes."""
+        event.stop()
+        typed = event.value.strip()
+        if not typed:
+            self.sent()
+            return
+        try:
+            value = typed_value(self._line.setting, typed)
+        except WrongValue as wrong:
+            self.query_one("#wrong", Static).update(Content(str(wrong)))
+            return
+        self.sent()
+        self._asks.typed(self._driver, self._line, value)

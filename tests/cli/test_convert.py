@@ -1,0 +1,169 @@
+"""`woz convert`."""
+
+from __future__ import annotations
+
+import argparse
+from pathlib import Path
+
+import pytest
+
+from tests.experiment.woz4u.reading import CATALOGUE, does, essence, settings
+from woz_tui.cli import convert
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import Experiment
+
+TEXT = """pepper_ips: [10.0.0.5]
+camera_save_dir: faces
+tablet_root_location: pictures
+animated_speech:
+  - {title: Tale, string: texts/tale.txt, key_comb: [ctrl, 3]}
+  - {title: 'Brücke "A"', string: 'Say {x} \\pau=300\\ &apos;now&apos;', key_comb: [ctrl, shift, 1]}
+tablet_items:
+  - {title: Map, file_name: map.png, is_default_img: true}
+  - {title: Page, file_name: "https://a.example/"}
+audio_files: [{title: Gong, location: /home/nao/gong.wav}]
+"""
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    """A folder with a WoZ4U file and the files that it names."""
+    for name, text in (
+        ("texts/tale.txt", "Once"),
+        ("pictures/map.png", "x"),
+        ("a/config.yaml", TEXT),
+    ):
+        path = tmp_path / "a" / name.removeprefix("a/")
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(text, encoding="utf-8")
+    return tmp_path
+
+
+def converted(*options: str) -> int:
+    parser = argparse.ArgumentParser()
+    convert.add(parser)
+    return convert.convert(parser.parse_args(options), CATALOGUE)
+
+
+def read(path: Path) -> Experiment:
+    return load(path, CATALOGUE)
+
+
+def test_the_same_experiment_beside_the_file(
+    folder: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    config, ours = folder / "a" / "config.yaml", folder / "a" / "ours.yaml"
+    assert converted(str(config), "-o", str(ours)) == 0
+    assert essence(read(ours)) == essence(read(config))
+    told = capsys.readouterr()
+    assert told.out == ""
+    assert told.err.splitlines() == [
+        f"{config}:5:43: warning: animated_speech[0].key_comb: ctrl+3 means stop on some"
+        " terminals; t plays 'Tale' instead",
+        f"{ours}: written; woz check {ours} shows it",
+    ]
+
+
+def test_on_standard_output(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    config = folder / "a" / "config.yaml"
+    assert converted(str(config)) == 0
+    told = capsys.readouterr()
+    assert "warning" in told.err
+    text = told.out
+    assert text.startswith(
+        "# config.yaml of WoZ4U, as `woz convert` wrote it: the same experiment."
+    )
+    assert "- {key: t, label: Tale, read: texts/tale.txt}  # ctrl+3 means stop on" in text
+    assert "label: 'Brücke \"A\"'" in text  # unicode as it is
+    (folder / "a" / "ours.yaml").write_text(text, encoding="utf-8")
+    assert essence(read(folder / "a" / "ours.yaml")) == essence(read(config))
+
+
+def test_in_another_folder_relative_paths_change_with_it(folder: Path) -> None:
+    config, ours = folder / "a" / "config.yaml", folder / "b" / "ours.yaml"
+    ours.parent.mkdir()
+    assert converted(str(config), "-o", str(ours)) == 0
+    experiment = read(ours)
+    assert experiment.warnings == ()  # so the files are found
+    assert does(experiment.action("Tale")) == [("read", {"file": "../a/texts/tale.txt"})]
+    assert does(experiment.action("Map")) == [("screen", {"file": "../a/pictures/map.png"})]
+    assert does(experiment.action("Page")) == [("screen", {"file": "https://a.example/"})]
+    assert does(experiment.action("Gong")) == [("sound", {"file": "/home/nao/gong.wav"})]
+    found = settings(experiment)
+    assert (found.pictures, found.tablet.root) == ("../a/faces", "../a/pictures")
+    assert found.tablet.default == "../a/pictures/map.png"
+    assert found.recordings == settings(read(config)).recordings
+
+
+def test_errors_write_nothing(folder: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    config, ours = folder / "a" / "config.yaml", folder / "a" / "ours.yaml"
+    config.write_text(f"{TEXT}gestures: waving\n", encoding="utf-8")
+    assert converted(str(config), "-o", str(ours)) == 1
+    assert not ours.exists()
+    told = capsys.readouterr().err.splitlines()
+    assert told[0].startswith(f"{config}:11:1: gestures: expected a list of entries such as")
+    assert told[-1] == f"woz convert: {config}: 1 error; nothing was written"
+
+
+def refused(*options: str) -> str:
+    with pytest.raises(convert.ConvertError) as caught:
+        converted(*options)
+    return str(caught.value)
+
+
+def test_nothing_is_overwritten_unasked(folder: Path) -> None:
+    config, ours = folder / "a" / "config.yaml", folder / "a" / "ours.yaml"
+    ours.write_text("mine", encoding="utf-8")
+    assert refused(str(config), "-o", str(ours)) == f"{ours} is there already; --force replaces it"
+    assert ours.read_text(encoding="utf-8") == "mine"
+    assert converted(str(config), "-o", str(ours), "--force") == 0
+    assert essence(read(ours)) == essence(read(config))
+
+
+def test_the_file_itself_stays(folder: Path) -> None:
+    config = folder / "a" / "config.yaml"
+    same = folder / "b" / ".." / "a" / "config.yaml"
+    (folder / "b").mkdir()
+    refusal = f"{same} is the WoZ4U file itself; write to another file"
+    assert refused(str(config), "-o", str(same), "--force") == refusal
+    assert config.read_text(encoding="utf-8") == TEXT
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("title: T\nrobot: simulated\n", "is an experiment file of our own format already"),
+        ("a: b\n", "is no WoZ4U file: it has none of its sections, such as pepper_ips,"
+         " animated_speech, gestures, tablet_items"),
+        ("[]", "is no WoZ4U file: it has none of its sections, such as pepper_ips,"
+         " animated_speech, gestures, tablet_items"),
+    ],
+)  # fmt: skip
+def test_other_files(tmp_path: Path, text: str, sentence: str) -> None:
+    path = tmp_path / "x.yaml"
+    path.write_text(text, encoding="utf-8")
+    assert refused(str(path)) == f"{path} {sentence}"
+
+
+def test_no_file_and_no_yaml(tmp_path: Path) -> None:
+    path = tmp_path / "x.yaml"
+    assert refused(str(path)) == f"{path}:1:1: there is no such file"
+    path.write_text("pepper_ips: [", encoding="utf-8")
+    assert refused(str(path)).startswith(f"{path}:2:1: YAML: ")
+
+
+def test_a_folder_that_is_not_there(folder: Path) -> None:
+    out = folder / "nowhere" / "x.yaml"
+    assert refused(str(folder / "a" / "config.yaml"), "-o", str(out)).startswith(
+        f"{out} cannot be written: No such file"
+    )
+
+
+def test_the_command_tells_in_a_sentence(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    parser = argparse.ArgumentParser()
+    convert.add(parser)
+    arguments = parser.parse_args([str(tmp_path / "x.yaml")])
+    assert arguments.run(arguments) == 1
+    assert capsys.readouterr().err.startswith("woz convert: ")

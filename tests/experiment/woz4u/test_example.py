@@ -1,0 +1,41 @@
+"""The example in `experiments/woz4u`: a whole file, as people have them."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import yaml
+
+from tests.experiment.woz4u.reading import CATALOGUE, converted, essence, keys, settings, titles
+from woz_tui.experiment.decode import load
+from woz_tui.experiment.woz4u import known
+
+FOLDER = Path(__file__).parents[3] / "experiments" / "woz4u"
+
+
+def test_it_opens_without_a_warning() -> None:
+    experiment = load(FOLDER / "config.yaml", CATALOGUE)
+    assert experiment.warnings == ()
+    assert len(titles(experiment)) == 9
+    assert keys(experiment)["Floor plan"] == "ctrl+shift+2"
+    assert settings(experiment).robots == ("simulated",)
+
+
+def test_it_has_every_key_of_the_format() -> None:
+    data = yaml.safe_load((FOLDER / "config.yaml").read_text(encoding="utf-8"))
+    assert data.keys() == set(known.TOP_LEVEL)
+    assert data["autonomous_life_config"].keys() == set(known.AUTONOMY)
+    unsaid = {"tablet_items": {"tooltip"}, "audio_files": {"tooltip"}, "colors": {"tooltip"}}
+    for section, fields in known.ITEMS.items():
+        said = {name for item in data[section] for name in item}
+        assert said == set(fields) - unsaid.get(section, set())
+
+
+def test_its_conversion_is_the_same(tmp_path: Path) -> None:
+    for folder in ("pictures", "texts"):
+        (tmp_path / folder).symlink_to(FOLDER / folder)
+    visit = tmp_path / "visit.yaml"
+    visit.write_text(converted(FOLDER / "config.yaml"), encoding="utf-8")
+    experiment = load(visit, CATALOGUE)
+    assert essence(experiment) == essence(load(FOLDER / "config.yaml", CATALOGUE))
+    assert experiment.warnings == ()

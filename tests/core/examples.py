@@ -337,6 +337,7 @@ def answers() -> list[r.AnyAnswer]:
             conditions=["warm", "cold"],
             keyboard="de",
             values={"participant": "P07", "room": "the room of the sea"},
+            steps={"head": 8.0, "hip": 3.0, "drive": 0.2, "turn": 15.0},
             profiles=["child"],
             profile="child",
             allows={"child": {"panels": ["Speech"], "hide": True}},

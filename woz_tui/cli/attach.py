@@ -8,6 +8,7 @@ from pathlib import Path
 
 from woz_tui.cli.failure import explained
 from woz_tui.cli.keymap import add_keymap, builtins
+from woz_tui.cli.options import add_pictures
 from woz_tui.host import place
 
 
@@ -29,6 +30,7 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="only the questionnaires (or this one), for a participant's own terminal",
     )
     add_keymap(parser)
+    add_pictures(parser)
     parser.set_defaults(run=run)
 
 
@@ -57,6 +59,7 @@ def _attach(arguments: argparse.Namespace) -> int:
             watch=arguments.watch,
             take_over=arguments.take_over,
             builtins=builtins(arguments),
+            pictures=arguments.pictures,
         )
     )
     if left == "detached":

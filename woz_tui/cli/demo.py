@@ -9,7 +9,7 @@ from pathlib import Path
 
 from woz_tui.cli import run as run_command
 from woz_tui.cli.keymap import add_keymap
-from woz_tui.cli.options import add_session
+from woz_tui.cli.options import add_pictures, add_session
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
 DEMOS: dict[str, tuple[str, str, str]] = {
@@ -35,6 +35,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     add_session(parser)
     add_keymap(parser)
+    add_pictures(parser)
     parser.set_defaults(run=run)
 
 

@@ -33,6 +33,16 @@ def add_session(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
 
 
+def add_pictures(parser: argparse.ArgumentParser) -> None:
+    """Declare how a camera's pictures are drawn: the same words as `console.camera.ways.WAYS`."""
+    parser.add_argument(
+        "--pictures",
+        choices=("auto", "blocks", "kitty", "sixel", "off"),
+        default="auto",
+        help="how to draw what a camera sees (default: as well as the terminal says it can)",
+    )
+
+
 def identity(arguments: argparse.Namespace) -> Identity:
     """The codes, with the next free session code where none was given."""
     return Identity(

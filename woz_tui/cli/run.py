@@ -11,7 +11,7 @@ from woz_tui.cli.failure import explained
 from woz_tui.cli.keymap import add_keymap, builtins
 from woz_tui.cli.launch import RobotProcess, host_arguments
 from woz_tui.cli.opening import open_both
-from woz_tui.cli.options import add_session, identity
+from woz_tui.cli.options import add_pictures, add_session, identity
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -19,6 +19,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_session(parser)
     add_keymap(parser)
+    add_pictures(parser)
     parser.set_defaults(run=run)
 
 
@@ -50,6 +51,7 @@ def _play(arguments: argparse.Namespace, experiment: Path) -> int:
             ask_participant=not arguments.participant,
             restart=command,
             builtins=own_keys,
+            pictures=arguments.pictures,
         ),
     )
     if opened is None:

@@ -31,6 +31,7 @@ class ScreenOptions:
 
     `restart` are the arguments of `woz host` with which a lost robot process is started again;
     None if nobody can. `builtins` are the console's own keys, moved by a keymap file or not.
+    `pictures`: how a camera's are drawn.
     """
 
     socket: Path
@@ -39,6 +40,7 @@ class ScreenOptions:
     ask_participant: bool = False
     restart: Sequence[str] | None = None
     builtins: Sequence[Builtin] = BUILTIN
+    pictures: str = "auto"
 
 
 def refusal() -> str:
@@ -81,6 +83,7 @@ def make_console(options: ScreenOptions) -> Console:
         terminal=detected(os.environ),
         builtins=options.builtins,
         ask_participant=options.ask_participant,
+        pictures=options.pictures,
         driver_class=WizardDriver,
     )
     if options.restart is not None:

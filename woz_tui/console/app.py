@@ -29,6 +29,7 @@ from woz_tui.console.surface import Surface
 from woz_tui.console.thrift import ThriftyScreen, tight
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.messages import StopPressed
+from woz_tui.core.pictures import PictureShown
 from woz_tui.core.requests import AskRelease, Reply, Welcome
 from woz_tui.experiment.builtins import BUILTIN, Builtin
 from woz_tui.experiment.keymap import key_map
@@ -36,6 +37,7 @@ from woz_tui.experiment.terminals import PLAIN, STOPS, Terminal
 from woz_tui.experiment.textual_names import from_textual
 
 if TYPE_CHECKING:
+    from woz_tui.console.camera.side import Side
     from woz_tui.console.keyboard import Keyboard
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.
@@ -60,6 +62,7 @@ class Console(App[str]):
         clock: Local time.
         restart: Starts the robot process again after it was lost; None if nobody can.
         ask_participant: Whether to ask for participant and condition at the start.
+        pictures: How a camera's pictures are drawn (`camera.ways.WAYS`).
         driver_class: Textual's driver; None for its own.
     """
 
@@ -79,6 +82,7 @@ class Console(App[str]):
         clock: Clock | None = None,
         restart: Callable[[], None] | None = None,
         ask_participant: bool = False,
+        pictures: str = "auto",
         driver_class: type[Driver] | None = None,
     ) -> None:
         look = look or Look(UNICODE)
@@ -92,6 +96,8 @@ class Console(App[str]):
         self.keyboard = keyboard
         self.clock = clock or RealClock()
         self.picture = Picture()
+        self.pictures = pictures
+        self.side: Side | None = None
         self.terminal, self.builtins = terminal, builtins
         self.keymap = key_map((), terminal, builtins=builtins)
         self.caps: dict[str, Cap] = {}
@@ -176,6 +182,8 @@ class Console(App[str]):
             for message in batch:
                 if isinstance(message, Reply):
                     self.desk.replied(message)
+                elif isinstance(message, PictureShown):
+                    self.desk.pictured(message)
                 elif isinstance(message, Welcome):
                     self.picture.runs.read_refusal()  # an old one
                     self._welcomed(message)
@@ -227,6 +235,10 @@ class Console(App[str]):
             self.terminal = terminal
             self._adopt()
             self.paint()
+
+    def side_found(self, side: Side) -> None:
+        """What pictures need to know of the terminal; told by the driver when it is made."""
+        self.side = side
 
     def _show(self, now: int) -> None:
         bar = Bar(

@@ -9,14 +9,16 @@ from woz_tui.console.engagement.hand import Order, is_offered, request
 from woz_tui.console.feed import GONE
 from woz_tui.console.robot.steps import ArrowSteps
 from woz_tui.core import requests as r
+from woz_tui.core.pictures import PictureShown
 from woz_tui.core.messages import Json
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console
     from woz_tui.console.screens.dialog import Dialog
 
-#: Called in the console's own thread with the reply to a request.
+#: Called in the console's own thread with the reply to a request, with a picture.
 OnReply = Callable[[r.Reply], None]
+OnPicture = Callable[[PictureShown], None]
 #: Utterances typed in this sitting, for the history of `/`.
 HISTORY = 100
 
@@ -30,6 +32,7 @@ class Desk:
     def __init__(self, console: Console) -> None:
         self._console = console
         self._waiting: dict[int, OnReply] = {}
+        self._watching: dict[int, OnPicture] = {}
         self._ending = False
         self.drafts: dict[str, str] = {}
         self.said: list[str] = []
@@ -43,14 +46,28 @@ class Desk:
         ref = self._console.feed.ask(request)
         self._waiting[ref] = on_reply or self.refused
 
+    def ask_picture(self, request: r.AskPicture, show: OnPicture, refused: OnReply) -> None:
+        """Ask for a camera's picture: it comes in a reply's place."""
+        ref = self._console.feed.ask(request)
+        self._waiting[ref], self._watching[ref] = refused, show
+
+    def pictured(self, shown: PictureShown) -> None:
+        """A picture came."""
+        self._waiting.pop(shown.ref, None)
+        show = self._watching.pop(shown.ref, None)
+        if show is not None:
+            show(shown)
+
     def replied(self, reply: r.Reply) -> None:
         """A reply came; those to keys pressed in the input thread have no waiting dialog."""
+        self._watching.pop(reply.ref, None)
         told = self._console.picture.blind.reply(reply)
         self._waiting.pop(reply.ref, self.refused)(told)
 
     def forget(self) -> None:
         """The connection is gone: no reply will come any more."""
         waiting, self._waiting = self._waiting, {}
+        self._watching.clear()
         for ref, on_reply in waiting.items():
             on_reply(r.Reply(ref=ref, ok=False, reason=GONE))
         if self._ending:
@@ -227,6 +244,12 @@ class Desk:
             self._open(MoveDialog())
         else:
             self._console.news("no driver of this session plays animations")
+
+    def do_camera(self) -> None:
+        """Show what the robot's camera sees."""
+        from woz_tui.console.screens.camera import CameraDialog  # noqa: PLC0415
+
+        self._open(CameraDialog())
 
     def do_engagement(self) -> None:
         """Show the engagement model."""

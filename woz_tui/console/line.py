@@ -60,6 +60,11 @@ class Line:
         self.ok = True
         self._answers = False
         self._asked_us: int | None = None
+        #: When the question was asked that was answered last, and when its answer came: what had
+        #: been written before the one has reached the terminal at the other. None: never.
+        self.confirmed_us: tuple[int, int] | None = None
+        self._hurried = False
+        self._first_us: int | None = None
         self._due_us = now
         self._heard_us = now
         self._awake_us = now
@@ -77,16 +82,31 @@ class Line:
     @property
     def question_in_s(self) -> float:
         """Seconds until the next question is due; 0 or less: now."""
+        if self._hurried and self._asked_us is None:
+            return 0.0
         return (self._due_us - self._clock.now_us()) / 1_000_000
+
+    def hurry(self) -> None:
+        """Ask as soon as no question is out: somebody wants to know when all has been taken."""
+        self._hurried = True
+
+    @property
+    def waits(self) -> bool:
+        """Whether nobody knows yet if this terminal answers: it was asked only a moment ago."""
+        asked = self._first_us
+        return asked is None or self._clock.now_us() - asked < DEAD_S * 1_000_000
 
     def asked(self) -> None:
         """The question went out just now."""
         now = self._clock.now_us()
         self._asked_us = now
+        self._first_us = self._first_us or now
+        self._hurried = False
         self._due_us = now + round(AGAIN_S * 1_000_000)
 
     def put_off(self) -> None:
         """The terminal takes no output at the moment: ask later."""
+        self._hurried = False
         self._due_us = self._clock.now_us() + round(EVERY_S * 1_000_000)
 
     def answered(self) -> None:
@@ -96,6 +116,7 @@ class Line:
         self._burst = False
         if self._asked_us is not None:
             self.rtt_ms = (now - self._asked_us) / 1000
+            self.confirmed_us = (self._asked_us, now)
             self._due_us = max(now, self._asked_us + round(EVERY_S * 1_000_000))
             self._asked_us = None
         self._judge(now)

@@ -42,6 +42,8 @@ class Output:
         self._waiting: deque[bytes] = deque()
         self._size = 0
         self._rest = b""
+        #: Bytes that have been handed over so far, dropped ones left out.
+        self.written = 0
         self._dropped = False
         self._over = False
         self._thread = threading.Thread(target=self._run, name="woz-output", daemon=True)
@@ -51,6 +53,17 @@ class Output:
     def stalled(self) -> bool:
         """Whether output is being dropped at the moment."""
         return self._dropped
+
+    @property
+    def fd(self) -> int:
+        """The terminal."""
+        return self._fd
+
+    @property
+    def waiting(self) -> int:
+        """Bytes that the terminal has not taken yet."""
+        with self._more:
+            return self._size + len(self._rest)
 
     def write(self, text: str) -> bool:
         """Hand `text` over; False if it was dropped. Never waits for the terminal.
@@ -68,6 +81,7 @@ class Output:
                 return False
             self._waiting.append(data)
             self._size += len(data)
+            self.written += len(data)
             self._more.notify()
         return True
 

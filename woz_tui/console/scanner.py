@@ -19,7 +19,7 @@ from collections.abc import Collection
 from enum import Enum, auto
 
 from woz_tui.console.sequences import application_sequence, control_sequence
-from woz_tui.console.tokens import Key, Paste, Raw, Stop, Token
+from woz_tui.console.tokens import Key, Paste, Raw, Reply, Stop, Token
 
 #: How long an ESC at the end of a read may be the beginning of a sequence, in seconds.
 LONE_ESC_S = 0.010
@@ -34,6 +34,10 @@ PASTE_OVER_S = 2.0
 PASTE_LIMIT = 64 * 1024
 #: No terminal sends longer sequences.
 SEQUENCE_LIMIT = 2048
+
+#: How the answer to the question for pictures begins (`camera.kitty.QUESTION`), how it ends, and
+#: how long it may be.
+GRAPHICS, _GRAPHICS_END, _GRAPHICS_LIMIT = b"\x1b_Gi=31;", b"\x1b\\", 256
 
 _ESC, _CTRL_C = 0x1B, 0x03
 _PASTE_BEGIN, _PASTE_END = b"\x1b[200~", b"\x1b[201~"
@@ -59,6 +63,7 @@ class _In(Enum):
     MOUSE = auto()
     CHARACTER = auto()
     PASTE = auto()
+    GRAPHICS = auto()
 
 
 class Scanner:
@@ -71,6 +76,9 @@ class Scanner:
 
     def __init__(self, folded: Collection[str] = ()) -> None:
         self._folded = folded
+        #: The terminal was asked for pictures: until it answers, `ESC _` may begin the answer, and
+        #: a stop with a `_` right behind it takes a moment. At all other times it is a stop.
+        self.expects_graphics = False
         self._state = _In.GROUND
         self._held = bytearray()
         self._pasted = bytearray()
@@ -141,6 +149,8 @@ class Scanner:
                 self._character(byte)
             case _In.PASTE:
                 self._paste(byte)
+            case _In.GRAPHICS:
+                self._graphics(byte)
 
     # -- single bytes and characters ---------------------------------------------------------
 
@@ -188,6 +198,9 @@ class Scanner:
         if byte in b"[O":
             self._held.append(byte)
             self._state = _In.CONTROL if byte == 0x5B else _In.APPLICATION
+        elif byte == 0x5F and self.expects_graphics:
+            self._held.append(byte)
+            self._state = _In.GRAPHICS
         else:
             self._tokens.append(Stop("escape", self._release()))
             self._ground(byte)
@@ -221,6 +234,19 @@ class Scanner:
             self._break_off()
         elif len(self._held) == 6:
             self._tokens.append(Raw(self._release()))
+
+    def _graphics(self, byte: int) -> None:
+        """Nothing but the very answer, letter by letter: all else was a stop, and keys."""
+        self._held.append(byte)
+        held = self._held
+        if len(held) <= len(GRAPHICS):
+            if not GRAPHICS.startswith(held):
+                self._break_off()
+        elif held.endswith(_GRAPHICS_END):
+            said = bytes(held[len(GRAPHICS) : -len(_GRAPHICS_END)])
+            self._tokens.append(Reply("graphics", (int(said == b"OK"),), self._release()))
+        elif len(held) > _GRAPHICS_LIMIT or held[-2] == _ESC or not (byte >= 0x20 or byte == _ESC):
+            self._break_off()
 
     def _complete(self, token: Token | None) -> None:
         if token is None:

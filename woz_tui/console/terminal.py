@@ -26,6 +26,7 @@ from textual._xterm_parser import XTermParser
 from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 
+from woz_tui.console.camera.side import Side, question
 from woz_tui.console.cells import pasted
 from woz_tui.console.endings import GONE, Endings, aside
 from woz_tui.console.keyboard import Keyboard
@@ -55,7 +56,7 @@ _RESTORE = (
 
 
 class Played(Protocol):
-    """What the driver needs of the app: its `keyboard`, and if it likes, `terminal_found`."""
+    """What the driver needs of the app: its `keyboard`; if it likes, it is told what is found."""
 
     keyboard: Keyboard
 
@@ -64,7 +65,8 @@ class WizardDriver(LinuxDriver):
     """Reads keys in a thread of its own and sends what they stand for from there.
 
     The app gives its `keyboard`. If it has a method `terminal_found(terminal)`, that is called in
-    the app's thread with the `experiment.terminals.Terminal` that answered.
+    the app's thread with the `experiment.terminals.Terminal` that answered. A method
+    `side_found(side)` is given at once what this driver finds out about the terminal for pictures.
     """
 
     def __init__(self, app: App[Any], **options: Any) -> None:
@@ -76,6 +78,9 @@ class WizardDriver(LinuxDriver):
         self._output: Output | None = None
         self._wake_in, self._wake_out = os.pipe()
         os.set_blocking(self._wake_in, False)
+        os.set_blocking(self._wake_out, False)
+        self._side = Side(lambda: self._output, self._line, self._wake)
+        getattr(app, "side_found", lambda side: None)(self._side)
         self._read_s = 0.0
         self._scanner = Scanner()
         self._parser = XTermParser(self._debug)
@@ -92,7 +97,7 @@ class WizardDriver(LinuxDriver):
         self._output = Output(self._screen_fd(), self._repaint)
         try:
             super().start_application_mode()  # type: ignore[no-untyped-call]
-            self.write(_WHO)
+            self.write(question(os.environ) + _WHO)
         except BaseException:
             self.restore()
             raise
@@ -164,13 +169,12 @@ class WizardDriver(LinuxDriver):
             return
         signal.signal(signal.SIGWINCH, signal.SIG_DFL)
         self.exit_event.set()
-        os.write(self._wake_out, b"x")
+        self._wake()
         if thread is not threading.current_thread():
             thread.join(1.0)
         self._key_thread = None
         self.exit_event.clear()
-        with contextlib.suppress(BlockingIOError):
-            os.read(self._wake_in, 1)
+        self._slept_enough()
         with contextlib.suppress(termios.error):
             self._throw_away()
 
@@ -211,6 +215,7 @@ class WizardDriver(LinuxDriver):
     def run_input_thread(self) -> None:
         """Read until told to end, or until the terminal is gone."""
         scanner = self._scanner = Scanner(folded(detected(os.environ)))
+        scanner.expects_graphics = bool(question(os.environ))
         self._line.reset()
         poll = select.poll()
         for fd in (self.fileno, self._wake_in):
@@ -218,6 +223,8 @@ class WizardDriver(LinuxDriver):
         while not self.exit_event.is_set():
             ready = poll.poll(1000 * self._patience(scanner))
             self._line.awake()
+            if any(fd == self._wake_in for fd, _ in ready):
+                self._slept_enough()
             if any(fd == self.fileno for fd, _ in ready):
                 data = self._read()
                 if data is None:
@@ -228,6 +235,15 @@ class WizardDriver(LinuxDriver):
                 self._take(scanner.expire())
             self._ask_line()
             self._keyboard.tick()
+
+    def _wake(self) -> None:
+        """Let the reading thread look around at once."""
+        with contextlib.suppress(BlockingIOError):
+            os.write(self._wake_out, b"x")
+
+    def _slept_enough(self) -> None:
+        with contextlib.suppress(BlockingIOError):
+            os.read(self._wake_in, 64)
 
     def _patience(self, scanner: Scanner) -> float:
         """Seconds until there is something to do without a byte."""
@@ -307,7 +323,11 @@ class WizardDriver(LinuxDriver):
     def _reply(self, reply: Reply) -> None:
         if reply.what == "kitty" and reply.values:
             self._kitty = reply.values[0]
-        elif reply.what == "attributes":  # asked second: what has not come by now will not come
+        elif reply.what == "graphics":
+            self._side.kitty = reply.values == (1,)
+        elif reply.what == "attributes":  # asked last: what has not come by now will not come
+            self._scanner.expects_graphics = False
+            self._side.sixel = reply.raw.startswith(b"\x1b[?") and 4 in reply.values[1:]
             found = getattr(self._app, "terminal_found", None)
             if found is not None:
                 terminal = _terminal(bool(self._kitty & 1))

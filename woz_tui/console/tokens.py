@@ -42,7 +42,8 @@ class Reply:
     """The terminal's answer to a question.
 
     `what`: `status` (to `CSI 5 n`), `kitty` (keyboard flags, in `values`), `attributes`
-    (`CSI c`), `position`, or `unknown`: not understood, and therefore kept from everybody.
+    (`CSI c`), `graphics` (kitty's pictures: 1 if it draws them), `position`, or `unknown`: not
+    understood, and therefore kept from everybody.
     """
 
     what: str

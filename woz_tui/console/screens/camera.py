@@ -1,0 +1,224 @@
+"""The robot's camera, as large as the screen allows; the robot is played meanwhile."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from textual import events
+from textual.app import ComposeResult
+from textual.containers import Vertical
+from textual.widget import Widget
+
+from woz_tui.console.camera.frames import CELL, Room, room_for
+from woz_tui.console.camera.views import View
+from woz_tui.console.camera.watching import STALE_S, Watching
+from woz_tui.console.camera.ways import Means, depth_of, view_for
+from woz_tui.console.cells import Cells, Row, clean, cut
+from woz_tui.console.screens.dialog import Dialog
+from woz_tui.core.pictures import PictureShown
+from woz_tui.core.requests import AskVerb
+
+#: How often is looked whether the next picture may be asked for, in seconds.
+_LOOK_S = 0.05
+#: Sizes to choose from, as shares of the room there is.
+_SIZES = (1.0, 0.75, 0.5, 0.35)
+#: Columns and lines that the frame takes, and the words; lines left for the stop's bar.
+_FRAME, _WORDS, _BAR = (4, 2), 1, 2
+#: The frame is not narrower: its words have to fit.
+_NARROWEST = 34
+#: The shape of a picture before the first one has come.
+_SHAPE = (4, 3)
+_NEXT, _BACK, _LARGER, _SMALLER, _TAKE = "tab", "shift+tab", "+", "-", "enter"
+#: Their names to Textual.
+_KEYS = {"plus": _LARGER, "minus": _SMALLER}
+#: The driver's verb that makes a file of a picture.
+_VERB = "picture"
+OFF = "Pictures are switched off: start without `--pictures off` to see them."
+REPLAY = "A replay has no pictures: they are in no log."
+
+
+class CameraDialog(Dialog):
+    """One camera of the session; tab shows the next."""
+
+    heading = "Camera"
+    hint = "tab next · + - size · enter file · ctrl+q"
+    opened_by = "camera"
+    plays = True
+    own_keys = frozenset((_NEXT, _BACK, _LARGER, _SMALLER, _TAKE))
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._step = 0
+        self._view: View | None = None
+        self._watching: Watching | None = None
+        self._shape = _SHAPE
+        self._laid: tuple[Room, tuple[int, int]] | None = None
+
+    # -- what it consists of -----------------------------------------------------------------
+
+    def compose(self) -> ComposeResult:
+        """The frame, words about the picture, the picture."""
+        self.styles.align = ("center", "top")
+        with Vertical(classes="dialog drawing", id="camera") as box:
+            box.border_title = self.heading
+            box.border_subtitle = self.glyphs.plain(self.hint)
+            box.styles.max_width, box.styles.max_height = "100vw", "100vh"
+            yield from self.body()
+
+    def body(self) -> Iterable[Widget]:
+        """Words in one line; beneath them the picture, in the way that suits the terminal."""
+        words = Cells(id="camera-words")
+        words.styles.height = _WORDS
+        yield words
+        app = self.console_app
+        if app.pictures == "off" or self.picture.role == "replay":
+            return
+        plain = self.glyphs.ascii or app.no_color
+        depth = depth_of(app.console.color_system, plain=plain)
+        means = Means(depth, app.side, app.terminal.multiplexer)
+        self._view = view_for(app.pictures, means)
+        self._watching = Watching(self.desk.ask_picture, app.clock, app.side, self._draw)
+        middle = Vertical(self._view)
+        middle.styles.align_horizontal = "center"
+        yield middle
+
+    def on_mount(self) -> None:
+        """Begin to watch."""
+        self._lay_out()
+        self.set_interval(_LOOK_S, self._look)
+
+    def on_resize(self) -> None:
+        """Take the new size."""
+        self._lay_out()
+
+    # -- its place ---------------------------------------------------------------------------
+
+    def _room(self) -> Room:
+        """Cells for a picture, in the size that is chosen."""
+        width, height = self.app.size
+        side = self.console_app.side
+        cell = (side.cell if side is not None else None) or CELL
+        share = _SIZES[self._step]
+        columns = (width - _FRAME[0]) * share
+        rows = (height - _FRAME[1] - _WORDS - _BAR) * share
+        within = Room(max(1, int(columns)), max(1, int(rows)), cell)
+        return room_for(*self._shape, within)
+
+    def _lay_out(self) -> None:
+        """Frame and picture in their size; nothing happens where it is the same as before."""
+        room = self._room()
+        width, _ = size = self.app.size
+        if self._laid == (room, size):
+            return
+        self._laid = (room, size)
+        for box in self.query("#camera").results(Vertical):
+            box.styles.width = min(width, max(_NARROWEST, room.columns + _FRAME[0]))
+            box.styles.height = room.rows + _FRAME[1] + _WORDS
+        if self._view is not None and self._watching is not None:
+            self._view.place(room)
+            self._watching.anew()
+
+    # -- pictures ----------------------------------------------------------------------------
+
+    def _look(self) -> None:
+        """Ask for the next picture, unless something else has the screen."""
+        view, watching = self._view, self._watching
+        if view is not None and watching is not None and self.is_current:
+            watching.tick(view.wanted(watching.allowance), view.format)
+        self.refreshed()
+
+    def _draw(self, shown: PictureShown) -> None:
+        view, watching = self._view, self._watching
+        if view is None or watching is None or not self.is_current:
+            return
+        shape = (shown.camera_width, shown.camera_height)
+        if min(shape) > 0 and shape != self._shape:
+            self._shape = shape
+            self._lay_out()
+        view.show(shown, watching.allowance)
+        self.call_after_refresh(self._painted)
+
+    def _painted(self) -> None:
+        if self._view is not None and self._watching is not None:
+            self._view.settled()
+            self._watching.painted()
+
+    def on_screen_suspend(self) -> None:
+        """Another dialog has come: nobody looks, and nothing may be drawn over it."""
+        self._rest()
+
+    def closing(self) -> None:
+        """Leave nothing behind."""
+        self._rest()
+
+    def _rest(self) -> None:
+        if self._view is not None and self._watching is not None:
+            self._view.clear()
+            self._watching.anew()
+
+    # -- words -------------------------------------------------------------------------------
+
+    def refreshed(self) -> None:
+        """Say how old the picture is."""
+        for cells in self.query("#camera-words").results(Cells):
+            ellipsis = self.glyphs.ellipsis
+            cells.show([cut(self._words(), cells.size.width, ellipsis)])
+
+    def _words(self) -> Row:
+        watching, view = self._watching, self._view
+        if watching is None or view is None:
+            return ((REPLAY if self.picture.role == "replay" else OFF, "muted"),)
+        trouble = self._trouble(watching)
+        if watching.last is None:
+            return ((trouble or "waiting for the first picture", "warn" if trouble else "muted"),)
+        name: Row = ((f"{clean(watching.camera)} ", "title"),)
+        now = self.picture.now(self.console_app.clock.now_us())
+        age = max(0.0, (now - watching.last.t) / 1_000_000)
+        if age > STALE_S:
+            why = f" {self.glyphs.middle} {trouble}" if trouble else ""
+            return (*name, (f"stale {age:.1f} s{why}", "stale"))
+        told = f"{age:.1f} s old {self.glyphs.middle} {watching.rate:.1f}/s"
+        words = f"{self._number(watching)}{told} {self.glyphs.middle} {view.word}"
+        return (*name, (words, "muted"))
+
+    def _number(self, watching: Watching) -> str:
+        """Which of several cameras it is."""
+        count = len(watching.cameras)
+        if count < 2 or watching.camera not in watching.cameras:
+            return ""
+        return f"{watching.cameras.index(watching.camera) + 1}/{count} {self.glyphs.middle} "
+
+    def _trouble(self, watching: Watching) -> str:
+        """Why there are no pictures, as far as anybody knows."""
+        if self.picture.lost:
+            return "the robot process is gone"
+        driver = self.picture.drivers.get(watching.camera)
+        if driver is not None and driver.health in ("lost", "faulted"):
+            return clean(f"{watching.camera} is {driver.health}: {driver.detail}")
+        return clean(watching.why)
+
+    # -- keys --------------------------------------------------------------------------------
+
+    def on_key(self, event: events.Key) -> None:
+        """The next camera, another size, a file of what is seen."""
+        key = _KEYS.get(event.key, event.key)
+        if key not in self.own_keys or self._watching is None:
+            return
+        event.stop()
+        if key in (_NEXT, _BACK):
+            self._watching.next_camera(1 if key == _NEXT else -1)
+        elif key == _TAKE:
+            self._take(self._watching.camera)
+        else:
+            larger = -1 if key == _LARGER else 1
+            self._step = min(len(_SIZES) - 1, max(0, self._step + larger))
+            self._lay_out()
+        self.refreshed()
+
+    def _take(self, camera: str) -> None:
+        """Have the driver make a file of a picture."""
+        if _VERB not in self.picture.verbs.get(camera, ()):
+            self.console_app.news(f"{camera or 'this camera'} does not make files of pictures")
+            return
+        self.desk.ask(AskVerb(verb=_VERB, on=camera, source="key", key=_TAKE))
+        self.console_app.news(f"{camera} takes a picture: its file will be in the log", "run")

@@ -69,6 +69,15 @@ def wrong_password(address: Address, variable: str, given: bool) -> Refused:
     )
 
 
+def hung_up(address: Address, variable: str) -> Lost:
+    """The robot ended the connection before it was whole; libqi does not tell why."""
+    return Lost(
+        f"{address.shown} hung up while we logged in",
+        f"is it starting? if not, it does not take the user {address.user or '(none)'} with the"
+        f" password in {variable}: correct them, in the form tcps://USER@HOST",
+    )
+
+
 def wrong_certificate(address: Address, found: str) -> Refused:
     """Another certificate than the trusted one."""
     return Refused(

@@ -107,7 +107,9 @@ class CertificateWatch:
         self.found = hashlib.sha256(certificate).hexdigest()
         self.refused = bool(self._trusted) and self.found != self._trusted
         if self.refused:
-            raise ssl.SSLError("another certificate than the trusted one")
+            refusal = ssl.SSLError("another certificate than the trusted one")
+            refusal.reason = str(refusal)
+            raise refusal
 
 
 class OwnLink:

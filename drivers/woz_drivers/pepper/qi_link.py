@@ -22,7 +22,7 @@ from woz_drivers.pepper.links_socket import (
     local_host_towards,
     resolved,
 )
-from woz_drivers.pepper.links_trouble import unknown, unreachable, words, wrong_password
+from woz_drivers.pepper.links_trouble import hung_up, unknown, unreachable, words, wrong_password
 from woz_drivers.pepper.qi_link_library import Login, library
 from woz_drivers.pepper.secrets import Secret
 
@@ -68,6 +68,8 @@ def _not_opened(address: Address, secret: Secret, variable: str, text: str) -> E
     text = secret.hidden_in(text)
     if _DENIED.search(text):
         return wrong_password(address, variable, bool(secret))
+    if text == "disconnected":
+        return hung_up(address, variable)
     found = _CONNECT_ERROR.search(text)
     if found is None:
         return unreachable(address, None, text)
@@ -96,8 +98,11 @@ class QiLink:
 
     async def begin(self) -> None:
         """Connect. Raises `Said` with libqi's words."""
-        self._session.disconnected.connect(self._from_thread(self._is_lost))
         await self._answer(self._session.connect(self._address.url, _async=True))
+        # Not before: a refused login is told as a loss first, and as what it is afterwards.
+        self._session.disconnected.connect(self._from_thread(self._is_lost))
+        if not self._session.isConnected():
+            self._is_lost("disconnected")
         keep_nothing_unsent(self._peers)
 
     async def call(self, service: str, method: str, *args: Any, within: float) -> Any:

@@ -1,0 +1,283 @@
+"""A link over the wire: values, errors, signals, ends, with both clients."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from typing import Any
+
+import pytest
+from woz_drivers.pepper.address import Address, parse
+from woz_drivers.pepper.link import Gone, Link, Missing, Said, Unanswered, binary
+from woz_drivers.pepper.links import chosen_client, open_link
+from woz_drivers.pepper.links_trouble import Refused
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.qimessaging.hosting import Method, Signal
+from woz_drivers.qimessaging.server import Server
+
+from woz_tui.core.driver import Lost
+
+SETTINGS = PepperSettings(robots=())
+WITHIN_S = 10.0
+
+
+class Desk:
+    """A robot with one service, in the test's own loop."""
+
+    def __init__(self) -> None:
+        self.server = Server()
+        self.cancelled = asyncio.Event()
+        self.entered = asyncio.Event()
+        self.host = ""
+        self.offer()
+
+    def offer(self) -> None:
+        self.server.add(
+            "Desk",
+            methods=[
+                Method("echo", "(m)", "m", lambda value: value),
+                Method("picture", "()", "m", lambda: [2, 1, b"\xff\x00"]),
+                Method("fails", "()", "v", self._fails),
+                Method("waits", "()", "v", self._waits),
+            ],
+            signals=[Signal("touched", "(fs)")],
+        )
+
+    def _fails(self) -> None:
+        raise RuntimeError("Desk::fails\n\tno such animation")
+
+    async def _waits(self) -> None:
+        self.entered.set()
+        try:
+            await asyncio.sleep(3600)
+        except asyncio.CancelledError:
+            self.cancelled.set()
+            raise
+
+
+@pytest.fixture
+async def desk() -> AsyncIterator[Desk]:
+    made = Desk()
+    endpoint = await made.server.listen("127.0.0.1")
+    made.host = str(endpoint)
+    yield made
+    await made.server.close()
+
+
+@asynccontextmanager
+async def opened(desk: Desk, client: str) -> AsyncIterator[Link]:
+    link = await open_link(parse(desk.host), PepperSettings(robots=(), client=client))
+    try:
+        yield link
+    finally:
+        await link.close()
+
+
+async def happens(event: asyncio.Event) -> None:
+    await asyncio.wait_for(event.wait(), WITHIN_S)
+
+
+@pytest.mark.parametrize(
+    "value",
+    [True, 0, -3, 1 << 40, 2.5, "", "Grüße, 世界", [1, "a", [2.5, None]], {"a": [1]}, b"\xff\x00"],
+)
+async def test_values_go_there_and_back(desk: Desk, client: str, value: Any) -> None:
+    async with opened(desk, client) as link:
+        found = await link.call("Desk", "echo", value, within=WITHIN_S)
+        assert found == value
+        assert isinstance(found, bool) == isinstance(value, bool)
+
+
+@pytest.mark.parametrize("data", [b"\xff\x00\x80", b"\x00\x00", b"plain"])
+async def test_bytes_are_bytes_even_where_they_could_be_text(
+    desk: Desk, client: str, data: bytes
+) -> None:
+    async with opened(desk, client) as link:
+        assert binary(await link.call("Desk", "echo", data, within=WITHIN_S)) == data
+        assert binary((await link.call("Desk", "picture", within=WITHIN_S))[2]) == b"\xff\x00"
+
+
+async def test_a_text_that_looks_like_bytes_stays_a_text(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        assert await link.call("Desk", "echo", "b'hello'", within=WITHIN_S) == "b'hello'"
+
+
+def test_a_number_is_no_picture() -> None:
+    with pytest.raises(Said, match="int"):
+        binary(3)
+
+
+async def test_what_the_robot_refuses_is_said_in_one_line(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        with pytest.raises(Said, match=r"Desk\.fails: .*no such animation") as said:
+            await link.call("Desk", "fails", within=WITHIN_S)
+        assert "\n" not in str(said.value)
+        with pytest.raises(Said, match="nothing"):
+            await link.call("Desk", "nothing", within=WITHIN_S)
+        with pytest.raises(Said, match=r"Desk\.echo"):
+            await link.call("Desk", "echo", within=WITHIN_S)
+        with pytest.raises(Said, match="nothing"):
+            await link.listen("Desk", "nothing", print)
+
+
+async def test_a_missing_service_is_found_once_it_is_there(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        with pytest.raises(Missing, match="Late"):
+            await link.call("Late", "echo", 1, within=WITHIN_S)
+        assert await link.services(WITHIN_S) == {"ServiceDirectory", "Desk"}
+        desk.server.add("Late", methods=[Method("echo", "(m)", "m", lambda value: value)])
+        assert await link.call("Late", "echo", 1, within=WITHIN_S) == 1
+        assert "Late" in await link.services(WITHIN_S)
+
+
+async def test_no_answer_in_time_is_no_loss(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        with pytest.raises(Unanswered, match=r"Desk\.waits"):
+            await link.call("Desk", "waits", within=0.05)
+        await happens(desk.cancelled)
+        assert not link.lost.done()
+        await link.ask(WITHIN_S)
+
+
+async def test_a_cancelled_call_is_cancelled_on_the_robot(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        calling = asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S))
+        await happens(desk.entered)
+        calling.cancel()
+        await happens(desk.cancelled)
+        with pytest.raises(asyncio.CancelledError):
+            await calling
+
+
+async def test_signals_are_heard_until_they_are_not_wanted(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        touches: asyncio.Queue[tuple[float, str]] = asyncio.Queue()
+
+        def touch(x: float, what: str) -> None:
+            touches.put_nowait((x, what))
+
+        forget = await link.listen("Desk", "touched", touch)
+        desk.server.emit("Desk", "touched", 0.5, "ä")
+        assert await asyncio.wait_for(touches.get(), WITHIN_S) == (0.5, "ä")
+        await forget()
+        desk.server.emit("Desk", "touched", 0.7, "b")
+        await link.ask(WITHIN_S)
+        assert touches.empty()
+
+
+async def test_closing_ends_the_calls_under_way(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        calls = [asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S)) for _ in range(3)]
+        looking = asyncio.create_task(link.call("Other", "echo", within=WITHIN_S))
+        await happens(desk.entered)
+        await link.close()
+        ends = await asyncio.wait_for(
+            asyncio.gather(*calls, looking, return_exceptions=True), WITHIN_S
+        )
+        assert {type(end) for end in ends} <= {Gone, Missing}
+        assert all(isinstance(end, Gone) for end in ends[:3])
+        assert link.lost.done()
+        with pytest.raises(Gone):
+            await link.call("Desk", "echo", 1, within=WITHIN_S)
+        await link.close()
+
+
+async def test_a_robot_that_hangs_up_is_known_at_once(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        calling = asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S))
+        await happens(desk.entered)
+        await desk.server.close()
+        with pytest.raises(Gone):
+            await calling
+        assert await asyncio.wait_for(link.lost, WITHIN_S)
+
+
+async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        assert await link.call("Desk", "echo", 1, within=WITHIN_S) == 1
+        desk.server.remove("Desk")
+        with pytest.raises(Said):
+            await link.call("Desk", "echo", 2, within=WITHIN_S)
+        desk.offer()
+
+        async def again() -> int:
+            while True:
+                try:
+                    return int(await link.call("Desk", "echo", 3, within=WITHIN_S))
+                except Said:
+                    await asyncio.sleep(0.01)
+
+        assert await asyncio.wait_for(again(), WITHIN_S) == 3
+
+
+async def test_it_says_who_carries_it_and_where_from(desk: Desk, client: str) -> None:
+    async with opened(desk, client) as link:
+        assert link.client.startswith(client)
+        assert link.local_host == "127.0.0.1"
+        assert link.certificate == ""
+
+
+async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None:
+    async def once() -> None:
+        async with opened(desk, client) as link:
+            await link.call("Desk", "echo", 1, within=WITHIN_S)
+
+    for _ in range(3):
+        await once()
+    threads, tasks = threading.active_count(), len(asyncio.all_tasks())
+    for _ in range(10):
+        await once()
+    async with asyncio.timeout(WITHIN_S):
+        while threading.active_count() > threads or len(asyncio.all_tasks()) > tasks:
+            await asyncio.sleep(0.01)
+
+
+@pytest.mark.parametrize(
+    ("text", "what", "remedy"),
+    [
+        ("127.0.0.1:1", "nothing listens on port 1", "NAOqi has started"),
+        ("no.such.host.invalid", "no host is called", "chest button"),
+    ],
+)
+async def test_why_a_robot_is_not_reached(client: str, text: str, what: str, remedy: str) -> None:
+    with pytest.raises(Lost) as lost:
+        await open_link(parse(text), PepperSettings(robots=(), client=client))
+    assert what in lost.value.what
+    assert remedy in lost.value.remedy
+
+
+async def test_somebody_else_on_the_port_is_no_robot(client: str) -> None:
+    async def talk(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(b"SSH-2.0-OpenSSH_9.6\r\n" * 5)
+        await writer.drain()
+
+    async with await asyncio.start_server(talk, "127.0.0.1", 0) as server:
+        port = server.sockets[0].getsockname()[1]
+        with pytest.raises(Lost) as lost:
+            await open_link(
+                Address("127.0.0.1", port), PepperSettings(robots=(), client=client), within=1.0
+            )
+        assert f"127.0.0.1:{port}" in lost.value.what
+        server.close()
+
+
+def test_auto_takes_what_is_there() -> None:
+    plain, six = parse("pepper"), parse("[::1]")
+    assert chosen_client(plain, PepperSettings(robots=(), client="own")) == "own"
+    assert chosen_client(six, SETTINGS) == "own"
+    pinned = PepperSettings(robots=(), trusted="ab")
+    assert chosen_client(parse("tcps://pepper"), pinned) == "own"
+    with pytest.raises(Refused) as refused:
+        chosen_client(parse("tcps://pepper"), PepperSettings(robots=(), trusted="ab", client="qi"))
+    assert "client: own" in refused.value.remedy
+
+
+def test_without_the_package_auto_is_our_own_client(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.qi_link_library.find_spec", lambda name: None)
+    assert chosen_client(parse("pepper"), SETTINGS) == "own"
+    with pytest.raises(Refused) as refused:
+        chosen_client(parse("pepper"), PepperSettings(robots=(), client="qi"))
+    assert "woz-tui[pepper]" in refused.value.remedy
+    assert "client: own" in refused.value.remedy

@@ -1,0 +1,114 @@
+"""Secured lines: user, password, certificate, with both clients; no password in any text."""
+
+from __future__ import annotations
+
+import hashlib
+import ssl
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from woz_drivers.pepper.address import parse
+from woz_drivers.pepper.link import Link
+from woz_drivers.pepper.links import open_link
+from woz_drivers.pepper.links_trouble import Refused
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.qimessaging.hosting import Method
+from woz_drivers.qimessaging.server import Server
+
+from woz_tui.core.driver import Lost
+
+KEPT = Path(__file__).parents[1] / "qimessaging"
+CERTIFICATE, KEY = KEPT / "certificate.pem", KEPT / "key.pem"
+PASSWORD = "Hush!42"
+WITHIN_S = 10.0
+
+
+class Guarded:
+    """A robot behind a login."""
+
+    def __init__(self) -> None:
+        self.asked: list[tuple[str, str]] = []
+        self.address = ""
+        self.server = Server(authenticator=self._lets_in)
+        self.server.add("Desk", methods=[Method("echo", "(m)", "m", lambda value: value)])
+
+    def _lets_in(self, user: str, password: str) -> bool:
+        self.asked.append((user, password))
+        return (user, password) == ("ada", PASSWORD)
+
+    async def listen(self) -> None:
+        tls = ssl.SSLContext(ssl.PROTOCOL_TLS_SERVER)
+        tls.load_cert_chain(CERTIFICATE, KEY)
+        endpoint = await self.server.listen("127.0.0.1", tls=tls)
+        self.address = f"tcps://ada@127.0.0.1:{endpoint.port}"
+
+    async def open(self, **settings: str) -> Link:
+        given = PepperSettings(robots=(), password="ROBOT_PASSWORD", **settings)  # type: ignore[arg-type]
+        return await open_link(parse(self.address), given)
+
+
+@pytest.fixture
+async def guarded() -> AsyncIterator[Guarded]:
+    made = Guarded()
+    await made.listen()
+    yield made
+    await made.server.close()
+
+
+def fingerprint() -> str:
+    return hashlib.sha256(ssl.PEM_cert_to_DER_cert(CERTIFICATE.read_text())).hexdigest()
+
+
+async def test_user_and_password_let_us_in(
+    guarded: Guarded, client: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
+    link = await guarded.open(client=client)
+    assert await link.call("Desk", "echo", 1, within=WITHIN_S) == 1
+    assert set(guarded.asked) == {("ada", PASSWORD)}
+    await link.close()
+
+
+@pytest.mark.parametrize("given", ["wrong-Hush", ""])
+async def test_a_wrong_password_is_told_with_its_remedy(
+    guarded: Guarded, client: str, given: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_PASSWORD", given)
+    with pytest.raises(Lost) as lost:
+        await guarded.open(client=client)
+    assert "ROBOT_PASSWORD" in lost.value.remedy
+    assert "Hush" not in lost.value.what + lost.value.remedy + repr(lost.value)
+    # libqi tells of no reason, so that trying again may help.
+    assert isinstance(lost.value, Refused) == (client == "own")
+
+
+async def test_the_trusted_certificate_is_taken(
+    guarded: Guarded, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
+    spelled = ":".join(fingerprint()[at : at + 2] for at in range(0, 64, 2)).upper()
+    for trusted in ("", fingerprint(), spelled):
+        link = await guarded.open(trusted=trusted, client="own")
+        assert link.certificate == fingerprint()
+        await link.close()
+
+
+async def test_to_a_robot_with_another_certificate_no_password_is_sent(
+    guarded: Guarded, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
+    with pytest.raises(Refused) as refused:
+        await guarded.open(trusted="00" * 32)  # auto: our own client, which can look
+    assert "certificate" in refused.value.what
+    assert fingerprint() in refused.value.remedy
+    assert guarded.asked == []
+
+
+async def test_a_plain_line_to_a_secured_port_ends_in_a_sentence(
+    guarded: Guarded, client: str
+) -> None:
+    plain = guarded.address.replace("tcps://ada@", "tcp://")
+    with pytest.raises(Lost) as lost:
+        await open_link(parse(plain), PepperSettings(robots=(), client=client), within=1.0)
+    assert lost.value.remedy

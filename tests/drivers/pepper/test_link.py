@@ -230,7 +230,7 @@ async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None
     for _ in range(10):
         await once()
     async with asyncio.timeout(WITHIN_S):
-        while threading.active_count() > threads or len(asyncio.all_tasks()) > tasks:
+        while threading.active_count() > threads or len(asyncio.all_tasks()) > tasks:  # noqa: ASYNC110
             await asyncio.sleep(0.01)
 
 

@@ -50,7 +50,7 @@ async def main():
         saying = asyncio.create_task(link.call("ALTextToSpeech", "say", "a " * 999, within=30))
         await robot.called("ALTextToSpeech.say")
         robot.kill()
-        await asyncio.wait([saying, link.lost])
+        await asyncio.gather(saying, link.lost, return_exceptions=True)
         await link.close()
         await refused(robot.address, 3.0)
     await refused("no.such.host.invalid", 3.0)

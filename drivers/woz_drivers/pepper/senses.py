@@ -16,7 +16,7 @@ from woz_drivers.pepper.parts import Robot, together
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.senses_asking import Asking
 from woz_drivers.pepper.senses_modules import Modules, wanted
-from woz_drivers.pepper.senses_told import Told
+from woz_drivers.pepper.senses_told import Refusal, Told
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
 from woz_tui.core.messages import Json
@@ -142,12 +142,11 @@ class Senses:
         except Lost:
             raise
         except DriverError as error:
-            return error.what
+            return Refusal(error.what)
 
     def _say(self, values: Mapping[str, Any]) -> None:
-        said = values[memory.BATTERY]
-        self._battery = memory.battery(said)
-        self._told.plain("battery", self._battery, said)
+        self._battery = memory.battery(values[memory.BATTERY])
+        self._told.battery(values[memory.BATTERY])
         if memory.SONAR in values:
             said = values[memory.SONAR]
             self._told.plain("distance", memory.sonar(said), said, "m")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 from woz_drivers.pepper import memory, people
@@ -10,6 +11,15 @@ from woz_tui.core.driver import Outlet
 
 #: How much of a value that makes no sense is shown, in characters.
 _SHOWN = 60
+#: What stays the same for hours is told this often.
+_CALM_US = 10_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Instead of a value: why the robot gives none."""
+
+    why: str
 
 
 class Told:
@@ -19,10 +29,13 @@ class Told:
         self._outlet = outlet
         self._heard: tuple[float, float] | None = None
         self._begun = False
+        self._charge: float | None = None
+        self._charged_us = outlet.clock.now_us() - _CALM_US
 
     def forget(self) -> None:
         """It may be another robot, with another clock."""
         self._heard, self._begun = None, False
+        self._charged_us = self._outlet.clock.now_us() - _CALM_US
 
     def plain(self, sensor: str, value: float | None, said: Any, unit: str = "") -> None:
         """One number, as it was decoded from `said`."""
@@ -34,9 +47,17 @@ class Told:
 
     def nothing(self, sensor: str, said: Any) -> None:
         """The robot has no value, or one that makes no sense."""
-        why = "the robot has no value for it" if said is None else f"makes no sense: {_short(said)}"
-        self._outlet.sensor(sensor, "stale", why)
+        self._outlet.sensor(sensor, "stale", _why(said))
         self._outlet.reading(sensor, None)
+
+    def battery(self, said: Any) -> None:
+        """The charge to the hundredth; while it stays the same, now and then."""
+        charge = memory.battery(said)
+        share = None if charge is None else round(charge, 2)
+        now_us = self._outlet.clock.now_us()
+        if share != self._charge or now_us - self._charged_us >= _CALM_US:
+            self._charge, self._charged_us = share, now_us
+            self.plain("battery", share, said)
 
     def sound(self, said: Any) -> None:
         """Where a sound came from, once for each; the first one found may be of yesterday."""
@@ -85,6 +106,10 @@ class Told:
                 self.plain("gaze", 0.0, None)
 
 
-def _short(said: Any) -> str:
+def _why(said: Any) -> str:
+    if said is None:
+        return "the robot has no value for it"
+    if isinstance(said, Refusal):
+        return said.why
     text = repr(said)
-    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
+    return f"makes no sense: {text if len(text) <= _SHOWN else text[:_SHOWN] + '…'}"

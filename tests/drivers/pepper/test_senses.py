@@ -1,0 +1,265 @@
+"""The robot's own sensors over the wire: readings, states with reasons, whatever the robot has."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from contextlib import AbstractAsyncContextManager
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.pepper import settings
+from woz_drivers.pepper.memory import BATTERY, SONAR, SOUND
+from woz_drivers.pepper.people import FACES, VISIBLE, distance_key, looking_key
+from woz_drivers.pepper.senses import Senses
+
+from tests.drivers.pepper.wired import Wired, wired
+from tests.fakes.naoqi import StandIn, stand_in
+from woz_tui.core.driver import Rejected, Scope
+from woz_tui.core.messages import Reading, SensorChanged
+
+FAST = settings.Senses(rate=20)
+ALL = (
+    *("distance", "presence", "people", "person.distance", "gaze", "identity"),
+    *("direction", "loudness", "battery"),
+)
+#: Somebody to the left who looks, talks and is known.
+ADA = {"distance": 1.25, "angle": 0.25, "looking": True, "talking": True, "name": "Ada"}
+
+Sense = Callable[..., AbstractAsyncContextManager[Wired[Senses]]]
+
+
+@pytest.fixture
+def sense(tmp_path: Path, robot: StandIn) -> Sense:
+    def begin(client: str = "own", senses: settings.Senses = FAST) -> Any:
+        return wired(Senses, tmp_path, robot, client=client, senses=senses)
+
+    return begin
+
+
+async def _round(it: Wired[Senses]) -> None:
+    """Return when the robot has been read once more, from beginning to end."""
+    asked = len(await it.robot.trace("ALMemory.getListData"))
+    await it.robot.called("ALMemory.getListData", asked + 3)
+
+
+async def _put(it: Wired[Senses], key: str, value: Any) -> None:
+    """What the robot's memory holds from now on."""
+    await it.connection.call("ALMemory", "insertData", key, value)
+
+
+def _why(it: Wired[Senses], sensor: str) -> str:
+    moved = [one for one in it.heard.all(SensorChanged) if one.sensor == sensor]
+    return moved[-1].why
+
+
+@pytest.mark.naoqi(
+    *("ALMemory.getListData", "ALSonar.subscribe", SONAR, VISIBLE, FACES, SOUND),
+    *("PeoplePerception/Person/<id>/Distance", "PeoplePerception/Person/<id>/IsLookingAtRobot"),
+    *("ALAudioDevice.enableEnergyComputation", "ALAudioDevice.getFrontMicEnergy"),
+)
+async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn, client: str) -> None:
+    async with sense(client) as it:
+        await _round(it)
+        await robot.person(ADA)
+        await it.reads("distance", 1.25)
+        await it.reads("person.distance", 1.25)
+        await it.reads("presence", 1.0)
+        await it.reads("people", 1.0)
+        await it.reads("gaze", 1.0)
+        assert (await it.reads("identity", 0.7, "Ada")).driver == "it"
+        assert (await it.reads("direction", round(math.degrees(0.25), 1))).unit == "deg"
+        await it.heard.until(lambda: (it.heard.values("loudness")[-1] or 0.0) > 0.04)
+        await robot.set("battery", 50)
+        await it.reads("battery", 0.5)
+        assert await it.part.read() == {"battery": pytest.approx(0.5, abs=0.01)}
+        assert {sensor: it.heard.states(sensor)[-1] for sensor in ALL} == dict.fromkeys(ALL, "ok")
+        assert it.notices == []
+    assert Senses.sensors(settings.PepperSettings(robots=())) == (
+        *("distance", "presence", "people", "person.distance", "gaze", "identity"),
+        *("direction", "loudness", "battery"),
+    )
+
+
+async def test_nobody_is_said_to_be_nobody(sense: Sense, robot: StandIn) -> None:
+    await robot.person(ADA)
+    async with sense() as it:
+        await it.reads("gaze", 1.0)
+        await robot.person({**ADA, "looking": False})
+        await it.reads("gaze", 0.0)
+        await it.reads("identity", 0.0)
+        await robot.person(None)
+        await it.reads("presence", 0.0)
+        await it.reads("people", 0.0)
+        await it.reads("person.distance", None)
+        await it.reads("distance", 5.0)
+        assert it.heard.states("person.distance") == ["ok"]
+        assert it.heard.states("gaze") == ["ok"]
+
+
+async def test_the_nearest_of_several_counts(sense: Sense) -> None:
+    async with sense() as it:
+        for person, metres, looking in ((4, 2.5, True), (5, 0.75, False), (6, 1.5, True)):
+            await _put(it, distance_key(person), metres)
+            await _put(it, looking_key(person), looking)
+        await _put(it, VISIBLE, [4, 5, 6])
+        await it.reads("person.distance", 0.75)
+        assert (await it.reads("people", 3.0)).value == 3
+        assert (await it.reads("gaze", 0.0)).value == 0
+        await _put(it, VISIBLE, [4, 6])
+        await it.reads("person.distance", 1.5)
+        await it.reads("gaze", 1.0)
+
+
+async def test_one_question_a_round_for_all_keys(sense: Sense, robot: StandIn) -> None:
+    async with sense() as it:
+        await _round(it)
+        await robot.clear()
+        begun = len(it.heard.values("distance"))
+        await it.heard.until(lambda: len(it.heard.values("distance")) >= begun + 6)
+        rounds = len(it.heard.values("distance")) - begun
+        asked = await robot.trace("ALMemory.getListData")
+        assert rounds <= len(asked) <= rounds + 3
+        assert await robot.trace("ALMemory.getData") == []
+        assert set(asked[0].args[0]) == {BATTERY, SONAR, SOUND, FACES, VISIBLE}
+
+
+@pytest.mark.parametrize(
+    ("key", "value", "sensors"),
+    [
+        (SONAR, float("nan"), ["distance"]),
+        (SONAR, [1.0], ["distance"]),
+        (SONAR, -2.0, ["distance"]),
+        (BATTERY, "full", ["battery"]),
+        (VISIBLE, "nobody", ["presence", "people", "person.distance", "gaze"]),
+        (VISIBLE, [[1], 2], ["presence", "people", "person.distance", "gaze"]),
+        (FACES, [[1, 2], "Ada"], ["identity"]),
+        (SOUND, [[1, 2], "left"], ["direction"]),
+    ],
+)
+async def test_what_makes_no_sense_is_null_with_a_reason_and_the_others_go_on(
+    sense: Sense, robot: StandIn, key: str, value: Any, sensors: list[str]
+) -> None:
+    await robot.person(ADA)
+    async with sense() as it:
+        await it.reads("gaze", 1.0)
+        await _put(it, key, value)
+        for sensor in sensors:
+            await it.heard.state(sensor, "stale")
+            assert "makes no sense" in _why(it, sensor)
+            await it.reads(sensor, None)
+        others = set(ALL) - set(sensors) - {"direction"}
+        await _round(it)
+        assert {sensor: it.heard.states(sensor) for sensor in others} == {
+            sensor: ["ok"] for sensor in others
+        }
+        await it.connection.call("ALMemory", "removeData", key)
+        for sensor in sensors:
+            await it.heard.state(sensor, "ok")
+
+
+@pytest.mark.parametrize(
+    ("service", "sensors"),
+    [
+        ("ALSonar", {"distance"}),
+        ("ALGazeAnalysis", {"gaze"}),
+        ("ALPeoplePerception", {"presence", "people", "person.distance", "gaze"}),
+        ("ALFaceDetection", {"identity"}),
+        ("ALSoundLocalization", {"direction"}),
+    ],
+)
+async def test_without_one_of_its_modules_the_other_senses_work(
+    sense: Sense, robot: StandIn, service: str, sensors: set[str]
+) -> None:
+    await robot.person(ADA)
+    await robot.fault(f"refuse:{service}.subscribe=not installed")
+    async with sense() as it:
+        await _round(it)
+        for sensor in sensors:
+            assert it.heard.states(sensor) == ["stale"]
+            assert _why(it, sensor).startswith(f"{service} does not run: ")
+            assert "not installed" in _why(it, sensor)
+            assert it.heard.values(sensor) == []
+        for sensor in set(ALL) - sensors:
+            assert it.heard.states(sensor) == ["ok"], sensor
+
+
+async def test_a_robot_that_refuses_lists_is_asked_key_by_key(sense: Sense, robot: StandIn) -> None:
+    await robot.person(ADA)
+    await robot.fault("refuse:ALMemory.getListData=a key is missing")
+    async with sense() as it:
+        await it.reads("distance", 1.25)
+        await it.reads("person.distance", 1.25)
+        await it.reads("identity", 0.7, "Ada")
+        await it.reads("gaze", 1.0)
+        assert len(await robot.trace("ALMemory.getListData")) == 1
+
+
+async def test_energy_that_is_refused_is_told_for_loudness_alone(
+    sense: Sense, robot: StandIn
+) -> None:
+    async with sense() as it:
+        await it.heard.state("loudness", "ok")
+        await robot.fault("refuse:ALAudioDevice.getFrontMicEnergy=no microphone")
+        await it.heard.state("loudness", "stale")
+        assert "no microphone" in _why(it, "loudness")
+        await robot.clear()
+        await it.heard.state("loudness", "ok")
+        assert it.heard.states("distance") == ["ok"]
+
+
+async def test_each_sound_is_told_once_and_the_old_one_of_before_not_at_all(sense: Sense) -> None:
+    async with sense() as it:
+        await _round(it)
+        assert it.heard.values("direction") == []
+        await _put(it, SOUND, [[7, 0], [0.5, 0.0, 0.9, 0.5]])
+        await it.reads("direction", 28.6)
+        await _round(it)
+        assert it.heard.values("direction") == [28.6]
+        await _put(it, SOUND, [[7, 1], [0.5, 0.0, 0.9, 0.5]])
+        await it.heard.until(lambda: it.heard.values("direction") == [28.6, 28.6])
+        await it.part.connected()
+        await _round(it)
+        assert it.heard.values("direction") == [28.6, 28.6]
+
+
+async def test_a_lost_robot_makes_every_sense_stale_and_the_next_one_lives(
+    sense: Sense, tmp_path: Path
+) -> None:
+    async with stand_in() as robot, wired(Senses, tmp_path, robot, senses=FAST) as it:
+        await _round(it)
+        robot.kill()
+        for sensor in ALL:
+            await it.heard.state(sensor, "stale")
+            assert _why(it, sensor) != ""
+        assert await it.part.read() == {}
+        async with stand_in(port=robot.port):
+            await it.connected(2)
+            for sensor in ALL:
+                await it.heard.state(sensor, "ok")
+
+
+async def test_only_what_the_file_wants_is_read(sense: Sense, robot: StandIn) -> None:
+    few = settings.Senses(rate=20, people=False, loudness=False)
+    async with sense(senses=few) as it:
+        await _round(it)
+        assert {one.sensor for one in it.heard.all(Reading)} == {"distance", "battery"}
+        called = {call.name for call in await robot.trace()}
+        assert "ALAudioDevice.enableEnergyComputation" not in called
+        assert "ALPeoplePerception.subscribe" not in called
+    assert Senses.sensors(settings.PepperSettings(robots=(), senses=few)) == ("distance", "battery")
+
+
+async def test_at_the_end_the_robot_need_not_measure_any_more(sense: Sense, robot: StandIn) -> None:
+    async with sense() as it:
+        await _round(it)
+        assert await it.part.stop(Scope.ALL) == ()
+        with pytest.raises(Rejected, match="cannot dance"):
+            await it.do("dance")
+    ended = {call.service for call in await robot.trace() if call.method.startswith("unsub")}
+    assert ended == {
+        *("ALSonar", "ALPeoplePerception", "ALGazeAnalysis", "ALFaceDetection"),
+        "ALSoundLocalization",
+    }
+    assert len(await robot.trace("ALAudioDevice.disableEnergyComputation")) == 1

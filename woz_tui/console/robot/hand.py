@@ -94,7 +94,9 @@ class Hand:
             end = self._picture.ends.get(asked.run) if asked.run else None
             if end is not None:
                 self._ended(key, asked, end, now)
-        elif self._shows(key[0], asked) or now - asked.over > READ_BACK_US:
+        if asked.over is None:
+            return
+        if self._shows(key[0], asked) or now - asked.over > READ_BACK_US:
             self._drop(key, asked)
 
     def _ended(self, key: Key, asked: Asked, end: m.End, now: int) -> None:

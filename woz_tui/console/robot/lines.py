@@ -78,4 +78,5 @@ def host_of(address: str) -> str:
     """An address without scheme and port: `tcp://10.0.0.7:9559` -> `10.0.0.7`."""
     bare = address.strip().rpartition("://")[2]
     host, colon, port = bare.rpartition(":")
-    return (host if colon and port.isdigit() else bare).casefold()
+    has_port = colon and port.isdigit() and (":" not in host or host.endswith("]"))
+    return (host if has_port else bare).casefold()

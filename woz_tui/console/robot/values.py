@@ -97,8 +97,8 @@ def _next_choice(choices: list[str], value: Json, by: int) -> str:
 
 
 def _limited(setting: Setting, value: float) -> Json:
-    value = min(setting.high, max(setting.low, value))
-    return _whole(setting, round(value, _decimals(setting.step)))
+    value = round(value, _decimals(setting.step))
+    return _whole(setting, float(min(setting.high, max(setting.low, value))))
 
 
 def _whole(setting: Setting, value: float) -> Json:

@@ -95,6 +95,7 @@ class RobotDialog(Drawing):
         if chord not in self.own_keys:
             return
         event.stop()
+        event.prevent_default()  # tab is `Drawing`'s, too
         if not self.count():
             return
         if chord in _ROBOTS:

@@ -1,0 +1,150 @@
+"""The robot's settings on the screen: what is read there."""
+
+from __future__ import annotations
+
+import pytest
+
+from tests.console.driving import sitting
+from tests.console.robot import pepper
+from tests.console.robot.screen import choose, line, opened, verbs
+from woz_tui.console.glyphs import ASCII
+from woz_tui.console.look import Look
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+
+
+async def test_values_are_shown_and_unknown_ones_are_a_dash() -> None:
+    async with opened() as seat:
+        assert line(seat, "Motors on") == "Motors on on"
+        assert line(seat, "Arms keep off") == "Arms keep off 0.10 m"
+        await seat.press("end")
+        assert line(seat, "Shows") == "Shows -"
+        assert line(seat, "192.168.1.20").endswith("● this one")
+        await seat.tell(pepper.shown(tablet="page"))
+        assert line(seat, "Shows") == "Shows page"
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+@pytest.mark.parametrize("glyphs", ["unicode", "ascii"])
+async def test_a_difference_and_a_conflict_are_words(size: tuple[int, int], glyphs: str) -> None:
+    look = {"look": Look(ASCII)} if glyphs == "ascii" else {}
+    told = pepper.shown({"state": "interactive"}, ("Awareness is off.", "Life is off."))
+    async with opened(told, size=size, **look) as seat:
+        sign = "!" if glyphs == "ascii" else "▲"
+        assert (
+            line(seat, "Autonomous life") == f"Autonomous life solitary {sign} wanted interactive"
+        )
+        drawn = seat.drawn()
+        assert f"{sign} Awareness is off." in drawn
+        assert f"{sign} Life is off." in drawn
+        assert "1 setting differs, 2 conflicts" in drawn
+        if glyphs == "ascii":
+            mine = seat.console.screen.query_one("#drawing").region
+            rows = [row[mine.x : mine.right] for row in drawn.splitlines()[mine.y : mine.bottom]]
+            assert "".join(rows).isascii()
+
+
+async def test_nothing_jumps_when_values_change() -> None:
+    async with opened() as seat:
+        before = {
+            label: row for row, text in enumerate(seat.drawn().splitlines())
+            for label in ("Autonomous life", "Volume", "Battery") if label in text
+        }  # fmt: skip
+        await seat.tell(
+            pepper.shown({"volume": 0.2, "state": "disabled"}, ("One.", "Two.", "Three."))
+        )
+        rows = seat.drawn().splitlines()
+        assert len(before) == 3
+        assert all(label in rows[row] for label, row in before.items())
+        assert "and 2 more" in seat.drawn()
+
+
+async def test_other_keys_play_and_the_opening_key_closes() -> None:
+    async with opened() as seat:
+        await seat.press("h")
+        asked = seat.feed.last(r.AskAction)
+        assert isinstance(asked, r.AskAction)
+        assert asked.action == "Hello"
+        assert seat.console.keyboard.arrive("w"), "taken in the thread that reads the line"
+        assert not seat.console.keyboard.arrive("space"), "it belongs to the screen"
+        assert seat.feed.last(r.AskScript) is None
+        await seat.press("@")
+        assert seat.console.dialog is None
+
+
+async def test_a_lost_robots_values_are_old() -> None:
+    async with opened(pepper.shown({"volume": 0.1}, ("They fight.",))) as seat:
+        await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
+        assert line(seat, "Motors on") == "Motors on ~ on"
+        drawn = seat.drawn()
+        assert "lost" in drawn
+        assert "no answer" in drawn
+        assert "wanted" not in drawn
+        assert "They fight." not in drawn
+        await seat.tell(m.DriverConnected(driver="pepper", detail="NAOqi 2.5", t=pepper.NOW))
+        assert line(seat, "Motors on") == "Motors on on"
+
+
+async def test_tab_shows_the_next_robot_and_each_gets_its_own() -> None:
+    first = pepper.welcome(
+        pepper.shown(driver="left", volume=0.1),
+        pepper.shown(driver="right", volume=0.9),
+        drivers=("left", "right"),
+    )
+    async with opened(first=first) as seat:
+        assert "left 1 of 2" in seat.drawn()
+        await seat.press("tab")
+        assert "right 2 of 2" in seat.drawn()
+        await choose(seat, "Volume")
+        assert line(seat, "Volume") == "Volume 0.90"
+        await seat.press("left")
+        assert verbs(seat) == [("volume", {"level": 0.85}, "right")]
+        await seat.press("shift+tab")
+        assert "left 1 of 2" in seat.drawn()
+
+
+async def test_the_stop_closes_it_and_its_field() -> None:
+    async with opened() as seat:
+        await choose(seat, "Volume")
+        await seat.press("enter", "escape")
+        await seat.until(lambda: seat.console.dialog is None)
+        assert seat.feed.last(r.AskStop) is not None
+
+
+async def test_a_session_without_such_a_robot_says_so() -> None:
+    async with sitting() as seat:
+        await seat.press("@", "down", "right", "enter", "tab")
+        assert "No robot of this session tells of settings." in seat.drawn()
+
+
+async def test_the_swatch_has_the_colour_and_its_text() -> None:
+    async with opened(size=(160, 50)) as seat:
+        cells = seat.console.screen.query_one("#drawing")
+        strips = [cells.render_line(y) for y in range(cells.size.height)]
+        grounds = {
+            segment.style.bgcolor.get_truecolor().hex
+            for strip in strips
+            for segment in strip
+            if segment.style is not None and segment.style.bgcolor is not None
+        }
+        assert "#00ff80" in grounds
+        assert line(seat, "Colour") == "Colour #00ff80"
+
+
+async def test_without_colours_there_is_no_swatch(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("NO_COLOR", "1")
+    async with opened(size=(160, 50)) as seat:
+        row = next(row for row in seat.drawn().splitlines() if "#00ff80" in row)
+        assert "Colour                     #00ff80" in row
+        assert line(seat, "Colour") == "Colour #00ff80"
+
+
+async def test_a_difference_is_seen_on_the_main_screen() -> None:
+    async with sitting(pepper.welcome(pepper.shown())) as seat:
+        assert "differ" not in seat.text("Status")
+        await seat.tell(pepper.shown({"volume": 0.1, "state": "disabled"}))
+        assert "pepper: ▲ 2 settings differ" in seat.text("Status")
+        await seat.tell(pepper.shown({"volume": 0.1}, ("They fight.",)))
+        assert "pepper: ▲ 1 setting differs, 1 conflict" in seat.text("Status")
+        await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
+        assert "differs" not in seat.text("Status")

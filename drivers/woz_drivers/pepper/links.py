@@ -26,11 +26,11 @@ def chosen_client(address: Address, settings: PepperSettings) -> str:
             "the package qi cannot tell which certificate a robot shows",
             "set `client: own` (or auto) to use `trusted`",
         )
-    if qi_link_library.installed():
+    if qi_link_library.usable():
         return "qi"
     if settings.client == "qi":
         raise Refused(
-            "the package qi is not installed",
+            "the package qi is not installed, or does not load",
             "pip install 'woz-tui[pepper]', or set `client: own`",
         )
     return "own"

@@ -14,6 +14,17 @@ def installed() -> bool:
     return find_spec("qi") is not None
 
 
+def usable() -> bool:
+    """Whether it is there and loads."""
+    if not installed():
+        return False
+    try:
+        library()
+    except ImportError:
+        return False
+    return True
+
+
 @cache
 def library() -> ModuleType:
     """The package. Raises `ImportError` where it is not installed or does not load."""

@@ -1,0 +1,214 @@
+"""What `woz doctor` finds out about the robots of a file: it asks, and moves nothing."""
+
+from __future__ import annotations
+
+import asyncio
+import shutil
+import statistics
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.pepper import qi_link_library
+from woz_drivers.pepper.address import Address, parse
+from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
+from woz_drivers.pepper.link import Link, LinkError, Missing
+from woz_drivers.pepper.links import open_link
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.simulated_robot import SimulatedRobot
+from woz_tui.core.driver import DriverError, Finding, Probe
+
+#: Seconds for each question; a robot that is slow shows as slow, not as gone.
+_WITHIN_S = 3.0
+_QUESTIONS = 20
+#: A slower line lags visibly behind the wizard's key, in milliseconds.
+_SLOW_MS = 50.0
+#: Charge below which an experiment of an hour may end early, in percent.
+_LOW = 30
+#: Room for a session's pictures and sounds, in bytes.
+_ROOM = 500 * 1000 * 1000
+
+
+async def examine(probe: Probe) -> list[Finding]:
+    """Everything about every robot of the file. Never raises."""
+    settings: PepperSettings = probe.settings
+    findings = [_client(settings)]
+    if not settings.robots:
+        findings.append(
+            Finding("warning", "robots", "names no robot", "write an address, or `simulated`")
+        )
+    examined = await asyncio.gather(*(_robot(text, probe) for text in settings.robots))
+    findings += [finding for one in examined for finding in one]
+    findings.append(_disk(settings, probe.folder))
+    return findings
+
+
+def _client(settings: PepperSettings) -> Finding:
+    if settings.client == "own":
+        return Finding("ok", "client", "our own, as the file says")
+    if not qi_link_library.installed():
+        if settings.client == "qi":
+            remedy = "pip install 'woz-tui[pepper]', or set `client: own`"
+            return Finding("error", "client", "the package qi is not installed", remedy)
+        return Finding("ok", "client", "our own; the package qi is not installed")
+    try:
+        return Finding("ok", "client", f"qi {qi_link_library.library().__version__}")
+    except ImportError as error:
+        return Finding("error", "client", f"qi does not load: {error}", "set `client: own`")
+
+
+async def _robot(text: str, probe: Probe) -> list[Finding]:
+    settings: PepperSettings = probe.settings
+    try:
+        address = parse(text)
+    except DriverError as error:
+        return [Finding("error", "robots", error.what, error.remedy)]
+    simulated = SimulatedRobot(settings.pace, probe.folder)
+    try:
+        real = await simulated.address() if address.simulated else address
+        link = await open_link(real, settings)
+    except DriverError as error:
+        await simulated.close()
+        return [Finding("error", address.shown, error.what, error.remedy)]
+    try:
+        return await _visit(address, link, settings)
+    except LinkError as error:
+        lost = f"went while it was examined: {error}"
+        return [Finding("error", address.shown, lost, "check its network, and try again")]
+    finally:
+        await link.close()
+        await simulated.close()
+
+
+async def _visit(address: Address, link: Link, settings: PepperSettings) -> list[Finding]:
+    """What a robot that is there says of itself. Raises `LinkError` if it goes."""
+    services = await link.services(_WITHIN_S)
+    findings = [await _line(address, link)]
+    if address.secure:
+        findings.append(_certificate(address, link, settings))
+    findings.append(_services(address, services))
+    for question in _ASKED:
+        if question.service in services:
+            findings.append(await _asked(address, link, question))
+    return findings
+
+
+async def _line(address: Address, link: Link) -> Finding:
+    loop = asyncio.get_running_loop()
+    took = []
+    for _ in range(_QUESTIONS):
+        begun = loop.time()
+        await link.ask(_WITHIN_S)
+        took.append((loop.time() - begun) * 1000)
+    median, worst = statistics.median(took), max(took)
+    text = f"answers by {link.client} in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
+    if median > _SLOW_MS:
+        remedy = "use a cable, or a wireless network of its own on 5 GHz"
+        return Finding("warning", address.shown, text, remedy)
+    return Finding("ok", address.shown, text)
+
+
+def _certificate(address: Address, link: Link, settings: PepperSettings) -> Finding:
+    if not link.certificate:
+        return Finding(
+            "warning",
+            address.shown,
+            "its certificate is not looked at: the package qi does not show it",
+            "set `client: own` and `trusted` to be sure which robot it is",
+        )
+    if settings.trusted:
+        return Finding("ok", address.shown, "shows the trusted certificate")
+    return Finding(
+        "warning",
+        address.shown,
+        f"shows the certificate {link.certificate}; any is accepted",
+        f"set `trusted: {link.certificate}`",
+    )
+
+
+def _services(address: Address, services: frozenset[str]) -> Finding:
+    missing = sorted(WANTED - services)
+    if not missing:
+        return Finding("ok", address.shown, "all services are there")
+    level = "error" if ESSENTIAL - services else "warning"
+    remedy = "after its start they come one by one: wait; what never comes cannot be used"
+    return Finding(level, address.shown, f"without {', '.join(missing)}", remedy)
+
+
+@dataclass(frozen=True, slots=True)
+class _Question:
+    """One call that changes nothing, and what its answer means: level, text, remedy."""
+
+    service: str
+    method: str
+    judged: Callable[[Any], tuple[str, str, str]]
+
+
+async def _asked(address: Address, link: Link, question: _Question) -> Finding:
+    what = f"{question.service}.{question.method}"
+    try:
+        answer = await link.call(question.service, question.method, within=_WITHIN_S)
+        level, text, remedy = question.judged(answer)
+    except Missing as missing:
+        return Finding("warning", address.shown, str(missing), "try again")
+    except LinkError as error:
+        return Finding("warning", address.shown, f"does not tell {what}: {error}", "restart it")
+    except (TypeError, ValueError):
+        return Finding("warning", address.shown, f"{what} is {answer!r}: not understood")
+    return Finding(level, address.shown, text, remedy)
+
+
+def _charge(percent: Any) -> tuple[str, str, str]:
+    text = f"battery at {int(percent)} %"
+    if int(percent) < _LOW:
+        return "warning", text, "charge it before the session"
+    return "ok", text, ""
+
+
+def _awake(awake: Any) -> tuple[str, str, str]:
+    if awake:
+        return "ok", "is awake", ""
+    return "info", "rests: its motors are off", "wake it with `torque: {on: true}`"
+
+
+def _life(state: Any) -> tuple[str, str, str]:
+    text = f"autonomous life is {state}"
+    if state in ("interactive", "safeguard"):
+        remedy = "it may act by itself: set `autonomy: {state: solitary}` or disabled"
+        return "warning", text, remedy
+    return "ok", text, ""
+
+
+def _tablet(status: Any) -> tuple[str, str, str]:
+    if status == "CONNECTED":
+        return "ok", "the tablet is there, its wireless network is connected", ""
+    return (
+        "warning",
+        f"the tablet answers, its wireless network is {str(status).lower()}",
+        "it reaches this machine through that alone: use `tablet: wifi`, or its own settings",
+    )
+
+
+_ASKED = (
+    _Question("ALSystem", "systemVersion", lambda version: ("ok", f"runs NAOqi {version}", "")),
+    _Question("ALSystem", "robotName", lambda name: ("ok", f"is called {name}", "")),
+    _Question("ALBattery", "getBatteryCharge", _charge),
+    _Question("ALMotion", "robotIsWakeUp", _awake),
+    _Question("ALAutonomousLife", "getState", _life),
+    _Question("ALTabletService", "getWifiStatus", _tablet),
+)
+
+
+def _disk(settings: PepperSettings, folder: Path) -> Finding:
+    """Room for pictures and sounds on this machine."""
+    wanted = folder / settings.pictures
+    there = next((one for one in (wanted, *wanted.parents) if one.exists()), folder)
+    try:
+        free = shutil.disk_usage(there).free
+    except OSError as error:
+        return Finding("warning", str(wanted), f"cannot be looked at: {error.strerror}")
+    text = f"{free / 1e9:.1f} GB free for pictures and sounds"
+    if free < _ROOM:
+        return Finding("warning", str(there), text, "delete what is no longer needed")
+    return Finding("ok", str(there), text)

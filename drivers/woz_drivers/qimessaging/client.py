@@ -17,7 +17,13 @@ from woz_drivers.qimessaging.endpoints import (
     reachable,
     shares_socket,
 )
-from woz_drivers.qimessaging.errors import ConnectionLost, QiError, ServiceLost, TimedOut
+from woz_drivers.qimessaging.errors import (
+    ConnectionLost,
+    LoginError,
+    QiError,
+    ServiceLost,
+    TimedOut,
+)
 from woz_drivers.qimessaging.host import Host
 from woz_drivers.qimessaging.hosting import Hosted
 from woz_drivers.qimessaging.listening import Listener
@@ -84,6 +90,10 @@ class Client:
         this = cls(connection, way_in, services, timeout)
         try:
             await this._meet_directory()
+        except ConnectionLost as error:
+            if way_in.objection:
+                raise LoginError(f"the robot refuses the login: {way_in.objection}") from error
+            raise
         except QiError as error:
             connection.end(str(error))
             raise
@@ -131,6 +141,8 @@ class Client:
         found, left = await self._service_within(service, within)
         try:
             return await found.call(method, *args, within=left)
+        except TimedOut:
+            raise TimedOut(f"{service}.{method} gave no answer within {within:g} s") from None
         except ConnectionLost as error:
             raise self._loss_of(service, error) from error
 

@@ -14,7 +14,7 @@ from woz_drivers.qimessaging.errors import ProtocolError
 from woz_drivers.qimessaging.signature import Type, parse
 
 #: How many values one message may hold, lists' elements included.
-MOST_VALUES: Final = 2_000_000
+MOST_VALUES: Final = 1_000_000
 #: How deeply values may nest; a dynamic value may hold another, so a signature does not limit it.
 DEEPEST: Final = 64
 

@@ -10,13 +10,15 @@ everybody in.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from collections.abc import Mapping
+from dataclasses import dataclass
 from typing import Any, Final
 
 from woz_drivers.qimessaging.connection import CAPABILITIES, Connection
 from woz_drivers.qimessaging.decoding import Decoder, decode
 from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.errors import LoginError, ProtocolError, TimedOut
+from woz_drivers.qimessaging.errors import ConnectionLost, LoginError, ProtocolError, TimedOut
 from woz_drivers.qimessaging.frames import Frame, Kind
 
 AUTHENTICATE: Final = 8
@@ -32,8 +34,22 @@ REFUSED, GO_ON, DONE = 1, 2, 3
 _SILENCE: Final = 2.0
 
 
-async def enter(connection: Connection, user: str, token: str, within: float) -> str:
-    """Say who we are; return the token with which to come back (the same, or a new one).
+@dataclass(frozen=True, slots=True)
+class Entered:
+    """How it went.
+
+    Attributes:
+        token: What to come back with: the same, or a new one.
+        objection: What the other end said against our greeting without hanging up so far: one
+            of before logins does not know the call, one with logins is about to hang up.
+    """
+
+    token: str
+    objection: str = ""
+
+
+async def enter(connection: Connection, user: str, token: str, within: float) -> Entered:
+    """Say who we are.
 
     Raises:
         LoginError: The other end does not let us in.
@@ -54,7 +70,7 @@ async def enter(connection: Connection, user: str, token: str, within: float) ->
         state, said = _read(connection, answer)
     if state != DONE:
         raise LoginError(_why_refused(state, said))
-    return token
+    return Entered(token)
 
 
 async def _first(
@@ -86,12 +102,13 @@ def _greeting(user: str, token: str) -> dict[str, Any]:
     return {**CAPABILITIES, **who}
 
 
-def _without_login(connection: Connection, answer: Frame | None, user: str, token: str) -> str:
+def _without_login(connection: Connection, answer: Frame | None, user: str, token: str) -> Entered:
     if user or token:
         said = error_text(answer) if answer is not None else "it does not ask for one"
         raise LoginError(f"the robot refuses the login: {said}")
-    connection.send(Frame(Kind.CAPABILITY, 0, 0, 0, 0, encode("{sm}", dict(CAPABILITIES))))
-    return token
+    with contextlib.suppress(ConnectionLost):  # the next call finds it, and knows the objection
+        connection.send(Frame(Kind.CAPABILITY, 0, 0, 0, 0, encode("{sm}", dict(CAPABILITIES))))
+    return Entered(token, error_text(answer) if answer is not None else "")
 
 
 def _read(connection: Connection, answer: Frame) -> tuple[int, Mapping[Any, Any]]:

@@ -23,6 +23,7 @@ class WayIn:
         token: The password, or what the robot has given instead at the first login.
         incoming: Takes the calls which the other end makes to services of ours.
         longest: The longest message accepted, in bytes.
+        objection: What the robot said against our greeting, last time.
     """
 
     tls: ssl.SSLContext | None = None
@@ -30,6 +31,7 @@ class WayIn:
     token: str = ""
     incoming: Incoming | None = None
     longest: int = LONGEST
+    objection: str = ""
 
     async def connect(self, endpoint: Endpoint, within: float) -> Connection:
         """Open a connection and log in.
@@ -64,13 +66,14 @@ class WayIn:
 
     async def _enter(self, connection: Connection, within: float) -> Connection:
         try:
-            self.token = await enter(connection, self.user, self.token, within)
+            entered = await enter(connection, self.user, self.token, within)
         except QiError as error:
             connection.end(str(error))
             raise
         except BaseException:
             connection.end("opening the connection was given up")
             raise
+        self.token, self.objection = entered.token, entered.objection
         return connection
 
 

@@ -29,6 +29,10 @@ SET_PROPERTY: Final = 6
 
 #: How long the other end may take for what needs no time, in seconds.
 WITHIN: Final = 5.0
+#: How long a service that is ready may still refuse to describe itself, and how often it is
+#: asked meanwhile, in seconds.
+_SETTLING: Final = 1.0
+_PAUSE: Final = 0.01
 
 _links = itertools.count(1)
 
@@ -48,9 +52,25 @@ class RemoteObject:
     async def fetch(cls, connection: Connection, service: int, within: float) -> RemoteObject:
         """Ask a service what it offers. Raises as `call`."""
         this = cls(connection, service, 1, MetaObject())
-        reply = await this.ask(META_OBJECT, encode("I", 1), within)
+        reply = await this._described(within)
         this.meta = metaobject.read(Decoder(reply.payload))
         return this
+
+    async def _described(self, within: float) -> Frame:
+        """Ask again where a service does not answer for itself yet.
+
+        libqi tells the directory that a service is ready while another thread of it still makes
+        the service known to its connections; until then calls are refused.
+        """
+        loop = asyncio.get_running_loop()
+        end = loop.time() + min(within, _SETTLING)
+        while True:
+            try:
+                return await self.ask(META_OBJECT, encode("I", 1), within)
+            except RemoteError:
+                if loop.time() >= end:
+                    raise
+                await asyncio.sleep(_PAUSE)
 
     async def call(self, method: str, *args: Any, within: float = WITHIN) -> Any:
         """Call the overload that fits and return its value; objects come as `RemoteObject`.

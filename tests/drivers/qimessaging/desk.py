@@ -1,0 +1,170 @@
+"""What tests of qi messaging have on their desk: another end's processes, scripts and services."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import json
+import sys
+from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.qimessaging import Hosted, Method, Property, Server, Signal
+from woz_drivers.qimessaging.frames import Frame, FrameReader
+
+PATIENCE = 20.0
+
+
+async def until(holds: Callable[[], bool]) -> None:
+    """Wait for a condition, generously."""
+    async with asyncio.timeout(PATIENCE):
+        while not holds():  # noqa: ASYNC110 - of whatever the condition is made
+            await asyncio.sleep(0.002)
+
+
+class QiCaller:
+    """The qi package as a client in another process; `do` is one line of `qi_caller.py`."""
+
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
+        self._process = process
+
+    @classmethod
+    async def start(cls, script: Path, environment: Mapping[str, str]) -> QiCaller:
+        process = await asyncio.create_subprocess_exec(
+            sys.executable,
+            str(script),
+            stdin=asyncio.subprocess.PIPE,
+            stdout=asyncio.subprocess.PIPE,
+            env=environment,
+            limit=16 << 20,
+        )
+        return cls(process)
+
+    async def do(self, *what: Any) -> Any:
+        assert self._process.stdin is not None
+        assert self._process.stdout is not None
+        self._process.stdin.write(json.dumps(what).encode() + b"\n")
+        async with asyncio.timeout(PATIENCE):
+            kind, value = json.loads(await self._process.stdout.readline())
+        if kind == "error":
+            raise RuntimeError(value)
+        return value
+
+    async def end(self) -> None:
+        self._process.kill()
+        await self._process.communicate()
+
+
+class Bench:
+    """A server of ours with one service for each thing that is to be seen on the wire."""
+
+    def __init__(self, server: Server | None = None) -> None:
+        self.server = server or Server()
+        self.entered: list[str] = []
+        self.cancelled: list[str] = []
+        self.children: list[Hosted] = []
+        self.service = self.server.add(
+            "Thing",
+            methods=[
+                Method("say", "(s)", "s", lambda text: f"one {text}"),
+                Method("say", "(ss)", "s", lambda text, language: f"two {text} {language}"),
+                Method("kind", "(i)", "s", lambda _: "number"),
+                Method("kind", "(s)", "s", lambda _: "text"),
+                Method("kind", "([f])", "s", lambda _: "list"),
+                Method("scaled", "([f]f)", "[f]", lambda values, by: [v * by for v in values]),
+                Method("echo", "(m)", "m", lambda value: value),
+                Method("raw", "(r)", "r", lambda value: value),
+                Method("fail", "()", "v", self._fail),
+                Method("slow", "(f)", "s", self._slow),
+                Method("entered", "()", "i", lambda: len(self.entered)),
+                Method("fire", "(sf)", "v", lambda *values: self.service.emit("fired", *values)),
+                Method("child", "()", "o", self._child),
+            ],
+            signals=[Signal("fired", "(sf)")],
+            properties=[Property("level", "i", 3)],
+        )
+
+    def _fail(self) -> None:
+        raise ValueError("the joint ZörgYaw does not exist")
+
+    async def _slow(self, seconds: float) -> str:
+        self.entered.append("slow")
+        try:
+            await asyncio.sleep(seconds)
+        except asyncio.CancelledError:
+            self.cancelled.append("slow")
+            raise
+        return "at last"
+
+    def _child(self) -> Hosted:
+        child = Hosted(
+            [
+                Method("say", "(s)", "s", lambda text: f"child {text}"),
+                Method("fire", "(s)", "v", lambda text: child.emit("signal", text)),
+                Signal("signal", "(s)"),
+            ]
+        )
+        self.children.append(child)
+        return child
+
+
+@contextlib.asynccontextmanager
+async def bench() -> AsyncIterator[tuple[Bench, int]]:
+    """Such a server, listening, and its port."""
+    found = Bench()
+    endpoint = await found.server.listen("127.0.0.1")
+    yield found, endpoint.port
+    await found.server.close()
+
+
+@contextlib.asynccontextmanager
+async def script(
+    play: Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]],
+) -> AsyncIterator[int]:
+    """A server that does with each connection what a test says; its port."""
+
+    async def serve(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(ConnectionError, asyncio.IncompleteReadError):
+            await play(reader, writer)
+        writer.close()
+
+    server = await asyncio.start_server(serve, "127.0.0.1", 0)
+    yield server.sockets[0].getsockname()[1]
+    server.close()
+
+
+async def frames(reader: asyncio.StreamReader) -> AsyncIterator[Frame]:
+    """The messages that come in."""
+    puzzle = FrameReader()
+    while data := await reader.read(1 << 16):
+        for frame in puzzle.feed(data):
+            yield frame
+
+
+@contextlib.asynccontextmanager
+async def between(
+    port: int, greeted: Callable[[Frame, asyncio.StreamWriter], None]
+) -> AsyncIterator[int]:
+    """A connection's middle man, which keeps greetings from the server and answers itself."""
+
+    async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        back_reader, back_writer = await asyncio.open_connection("127.0.0.1", port)
+        back = asyncio.create_task(_pump(back_reader, writer))
+        try:
+            async for frame in frames(reader):
+                if frame.service == 0:
+                    greeted(frame, writer)
+                else:
+                    back_writer.write(frame.encoded())
+        finally:
+            back.cancel()
+            back_writer.close()
+
+    async with script(play) as own:
+        yield own
+
+
+async def _pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+    while data := await reader.read(1 << 16):
+        writer.write(data)

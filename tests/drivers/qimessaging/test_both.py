@@ -1,0 +1,252 @@
+"""Our client against our server: what machines without libqi have."""
+
+from __future__ import annotations
+
+import asyncio
+import ssl
+from typing import Any
+
+import pytest
+from woz_drivers.qimessaging import (
+    Cancelled,
+    Client,
+    ConnectionLost,
+    Hosted,
+    LoginError,
+    Method,
+    ProtocolError,
+    Refused,
+    RemoteError,
+    RemoteObject,
+    Server,
+    ServiceLost,
+    Signal,
+    TimedOut,
+)
+
+from tests.drivers.qimessaging.desk import Bench, bench, until
+
+W = 10.0  # seconds within which a call is answered, generously
+
+
+async def test_calls_signals_properties_and_objects() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("localhost", port)
+        heard: list[Any] = []
+        stop = await client.listen("Thing", "fired", lambda *values: heard.append(values))
+        thing = await client.service("Thing")
+        await thing.set_property("level", 5)
+        child = await client.call("Thing", "child", within=W)
+        assert isinstance(child, RemoteObject)
+        await child.listen("signal", heard.append)
+        await child.call("fire", "x")
+        ours.server.emit("Thing", "fired", "é", 1)
+        await until(lambda: len(heard) == 2)
+        child.release()
+        await until(lambda: ours.children[0].place is None)
+        await stop()
+
+        assert heard == ["x", ("é", 1.0)]
+        assert await client.property("Thing", "level") == 5
+        assert await client.call("Thing", "raw", b"\0\xff", within=W) == b"\0\xff"
+        assert await client.call("Thing", "say", "a", "b", within=W) == "two a b"
+        assert ours.service.hearers("fired") == 0
+        with pytest.raises(RemoteError, match=r"^the joint ZörgYaw does not exist"):
+            await client.call("Thing", "fail", within=W)
+        await client.close()
+
+
+async def test_a_slow_call_holds_up_nobody_and_can_be_cancelled() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        slow = asyncio.create_task(client.call("Thing", "slow", 60, within=60))
+        await until(lambda: ours.entered == ["slow"])
+        assert await client.call("Thing", "say", "x", within=W) == "one x"
+
+        slow.cancel()
+        await until(lambda: ours.cancelled == ["slow"])
+        with pytest.raises(asyncio.CancelledError):
+            await slow
+        assert client.pending == 0
+        await client.close()
+
+
+async def test_a_thousand_calls_at_once_each_get_their_own_reply() -> None:
+    async with bench() as (_, port):
+        client = await Client.open("127.0.0.1", port)
+        calls = [
+            client.call("Thing", "echo", [each, "x" * each], within=60) for each in range(1000)
+        ]
+
+        assert await asyncio.gather(*calls) == [[each, "x" * each] for each in range(1000)]
+        await client.close()
+
+
+async def test_tls(server_tls: ssl.SSLContext, client_tls: ssl.SSLContext) -> None:
+    ours = Bench()
+    port = (await ours.server.listen("127.0.0.1", tls=server_tls)).port
+    client = await Client.open("127.0.0.1", port, tls=client_tls)
+
+    assert await client.call("Thing", "echo", "x" * (1 << 20), within=W) == "x" * (1 << 20)
+    await client.close()
+    with pytest.raises(ConnectionLost, match="no TLS"):
+        await Client.open("127.0.0.1", port, tls=ssl.create_default_context())
+    with pytest.raises((ConnectionLost, ProtocolError)):
+        await Client.open("127.0.0.1", port)
+    await ours.server.close()
+
+
+async def test_login() -> None:
+    ours = Bench(Server(authenticator=lambda user, token: (user, token) == ("nao", "right")))
+    port = (await ours.server.listen("127.0.0.1")).port
+
+    for user, token in [("nao", "wrong"), ("", "")]:
+        with pytest.raises(LoginError, match=r"refuses the login: .*wrong name"):
+            await Client.open("127.0.0.1", port, user=user, token=token)
+    client = await Client.open("127.0.0.1", port, user="nao", token="right")
+    assert await client.call("Thing", "say", "x", within=W) == "one x"
+    await client.close()
+    await ours.server.close()
+
+
+async def test_a_server_that_goes_is_told_and_one_that_comes_is_found() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        slow = asyncio.create_task(client.call("Thing", "slow", 60, within=60))
+        await until(lambda: ours.entered == ["slow"])
+    with pytest.raises(ConnectionLost):
+        await slow
+    assert "closed" in await client.lost
+    with pytest.raises(ConnectionLost):
+        await client.listen("Thing", "fired", print)
+    await client.close()
+
+    with pytest.raises(ConnectionLost, match="cannot connect"):
+        await Client.open("127.0.0.1", port)
+
+
+async def test_closing_ends_calls_and_is_told() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        slow = asyncio.create_task(client.call("Thing", "slow", 60, within=60))
+        await until(lambda: ours.entered == ["slow"])
+        await client.close()
+        await client.close()
+
+        with pytest.raises(ConnectionLost, match="closed"):
+            await slow
+        assert client.lost.result() == "closed"
+
+
+async def test_a_service_that_comes_back_elsewhere_is_looked_up_again() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        assert await client.call("Thing", "say", "x", within=W) == "one x"
+        ours.server.remove("Thing")
+        ours.server.add("Thing", methods=[Method("say", "(s)", "s", lambda text: f"new {text}")])
+
+        async def new() -> bool:
+            try:
+                return bool(await client.call("Thing", "say", "x", within=W) == "new x")
+            except Refused:
+                return False
+
+        async with asyncio.timeout(W):
+            while not await new():
+                pass
+        await client.close()
+
+
+async def test_a_service_in_another_process_is_reached_and_its_loss_is_told() -> None:
+    async with bench() as (_, port):
+        owner = await Client.open("127.0.0.1", port)
+        tablet = Hosted(
+            [Method("show", "(s)", "b", lambda _: True), Signal("touched", "(ff)")],
+        )
+        await owner.register("ALTabletService", tablet)
+        client = await Client.open("127.0.0.1", port)
+        touches: list[Any] = []
+        await client.listen("ALTabletService", "touched", lambda *at: touches.append(at))
+        tablet.emit("touched", 0.25, 0.5)
+        assert await client.call("ALTabletService", "show", "x", within=W) is True
+        await until(lambda: touches == [(0.25, 0.5)])
+        found = await client.service("ALTabletService")
+
+        await owner.close()
+        await until(found.connection.lost.done)
+        with pytest.raises(Refused) as lost:
+            await client.call("ALTabletService", "show", "x", within=W)
+        assert not isinstance(lost.value, RemoteError) or "find" in str(lost.value)
+        assert not client.lost.done()
+        assert await client.call("Thing", "say", "x", within=W) == "one x"
+        await client.close()
+
+
+async def test_a_call_in_flight_tells_that_its_process_has_gone() -> None:
+    async with bench() as (_, port):
+        owner = await Client.open("127.0.0.1", port)
+        entered = asyncio.Event()
+
+        async def hang() -> None:
+            entered.set()
+            await asyncio.sleep(60)
+
+        await owner.register("Slow", Hosted([Method("hang", "()", "v", hang)]))
+        client = await Client.open("127.0.0.1", port)
+        hanging = asyncio.create_task(client.call("Slow", "hang", within=60))
+        await entered.wait()
+        await owner.close()
+
+        with pytest.raises((ServiceLost, Cancelled)):
+            await hanging
+        await client.close()
+
+
+async def test_the_server_calls_a_clients_service() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        blocks: list[Any] = []
+        listener = Hosted(
+            [Method("processRemote", "(iimm)", "v", lambda *block: blocks.append(block))]
+        )
+        registration = await client.register("WozEars", listener, listen=False)
+        await ours.server.call("WozEars", "processRemote", 1, 170, [1, 2], b"\1\2")
+
+        assert blocks == [(1, 170, [1, 2], b"\1\2")]
+        await registration.withdraw()
+        with pytest.raises(Refused, match="WozEars"):
+            await ours.server.call("WozEars", "processRemote", 1, 170, [1, 2], b"")
+        with pytest.raises(Refused, match="no service of a client"):
+            await ours.server.call("Thing", "say", "x")
+        await client.close()
+
+
+async def test_a_service_that_hangs_is_not_waited_for() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        with pytest.raises(TimedOut, match=r"Thing\.slow"):
+            await client.call("Thing", "slow", 60, within=0.05)
+
+        assert client.pending == 0
+        assert ours.cancelled == []  # the robot may still carry it out
+        await client.close()
+
+
+async def test_values_that_do_not_fit_are_said() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        with pytest.raises(Refused, match="argument 1"):
+            await client.call("Thing", "scaled", "x", 1, within=W)
+        with pytest.raises(Refused, match="no signal nothing"):
+            await client.listen("Thing", "nothing", print)
+        with pytest.raises(Refused, match="no property nothing"):
+            await client.property("Thing", "nothing")
+        with pytest.raises(ProtocolError):
+            ours.server.emit("Thing", "fired", 1, 2)
+        with pytest.raises(Refused):
+            ours.server.emit("Thing", "nothing")
+        with pytest.raises(ProtocolError):
+            ours.server.add("Wrong", methods=[Method("x", "s", "v", print)])
+        with pytest.raises(Refused, match="already registered"):
+            ours.server.add("Thing")
+        await client.close()

@@ -1,0 +1,174 @@
+"""Getting in: servers of before logins, of today, and with a login in two steps."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+from woz_drivers.qimessaging import (
+    Client,
+    Hosted,
+    LoginError,
+    Method,
+    ProtocolError,
+    QiError,
+    TimedOut,
+)
+from woz_drivers.qimessaging.decoding import decode
+from woz_drivers.qimessaging.encoding import encode
+from woz_drivers.qimessaging.frames import Frame, Kind
+from woz_drivers.qimessaging.host import Host
+from woz_drivers.qimessaging.hosting import Signal
+from woz_drivers.qimessaging.listening import Listener
+
+from tests.drivers.qimessaging.desk import bench, between, script
+
+Greeted = Callable[[Frame, asyncio.StreamWriter], None]
+STATE = "__qi_auth_state"
+
+
+def _reply(frame: Frame, said: dict[str, Any]) -> bytes:
+    return frame.answer(Kind.REPLY, encode("{sm}", said)).encoded()
+
+
+def _error(frame: Frame, writer: asyncio.StreamWriter) -> None:
+    writer.write(frame.answer(Kind.ERROR, encode("m", "no such function")).encoded())
+
+
+def _capabilities(frame: Frame, writer: asyncio.StreamWriter) -> None:
+    if frame.kind == Kind.CALL:
+        said = encode("{sm}", {"ClientServerSocket": True})
+        writer.write(Frame(Kind.CAPABILITY, 77, 0, 0, 0, said).encoded())
+
+
+@pytest.mark.parametrize("greeted", [_error, _capabilities])
+async def test_a_server_of_before_logins_lets_us_in(greeted: Greeted) -> None:
+    async with bench() as (_, port), between(port, greeted) as old:
+        client = await Client.open("127.0.0.1", old)
+
+        assert await client.call("Thing", "say", "x", within=10) == "one x"
+        await client.close()
+        with pytest.raises(LoginError):
+            await Client.open("127.0.0.1", old, user="nao", token="x")
+
+
+async def test_a_server_that_leaves_the_greeting_unanswered_lets_us_in(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("woz_drivers.qimessaging.handshake._SILENCE", 0.05)
+    async with bench() as (_, port), between(port, lambda _frame, _writer: None) as old:
+        client = await Client.open("127.0.0.1", old)
+
+        assert await client.call("Thing", "say", "x", within=10) == "one x"
+        await client.close()
+        with pytest.raises(TimedOut):
+            await Client.open("127.0.0.1", old, user="nao", token="x", timeout=0.1)
+
+
+async def test_a_login_in_two_steps_takes_the_new_token() -> None:
+    told: list[dict[str, Any]] = []
+
+    def greeted(frame: Frame, writer: asyncio.StreamWriter) -> None:
+        told.append(decode("{sm}", frame.payload))
+        if told[-1]["auth_token"] == "fresh":
+            writer.write(_reply(frame, {STATE: 3}))
+        else:
+            writer.write(_reply(frame, {STATE: 2, "auth_newToken": "fresh"}))
+
+    async with bench() as (_, port), between(port, greeted) as robot:
+        client = await Client.open("127.0.0.1", robot, user="nao", token="first")
+        await client.close()
+
+    assert [(each["auth_user"], each["auth_token"]) for each in told] == [
+        ("nao", "first"),
+        ("nao", "fresh"),
+    ]
+    assert told[0]["ClientServerSocket"] is True
+
+
+@pytest.mark.parametrize(
+    ("said", "error", "text"),
+    [
+        ({STATE: 1}, LoginError, "wrong name or password"),
+        ({STATE: 1, "__qi_auth_err_reason": "locked"}, LoginError, "locked"),
+        ({STATE: 2}, LoginError, "another step"),
+        ({STATE: 2, "auth_newToken": "again"}, LoginError, "third step"),
+        ({STATE: 9}, ProtocolError, "state"),
+        ({STATE: "x"}, ProtocolError, "state"),
+    ],
+)
+async def test_a_refused_login_is_told_in_words(
+    said: dict[str, Any], error: type[QiError], text: str
+) -> None:
+    def greeted(frame: Frame, writer: asyncio.StreamWriter) -> None:
+        writer.write(_reply(frame, said))
+
+    async with bench() as (_, port), between(port, greeted) as robot:
+        with pytest.raises(error, match=text):
+            await Client.open("127.0.0.1", robot, user="nao", token="x")
+
+
+async def test_a_robot_that_does_not_answer_is_given_up() -> None:
+    async def play(reader: asyncio.StreamReader, _: asyncio.StreamWriter) -> None:
+        await reader.read(-1)
+
+    async with script(play) as port:
+        with pytest.raises(TimedOut):
+            await Client.open("127.0.0.1", port, timeout=0.1)
+
+
+async def test_opening_that_is_given_up_leaves_no_connection() -> None:
+    ended = asyncio.Event()
+
+    async def play(reader: asyncio.StreamReader, _: asyncio.StreamWriter) -> None:
+        with contextlib.suppress(ConnectionError):
+            await reader.read(-1)
+        ended.set()
+
+    async with script(play) as port:
+        opening = asyncio.create_task(Client.open("127.0.0.1", port))
+        await asyncio.sleep(0)
+        with pytest.raises(TimeoutError):
+            await asyncio.wait_for(opening, 0.1)
+        await asyncio.wait_for(ended.wait(), 20)
+
+
+async def test_a_directory_of_before_identities_takes_our_service() -> None:
+    """NAOqi 2.1 to 2.5 describe services by six members; libqi from 1.8 on by seven."""
+    old = "(sIsI[s]s)<ServiceInfo,name,serviceId,machineId,processId,endpoints,sessionId>"
+    registered: list[Any] = []
+    itself: Any = ("ServiceDirectory", 1, "pepper", 7, [], "0")
+
+    def register(info: Any) -> int:
+        registered.append(info)
+        return 40
+
+    host = Host()
+    host.add(
+        1,
+        Hosted(
+            [
+                Method("service", "(s)", old, lambda _: itself),
+                Method("services", "()", f"[{old}]", lambda: [itself]),
+                Method("registerService", f"({old})", "I", register),
+                Method("unregisterService", "(I)", "v", lambda _: None),
+                Method("serviceReady", "(I)", "v", registered.append),
+                Signal("serviceRemoved", "(Is)"),
+            ]
+        ),
+    )
+    listener = Listener(host)
+    port = (await listener.listen("127.0.0.1", 0)).port
+    client = await Client.open("127.0.0.1", port)
+    registration = await client.register("WozEars", Hosted([]))
+
+    assert [each.name for each in await client.services()] == ["ServiceDirectory"]
+    assert registered[0][0] == "WozEars"
+    assert len(registered[0]) == 6
+    assert registered[0][4][0].startswith("tcp://127.0.0.1:")
+    assert registered[1] == registration.service == 40
+    await client.close()
+    await listener.close()

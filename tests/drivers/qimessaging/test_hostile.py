@@ -1,0 +1,157 @@
+"""Ends that do not keep to the protocol: told in words, nothing else is harmed."""
+
+from __future__ import annotations
+
+import asyncio
+import struct
+from collections.abc import Awaitable, Callable
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from woz_drivers.qimessaging import Client, ConnectionLost, ProtocolError, QiError
+from woz_drivers.qimessaging.encoding import encode
+from woz_drivers.qimessaging.frames import Frame, FrameReader, Kind
+from woz_drivers.qimessaging.handshake import error_text
+
+from tests.drivers.qimessaging.desk import bench, between, frames, script, until
+
+WELCOME = encode("{sm}", {"__qi_auth_state": 3, "RemoteCancelableCalls": True})
+
+
+def _raw(data: bytes) -> Callable[[asyncio.StreamReader, asyncio.StreamWriter], Awaitable[None]]:
+    async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        writer.write(data)
+        await reader.read(-1)
+
+    return play
+
+
+@pytest.mark.parametrize(
+    "data",
+    [
+        b"HTTP/1.1 400 Bad Request\r\nContent-Length: 0\r\n\r\n",
+        b"SSH-2.0-OpenSSH_8.9p1 and more of it to come\r\n",
+        struct.pack("<IIIHBBIII", 0x42ADDE42, 1, 0xFFFFFFFF, 0, 2, 0, 0, 0, 8),
+        Frame(Kind.CAPABILITY, 1, 0, 0, 0, b"\xff\xff\xff\xff").encoded(),
+    ],
+    ids=["web server", "ssh", "endless message", "broken capabilities"],
+)
+async def test_another_server_is_told_as_such(data: bytes) -> None:
+    async with script(_raw(data)) as port:
+        with pytest.raises(ConnectionLost, match="does not keep to the protocol"):
+            await Client.open("127.0.0.1", port)
+
+
+async def test_a_broken_greeting_is_a_protocol_error() -> None:
+    def greeted(frame: Frame, writer: asyncio.StreamWriter) -> None:
+        writer.write(frame.answer(Kind.REPLY, b"\1").encoded())
+
+    async with bench() as (_, port), between(port, greeted) as robot:
+        with pytest.raises(ProtocolError):
+            await Client.open("127.0.0.1", robot)
+
+
+@given(st.lists(st.binary(max_size=80), min_size=1, max_size=4), st.booleans())
+@settings(max_examples=25)
+def test_garbage_from_a_server_is_one_of_our_errors(pieces: list[bytes], framed: bool) -> None:
+    """Garbage as such, and as payloads of well-formed replies to everything that is asked."""
+
+    async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        left = list(pieces)
+        async for frame in frames(reader):
+            if frame.service == 0:
+                writer.write(frame.answer(Kind.REPLY, WELCOME).encoded())
+            elif framed and left:
+                writer.write(frame.answer(Kind.REPLY, left.pop()).encoded())
+            else:
+                writer.write(b"".join(left))
+                return
+
+    async def meet() -> None:
+        async with script(play) as port:
+            with pytest.raises(QiError):
+                await Client.open("127.0.0.1", port, timeout=5)
+
+    asyncio.run(meet())
+
+
+@given(st.binary(max_size=120), st.sampled_from(list(Kind)), st.integers(0, 12))
+@settings(max_examples=40)
+def test_garbage_from_a_client_harms_no_other(payload: bytes, kind: Kind, action: int) -> None:
+    async def meet() -> None:
+        async with bench() as (_, port):
+            client = await Client.open("127.0.0.1", port)
+            reader, writer = await asyncio.open_connection("127.0.0.1", port)
+            for service in (0, 1, 2, 99):
+                for number in (action, action + 98):
+                    writer.write(Frame(kind, 1, service, 1, number, payload).encoded())
+            writer.write(payload)
+            writer.write_eof()
+            await asyncio.wait_for(reader.read(-1), 20)
+            writer.close()
+
+            assert await client.call("Thing", "say", "x", within=20) == "one x"
+            await client.close()
+
+    asyncio.run(meet())
+
+
+async def test_a_call_that_nobody_serves_is_answered() -> None:
+    async with bench() as (_, port):
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        puzzle = FrameReader()
+        for service, obj, action in [(99, 1, 100), (2, 7, 100), (2, 1, 999), (2, 1, 50)]:
+            writer.write(Frame(Kind.CALL, 5, service, obj, action).encoded())
+            [answer] = puzzle.feed(await reader.read(1 << 16))
+            assert (answer.kind, answer.id) == (Kind.ERROR, 5)
+        writer.close()
+
+
+async def test_flags_of_calls_are_understood() -> None:
+    """Arguments as one dynamic value, and a wish for the result's type, as libqi may send."""
+    async with bench() as (ours, port):
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        puzzle = FrameReader()
+        uid = next(m.uid for m in ours.service.meta.methods.values() if m.name == "echo")
+        for flags, payload, reply in [
+            (1, encode("m", ("x",)), encode("m", "x")),
+            (2, encode("m", 3) + encode("s", "d"), encode("m", 3.0)),
+        ]:
+            writer.write(Frame(Kind.CALL, 5, 2, 1, uid, payload, flags).encoded())
+            [answer] = puzzle.feed(await reader.read(1 << 16))
+            assert (answer.kind, answer.payload) == (Kind.REPLY, reply)
+        writer.close()
+
+
+async def test_a_listeners_own_mistake_is_not_the_lines() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        troubles: list[object] = []
+        asyncio.get_running_loop().set_exception_handler(
+            lambda _, context: troubles.append(context["exception"])
+        )
+
+        def heard(*_: object) -> None:
+            raise ZeroDivisionError
+
+        await client.listen("Thing", "fired", heard)
+        ours.server.emit("Thing", "fired", "x", 1)
+        await until(lambda: bool(troubles))
+
+        assert isinstance(troubles[0], ZeroDivisionError)
+        assert await client.call("Thing", "say", "x", within=10) == "one x"
+        await client.close()
+
+
+@pytest.mark.parametrize(
+    ("payload", "text"),
+    [
+        (encode("m", "stuck"), "stuck"),
+        (encode("m", 7), "7"),
+        (b"\xff\xfeoh", "oh"),
+        (b"", ""),
+    ],
+)
+def test_an_error_has_a_text_whatever_it_holds(payload: bytes, text: str) -> None:
+    assert text in error_text(Frame(Kind.ERROR, 1, 2, 1, 100, payload))

@@ -1,0 +1,196 @@
+"""The robot's camera over the wire: looked through only while somebody looks."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from pathlib import Path
+
+import pytest
+from PIL import Image
+from woz_drivers.pepper.camera import SINGLE, VIEW, Camera
+
+from tests.drivers.heard import until
+from tests.drivers.pepper.wired import Wired, wired
+from tests.fakes.naoqi import StandIn, stand_in
+from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
+
+
+def _watch(it: Wired[Camera], width: int = 320, rate: float = 30.0, seconds: float = 60.0) -> None:
+    now = it.heard.clock.now_us()
+    watched = Watched(now + round(seconds * 1e6), width, rate)
+    it.heard.outlet.feed(WATCHED).put(watched)
+
+
+def _came(it: Wired[Camera]) -> int:
+    return it.heard.outlet.feed(PICTURE).latest().serial
+
+
+def _last(it: Wired[Camera]) -> Picture:
+    found = it.heard.outlet.feed(PICTURE).latest().value
+    assert isinstance(found, Picture)
+    return found
+
+
+async def _let_go(robot: StandIn) -> None:
+    async def free() -> bool:
+        return not await robot.get("camera.subscribers")
+
+    await robot.until(free)
+
+
+@pytest.mark.naoqi(
+    "ALVideoDevice.subscribe", "ALVideoDevice.getImageRemote", "ALVideoDevice.unsubscribe"
+)
+async def test_pictures_come_while_somebody_watches_and_not_otherwise(
+    tmp_path: Path, robot: StandIn, client: str
+) -> None:
+    async with wired(Camera, tmp_path, robot, client=client) as it:
+        assert await robot.trace("ALVideoDevice.subscribe") == []
+        _watch(it)
+        await until(lambda: _came(it) >= 3)
+        picture = _last(it)
+        assert (picture.width, picture.height, len(picture.rgb)) == (320, 240, 3 * 320 * 240)
+        assert 0 <= it.heard.clock.now_us() - picture.t_us < 20_000_000
+        assert len(set(picture.rgb)) > 3
+        [call] = await robot.trace("ALVideoDevice.subscribe")
+        assert call.args == [VIEW, 1, 11, 30]
+        _watch(it, seconds=-1)
+        await _let_go(robot)
+        calls = [call for call in await robot.trace() if call.service == "ALVideoDevice"]
+        assert calls[-1].method == "unsubscribe"
+        assert it.notices == []
+
+
+async def test_a_wider_view_is_asked_for_anew(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Camera, tmp_path, robot) as it:
+        _watch(it, width=100)
+        await until(lambda: _came(it) >= 1 and _last(it).width == 160)
+        _watch(it, width=600)
+        await until(lambda: _last(it).width == 640)
+        _watch(it, width=4000)
+        await until(lambda: _last(it).width == 1280)
+        assert len(await robot.get("camera.subscribers")) == 1
+    assert await robot.get("camera.subscribers") == []
+
+
+async def test_no_more_pictures_than_wanted_and_each_after_the_last(
+    tmp_path: Path, robot: StandIn
+) -> None:
+    async with wired(Camera, tmp_path, robot) as it:
+        begun_us = it.heard.clock.now_us()
+        _watch(it, rate=5)
+        await until(lambda: _came(it) >= 4)
+        asked = len(await robot.trace("ALVideoDevice.getImageRemote"))
+        assert asked <= 1 + 5 * (it.heard.clock.now_us() - begun_us) / 1_000_000
+        [call] = await robot.trace("ALVideoDevice.subscribe")
+        assert call.args[3] == 5
+        await robot.fault("slow:100")
+        begun = len(await robot.trace("ALVideoDevice.getImageRemote"))
+        had = _came(it)
+        _watch(it, rate=30)
+        await until(lambda: _came(it) >= had + 2)
+        assert len(await robot.trace("ALVideoDevice.getImageRemote")) - begun <= _came(it) - had + 1
+
+
+async def test_a_refusal_is_told_once_and_the_camera_tried_again(
+    tmp_path: Path, robot: StandIn
+) -> None:
+    async with wired(Camera, tmp_path, robot) as it:
+        await robot.fault("refuse:ALVideoDevice.getImageRemote=the camera is broken")
+        _watch(it)
+        await until(lambda: bool(it.notices))
+        assert "the camera is broken" in it.notices[0]
+        await robot.clear()
+        await until(lambda: _came(it) >= 1)
+        assert len(it.notices) == 1
+
+
+async def test_what_an_earlier_program_left_is_removed(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Camera, tmp_path, robot) as it:
+        for name in (VIEW, VIEW, SINGLE, "somebody"):
+            await it.connection.call("ALVideoDevice", "subscribe", name, 1, 11, 5)
+    async with wired(Camera, tmp_path, robot):
+        assert await robot.get("camera.subscribers") == ["somebody_0"]
+
+
+async def test_after_a_loss_the_view_comes_back(tmp_path: Path) -> None:
+    async with stand_in() as robot, wired(Camera, tmp_path, robot) as it:
+        _watch(it)
+        await until(lambda: _came(it) >= 1)
+        robot.kill()
+        await until(lambda: not it.connection.there)
+        had = _came(it)
+        async with stand_in(port=robot.port):
+            await it.connected(2)
+            await until(lambda: _came(it) > had + 1)
+            assert it.notices == []
+
+
+@pytest.mark.naoqi("ALVideoDevice.subscribe", "ALVideoDevice.getImageRemote")
+@pytest.mark.woz4u("camera_save_dir")
+async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn, client: str) -> None:
+    async with wired(Camera, tmp_path, robot, client=client) as it:
+        before = it.heard.outlet.t(it.heard.clock.now_us())
+        told = await it.do("picture")
+        after = it.heard.outlet.t(it.heard.clock.now_us())
+        media = it.heard.outlet.media
+        path = media.parent / str(told["file"])
+        assert str(told["file"]).startswith(f"{media.name}/picture-2")
+        with Image.open(path) as image:
+            image.load()
+            assert image.size == (told["width"], told["height"]) == (640, 480)
+            assert image.tobytes() == _last(it).rgb
+        t = told["t"]
+        assert isinstance(t, int)
+        assert before <= t <= after
+        assert isinstance(told["robot_time"], float)
+        await it.do("picture")
+        assert len(list(media.iterdir())) == 2
+        await _let_go(robot)
+        assert await it.part.stop(Scope.ALL) == ()
+        with pytest.raises(Rejected):
+            await it.do("film")
+    assert not [one for one in threading.enumerate() if one.name == "pepper file"]
+
+
+@pytest.mark.woz4u("camera_save_dir")
+async def test_pictures_go_where_the_file_says(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Camera, tmp_path, robot, pictures="shots") as it:
+        told = await it.do("picture")
+        assert str(told["file"]).startswith("shots/picture-")
+        assert (tmp_path / str(told["file"])).exists()
+    (tmp_path / "file").write_bytes(b"")
+    async with wired(Camera, tmp_path, robot, pictures="file") as it:
+        with pytest.raises(DriverError, match="could not be kept"):
+            await it.do("picture")
+        await _let_go(robot)
+
+
+async def test_no_picture_is_an_error_with_the_robots_words(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Camera, tmp_path, robot) as it:
+        await robot.fault("refuse:ALVideoDevice.subscribe=too many already")
+        with pytest.raises(DriverError, match="too many already"):
+            await it.do("picture")
+        await robot.clear()
+        await robot.fault("refuse:ALVideoDevice.getImageRemote=dark")
+        with pytest.raises(DriverError, match="dark"):
+            await it.do("picture")
+        await _let_go(robot)
+        await it.connection.disconnect()
+        with pytest.raises(Lost):
+            await it.do("picture")
+
+
+async def test_a_picture_that_is_cut_short_lets_the_camera_go(
+    tmp_path: Path, robot: StandIn
+) -> None:
+    async with wired(Camera, tmp_path, robot) as it:
+        await robot.fault("slow:200")
+        taking = asyncio.create_task(it.do("picture"))
+        await robot.called("ALVideoDevice.getImageRemote")
+        taking.cancel()
+        await asyncio.wait([taking])
+        assert taking.cancelled()
+        await _let_go(robot)

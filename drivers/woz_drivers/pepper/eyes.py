@@ -197,13 +197,14 @@ class Eyes:
         return {"kind": kind, "seconds": seconds}
 
     async def _dim(self, level: float) -> None:
-        """NAOqi sets all parts of the lights to a level; the colour is put back upon it."""
-        shown = self._shown or await self._before()
-        await self._robot.call(LEDS, "setIntensity", GROUP, level)
+        """Dim what is shown. NAOqi's own way to do that turns every colour into white."""
+        shown = await self._before()
         self._level = level
-        self._shown = shown
-        if not self._loop:
+        if shown.grey:
+            await self._robot.call(LEDS, "setIntensity", GROUP, level * shown.brightness)
+        elif not self._loop:
             await self._fade(shown, 0.0)
+        self._shown = shown
 
     # -- lights ----------------------------------------------------------------------------------
 

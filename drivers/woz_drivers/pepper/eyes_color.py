@@ -50,6 +50,11 @@ class Color:
         """That of its brightest part."""
         return max(self.parts)
 
+    @property
+    def grey(self) -> bool:
+        """Whether it is white of some brightness."""
+        return self.red == self.green == self.blue
+
     def dimmed(self, level: float) -> Color:
         """The same colour at a share of its brightness."""
         return Color(self.red * level, self.green * level, self.blue * level)

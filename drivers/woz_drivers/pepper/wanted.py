@@ -16,8 +16,8 @@ from woz_tui.core.robots import Setting
 CLOSE = 0.006
 #: Blinking changes the eyes for a moment: only what is so in two readings running is told.
 FLEETING = frozenset(("eyes", "eyes_brightness"))
-#: Not compared: there is no other robot while one is connected, every animation changes the posture,
-#: and what the tablet shows has another name there.
+#: Not compared: there is no other robot while one is connected, every animation changes the
+#: posture, and what the tablet shows has another name there.
 NEVER = frozenset(("robot", "posture", "tablet", "sound", "microphones"))
 
 

@@ -1,0 +1,210 @@
+"""The driver: hands verbs to parts, stops all of them at once, and tells what the robot has."""
+
+from __future__ import annotations
+
+import asyncio
+import logging
+from collections.abc import Mapping
+from typing import ClassVar
+
+from woz_drivers.pepper import doctor, outline, verbs
+from woz_drivers.pepper.base import Base
+from woz_drivers.pepper.body import Body
+from woz_drivers.pepper.body_joints import JOINTS
+from woz_drivers.pepper.connection import Connection
+from woz_drivers.pepper.driver_reading import Reading
+from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.senses import Senses
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.simulated.values import text
+from woz_tui.core.driver import (
+    DriverError,
+    Finding,
+    Job,
+    Lost,
+    Outlet,
+    Probe,
+    Rejected,
+    Scope,
+    StopReport,
+    Verb,
+)
+from woz_tui.core.fields import Range
+from woz_tui.core.messages import Json
+
+#: The bus waits 0.5 s for a stop; what has not confirmed after so long is told as missing.
+STOP_S = 0.45
+#: The parts have so long to say goodbye to the robot.
+FAREWELL_S = 1.5
+
+log = logging.getLogger(__name__)
+
+
+class Pepper:
+    """SoftBank's Pepper over NAOqi, or one of the simulated kind."""
+
+    Settings: ClassVar[type] = PepperSettings
+    summary: ClassVar[str] = "SoftBank's Pepper over NAOqi (2.5 to 2.9), or a simulated one"
+
+    def __init__(self, name: str, settings: PepperSettings, outlet: Outlet) -> None:
+        self._settings = settings
+        self._outlet = outlet
+        self._connection = Connection(
+            settings, outlet, on_connected=self._connected, on_lost=self._gone
+        )
+        self._parts: tuple[Part, ...] = tuple(
+            kind(self._connection, settings, outlet) for kind in verbs.PARTS
+        )
+        self._by_verb = verbs.by_verb(self._parts, settings)
+        self._reading = Reading(self._connection, self._parts, settings, outlet)
+        #: Whether it was there and went without being asked to: nobody knows what it does now.
+        self._astray = False
+        self._present = False
+        self._closed = False
+        self._stops: set[asyncio.Task[tuple[str, ...]]] = set()
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """Speech, animations, poses, driving, eyes, sounds, tablet, autonomy, camera, any call."""
+        return verbs.offered(settings)
+
+    @classmethod
+    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+        """What its senses publish, and touches of the tablet, as far as the file wants them."""
+        touch = ("touch.x", "touch.y") if settings.senses.touch else ()
+        return tuple(dict.fromkeys((*Senses.sensors(settings), *touch)))
+
+    @classmethod
+    def joints(cls, settings: PepperSettings) -> Mapping[str, Range]:
+        """Joints with their ranges in degrees (hands: 0 to 1)."""
+        return dict(JOINTS)
+
+    @classmethod
+    def outline(cls, settings: PepperSettings) -> dict[str, Json]:
+        """Settings that can be shown and changed, robots, animations and tags."""
+        return outline.outline(settings)
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Look whether the robots are there and what they lack, without moving anything."""
+        return await doctor.examine(probe)
+
+    async def open(self) -> None:
+        """Begin to look for the robot."""
+        self._connection.start()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """Carry out a verb by its part; what was asked for is compared with the robot from now on.
+
+        Raises `Lost` while no robot is connected, but for the verbs of the line.
+        """
+        if self._closed:
+            raise Lost("the robot's driver is closed")
+        match job.verb:
+            case "connect":
+                return await self._connect(text(job.args, "robot"))
+            case "disconnect":
+                return await self._disconnect()
+        part = self._by_verb.get(job.verb)
+        if part is None:
+            raise Rejected(f"Pepper cannot {job.verb!r}")
+        try:
+            sent = await part.perform(job)
+        except Rejected:
+            raise
+        except DriverError:
+            # Perhaps it was done in part: what is missing shows as wanted.
+            self._reading.noticed(job)
+            raise
+        self._reading.noticed(job)
+        return sent
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Ask every part at once to stand still; says which of them confirmed in time.
+
+        A robot that was lost cannot confirm anything. Nothing is stopped where none was connected.
+        """
+        parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, Base)]
+        if not self._present:
+            moving = [part.name for part in parts if isinstance(part, Base | Body)]
+            return StopReport(missing=tuple(moving)) if self._astray else None
+        loop = asyncio.get_running_loop()
+        stops = {
+            loop.create_task(part.stop(scope), name=f"stop {part.name}"): part for part in parts
+        }
+        # Those that come too late go on: a slow line must not keep the robot moving.
+        self._stops |= set(stops)
+        for stop in stops:
+            stop.add_done_callback(self._stops.discard)
+        done, late = await asyncio.wait(stops, timeout=STOP_S)
+        confirmed: list[str] = []
+        missing = [stops[stop].name for stop in late]
+        for stop in done:
+            if (error := stop.exception()) is None:
+                confirmed += stop.result()
+            else:
+                log.info("stop of %s: %s", stops[stop].name, error)
+                missing.append(stops[stop].name)
+        return StopReport(tuple(sorted(confirmed)), tuple(sorted(missing)))
+
+    async def rest(self) -> None:
+        """Take the posture of the robot file, otherwise rest; autonomous life stays as it is."""
+        if self._present:
+            for part in self._parts:
+                if isinstance(part, Body):
+                    await part.rest()
+
+    async def close(self) -> None:
+        """End everything of this driver; the robot itself is left as it is."""
+        self._closed = True
+        await self._reading.close()
+        for stop in list(self._stops):
+            stop.cancel()
+        closing = [asyncio.ensure_future(part.close()) for part in self._parts]
+        _, late = await asyncio.wait(closing, timeout=FAREWELL_S)
+        for part in late:
+            part.cancel()
+        await asyncio.gather(*closing, return_exceptions=True)
+        self._present = self._astray = False
+        await self._connection.close()
+
+    # -- the line --------------------------------------------------------------------------------
+
+    async def _connect(self, robot: str) -> dict[str, Json]:
+        self._let_go()
+        await self._connection.connect(robot)
+        return {"robot": self._connection.robot, "client": self._connection.client}
+
+    async def _disconnect(self) -> dict[str, Json]:
+        robot = self._connection.robot
+        self._let_go()
+        await self._connection.disconnect()
+        return {"robot": robot}
+
+    def _let_go(self) -> None:
+        """The robot of before goes because the wizard wants it."""
+        if self._present:
+            self._gone()
+        self._astray = False
+
+    async def _connected(self) -> None:
+        """The robot is there, for the first time or again."""
+        self._present, self._astray = True, False
+        self._reading.begin()
+        done = await asyncio.gather(
+            *(part.connected() for part in self._parts), return_exceptions=True
+        )
+        self._reading.soon()
+        for part, error in zip(self._parts, done, strict=True):
+            if isinstance(error, DriverError) and not isinstance(error, Lost):
+                self._outlet.notice("warning", f"{part.name}: {error.what}", error.remedy)
+            elif isinstance(error, BaseException):
+                raise error
+
+    def _gone(self) -> None:
+        if not self._present:
+            return
+        self._present, self._astray = False, True
+        for part in self._parts:
+            part.lost()
+        self._reading.end()

@@ -1,0 +1,115 @@
+"""What the robot has set, read back from it all the time and told on a change."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import logging
+from collections.abc import Mapping, Sequence
+
+from woz_drivers.pepper.conflicts import conflicts
+from woz_drivers.pepper.connection import Connection
+from woz_drivers.pepper.outline import lines
+from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.wanted import Wanted
+from woz_tui.core.driver import DriverError, Job, Outlet
+from woz_tui.core.messages import Json, SettingsShown
+
+#: At most so long from one reading to the next.
+EVERY_S = 0.9
+
+log = logging.getLogger(__name__)
+
+
+class Reading:
+    """A loop while the robot is there. A part whose robot does not answer hides no other."""
+
+    def __init__(
+        self,
+        connection: Connection,
+        parts: Sequence[Part],
+        settings: PepperSettings,
+        outlet: Outlet,
+    ) -> None:
+        self._connection = connection
+        self._parts = parts
+        self._outlet = outlet
+        self._wanted = Wanted(settings, lines(settings))
+        self._used: set[str] = set()
+        self._soon = asyncio.Event()
+        self._loop: asyncio.Task[None] | None = None
+        self._told: SettingsShown | None = None
+        self._broken: set[str] = set()
+
+    def begin(self) -> None:
+        """The robot is there: read."""
+        self.end()
+        self._loop = asyncio.get_running_loop().create_task(self._run(), name="pepper settings")
+
+    def end(self) -> None:
+        """The robot is gone: nothing is known of its settings."""
+        if self._loop is not None:
+            self._loop.cancel()
+            self._loop = None
+            self._tell({"robot": self._connection.robot}, {}, [])
+
+    def soon(self) -> None:
+        """Something has just changed: read at once."""
+        self._soon.set()
+
+    def noticed(self, job: Job) -> None:
+        """A verb was performed: what it set is wanted, and looked at soon."""
+        self._used.add(job.verb)
+        self._wanted.note(job.verb, job.args)
+        self._soon.set()
+
+    async def close(self) -> None:
+        """Read no more."""
+        loop, self._loop = self._loop, None
+        if loop is not None:
+            loop.cancel()
+            await asyncio.wait([loop])
+
+    async def _run(self) -> None:
+        while True:
+            self._soon.clear()
+            values = await self._values()
+            self._tell(values, self._wanted.differing(values), conflicts(values, self._used))
+            with contextlib.suppress(TimeoutError):
+                async with asyncio.timeout(EVERY_S):
+                    await self._soon.wait()
+
+    async def _values(self) -> dict[str, Json]:
+        values: dict[str, Json] = {"robot": self._connection.robot}
+        read = await asyncio.gather(*(part.read() for part in self._parts), return_exceptions=True)
+        for part, found in zip(self._parts, read, strict=True):
+            if isinstance(found, Mapping):
+                values |= found
+            elif not isinstance(found, DriverError):
+                self._complain(part.name, found)
+        return {name: _steady(name, value) for name, value in values.items()}
+
+    def _complain(self, part: str, error: BaseException) -> None:
+        """A mistake of ours: told once, and the others are still read."""
+        if part not in self._broken:
+            self._broken.add(part)
+            log.error("reading the settings of %s failed", part, exc_info=error)
+            self._outlet.notice(
+                "error",
+                f"settings of {part} cannot be read: {error!r}",
+                "this is a bug of the driver; the robot process's own log has its traceback",
+            )
+
+    def _tell(self, values: dict[str, Json], wanted: dict[str, Json], against: list[str]) -> None:
+        shown = SettingsShown(values=values, wanted=wanted, conflicts=against)
+        if shown != self._told:
+            self._told = shown
+            self._outlet.show(shown)
+
+
+def _steady(name: str, value: Json) -> Json:
+    """Without digits that nobody wants to be told of: a battery never stands still."""
+    if not isinstance(value, float):
+        return value
+    return round(value, 2 if name == "battery" else 3)

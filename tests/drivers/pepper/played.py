@@ -1,0 +1,136 @@
+"""A Pepper driver with a simulated robot on the other end of the wire, as its session sees it."""
+
+from __future__ import annotations
+
+import asyncio
+import dataclasses
+from collections.abc import AsyncIterator, Callable, Mapping
+from contextlib import asynccontextmanager
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.pepper.driver import Pepper
+from woz_drivers.pepper.settings import PepperSettings, Senses
+
+from tests.drivers.heard import Heard, Ordered
+from tests.fakes.naoqi import Call, StandIn, stand_in
+from woz_tui.core.driver import Scope, StopReport
+from woz_tui.core.messages import DriverConnected, Json, Notice, SettingsShown
+
+#: How many times as fast the robot's time passes.
+PACE = 20.0
+#: Nothing of the senses is read where a test is not about them.
+QUIET = Senses(rate=1, sonar=False, people=False, loudness=False, touch=False)
+
+
+class Played:
+    """`robot` on one end, `heard` on the other, `driver` between them."""
+
+    def __init__(self, robot: StandIn, driver: Pepper, heard: Heard) -> None:
+        self.robot = robot
+        self.driver = driver
+        self.heard = heard
+        self.folder = heard.outlet.folder
+        self.jobs: list[Ordered] = []
+        self._tasks: list[asyncio.Task[Mapping[str, Json]]] = []
+
+    async def do(self, verb: str, **args: Any) -> dict[str, Json]:
+        """Perform a verb to its end; what was really sent."""
+        return dict(await self.begin(verb, **args))
+
+    def begin(self, verb: str, **args: Any) -> asyncio.Task[Mapping[str, Json]]:
+        """Perform a verb in the background, as a lane does."""
+        self.jobs.append(Ordered(verb, args))
+        task = asyncio.create_task(self.driver.perform(self.jobs[-1]))
+        self._tasks.append(task)
+        return task
+
+    async def cancel(self, job: asyncio.Task[Mapping[str, Json]]) -> None:
+        """End a job as the bus does."""
+        job.cancel()
+        await asyncio.wait([job])
+        assert job.cancelled()
+
+    async def stop(self, scope: Scope = Scope.ALL) -> StopReport:
+        """Press the stop as the bus does: drivers first, then their jobs; no job is left."""
+        stopping = asyncio.create_task(self.driver.stop(scope))
+        await asyncio.sleep(0)
+        if scope is Scope.ALL:
+            for task in self._tasks:
+                task.cancel()
+        report = await stopping
+        assert report is not None
+        if scope is Scope.ALL and self._tasks:
+            await asyncio.wait(self._tasks)
+        return report
+
+    @property
+    def shown(self) -> SettingsShown:
+        """The robot's settings as told last."""
+        return self.heard.all(SettingsShown)[-1]
+
+    async def tells(self, holds: Callable[[SettingsShown], bool]) -> SettingsShown:
+        """Wait until what is told of the settings is so."""
+        await self.heard.until(lambda: bool(self.heard.all(SettingsShown)) and holds(self.shown))
+        return self.shown
+
+    async def shows(self, **values: Json) -> SettingsShown:
+        """Wait until these settings are told to be so."""
+        return await self.tells(lambda shown: values.items() <= shown.values.items())
+
+    async def afresh(self) -> None:
+        """Forget what earlier tests did, but for the settings told last."""
+        self.jobs.clear()
+        self._tasks.clear()
+        await self.robot.clear()
+        self.heard.messages[:] = self.heard.all(SettingsShown)[-1:]
+
+    @property
+    def notices(self) -> list[str]:
+        """Sentences for the wizard so far."""
+        return [notice.text for notice in self.heard.all(Notice)]
+
+    async def calls(self, *names: str) -> list[tuple[Any, ...]]:
+        """Arguments of the calls of these methods, the oldest first."""
+        return [tuple(call.args) for call in await self.robot.trace(*names)]
+
+    async def last(self, name: str) -> Call:
+        """The latest call of a method."""
+        return (await self.robot.called(name))[-1]
+
+    async def close(self) -> None:
+        """End jobs and driver."""
+        for task in self._tasks:
+            task.cancel()
+        if self._tasks:
+            await asyncio.wait(self._tasks)
+        await self.driver.close()
+
+
+@asynccontextmanager
+async def played(
+    folder: Path,
+    *,
+    client: str = "auto",
+    pace: float = PACE,
+    life: str = "solitary",
+    options: tuple[str, ...] = (),
+    **settings: Any,
+) -> AsyncIterator[Played]:
+    """Start a robot and a driver that plays it; yield when they are connected."""
+    async with stand_in(pace=pace, life=life, options=options) as robot:
+        given = PepperSettings(robots=(robot.address,), client=client, senses=QUIET)
+        it = await joined(robot, folder, dataclasses.replace(given, **settings))
+        try:
+            yield it
+        finally:
+            await it.close()
+
+
+async def joined(robot: StandIn, folder: Path, settings: PepperSettings) -> Played:
+    """A driver that is connected to the robot."""
+    heard = Heard(folder)
+    it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+    await it.driver.open()
+    await heard.first(DriverConnected)
+    return it

@@ -1,0 +1,152 @@
+"""What the robot does by itself: set in an order that works, read back, told where it differs."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import pytest
+import pytest_asyncio
+from woz_drivers.pepper.settings import Autonomy
+
+from tests.drivers.pepper.played import Played, played
+from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.messages import SettingsShown
+
+SWITCHES = {
+    "awareness": "ALBasicAwareness",
+    "blinking": "ALAutonomousBlinking",
+    "listening_movement": "ALListeningMovement",
+    "speaking_movement": "ALSpeakingMovement",
+}
+CHAINS = {"head_breathing": "Head", "arms_breathing": "Arms", "legs_breathing": "Legs"}
+
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+    async with played(tmp_path_factory.mktemp("experiment")) as made:
+        yield made
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def it(shared: Played) -> Played:
+    await shared.afresh()
+    return shared
+
+
+@pytest.mark.naoqi("ALBasicAwareness.setEnabled", "ALBasicAwareness.isEnabled")
+@pytest.mark.naoqi("ALAutonomousBlinking.setEnabled", "ALAutonomousBlinking.isEnabled")
+@pytest.mark.naoqi("ALListeningMovement.setEnabled", "ALListeningMovement.isEnabled")
+@pytest.mark.naoqi("ALSpeakingMovement.setEnabled", "ALSpeakingMovement.isEnabled")
+@pytest.mark.naoqi("ALMotion.setBreathEnabled", "ALMotion.getBreathEnabled")
+async def test_every_switch_is_set_and_read_back(it: Played) -> None:
+    for on in (False, True):
+        for name, service in SWITCHES.items():
+            assert await it.do("autonomy", **{name: on}) == {name: on}
+            assert (await it.calls(f"{service}.setEnabled"))[-1] == (on,)
+            await it.shows(**{name: on})
+        for name, chain in CHAINS.items():
+            await it.do("autonomy", **{name: on})
+            assert (await it.calls("ALMotion.setBreathEnabled"))[-1] == (chain, on)
+            await it.shows(**{name: on})
+        await it.shows(body_breathing=on)
+
+
+@pytest.mark.naoqi("ALAutonomousLife.setState", "ALAutonomousLife.getState")
+@pytest.mark.naoqi("ALBasicAwareness.setEngagementMode", "ALBasicAwareness.getEngagementMode")
+async def test_the_state_comes_first_since_it_changes_the_others(it: Played) -> None:
+    wanted: dict[str, Any] = {
+        "speaking_movement": False,
+        "legs_breathing": True,
+        "body_breathing": False,
+        "engagement": "FullyEngaged",
+        "awareness": False,
+        "state": "interactive",
+    }
+    assert await it.do("autonomy", **wanted) == wanted
+    called = [call.name for call in await it.robot.trace() if ".set" in call.name]
+    assert called[0] == "ALAutonomousLife.setState"
+    # One part of the body breathes again, so the body as a whole does not count as breathing.
+    shown = await it.shows(**wanted, head_breathing=False, arms_breathing=False)
+    assert not set(wanted) & set(shown.wanted)
+
+
+@pytest.mark.naoqi(
+    "ALMotion.setTangentialSecurityDistance", "ALMotion.getTangentialSecurityDistance"
+)
+@pytest.mark.naoqi(
+    "ALMotion.setOrthogonalSecurityDistance", "ALMotion.getOrthogonalSecurityDistance"
+)
+async def test_distances_are_set_and_read_back_and_small_ones_warned_of(it: Played) -> None:
+    await it.do("collision", tangential=0.05, orthogonal=0.3)
+    shown = await it.shows(tangential=0.05, orthogonal=0.3)
+    assert any("tangential security distance is 0.05 m" in one for one in shown.conflicts)
+    await it.do("collision", tangential=0.2)
+    shown = await it.shows(tangential=0.2, orthogonal=0.3)
+    assert not any("security distance" in one for one in shown.conflicts)
+
+
+async def test_nothing_named_is_refused(it: Played) -> None:
+    for verb in ("autonomy", "collision"):
+        with pytest.raises(Rejected, match="told nothing"):
+            await it.do(verb)
+
+
+async def test_what_the_robot_refuses_is_named_and_the_rest_is_set(it: Played) -> None:
+    await it.do("autonomy", blinking=True, awareness=True)
+    await it.robot.fault("refuse:ALAutonomousBlinking.setEnabled=not now", 60)
+    with pytest.raises(DriverError, match=r"did not change blinking: .*not now.*awareness did"):
+        await it.do("autonomy", blinking=False, awareness=False)
+    shown = await it.shows(awareness=False, blinking=True)
+    assert shown.wanted["blinking"] is False
+    assert "awareness" not in shown.wanted
+
+
+@pytest.mark.woz4u("autonomous_life_config")
+async def test_the_file_is_applied_on_connect_and_what_it_leaves_out_is_left(
+    tmp_path: Path,
+) -> None:
+    wants = Autonomy(state="interactive", awareness=False, head_breathing=False, orthogonal=0.25)
+    async with played(tmp_path, autonomy=wants) as it:
+        shown = await it.shows(
+            orthogonal=0.25,
+            state="interactive",
+            awareness=False,
+            head_breathing=False,
+            arms_breathing=True,
+        )
+        assert shown.wanted == {}
+        called = {call.name for call in await it.robot.trace()}
+        assert "ALMotion.setTangentialSecurityDistance" not in called
+        assert "ALAutonomousBlinking.setEnabled" not in called
+
+
+@pytest.mark.naoqi("ALAutonomousBlinking.isEnabled")
+async def test_a_change_by_the_robot_itself_shows_against_what_was_asked_for(it: Played) -> None:
+    await it.do("autonomy", blinking=False)
+    await it.tells(
+        lambda shown: shown.values["blinking"] is False and "blinking" not in shown.wanted
+    )
+    # Another program, or the robot's own life.
+    await it.do("naoqi", call="ALAutonomousBlinking.setEnabled", args="[true]")
+    shown = await it.shows(blinking=True)
+    assert shown.wanted["blinking"] is False
+
+
+async def test_one_unreadable_setting_hides_no_other(it: Played) -> None:
+    await it.robot.fault("refuse:ALAutonomousLife.getState=no", 60)
+    shown = await it.tells(lambda shown: "state" not in shown.values)
+    assert {"awareness", "volume", "tangential", "awake"} <= set(shown.values)
+    await it.robot.fault("none")
+    await it.tells(lambda shown: "state" in shown.values)
+
+
+async def test_settings_are_said_on_a_change_only(it: Played) -> None:
+    await it.robot.called("ALAutonomousLife.getState", 2)
+    told = [(one.values, one.wanted, one.conflicts) for one in it.heard.all(SettingsShown)]
+    assert all(one != two for one, two in pairwise(told))

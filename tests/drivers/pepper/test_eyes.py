@@ -1,0 +1,138 @@
+"""The lights of the eyes over the wire."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+from woz_drivers.pepper import eyes as eyes_module
+from woz_drivers.simulated.values import COLORS
+
+from tests.drivers.pepper.played import Played, played
+from woz_tui.core.driver import Rejected
+
+FADE = "ALLeds.fadeRGB"
+
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+    async with played(tmp_path_factory.mktemp("experiment")) as made:
+        yield made
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def it(shared: Played) -> Played:
+    await shared.afresh()
+    return shared
+
+
+async def seen(it: Played) -> str:
+    """The light of the robot as #rrggbb."""
+    return "#" + "".join(f"{round(part * 255):02x}" for part in await it.robot.get("eyes"))
+
+
+async def sees(it: Played, color: str) -> None:
+    async def there() -> bool:
+        return await seen(it) == color
+
+    await it.robot.until(there)
+
+
+@pytest.mark.naoqi("ALLeds.fadeRGB")
+@pytest.mark.woz4u("colors")
+async def test_colours_by_every_common_name_and_by_number(it: Played) -> None:
+    for name, number in {**COLORS, "#12aBef": "#12abef", "#f80": "#ff8800"}.items():
+        sent = await it.do("eyes", color=name)
+        assert sent == {"color": number, "animation": "steady"}
+        assert await seen(it) == number
+    with pytest.raises(Rejected, match="unknown colour"):
+        await it.do("eyes", color="greeen")
+
+
+async def test_a_fade_takes_its_time_and_says_so(it: Played) -> None:
+    await it.do("eyes", color="blue", seconds=3)
+    assert it.jobs[-1].announced == [3]
+    assert (await it.calls(FADE))[-1] == ("FaceLeds", 0, 0, 1, 3)
+
+
+@pytest.mark.naoqi("ALLeds.getIntensity")
+async def test_the_colour_is_read_back_with_its_parts_in_order(it: Played) -> None:
+    await it.do("naoqi", call=FADE, args='["FaceLeds", 1.0, 0.5, 0.0, 0.0]')
+    await it.shows(eyes="#ff8000")
+    await it.do("eyes", color="#0040c0")
+    await it.shows(eyes="#0040c0")
+
+
+@pytest.mark.naoqi("ALLeds.setIntensity")
+async def test_dimming_keeps_the_colour_and_later_colours_are_dim_too(it: Played) -> None:
+    await it.do("eyes", color="#ff8000")
+    await it.do("eyes_brightness", level=0.5)
+    assert await seen(it) == "#804000"
+    await it.shows(eyes_brightness=0.5, eyes="#ff8000")
+    await it.do("eyes", color="blue")
+    assert await seen(it) == "#000080"
+    # The robot's own call makes everything white: it is used for white alone.
+    assert await it.calls("ALLeds.setIntensity") == []
+    await it.do("eyes", color="white")
+    await it.do("eyes_brightness", level=0.25)
+    assert await it.calls("ALLeds.setIntensity") == [("FaceLeds", 0.25)]
+    assert await seen(it) == "#404040"
+    await it.do("eyes_brightness", level=1)
+    assert await seen(it) == "#ffffff"
+
+
+@pytest.mark.parametrize("animation", ["blink", "intermittent"])
+async def test_a_light_that_moves_goes_on_until_the_next_colour(
+    it: Played, animation: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(eyes_module, "OPEN_S", 0.05)
+    await it.do("eyes", color="green", animation=animation)
+    await it.robot.called(FADE, 6)
+    colors = {call[1:4] for call in await it.calls(FADE)}
+    assert colors == {(0, 0, 0), (0, 1, 0)}
+    await it.shows(eyes="#00ff00")
+    await it.do("eyes", color="red")
+    await it.robot.clear()
+    await it.do("naoqi", call="ALLeds.getIntensity", args='["RightFaceLed1"]')
+    await asyncio.sleep(0.2)  # longer than a blink: nothing may come any more
+    assert await it.calls(FADE) == []
+    assert await seen(it) == "#ff0000"
+
+
+@pytest.mark.naoqi("ALLeds.rasta", "ALLeds.randomEyes", "ALLeds.rotateEyes")
+@pytest.mark.woz4u("rasta_anim", "random_anim", "rotate_anim")
+async def test_animations_last_as_long_as_asked_and_the_colour_comes_back(it: Played) -> None:
+    await it.do("eyes", color="#102030")
+    for kind, method in (("rasta", "rasta"), ("random", "randomEyes"), ("rotate", "rotateEyes")):
+        await it.do("eyes_animation", kind=kind, seconds=2.5, color="#ff8000")
+        asked = await it.calls(f"ALLeds.{method}")
+        assert sum(call[-1] for call in asked) == 2.5
+        assert it.jobs[-1].announced == [2.5]
+        assert await seen(it) == "#102030"
+    assert asked[0][:2] == (0xFF8000, 1)
+
+
+async def test_a_cancelled_animation_gives_the_colour_back(it: Played) -> None:
+    await it.do("eyes", color="#102030")
+    job = it.begin("eyes_animation", kind="rasta", seconds=600)
+    await it.robot.called("ALLeds.rasta")
+    await it.cancel(job)
+    await sees(it, "#102030")
+    await it.do("eyes", color="red")
+    asked = len(await it.calls("ALLeds.rasta"))
+    await it.do("eyes", color="green", seconds=3)
+    assert await seen(it) == "#00ff00"
+    assert len(await it.calls("ALLeds.rasta")) == asked
+
+
+@pytest.mark.naoqi("ALLeds.fadeRGB")
+async def test_the_files_colour_is_shown_on_connect(tmp_path: Path) -> None:
+    async with played(tmp_path, eyes="green") as it:
+        assert await seen(it) == "#00ff00"
+        await it.shows(eyes="#00ff00")

@@ -1,0 +1,118 @@
+"""Head and hip over the wire: directions, steps, limits, slack motors."""
+
+from __future__ import annotations
+
+import asyncio
+import math
+from collections.abc import AsyncIterator
+
+import pytest
+import pytest_asyncio
+
+from tests.drivers.pepper.played import Played, played
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+    # Awareness would turn the head by itself.
+    async with played(tmp_path_factory.mktemp("experiment"), life="safeguard") as made:
+        await made.do("torque", on=True)
+        yield made
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def it(shared: Played) -> Played:
+    await shared.afresh()
+    return shared
+
+
+async def angle(it: Played, joint: str) -> float:
+    """Degrees."""
+    return round(math.degrees((await it.robot.get("angles"))[joint]), 1)
+
+
+async def reaches(it: Played, joint: str, degrees: float) -> None:
+    async def there() -> bool:
+        return abs(await angle(it, joint) - degrees) <= 0.1
+
+    await it.robot.until(there)
+
+
+@pytest.mark.naoqi("ALMotion.setAngles")
+async def test_a_gaze_is_absolute_and_returns_at_once(it: Played) -> None:
+    assert await it.do("gaze", yaw=40, pitch=10) == {"yaw": 40, "pitch": 10}
+    await reaches(it, "HeadYaw", 40)
+    await reaches(it, "HeadPitch", 10)
+    await it.do("gaze", yaw=-20, pitch=0)
+    await reaches(it, "HeadYaw", -20)
+
+
+async def test_a_gaze_beyond_the_range_goes_to_the_nearest_and_says_so(it: Played) -> None:
+    sent = await it.do("gaze", yaw=170, pitch=-10)
+    assert sent == {"yaw": 119.5, "pitch": -10, "clamped": {"yaw": 170}}
+    sent = await it.do("gaze", yaw=100, pitch=25)
+    assert sent == {"yaw": 100, "pitch": 13.5, "clamped": {"pitch": 25}}
+
+
+@pytest.mark.woz4u("default_head_turn_deg")
+async def test_every_step_of_a_held_key_counts(it: Played) -> None:
+    await it.do("gaze", yaw=0, pitch=0)
+    for _ in range(20):
+        sent = await it.do("nudge", yaw=2.5)
+    assert sent["yaw"] == 50
+    await reaches(it, "HeadYaw", 50)
+
+
+async def test_steps_go_on_from_where_something_else_has_turned_the_head(it: Played) -> None:
+    await it.stop()
+    await it.do("pose", joints={"HeadYaw": 30, "HeadPitch": 0}, seconds=0.5)
+    assert (await it.do("nudge", yaw=-10))["yaw"] == pytest.approx(20, abs=0.2)
+
+
+async def test_steps_end_at_the_range_and_come_back_from_there_at_once(it: Played) -> None:
+    await it.do("gaze", yaw=110, pitch=0)
+    assert (await it.do("nudge", yaw=30))["yaw"] == 119.5
+    assert (await it.do("nudge", yaw=-10))["yaw"] == 109.5
+    assert (await it.do("nudge", pitch=40))["pitch"] == 13.5
+
+
+@pytest.mark.naoqi("ALMotion.setStiffnesses")
+async def test_a_slack_head_is_stiffened_first_and_a_stiff_one_is_not_asked_again(
+    it: Played,
+) -> None:
+    await it.do("gaze", yaw=0, pitch=0)
+    await reaches(it, "HeadYaw", 0)
+    await it.stop()  # where it looks is asked anew after a stop
+    await it.do("naoqi", call="ALMotion.setStiffnesses", args='["Head", 0.0]')
+    await it.robot.clear()
+    await it.do("nudge", yaw=20)
+    await it.do("nudge", yaw=1)
+    assert await it.calls("ALMotion.setStiffnesses") == [("Head", 1.0)]
+    await reaches(it, "HeadYaw", 21)
+
+
+async def test_the_hip_bends_in_steps_within_its_range(it: Played) -> None:
+    await it.stop()
+    await it.do("pose", joints={"HipPitch": 0, "HipRoll": 0}, seconds=0.5)
+    assert (await it.do("hip", pitch=5, roll=-3))["pitch"] == pytest.approx(5, abs=0.1)
+    assert (await it.do("hip", roll=-40))["roll"] == -29.5
+    await reaches(it, "HipRoll", -29.5)
+
+
+async def test_a_burst_of_steps_is_quick_and_leaves_nothing_out(it: Played) -> None:
+    await it.do("gaze", yaw=0, pitch=0)
+    steps = [await it.do("nudge", yaw=1) for _ in range(60)]
+    assert steps[-1]["yaw"] == 60
+    assert len(await it.calls("ALMotion.setAngles")) == 61
+
+
+async def test_after_a_stop_a_step_begins_where_the_head_stands(it: Played) -> None:
+    await it.do("gaze", yaw=0, pitch=0)
+    await asyncio.wait_for(reaches(it, "HeadYaw", 0), 10)
+    await it.do("gaze", yaw=100, pitch=0)
+    report = await it.stop()
+    assert "motion" in report.confirmed
+    stood = await angle(it, "HeadYaw")
+    assert (await it.do("nudge", yaw=1))["yaw"] == pytest.approx(stood + 1, abs=0.3)

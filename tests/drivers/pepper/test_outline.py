@@ -1,0 +1,232 @@
+"""What the console is told of a Pepper, and the arithmetic behind it: no robot is needed."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.pepper import body_joints, outline, speech_text
+from woz_drivers.pepper.animations_known import MOVES, path_of
+from woz_drivers.pepper.conflicts import conflicts
+from woz_drivers.pepper.eyes_color import Color
+from woz_drivers.pepper.parts import SETTINGS
+from woz_drivers.pepper.settings import Autonomy, PepperSettings, Voice
+from woz_drivers.pepper.wanted import Wanted
+
+from woz_tui.core.driver import Rejected
+from woz_tui.core.messages import Json
+from woz_tui.core.robots import RobotOutline
+
+ONE = PepperSettings(robots=("10.0.0.1", "10.0.0.2"))
+DEGREES = st.floats(-400, 400)
+
+
+def wanted(settings: PepperSettings = ONE) -> Wanted:
+    return Wanted(settings, outline.lines(settings))
+
+
+# -- the outline ---------------------------------------------------------------------------------
+
+
+def test_the_outline_is_read_by_the_console_and_has_every_setting() -> None:
+    told = RobotOutline.read(outline.outline(ONE))
+    assert told is not None
+    assert sorted(line.name for line in told.settings) == sorted(SETTINGS)
+    assert told.robots == ["10.0.0.1", "10.0.0.2", "simulated"]
+    assert told.camera
+    sections = dict.fromkeys(line.section for line in told.settings)
+    assert list(sections) == ["Robot", "Autonomy", "Safety", "Voice", "Eyes", "Tablet"]
+    assert all(tag.help for tag in told.tags)
+
+
+# -- animations ----------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("typed", "path"),
+    [
+        ("Hey_1", "animations/Stand/Gestures/Hey_1"),
+        ("hey_1", "animations/Stand/Gestures/Hey_1"),
+        ("Gestures/Hey_1", "animations/Stand/Gestures/Hey_1"),
+        ("animations/Stand/Gestures/Hey_1", "animations/Stand/Gestures/Hey_1"),
+        (" BodyTalk_16 ", "animations/Stand/BodyTalk/Speaking/BodyTalk_16"),
+        ("Happy_4", "animations/Stand/Emotions/Positive/Happy_4"),
+        # Two folders have it: that of the gestures is meant.
+        ("ShowSky_1", "animations/Stand/Gestures/ShowSky_1"),
+        ("Waiting/ShowSky_1", "animations/Stand/Waiting/ShowSky_1"),
+        ("our_lab/wave", "our_lab/wave"),
+        ("animations/[posture]/Gestures/Hey_1", "animations/[posture]/Gestures/Hey_1"),
+    ],
+)
+def test_a_short_name_becomes_a_path_and_any_path_is_tried(typed: str, path: str) -> None:
+    assert path_of(typed) == path
+
+
+def test_an_unknown_short_name_is_refused_with_the_nearest() -> None:
+    with pytest.raises(Rejected) as refused:
+        path_of("Heey_1")
+    assert "did you mean 'Hey_1'" in refused.value.remedy
+
+
+def test_the_known_paths_are_each_there_once_and_find_themselves() -> None:
+    assert len(set(MOVES)) == len(MOVES) == 370
+    assert [path for path in MOVES if path_of(path) != path] == []
+
+
+# -- joints --------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("yaw", "low", "high"),
+    [(0, -40.5, 25.5), (-33.33, -40.5, 25.5), (61.6, -35.2, 20.9), (-119.5, -35.0, 13.5)],
+)
+def test_the_heads_bend_is_limited_by_its_turn_as_documented(
+    yaw: float, low: float, high: float
+) -> None:
+    allowed = body_joints.head_pitch(yaw)
+    assert (allowed.low, allowed.high) == (pytest.approx(low), pytest.approx(high))
+
+
+@given(DEGREES, DEGREES)
+def test_the_nearest_direction_is_always_one_that_the_head_can_take(
+    yaw: float, pitch: float
+) -> None:
+    turned, bent = body_joints.head(yaw, pitch)
+    assert body_joints.JOINTS["HeadYaw"].contains(turned)
+    assert body_joints.head_pitch(turned).contains(bent)
+    assert body_joints.head(turned, bent) == (turned, bent)
+
+
+@pytest.mark.parametrize(
+    ("pose", "says"),
+    [
+        ({"HeadYaw": 120}, "-119.5 to 119.5"),
+        ({"HeadYaw": 100, "HeadPitch": 20}, "with the head turned by 100"),
+        ({"RElbowRoll": 0}, "0.5 to 89.5"),
+        ({"LHand": 2}, "0 to 1"),
+        ({"HeadYow": 1}, "no joint 'HeadYow'"),
+        ({"HeadYaw": "left"}, "takes a number"),
+        ({}, "names joints"),
+    ],
+)
+def test_an_impossible_pose_is_refused_before_anything_moves(pose: Json, says: str) -> None:
+    with pytest.raises(Rejected, match=says.replace("(", r"\(")):
+        body_joints.checked(pose)
+
+
+# -- texts ---------------------------------------------------------------------------------------
+
+
+def test_blank_lines_part_paragraphs() -> None:
+    assert speech_text.paragraphs("One\nline.\r\n\r\n \t\n\nTwo.\n") == ["One line.", "Two."]
+    assert speech_text.paragraphs(" \n\n\t\n") == []
+
+
+@pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1"])
+def test_a_text_file_is_read_in_either_encoding(tmp_path: Path, encoding: str) -> None:
+    file = tmp_path / "text.txt"
+    file.write_bytes("Grüße, Zoë & Søren".encode(encoding))
+    assert speech_text.read_text(file) == "Grüße, Zoë & Søren"
+
+
+def test_a_file_that_is_not_there_is_refused_by_name(tmp_path: Path) -> None:
+    for path in (tmp_path / "nothing.txt", tmp_path):
+        with pytest.raises(Rejected, match=str(path)):
+            speech_text.read_text(path)
+
+
+def test_twice_the_speed_is_half_the_time_but_for_the_pauses() -> None:
+    slow, fast = (speech_text.seconds("x" * 140 + r"\pau=1000\ ", speed) for speed in (100, 200))
+    assert slow - 1 == pytest.approx(2 * (fast - 1))
+
+
+# -- colours -------------------------------------------------------------------------------------
+
+
+@given(st.integers(0, 0xFFFFFF))
+def test_a_colour_survives_the_robots_order_of_parts(number: int) -> None:
+    color = Color.of(f"#{number:06x}")
+    assert (color.number, color.text) == (number, f"#{number:06x}")
+    assert Color.read_back([color.blue, color.green, color.red]) == color
+
+
+@pytest.mark.parametrize("nonsense", [None, 1.0, [], [1.0, 0.5]])
+def test_what_is_no_colour_is_unknown(nonsense: Json) -> None:
+    assert Color.read_back(nonsense) is None
+
+
+# -- wanted and conflicts ------------------------------------------------------------------------
+
+
+def test_what_the_file_asks_for_is_wanted_until_the_robot_has_it() -> None:
+    it = wanted(
+        dataclasses.replace(
+            ONE, autonomy=Autonomy(blinking=False, orthogonal=0.4), voice=Voice(volume=0.5)
+        )
+    )
+    has: dict[str, Json] = {"blinking": True, "orthogonal": 0.40001, "volume": 0.7}
+    assert it.differing(has) == {"blinking": False, "volume": 0.5}
+    assert it.differing(has | {"blinking": False, "volume": 0.5}) == {}
+    assert it.differing({}) == {}  # unknown is no difference
+
+
+def test_a_command_changes_what_is_wanted_and_other_verbs_do_not() -> None:
+    it = wanted()
+    assert it.differing({"volume": 0.7, "posture": "Stand"}) == {}
+    it.note("volume", {"level": 0.4})
+    it.note("sound", {"volume": 1.0})
+    it.note("posture", {"name": "StandInit"})
+    assert it.differing({"volume": 0.7, "posture": "Stand"}) == {"volume": 0.4}
+
+
+def test_eyes_that_blink_are_not_called_different() -> None:
+    it = wanted()
+    it.note("eyes", {"color": "green"})
+    assert it.differing({"eyes": "#000000"}) == {}
+    assert it.differing({"eyes": "#01fe00"}) == {}
+    assert it.differing({"eyes": "#ff0000"}) == {}
+    assert it.differing({"eyes": "#ff0000"}) == {"eyes": "#00ff00"}
+
+
+def test_life_wakes_the_robot_and_puts_it_to_rest_so_torque_is_not_wanted_any_more() -> None:
+    it = wanted()
+    it.note("torque", {"on": True})
+    assert it.differing({"awake": False}) == {"awake": True}
+    it.note("autonomy", {"state": "disabled"})
+    assert it.differing({"awake": False, "state": "disabled"}) == {}
+
+
+@pytest.mark.parametrize(
+    ("values", "used", "says"),
+    [
+        ({"state": "solitary"}, (), "moves and talks by itself"),
+        ({"state": "safeguard"}, (), "may not obey"),
+        ({"state": "disabled", "awake": False}, (), "nothing moves until torque"),
+        ({"awareness": True}, ("nudge",), "awareness turns the head away"),
+        ({"body_breathing": True}, ("gaze",), "the head breathes"),
+        ({"arms_breathing": True}, ("play",), "the arms breathe"),
+        ({"speaking_movement": True}, ("say",), "speaking movement"),
+        ({"blinking": True}, ("eyes",), "blinking darkens"),
+        ({"tangential": 0.05}, (), "tangential security distance is 0.05 m"),
+        ({"orthogonal": 0.0}, (), "orthogonal security distance is 0 m"),
+    ],
+)
+def test_what_works_against_the_wizard_is_one_sentence(
+    values: dict[str, Json], used: tuple[str, ...], says: str
+) -> None:
+    found = conflicts(values, used)
+    assert len(found) == 1
+    assert says in found[0]
+
+
+def test_a_robot_that_only_obeys_has_no_conflicts() -> None:
+    calm: dict[str, Json] = {
+        **{"state": "disabled", "awake": True, "awareness": False, "blinking": False},
+        **{"speaking_movement": False, "arms_breathing": False, "head_breathing": False},
+        **{"tangential": 0.1, "orthogonal": 0.4},
+    }
+    assert conflicts(calm, ("gaze", "nudge", "play", "pose", "say", "eyes")) == []
+    assert conflicts({}, ("gaze", "play", "say", "eyes")) == []

@@ -1,0 +1,86 @@
+"""Sound files on the robot over the wire."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+import pytest_asyncio
+
+from tests.drivers.pepper.played import Played, played
+from woz_tui.core.driver import DriverError, Rejected
+
+BEEP, APPLAUSE, MUSIC = (
+    f"/home/nao/sounds/{name}" for name in ("beep.wav", "applause.wav", "music.mp3")
+)
+
+
+pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+    async with played(tmp_path_factory.mktemp("experiment")) as made:
+        yield made
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def it(shared: Played) -> Played:
+    await shared.afresh()
+    return shared
+
+
+async def sounds(it: Played) -> bool:
+    return any("sound" in kind for kind, *_ in await it.robot.get("going"))
+
+
+@pytest.mark.naoqi("ALAudioPlayer.loadFile", "ALAudioPlayer.play", "ALAudioPlayer.setVolume")
+@pytest.mark.woz4u("audio_files")
+async def test_a_sound_is_loaded_once_and_ends_when_it_has_ended(it: Played) -> None:
+    for volume in (0.25, 0.5):
+        sent = await it.do("sound", file=APPLAUSE, volume=volume)
+        assert sent == {"file": APPLAUSE, "volume": volume}
+        assert not await sounds(it)
+    assert await it.calls("ALAudioPlayer.loadFile") == [(APPLAUSE,)]
+    number = next(
+        one["id"] for one in await it.robot.get("sounds.loaded") if one["path"] == APPLAUSE
+    )
+    assert await it.calls("ALAudioPlayer.setVolume") == [(number, 0.25), (number, 0.5)]
+    assert await it.calls("ALAudioPlayer.play") == [(number,), (number,)]
+    assert it.jobs[-1].announced == [3.0]
+
+
+@pytest.mark.naoqi("ALAudioPlayer.stopAll")
+async def test_a_cancelled_sound_ends_on_the_robot_and_the_next_one_plays(it: Played) -> None:
+    job = it.begin("sound", file=MUSIC)
+    await it.robot.until(lambda: sounds(it))
+    await it.shows(sound=MUSIC)
+    await it.cancel(job)
+    await asyncio.wait_for(it.do("sound", file=BEEP), 10)
+    assert not await sounds(it)
+    await it.shows(sound="")
+
+
+async def test_a_file_that_is_not_on_the_robot_is_told(it: Played) -> None:
+    with pytest.raises(DriverError, match=r"could not load /nowhere\.wav") as told:
+        await it.do("sound", file="/nowhere.wav")
+    assert "copy it there" in told.value.remedy
+    with pytest.raises(Rejected):
+        await it.do("sound", file=" ")
+
+
+@pytest.mark.naoqi("ALAudioPlayer.getLoadedFilesIds", "ALAudioPlayer.unloadAllFiles")
+async def test_what_the_robot_has_unloaded_is_loaded_anew_and_close_unloads(
+    tmp_path: Path,
+) -> None:
+    async with played(tmp_path) as it:
+        await it.do("sound", file=BEEP)
+        await it.do("naoqi", call="ALAudioPlayer.unloadAllFiles")
+        await it.robot.clear()
+        await it.robot.called("ALAudioPlayer.getLoadedFilesIds", 2)
+        await it.do("sound", file=BEEP)
+        assert len(await it.calls("ALAudioPlayer.loadFile")) == 1
+        await it.driver.close()
+        assert await it.robot.get("sounds.loaded") == []

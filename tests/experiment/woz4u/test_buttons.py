@@ -79,6 +79,15 @@ def test_a_text_file_is_read_out(tmp_path: Path) -> None:
     ]
 
 
+def test_a_long_text_that_ends_like_a_file_is_said(tmp_path: Path) -> None:
+    words = "Please open the file " * 20 + "readme.txt"
+    text = f"animated_speech:\n  - {{title: A, string: {words}}}\n"
+    assert spoken(read(tmp_path, text)) == [words]
+    assert messages(tmp_path, text) == [
+        "warning: animated_speech[0].string: ends in .txt, but this is no file's name; it is said"
+    ]
+
+
 @pytest.mark.woz4u("gestures")
 def test_gestures(tmp_path: Path) -> None:
     text = """gestures:
@@ -226,7 +235,7 @@ def test_titles_that_occur_twice(tmp_path: Path) -> None:
     text = """animated_speech:
   - {title: "Yes", string: Yes}
   - {title: "Yes", string: Of course}
-  - {title: Yes (Speech 3), string: Sure}
+  - {title: Yes (Speech), string: Sure}
   - {title: "Yes", string: Indeed}
 gestures:
   - {title: "Yes", gesture: a/Yes_1}
@@ -235,9 +244,9 @@ gestures:
     experiment = read(tmp_path, text)
     assert problems(tmp_path, text) == []
     labels = [action.label for action in panel(experiment, "Speech").actions]
-    assert labels == ["Yes", "Yes", "Yes (Speech 3)", "Yes"]
+    assert labels == ["Yes", "Yes", "Yes (Speech)", "Yes"]
     names = [action.name for shown in experiment.panels for action in shown.actions]
-    assert names[:6] == ["Yes", "Yes (Speech)", "Yes (Speech 3)", "Yes (Speech 2)",
+    assert names[:6] == ["Yes", "Yes (Speech 2)", "Yes (Speech)", "Yes (Speech 3)",
                          "Yes (Gestures)", "Rest"]  # fmt: skip
     assert "Rest (Movement)" in names
     assert len(names) == len(set(names))
@@ -276,6 +285,19 @@ gestures:
         " animations/Stand/Gestures/Hey_1}, not 'wave'",
         "5:19: gestures[1].gesture: expected text, not a list",
     ]
+
+
+def test_braces_in_paths_are_no_variables(tmp_path: Path) -> None:
+    (tmp_path / "{a}.txt").write_text("x", encoding="utf-8")
+    text = """animated_speech: [{title: A, string: "{a}.txt"}]
+gestures: [{title: B, gesture: "{b}"}]
+tablet_items: [{title: C, file_name: "http://a.example/{c}"}]
+audio_files: [{title: D, location: "/{d}.wav"}]
+"""
+    experiment = read(tmp_path, text)
+    paths = [next(iter(does(experiment.action(name))[0][1].values())) for name in "ABCD"]
+    filled = [template.fill(path, lambda name: f"<{name}>") for path in paths]
+    assert filled == ["{a}.txt", "{b}", "http://a.example/{c}", "/{d}.wav"]
 
 
 def test_a_title_is_on_one_line_and_decoded(tmp_path: Path) -> None:

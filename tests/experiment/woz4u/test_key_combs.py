@@ -7,8 +7,10 @@ from pathlib import Path
 import pytest
 
 from tests.experiment.woz4u.reading import does, keys, messages, panel, problems, read
-from woz_tui.experiment.keymap import key_map
+from woz_tui.experiment.keymap import key_map, typeable
+from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.terminals import KITTY, PLAIN
+from woz_tui.experiment.woz4u.keyed import RESERVES
 
 
 def items(*combs: str, title: str = "Item") -> str:
@@ -142,6 +144,11 @@ def test_a_key_of_its_own_never_takes_what_another_one_asks_for(tmp_path: Path) 
         "Item 4": "e",
         "Item 5": "ctrl+m",
     }
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_every_keyboard_has_the_keys_that_are_given_out(layout: str) -> None:
+    assert [key for key in RESERVES if not typeable(key, layout)] == []
 
 
 def test_after_the_title_come_letters_digits_capitals_and_function_keys(tmp_path: Path) -> None:

@@ -132,7 +132,9 @@ keyboard: martian
     path = tmp_path / "config.yaml"
     with pytest.raises(ExperimentError) as caught:
         load(path, {})
-    assert "there is no driver of type 'pepper'" in str(caught.value)
+    assert f"{path}:1:1: robot.drivers.pepper.type: there is no driver of type 'pepper'" in str(
+        caught.value
+    )
 
 
 def test_errors_of_both_readings_come_together_in_the_order_of_the_file(tmp_path: Path) -> None:

@@ -13,6 +13,9 @@ from woz_tui.experiment.woz4u import made, values
 from woz_tui.experiment.woz4u.known import ITEMS
 from woz_tui.experiment.woz4u.texts import decoded, literal, one_line
 
+#: Characters of a path that somebody may have meant; file systems refuse longer names.
+_LONGEST_NAME = 240
+
 #: How a path that is relative to the file's folder is to be written.
 Move = Callable[[str], str]
 
@@ -79,7 +82,7 @@ class Item:
         hint = values.text(tip)
         hint = one_line(decoded(tip, hint)) if tip is not None and hint else ""
         return Button(
-            title=label or fallback,
+            title=label or one_line(fallback) or fallback,
             place=self.spot.place,
             does=[*does],
             title_place=title.place if title is not None else self.spot.place,
@@ -114,7 +117,7 @@ def speech(table: Mapping[str, Spot], move: Move) -> list[Button]:
         typed = values.text(spot)
         if spot is None or typed is None:
             continue
-        if typed.strip().endswith(".txt"):
+        if _names_file(spot, typed):
             path = move(typed.strip().replace("\\", "/"))
             does = ("read", spot.place, made.said(literal(path), spot.place))
             fallback = PurePosixPath(path).stem or f"Speech {number}"
@@ -124,6 +127,17 @@ def speech(table: Mapping[str, Spot], move: Move) -> list[Button]:
             fallback = f"Speech {number}"
         buttons.append(item.button(fallback, does))
     return buttons
+
+
+def _names_file(spot: Spot, typed: str) -> bool:
+    """Whether a text is the name of a text file, by its end."""
+    name = typed.strip()
+    if not name.endswith(".txt"):
+        return False
+    if len(name) > _LONGEST_NAME or "\n" in name:
+        spot.warning("ends in .txt, but this is no file's name; it is said")
+        return False
+    return True
 
 
 def gestures(table: Mapping[str, Spot]) -> list[Button]:

@@ -49,9 +49,7 @@ def comb(node: Node) -> str:
 
 
 def _chord(held: list[str], key: str) -> str:
-    """With ctrl or alt, capital letters are no other keys, neither here nor there."""
-    base = key.lower() if {"ctrl", "alt"} & set(held) else key
-    return "+".join([*(name for name in _ORDER if name in held), base])
+    return "+".join([*(name for name in _ORDER if name in held), key])
 
 
 def _tokens(node: Node) -> Iterator[str]:

@@ -14,7 +14,6 @@ from dataclasses import dataclass
 
 from woz_tui.experiment.builtins import BUILTIN
 from woz_tui.experiment.chords import FUNCTION_KEYS, KeyNameError, normal
-from woz_tui.experiment.keymap import typeable
 from woz_tui.experiment.nodes import Scalar
 from woz_tui.experiment.report import quoted
 from woz_tui.experiment.shape import Place
@@ -23,7 +22,8 @@ from woz_tui.experiment.terminals import STOPS, is_stop
 from woz_tui.experiment.woz4u.combs import comb
 
 _LETTERS = frozenset(string.ascii_lowercase + string.digits)
-_RESERVES = (
+#: Every keyboard has them.
+RESERVES = (
     *string.ascii_lowercase,
     *string.digits,
     *string.ascii_uppercase,
@@ -89,7 +89,7 @@ class _Board:
     def reserve(self, wish: Wish) -> str:
         """A key for a wish that could not be granted; empty if none is left."""
         for key in _liked(wish.title):
-            if typeable(key, self._layout) and not self._taken(key):
+            if not self._taken(key):
                 self._take(wish, key)
                 return key
         return ""
@@ -124,7 +124,7 @@ def _shown(wish: Wish) -> str:
 def _liked(title: str) -> Iterator[str]:
     """Reserve keys, the title's letters and digits first."""
     plain = unicodedata.normalize("NFKD", title).lower()
-    yield from dict.fromkeys([*(sign for sign in plain if sign in _LETTERS), *_RESERVES])
+    yield from dict.fromkeys([*(sign for sign in plain if sign in _LETTERS), *RESERVES])
 
 
 def layout_of(spot: Spot | None, known: Sequence[str]) -> str:

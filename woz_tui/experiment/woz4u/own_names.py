@@ -24,10 +24,11 @@ class OwnNames(Report):
 
     def put(self, path: str, place: Place) -> None:
         """Remember where `path` stands. An entry of a list has its first key's place: the entry
-        comes first and names it.
+        comes first and names it. The file's first place is also that of whatever comes from nowhere
+        in it, and so names nothing.
         """
         super().put(path, place)
-        if self._reading:
+        if self._reading and (place.line, place.column) != (1, 1):
             self._names.setdefault(place, path)
 
     def error(self, place: Place, path: str, message: str) -> None:

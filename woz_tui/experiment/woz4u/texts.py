@@ -36,8 +36,7 @@ def _character(entity: str, name: str) -> str | None:
     if not name.startswith("#") and f"{name};" not in html5:
         return None
     found = html.unescape(entity)
-    control = any(sign < " " and sign not in "\t\n\r" for sign in found)
-    return None if found in ("", entity, "\ufffd") or control else found
+    return None if found in ("", entity, "\ufffd") else found
 
 
 def literal(text: str) -> str:

@@ -50,7 +50,7 @@ def translated(root: Spot, own: Collection[str], move: Move) -> Translation:
     """
     table = dict(root.entries())
     _unknown(table, own)
-    kept = {name: table[name] for name in own if name in table and name not in _MADE}
+    kept = {name: table[name] for name in own if name in table}
     found, robot = _read(root, table, move)
     panels.name_apart(found)
     _keys(found, layout_of(kept.get("keyboard"), tuple(LAYOUTS)))

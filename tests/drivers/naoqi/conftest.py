@@ -1,0 +1,26 @@
+"""Robots for the tests of the stand-in."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from woz_drivers.naoqi.world import Options
+from woz_drivers.qimessaging import Client
+
+from tests.drivers.naoqi.hands import HandTime, Wired
+from tests.fakes.naoqi import stand_in_here
+
+
+@pytest.fixture
+async def wired(tmp_path: Path) -> AsyncIterator[Wired]:
+    """A robot in this loop, reached over a socket; its time stands still, nobody is there."""
+    time = HandTime()
+    options = Options(visitors=False, invalid_signature=False, files=tmp_path)
+    async with stand_in_here(time, options) as robot:
+        client = await Client.open("127.0.0.1", int(robot.address.rpartition(":")[2]))
+        try:
+            yield Wired(robot, client, time)
+        finally:
+            await client.close()

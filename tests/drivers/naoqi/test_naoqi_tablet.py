@@ -1,0 +1,197 @@
+"""ALTabletService, ALAudioPlayer, ALAudioRecorder."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Iterator
+from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
+from pathlib import Path
+
+import pytest
+from woz_drivers.wav import parse
+
+from tests.drivers.naoqi.hands import Said, Wired
+
+BEEP = "/home/nao/sounds/beep.wav"
+FLAGS = [1, 1, 1, 1]
+PAGE = b'<html><body><img src="a.png"><video><source src="/missing.mp4"></video></body></html>'
+FILES = {
+    "/a.png": ("image/png", b"\x89PNG..."),
+    "/page.html": ("text/html", PAGE),
+    "/film.mp4": ("video/mp4", b"film"),
+}
+
+
+class Pages(BaseHTTPRequestHandler):
+    def do_GET(self) -> None:
+        kind, content = FILES.get(self.path, ("", b""))
+        self.send_response(200 if kind else 404)
+        self.send_header("Content-Type", kind)
+        self.send_header("Content-Length", str(len(content)))
+        self.end_headers()
+        self.wfile.write(content)
+
+    def log_message(self, format: str, *args: object) -> None:  # noqa: A002 - as the base class
+        pass
+
+
+@pytest.fixture
+def site() -> Iterator[str]:
+    """An address below which there are FILES."""
+    server = ThreadingHTTPServer(("127.0.0.1", 0), Pages)
+    thread = threading.Thread(target=server.serve_forever, args=(0.01,))
+    thread.start()
+    yield f"http://127.0.0.1:{server.server_port}"
+    server.shutdown()
+    thread.join()
+    server.server_close()
+
+
+async def fetched(wired: Wired, number: int) -> list[tuple[str, int]]:
+    async def enough() -> bool:
+        return len(await wired.robot.get("tablet.fetched")) >= number
+
+    await wired.robot.until(enough)
+    return [(one["url"], one["status"]) for one in await wired.robot.get("tablet.fetched")]
+
+
+@pytest.mark.parametrize("method", ["showWebview", "showImage", "loadUrl", "preLoadImage"])
+async def test_it_fetches_what_it_shows(wired: Wired, site: str, method: str) -> None:
+    assert await wired.call(f"ALTabletService.{method}", f"{site}/a.png") is True
+    assert await fetched(wired, 1) == [(f"{site}/a.png", 200)]
+
+
+async def test_of_a_page_it_fetches_what_is_in_it(wired: Wired, site: str) -> None:
+    finished = await wired.hear("ALTabletService", "onPageFinished")
+    await wired.call("ALTabletService.showWebview", f"{site}/page.html")
+    await finished(1)
+    addresses = [("/page.html", 200), ("/a.png", 200), ("/missing.mp4", 404)]
+    assert await fetched(wired, 3) == [(site + path, status) for path, status in addresses]
+    assert "missing.mp4" in str(await wired.robot.get("notes"))
+
+
+@pytest.mark.parametrize(
+    ("address", "status"), [("/nothing.png", 404), ("http://127.0.0.1:9/x.png", 0), ("x.png", 0)]
+)
+async def test_a_wrong_address_is_seen(wired: Wired, site: str, address: str, status: int) -> None:
+    url = site + address if address.startswith("/") else address
+    failed = await wired.hear("ALTabletService", "onLoadPageError")
+    await wired.call("ALTabletService.showWebview", url)
+    ((code, words, of),) = await failed(1)
+    assert (code, of) == (status, url)
+    assert words
+    tablet = await wired.robot.get("tablet")
+    assert (tablet["status"], tablet["error"]) == (status, words)
+
+
+async def test_hiding_brings_the_default_back(wired: Wired, site: str) -> None:
+    await wired.call("ALTabletService.showWebview", f"{site}/a.png")
+    assert (await wired.robot.get("tablet"))["shows"] == "webview"
+    await wired.call("ALTabletService.hideWebview")
+    assert (await wired.robot.get("tablet"))["shows"] == "default"
+
+
+async def test_a_video_ends_and_says_so(wired: Wired, site: str) -> None:
+    await wired.robot.set("tablet.video_seconds", 4)
+    started = await wired.hear("ALTabletService", "videoStarted")
+    finished = await wired.hear("ALTabletService", "videoFinished")
+    await wired.call("ALTabletService.playVideo", f"{site}/film.mp4")
+    await started(1)
+    await wired.time.advance(3.9)
+    assert (await wired.robot.get("tablet"))["shows"] == "video"
+    assert await wired.call("ALTabletService.getVideoLength") == 4000
+    await wired.time.advance(0.2)
+    assert await finished(1) == [()]
+    assert (await wired.robot.get("tablet"))["shows"] == "default"
+
+
+async def test_a_stopped_video_does_not_finish(wired: Wired, site: str) -> None:
+    started = await wired.hear("ALTabletService", "videoStarted")
+    await wired.call("ALTabletService.playVideo", f"{site}/film.mp4")
+    await started(1)
+    assert await wired.call("ALTabletService.stopVideo") is True
+    assert await wired.robot.get("going") == []
+    assert await wired.call("ALTabletService.stopVideo") is False
+
+
+async def test_touches_reach_who_listens(wired: Wired) -> None:
+    ratio = await wired.hear("ALTabletService", "onTouchDownRatio")
+    up = await wired.hear("ALTabletService", "onTouchUp")
+    await wired.robot.touch(0.25, 0.5)
+    ((x, y, _page),) = await ratio(1)
+    assert (x, y) == (0.25, 0.5)
+    assert await up(1) == [(320.0, 400.0)]
+
+
+async def test_wifi_is_switched(wired: Wired) -> None:
+    await wired.call("ALTabletService.disableWifi")
+    assert await wired.call("ALTabletService.getWifiStatus") == "DISCONNECTED"
+    await wired.call("ALTabletService.enableWifi")
+    assert await wired.call("ALTabletService.getWifiStatus") == "CONNECTED"
+
+
+async def test_a_sound_lasts_its_length(wired: Wired) -> None:
+    number = await wired.call("ALAudioPlayer.loadFile", BEEP)
+    length = await wired.call("ALAudioPlayer.getFileLength", number)
+    task = await wired.begin("ALAudioPlayer.play", number, kind="sound")
+    await wired.time.advance(length - 0.1)
+    assert await wired.pending(task)
+    await wired.time.advance(0.2)
+    await wired.done(task)
+
+
+async def test_sounds_are_stopped(wired: Wired) -> None:
+    number = await wired.call("ALAudioPlayer.loadFile", BEEP)
+    task = await wired.begin("ALAudioPlayer.play", number, kind="sound")
+    await wired.call("ALAudioPlayer.stopAll")
+    await wired.done(task)
+
+
+async def test_files_are_loaded_and_unloaded(wired: Wired) -> None:
+    numbers = [await wired.call("ALAudioPlayer.loadFile", BEEP) for _ in range(2)]
+    assert await wired.call("ALAudioPlayer.getLoadedFilesIds") == numbers
+    await wired.call("ALAudioPlayer.setVolume", numbers[0], 0.5)
+    loaded = await wired.robot.get("sounds.loaded")
+    assert [(one["id"], one["volume"]) for one in loaded] == [(numbers[0], 0.5), (numbers[1], 1.0)]
+    await wired.call("ALAudioPlayer.unloadAllFiles")
+    assert await wired.call("ALAudioPlayer.getLoadedFilesIds") == []
+    with pytest.raises(Said, match="no file"):
+        await wired.call("ALAudioPlayer.play", numbers[0])
+
+
+async def test_an_unknown_file_is_refused(wired: Wired) -> None:
+    with pytest.raises(Said, match=r"nothing\.wav"):
+        await wired.call("ALAudioPlayer.loadFile", "/nothing.wav")
+
+
+async def test_a_recording_is_a_real_file_and_can_be_played(wired: Wired, tmp_path: Path) -> None:
+    path = "/home/nao/recordings/one.wav"
+    record = "ALAudioRecorder.startMicrophonesRecording"
+    await wired.call(record, path, "wav", 16_000, FLAGS)
+    assert await wired.robot.get("recording") == path
+    with pytest.raises(Said, match="already"):
+        await wired.call(record, path, "wav", 16_000, FLAGS)
+    await wired.time.advance(2.5)
+    await wired.call("ALAudioRecorder.stopMicrophonesRecording")
+    sound = parse((tmp_path / path.lstrip("/")).read_bytes())
+    assert (sound.rate, sound.channels) == (16_000, 4)
+    assert sound.seconds == pytest.approx(2.5)
+    number = await wired.call("ALAudioPlayer.loadFile", path)
+    assert await wired.call("ALAudioPlayer.getFileLength", number) == pytest.approx(2.5)
+
+
+@pytest.mark.parametrize(
+    ("args", "why"),
+    [
+        (("/x.wav", "wav", 22_050, FLAGS), "rate"),
+        (("/x.wav", "mp3", 16_000, FLAGS), "type"),
+        (("/x.wav", "wav", 16_000, [0, 0, 0, 0]), "channels"),
+    ],
+)
+async def test_wrong_recordings_are_refused(
+    wired: Wired, args: tuple[object, ...], why: str
+) -> None:
+    with pytest.raises(Said, match=why):
+        await wired.call("ALAudioRecorder.startMicrophonesRecording", *args)
+    with pytest.raises(Said, match="not recording"):
+        await wired.call("ALAudioRecorder.stopMicrophonesRecording")

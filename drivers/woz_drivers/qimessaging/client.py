@@ -125,7 +125,12 @@ class Client:
             task = asyncio.create_task(self._find(name))
             self._found[name] = task
             task.add_done_callback(lambda done: self._forget_failed(name, done))
-        return await asyncio.shield(task)
+        try:
+            return await asyncio.shield(task)
+        except asyncio.CancelledError:
+            if task.cancelled() and self.lost.done():  # the search was ended, not who waits
+                raise ConnectionLost(self.lost.result()) from None
+            raise
 
     async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
         """Call `service.method(*args)` and return its value; objects come as `RemoteObject`.

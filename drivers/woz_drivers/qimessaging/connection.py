@@ -9,7 +9,7 @@ from __future__ import annotations
 import asyncio
 import itertools
 from collections.abc import Callable, Mapping
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 from woz_drivers.qimessaging.decoding import Decoder
 from woz_drivers.qimessaging.encoding import encode
@@ -36,6 +36,14 @@ _ASKING: Final = frozenset({Kind.CALL, Kind.POST, Kind.CANCEL})
 Incoming = Callable[["Connection", Frame], None]
 
 
+class Hearer(Protocol):
+    """Takes the events of one source."""
+
+    def take(self, frame: Frame) -> None:
+        """Take an event. Raises `ProtocolError` where it is none that can be read."""
+        ...
+
+
 class Connection(asyncio.Protocol):
     """One connection. All of it belongs to the event loop in which it was opened."""
 
@@ -46,7 +54,7 @@ class Connection(asyncio.Protocol):
         self._transport: asyncio.Transport | None = None
         self._numbers = itertools.count(1)
         self._pending: dict[int, asyncio.Future[Frame]] = {}
-        self._heard: dict[Source, Callable[[Frame], None]] = {}
+        self._heard: dict[Source, Hearer] = {}
         self._capabilities: dict[str, Any] = {}
         self._told = asyncio.Event()
         self._reason = ""
@@ -69,8 +77,12 @@ class Connection(asyncio.Protocol):
         except ProtocolError as error:
             self.end(f"the other end does not keep to the protocol: {error}")
 
-    def connection_lost(self, exc: Exception | None) -> None:
+    def eof_received(self) -> None:
         """Tell everybody who waits, in this very turn of the loop."""
+        self._finish(self._reason or _loss(None))
+
+    def connection_lost(self, exc: Exception | None) -> None:
+        """Tell everybody who waits that the connection broke."""
         self._finish(self._reason or _loss(exc))
 
     # What the rest of this package calls.
@@ -137,13 +149,18 @@ class Connection(asyncio.Protocol):
         finally:
             self._pending.pop(number, None)
 
-    def hear(self, source: Source, heard: Callable[[Frame], None]) -> None:
-        """Call `heard` for each event from there; one listener each source."""
-        self._heard[source] = heard
+    def hearer(self, source: Source) -> Hearer | None:
+        """Return who takes the events from there."""
+        return self._heard.get(source)
 
-    def unhear(self, source: Source) -> None:
-        """Drop what comes from there."""
-        self._heard.pop(source, None)
+    def hear(self, source: Source, hearer: Hearer) -> None:
+        """Give all events from there to one, from now on."""
+        self._heard[source] = hearer
+
+    def unhear(self, source: Source, hearer: Hearer) -> None:
+        """Give events from there to this one no longer."""
+        if self._heard.get(source) is hearer:
+            del self._heard[source]
 
     def hang_up(self, reason: str) -> None:
         """Close the connection once what was sent last is out."""
@@ -174,9 +191,9 @@ class Connection(asyncio.Protocol):
             if answer is not None and not answer.done():
                 answer.set_result(frame)
         elif frame.kind == Kind.EVENT:
-            heard = self._heard.get((frame.service, frame.object, frame.action))
-            if heard is not None:
-                heard(frame)
+            hearer = self._heard.get((frame.service, frame.object, frame.action))
+            if hearer is not None:
+                hearer.take(frame)
         elif frame.kind == Kind.CAPABILITY:
             self.learn(Decoder(frame.payload).value("{sm}"))
         elif frame.kind in _ASKING:

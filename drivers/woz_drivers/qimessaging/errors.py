@@ -27,12 +27,12 @@ class ServiceLost(Refused):
     """This one service has gone; the connection to the directory stands."""
 
 
+class Cancelled(Refused):
+    """The other end says that the call was cancelled, though not by us."""
+
+
 class TimedOut(QiError):  # noqa: N818 - as above
     """No answer came in time. The other end may still carry the call out."""
-
-
-class Cancelled(QiError):  # noqa: N818 - as above
-    """The other end says that the call was cancelled, though not by us."""
 
 
 class ConnectionLost(QiError):  # noqa: N818 - as above

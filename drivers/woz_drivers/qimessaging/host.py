@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import inspect
 import itertools
+from collections import Counter
 from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
@@ -27,7 +28,7 @@ class Host:
     def __init__(self) -> None:
         """Begin without any."""
         self._objects: dict[tuple[int, int], Hosted] = {}
-        self._holders: dict[tuple[int, int], set[Connection]] = {}
+        self._holders: dict[tuple[int, int], Counter[Connection]] = {}
         self._running: dict[tuple[Connection, int], asyncio.Task[None]] = {}
         self._connections: set[Connection] = set()
         self._numbers = itertools.count(MAIN + 1)
@@ -154,7 +155,7 @@ class Host:
         meta = hosted.meta.methods[frame.action]
         args, _ = _arguments(connection, frame, meta)
         if frame.action == _TERMINATE:
-            self._let_go(connection, (frame.service, frame.object))
+            self._let_go(connection, (frame.service, frame.object), 1)
             return (b"",)
         return (handler(connection, hosted, *args),)
 
@@ -165,21 +166,22 @@ class Host:
             hosted.place = (service, next(self._numbers))
         if hosted.place[1] != MAIN:
             self._objects[hosted.place] = hosted
-            self._holders.setdefault(hosted.place, set()).add(connection)
+            self._holders.setdefault(hosted.place, Counter())[connection] += 1
 
-    def _let_go(self, connection: Connection, place: tuple[int, int]) -> None:
+    def _let_go(self, connection: Connection, place: tuple[int, int], times: int) -> None:
+        """Forget an object which the other end was handed as often as it lets go."""
         holders = self._holders.get(place)
         if holders is None:
             return
-        holders.discard(connection)
-        if not holders:
+        holders[connection] -= times
+        if not +holders:
             self._drop(place)
 
     def _drop(self, place: tuple[int, int]) -> None:
         self._holders.pop(place, None)
         hosted = self._objects.pop(place, None)
         if hosted is not None:
-            hosted.place = None
+            hosted.withdraw()
 
     def _know(self, connection: Connection) -> None:
         if connection not in self._connections:
@@ -191,7 +193,7 @@ class Host:
         for hosted in self._objects.values():
             hosted.unregister(connection)
         for place in tuple(self._holders):
-            self._let_go(connection, place)
+            self._let_go(connection, place, self._holders[place][connection])
 
 
 def _arguments(

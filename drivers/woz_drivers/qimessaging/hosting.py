@@ -137,6 +137,11 @@ class Hosted:
             raise ProtocolError("an object is returned as such or not at all")
         return self.described + encode("(II)", self.place)
 
+    def withdraw(self) -> None:
+        """Be nowhere, and be heard by nobody."""
+        self.place = None
+        self._hearing.clear()
+
     def property(self, which: Any) -> tuple[int, Property]:
         """Return a property by its name or number. Raises `Refused`."""
         for uid, found in self.properties.items():

@@ -46,7 +46,6 @@ class RemoteObject:
         self.service = service
         self.object = obj
         self.meta = meta
-        self._hearings: dict[int, Hearing] = {}
 
     @classmethod
     async def fetch(cls, connection: Connection, service: int, within: float) -> RemoteObject:
@@ -93,10 +92,9 @@ class RemoteObject:
         Raises as `call`. `heard` runs in the event loop, soon after the event has come.
         """
         found = self.meta.signal(signal)
-        hearing = self._hearings.get(found.uid)
-        if hearing is None:
+        hearing = self.connection.hearer((self.service, self.object, found.uid))
+        if not isinstance(hearing, Hearing):
             hearing = Hearing(self, found, within)
-            self._hearings[found.uid] = hearing
         return await hearing.join(heard)
 
     async def property(self, name: str, within: float = WITHIN) -> Any:
@@ -115,13 +113,6 @@ class RemoteObject:
         if not self.connection.lost.done():
             payload = encode("I", self.object)
             self.connection.post(self.service, self.object, TERMINATE, payload)
-
-    def stop_hearing(self, uid: int, hearing: Hearing) -> bool:
-        """Forget how a signal is heard; tell whether it was this way."""
-        if self._hearings.get(uid) is not hearing:
-            return False
-        del self._hearings[uid]
-        return True
 
     async def ask(self, action: int, payload: bytes, within: float) -> Frame:
         """Call the action of that number and return its reply. Raises as `call`."""
@@ -157,7 +148,7 @@ class Hearing:
         self._listeners: list[Callable[..., None]] = []
         self._source = (remote.service, remote.object, signal.uid)
         self._loop = asyncio.get_running_loop()
-        remote.connection.hear(self._source, self._take)
+        remote.connection.hear(self._source, self)
         self._registered = asyncio.create_task(self._register(within))
 
     async def join(self, heard: Callable[..., None]) -> Unsubscribe:
@@ -199,10 +190,10 @@ class Hearing:
             await self._remote.ask(UNREGISTER_EVENT, payload, WITHIN)
 
     def _forget(self) -> None:
-        if self._remote.stop_hearing(self._uid, self):
-            self._remote.connection.unhear(self._source)
+        self._remote.connection.unhear(self._source, self)
 
-    def _take(self, frame: Frame) -> None:
+    def take(self, frame: Frame) -> None:
+        """Hand an event's values to all listeners. Raises `ProtocolError`."""
         values = self._remote.values(frame, self._kind)
         if not isinstance(values, tuple):
             values = (values,)  # a property, announced with its value's type alone

@@ -85,6 +85,12 @@ class Bench:
             properties=[Property("level", "i", 3)],
         )
 
+    def service_of_children(self) -> Hosted:
+        """Add a service whose only child is handed out to all; return the child."""
+        only = self._child()
+        self.server.add("Family", methods=[Method("child", "()", "o", lambda: only)])
+        return only
+
     def _fail(self) -> None:
         raise ValueError("the joint ZörgYaw does not exist")
 

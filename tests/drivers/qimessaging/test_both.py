@@ -23,6 +23,8 @@ from woz_drivers.qimessaging import (
     Signal,
     TimedOut,
 )
+from woz_drivers.qimessaging.connection import Connection
+from woz_drivers.qimessaging.encoding import encode
 
 from tests.drivers.qimessaging.desk import Bench, bench, until
 
@@ -250,3 +252,53 @@ async def test_values_that_do_not_fit_are_said() -> None:
         with pytest.raises(Refused, match="already registered"):
             ours.server.add("Thing")
         await client.close()
+
+
+async def test_an_object_that_is_handed_out_twice_is_one() -> None:
+    async with bench() as (ours, port):
+        only = ours.service_of_children()
+        client = await Client.open("127.0.0.1", port)
+        heard: list[str] = []
+        one, two = [await client.call("Family", "child", within=W) for _ in range(2)]
+        await one.listen("signal", lambda text: heard.append(f"one {text}"))
+        await two.listen("signal", lambda text: heard.append(f"two {text}"))
+        only.emit("signal", "x")
+        await until(lambda: len(heard) == 2)
+        one.release()
+
+        assert await two.call("say", "x") == "child x"
+        assert heard == ["one x", "two x"]
+        assert only.hearers("signal") == 1
+        two.release()
+        await until(lambda: only.place is None)
+        await client.close()
+
+
+async def test_a_search_that_is_under_way_ends_with_the_client() -> None:
+    async with bench() as (_, port):
+        client = await Client.open("127.0.0.1", port)
+        searching = asyncio.create_task(client.call("Thing", "say", "x", within=60))
+        await asyncio.sleep(0)
+        await client.close()
+
+        with pytest.raises(ConnectionLost, match="closed"):
+            await searching
+
+
+async def test_the_end_of_a_connection_is_told_in_the_same_turn() -> None:
+    told: list[bool] = []
+
+    class Watched(Connection):
+        def connection_lost(self, exc: Exception | None) -> None:
+            told.append(self.lost.done())
+            super().connection_lost(exc)
+
+    async with bench() as (ours, port):
+        loop = asyncio.get_running_loop()
+        _, connection = await loop.create_connection(Watched, "127.0.0.1", port)
+        await connection.ask(2, 1, 2, encode("I", 1), 60)
+        await ours.server.close()
+        await connection.lost
+        await until(lambda: bool(told))
+
+    assert told == [True]

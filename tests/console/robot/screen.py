@@ -6,6 +6,9 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
+from textual.events import Key
+from textual.keys import _character_to_key
+
 from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
 from woz_tui.console.screens.robot import RobotDialog
@@ -64,3 +67,10 @@ def runs(seat: Sitting) -> None:
 
 def done(command: str) -> m.Done:
     return m.Done(command=command, driver="pepper", latency_us=1, duration_us=1, sent={})
+
+
+async def type_in(seat: Sitting, text: str) -> None:
+    """Type text of whatever characters."""
+    for letter in text:
+        seat.console.post_message(Key(_character_to_key(letter), letter))
+        await seat.settle()

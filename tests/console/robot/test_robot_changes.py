@@ -97,7 +97,7 @@ REFUSED = functools.partial(m.Refused, code="args")
 
 
 @pytest.mark.parametrize("kind", [m.Failed, m.TimedOut, REFUSED])
-async def test_so_does_what_the_robot_would_not_do(kind: Callable[..., m.End]) -> None:
+async def test_so_does_what_the_robot_would_not_do(kind: Callable[..., m.AnyMessage]) -> None:
     async with opened() as seat:
         runs(seat)
         await choose(seat, "Posture")

@@ -88,7 +88,7 @@ class SayDialog(Entry):
             return
         self._utterances = utterances_of(self.picture, self.desk.said)
         self.entry.suggester = _Completer(self)
-        self.watch(self.entry, "cursor_position", self._show_matches, init=False)
+        self.watch(self.entry, "selection", self._show_matches, init=False)  # the caret
         self._show_voice()
 
     def below(self) -> Iterable[Widget]:

@@ -30,7 +30,7 @@ from typing import Any
 
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.connection_line import HALTS, Line, silence, until_services
-from woz_drivers.pepper.link import Gone, Missing, Said, Unanswered, Unsubscribe
+from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Unsubscribe
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.links_trouble import Refused
 from woz_drivers.pepper.parts import WITHIN_S
@@ -163,6 +163,13 @@ class Connection:
         with self._in_words(line, f"{service}.{signal}"):
             await line.pulse.fresh()
             return await line.link.listen(service, signal, come)
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        """Offer the robot a service of ours until the connection is lost. Raises as `call`."""
+        line = self._need()
+        with self._in_words(line, f"the service {name} of ours"):
+            await line.pulse.fresh()
+            return await line.link.serve(name, methods)
 
     def _need(self) -> Line:
         if self._line is None:

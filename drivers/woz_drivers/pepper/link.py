@@ -7,7 +7,7 @@ this.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from typing import Any, Protocol
 
 
@@ -33,6 +33,9 @@ class Gone(LinkError):  # noqa: N818 - as above
 
 #: Takes back what was subscribed.
 Unsubscribe = Callable[[], Awaitable[None]]
+#: A service of ours: by the method's name the signature of its parameters, `(iimr)`, and what the
+#: robot calls.
+Methods = Mapping[str, tuple[str, Callable[..., None]]]
 
 
 class Link(Protocol):
@@ -81,6 +84,14 @@ class Link(Protocol):
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
         """Call `heard(*values)` in the loop whenever the signal is emitted. Raises as `call`."""
+        ...
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        """Offer the robot a service of ours under `name` until the result is called, or the line
+        is lost: its functions are called in the loop, and what they return is not sent.
+
+        Raises as `call`; `Said` if the name is taken, or the robot takes no service from here.
+        """
         ...
 
     async def close(self) -> None:

@@ -47,7 +47,9 @@ class Listening:
 
         Raises `DriverError` if none comes.
         """
-        self._withdraw = await self._robot.serve(SERVICE, {"processRemote": self._heard})
+        self._withdraw = await self._robot.serve(
+            SERVICE, {"processRemote": ("(iimr)", self._heard)}
+        )
         try:
             await self._robot.call(
                 *("ALAudioDevice", "setClientPreferences"),

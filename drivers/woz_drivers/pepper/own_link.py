@@ -11,7 +11,7 @@ from collections.abc import Awaitable, Callable
 from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address
-from woz_drivers.pepper.link import Gone, LinkError, Missing, Said, Unanswered, Unsubscribe
+from woz_drivers.pepper.link import Gone, LinkError, Methods, Missing, Said, Unanswered, Unsubscribe
 from woz_drivers.pepper.links_socket import keep_nothing_unsent, resolved
 from woz_drivers.pepper.links_trouble import (
     unknown,
@@ -23,6 +23,7 @@ from woz_drivers.pepper.links_trouble import (
 from woz_drivers.pepper.secrets import Secret
 from woz_drivers.qimessaging import errors
 from woz_drivers.qimessaging.client import Client
+from woz_drivers.qimessaging.hosting import Hosted, Method
 from woz_tui.core.driver import Lost
 
 _DIRECTORY = "ServiceDirectory"
@@ -157,6 +158,13 @@ class OwnLink:
                 return  # nothing is heard any more, whatever the robot thinks
 
         return unsubscribe
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        """Offer a service; see `Link.serve`. Not answered within 2 s: raises `Unanswered`."""
+        hosted = Hosted(Method(one, takes, "v", run) for one, (takes, run) in methods.items())
+        registering = self._client.register(name, hosted)
+        served = await self._in_time(registering, _LISTENS_WITHIN_S, _DIRECTORY, name)
+        return served.withdraw
 
     async def close(self) -> None:
         """Let go; see `Link.close`."""

@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar, Protocol
 
-from woz_drivers.pepper.link import Unsubscribe
+from woz_drivers.pepper.link import Methods, Unsubscribe
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import Job, Outlet, Scope, Verb
 from woz_tui.core.messages import Json
@@ -38,6 +38,10 @@ class Robot(Protocol):
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
         """Hear a signal until the connection is lost (a part listens again in `connected`)."""
+        ...
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        """Offer the robot a service of ours (`Link.serve`) until the connection is lost."""
         ...
 
     @property

@@ -16,7 +16,7 @@ from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address
-from woz_drivers.pepper.link import Gone, Missing, Said, Unanswered, Unsubscribe
+from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Unsubscribe
 from woz_drivers.pepper.links_socket import (
     keep_nothing_unsent,
     local_host_towards,
@@ -138,6 +138,21 @@ class QiLink:
 
         return unsubscribe
 
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        """Offer a service; see `Link.serve`. Not answered within 2 s: raises `Unanswered`."""
+        within = 2.0
+        members = {one: self._method(one, takes, run) for one, (takes, run) in methods.items()}
+        # libqi looks at classes for methods, and keeps the object itself alive.
+        made = type(name, (), {"__qi_threading__": "multi", **members})()
+        number = await self._in_time(self._register(name, made), within, name)
+
+        async def withdraw() -> None:
+            with contextlib.suppress(Said, Gone, Unanswered):
+                ending = self._session.unregisterService(number, _async=True)
+                await self._in_time(self._answer(ending), within, name)
+
+        return withdraw
+
     async def close(self) -> None:
         """Let go of the session, in a thread of its own."""
         self._is_lost("closed")
@@ -162,6 +177,24 @@ class QiLink:
             return _plain(await self._answer(future))
         except Said as said:
             raise await self._judged(service, f"{service}.{method}", str(said)) from None
+
+    async def _register(self, name: str, made: Any) -> Any:
+        """Make a service known, after listening where the robot reaches this machine."""
+        if self._session is None or self.lost.done():
+            raise self._gone()
+        if not self._session.endpoints():
+            listening = self._session.listen(f"tcp://{self.local_host}:0", _async=True)
+            await self._answer(listening)
+        return await self._answer(self._session.registerService(name, made, _async=True))
+
+    def _method(self, name: str, takes: str, run: Callable[..., None]) -> Callable[..., None]:
+        come = self._from_thread(run)
+
+        def entered(_self: Any, *values: Any) -> None:
+            come(*values)
+
+        vars(entered).update(__qi_name__=name, __qi_signature__=takes, __qi_return_signature__="v")
+        return entered
 
     async def _signal(self, service: str, signal: str) -> Any:
         emitter = getattr(await self._proxy(service), signal, None)

@@ -1,0 +1,107 @@
+"""A connection as its driver has it, and what became of the calls that went through it."""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from collections.abc import AsyncIterator, Callable
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.pepper.connection import Connection
+from woz_drivers.pepper.settings import PepperSettings
+
+from tests.drivers.heard import Heard
+from woz_tui.core.driver import DriverError, Health, Lost
+from woz_tui.core.messages import DriverHealth
+
+WITHIN_S = 20.0
+SETTINGS = PepperSettings(robots=())
+
+
+@dataclass
+class Outcome:
+    """One call: when it was made and when its end was known (monotonic, ns), and how it ended."""
+
+    name: str
+    begun_ns: int
+    ended_ns: int = 0
+    error: DriverError | None = None
+    ends: int = 0
+
+
+@dataclass
+class Stand:
+    """One connection with what it told, and the calls made by `call`."""
+
+    connection: Connection
+    heard: Heard
+    came: int = 0
+    went: int = 0
+    outcomes: list[Outcome] = field(default_factory=list)
+
+    def health(self) -> tuple[str, str, str]:
+        """The newest: state, detail, remedy."""
+        told = self.heard.all(DriverHealth)
+        if not told:
+            return "", "", ""
+        state = type(told[-1]).__name__.removeprefix("Driver").lower()
+        return state, told[-1].detail, told[-1].remedy
+
+    async def is_so(self, health: Health, *words: str) -> None:
+        """Return once the wizard is told this."""
+        await self.heard.until(
+            lambda: (
+                self.health()[0] == health.value
+                and all(word in " ".join(self.health()[1:]) for word in words)
+            )
+        )
+
+    async def until(self, holds: Callable[[], bool]) -> None:
+        """Return when this is true; for what no message tells."""
+        async with asyncio.timeout(WITHIN_S):
+            while not holds():  # noqa: ASYNC110 - see above
+                await asyncio.sleep(0.005)
+
+    async def call(self, service: str, method: str, *args: Any, within: float = 10.0) -> Outcome:
+        """Make a call and write down how it ends; raises nothing of the robot's."""
+        outcome = Outcome(f"{service}.{method}", time.monotonic_ns())
+        self.outcomes.append(outcome)
+        try:
+            await self.connection.call(service, method, *args, within=within)
+        except DriverError as error:
+            outcome.error = error
+        outcome.ended_ns = time.monotonic_ns()
+        outcome.ends += 1
+        return outcome
+
+    def begin(self, service: str, method: str, *args: Any, within: float = 10.0) -> Any:
+        """The same in the background."""
+        return asyncio.create_task(self.call(service, method, *args, within=within))
+
+
+@asynccontextmanager
+async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[Stand]:
+    """A connection that has been started."""
+    heard = Heard(folder)
+
+    async def came() -> None:
+        made.came += 1
+
+    def went() -> None:
+        made.went += 1
+
+    given = replace(SETTINGS, robots=robots, **settings)
+    made = Stand(Connection(given, heard.outlet, on_connected=came, on_lost=went), heard)
+    made.connection.start()
+    try:
+        yield made
+    finally:
+        await made.connection.close()
+
+
+def is_lost(outcome: Outcome) -> bool:
+    """Whether the wizard was told that the robot is not there."""
+    return isinstance(outcome.error, Lost)

@@ -1,0 +1,242 @@
+"""The connection over the wire: taken, changed, let go, found again, with both clients."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import threading
+from collections.abc import AsyncIterator
+from pathlib import Path
+
+import pytest
+from woz_drivers.pepper import connection as module
+from woz_drivers.pepper.connection import Connection
+from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
+from woz_drivers.qimessaging.server import Server
+
+from tests.drivers.heard import Heard
+from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand
+from tests.fakes.naoqi import StandIn, stand_in
+from woz_tui.core.driver import DriverError, Health, Lost, Rejected
+from woz_tui.core.messages import Notice
+
+
+@pytest.fixture
+async def bare() -> AsyncIterator[str]:
+    """The address of a robot in this loop that has all services, and nothing in them."""
+    server = Server()
+    endpoint = await server.listen("127.0.0.1")
+    for name in sorted(WANTED):
+        server.add(name)
+    yield str(endpoint)
+    await server.close()
+
+
+async def test_it_begins_with_the_first_robot(robot: StandIn, client: str, tmp_path: Path) -> None:
+    async with stand(tmp_path, robot.address, "127.0.0.1:1", client=client) as it:
+        await it.is_so(Health.CONNECTED, f"127.0.0.1:{robot.port}", client)
+        assert it.connection.there
+        assert it.connection.robot == f"127.0.0.1:{robot.port}"
+        assert it.connection.client.startswith(client)
+        assert it.connection.local_host == "127.0.0.1"
+        assert it.came == 1
+        await it.connection.probe()
+        assert await it.connection.call("ALSystem", "robotName") == "Pepper"
+        with pytest.raises(DriverError, match=r"ALMotion\.moveTo") as refused:
+            await it.connection.call("ALMotion", "moveTo", "x")
+        assert not isinstance(refused.value, Lost)
+        with pytest.raises(DriverError, match="no service ALNothing") as missing:
+            await it.connection.call("ALNothing", "say")
+        assert missing.value.remedy
+        # The very first connection leaves the robot as it is.
+        assert not await robot.trace("ALMotion.stopMove", "ALTextToSpeech.stopAll")
+
+
+async def test_signals_are_heard(robot: StandIn, client: str, tmp_path: Path) -> None:
+    async with stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        touches: list[tuple[float, float]] = []
+        forget = await it.connection.listen(
+            "ALTabletService", "onTouchDownRatio", lambda x, y, _: touches.append((x, y))
+        )
+        await robot.touch(0.25, 0.5)
+        await it.until(lambda: touches == [(0.25, 0.5)])
+        await forget()
+
+
+async def test_it_waits_for_the_wizard_where_the_file_says_so(bare: str, tmp_path: Path) -> None:
+    async with stand(tmp_path, bare, connect=False) as it:
+        await it.is_so(Health.LOST, "no robot", "connect")
+        with pytest.raises(Lost):
+            await it.connection.call("ALSystem", "robotName")
+        await it.connection.connect()
+        await it.is_so(Health.CONNECTED)
+        assert it.connection.there
+
+
+async def test_another_robot_is_taken(robot: StandIn, client: str, tmp_path: Path) -> None:
+    async with stand_in() as other, stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
+        await robot.called("ALTextToSpeech.say")
+        await it.connection.connect(other.address)
+        said = await saying
+        assert is_lost(said)
+        assert f"127.0.0.1:{other.port} is being taken" in str(said.error)
+        await it.is_so(Health.CONNECTED, f"127.0.0.1:{other.port}")
+        assert (it.came, it.went) == (2, 1)
+        await it.connection.call("ALSystem", "systemVersion")
+        assert await other.trace("ALSystem.systemVersion")
+        assert not await robot.trace("ALSystem.systemVersion")
+        # Back again: this one may still be doing what it did.
+        await it.connection.connect(robot.address)
+        assert await robot.trace("ALTextToSpeech.stopAll")
+
+
+async def test_let_go_it_stays_away(bare: str, client: str, tmp_path: Path) -> None:
+    async with stand(tmp_path, bare, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        await it.connection.disconnect()
+        await it.is_so(Health.LOST, "disconnected by the wizard", "connect")
+        assert it.went == 1
+        assert it.connection.robot == ""
+        with pytest.raises(Lost, match="disconnected by the wizard"):
+            await it.connection.call("ALSystem", "robotName")
+        assert not [task for task in asyncio.all_tasks() if "keeping" in repr(task.get_coro())]
+        await it.connection.connect(bare)
+        assert it.came == 2
+
+
+async def test_what_is_no_address_changes_nothing(bare: str, tmp_path: Path) -> None:
+    async with stand(tmp_path, bare) as it:
+        await it.is_so(Health.CONNECTED)
+        with pytest.raises(Rejected):
+            await it.connection.connect("http://pepper")
+        assert it.connection.there
+
+
+async def test_a_file_with_a_wrong_address_is_told_of(tmp_path: Path) -> None:
+    async with stand(tmp_path, "nao:Hush@pepper") as it:
+        await it.is_so(Health.FAULTED, "password must not stand", "WOZ_PEPPER_PASSWORD")
+        assert "Hush" not in str(it.heard.messages)
+
+
+async def test_a_robot_that_is_not_there_is_looked_for(client: str, tmp_path: Path) -> None:
+    async with stand_in() as first:
+        port = first.port
+    async with stand(tmp_path, client=client) as it:
+        with pytest.raises(Lost, match=f"nothing listens on port {port}"):
+            await it.connection.connect(f"127.0.0.1:{port}")
+        await it.is_so(Health.LOST, "nothing listens")
+        async with stand_in(port=port):
+            await it.is_so(Health.CONNECTED)
+
+
+async def test_services_that_come_one_by_one_are_waited_for(client: str, tmp_path: Path) -> None:
+    server = Server()
+    endpoint = await server.listen("127.0.0.1")
+    server.add("ALMemory")
+    async with stand(tmp_path, str(endpoint), client=client) as it:
+        await it.is_so(Health.CONNECTING, "is starting: waiting for", "ALMotion")
+        with pytest.raises(Lost, match="is starting"):
+            await it.connection.call("ALMemory", "getData", "x")
+        for name in sorted(WANTED - {"ALMemory"}):
+            server.add(name)
+        await it.is_so(Health.CONNECTED)
+        assert "without" not in it.health()[1]
+    await server.close()
+
+
+async def test_a_robot_without_some_services_is_played_even_so(
+    client: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.connection_line._COMES_WITHIN_S", 0.3)
+    server = Server()
+    endpoint = await server.listen("127.0.0.1")
+    for name in sorted(ESSENTIAL):
+        server.add(name)
+    async with stand(tmp_path, str(endpoint), client=client) as it:
+        await it.is_so(Health.CONNECTED, "without", "ALTabletService")
+        # The next time nobody waits for what was not there.
+        monkeypatch.setattr("woz_drivers.pepper.connection_line._COMES_WITHIN_S", 3600.0)
+        await it.connection.connect(str(endpoint))
+        assert it.came == 2
+    await server.close()
+
+
+async def test_a_wrong_password_is_not_tried_again_and_again(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_PASSWORD", "Hush!42")
+    asked: list[str] = []
+    server = Server(authenticator=lambda user, password: bool(asked.append(user)))
+    endpoint = await server.listen("127.0.0.1")
+    async with stand(
+        tmp_path, str(endpoint), client="own", password="ROBOT_PASSWORD", connect=False
+    ) as it:
+        with pytest.raises(Lost):
+            await it.connection.connect()
+        await it.is_so(Health.FAULTED, "password", "ROBOT_PASSWORD")
+        await it.until(lambda: len(asyncio.all_tasks()) == 1)
+        assert len(asked) == 1
+        assert "Hush" not in str(it.heard.messages)
+    await server.close()
+
+
+@pytest.mark.parametrize("failure", [DriverError("no colour", "give one"), TimeoutError()])
+async def test_parts_that_fail_to_apply_are_told_of(
+    bare: str, tmp_path: Path, failure: Exception, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "_APPLIED_WITHIN_S", 0.05)
+    heard = Heard(tmp_path)
+
+    async def apply() -> None:
+        if isinstance(failure, DriverError):
+            raise failure
+        await asyncio.sleep(3600)
+
+    it = Connection(SETTINGS, heard.outlet, on_connected=apply, on_lost=lambda: None)
+    await it.connect(bare)
+    notice = await heard.first(Notice)
+    assert notice.level == "warning"
+    assert notice.remedy
+    assert it.there
+    await it.close()
+
+
+async def test_nothing_is_left_after_the_end(robot: StandIn, client: str, tmp_path: Path) -> None:
+    async with stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+    threads, files = threading.active_count(), len(os.listdir("/proc/self/fd"))
+    async with stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
+        await robot.called("ALTextToSpeech.say")
+        robot.freeze()
+        # Closing asks nothing of the robot: this would wait for ever otherwise.
+        await asyncio.wait_for(it.connection.close(), WITHIN_S)
+        assert is_lost(await saying)
+        assert len(asyncio.all_tasks()) == 1
+        await it.connection.close()
+    await it.until(lambda: threading.active_count() <= threads)
+    await it.until(lambda: len(os.listdir("/proc/self/fd")) <= files)
+
+
+async def test_the_simulated_robot_lives_as_long_as_it_is_played(
+    client: str, tmp_path: Path
+) -> None:
+    def children() -> set[int]:
+        found = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
+        lines = {number: Path(f"/proc/{number}/cmdline").read_bytes() for number in found}
+        return {int(number) for number, line in lines.items() if b"woz_drivers.naoqi" in line}
+
+    before = children()
+    async with stand(tmp_path, "simulated", client=client, pace=20.0) as it:
+        await it.is_so(Health.CONNECTED, "simulated")
+        (first,) = children() - before
+        os.kill(first, 9)
+        await it.is_so(Health.LOST, "simulated")
+        await it.is_so(Health.CONNECTED, "simulated")
+        (second,) = children() - before
+        assert second != first
+    assert children() == before

@@ -63,6 +63,8 @@ class Line:
         #: When the question was asked that was answered last, and when its answer came: what had
         #: been written before the one has reached the terminal at the other. None: never.
         self.confirmed_us: tuple[int, int] | None = None
+        #: The shortest time from a question to its answer so far, in microseconds; 0: unknown.
+        self.quickest_us = 0
         self._hurried = False
         self._first_us: int | None = None
         self._due_us = now
@@ -117,6 +119,8 @@ class Line:
         if self._asked_us is not None:
             self.rtt_ms = (now - self._asked_us) / 1000
             self.confirmed_us = (self._asked_us, now)
+            took_us = now - self._asked_us
+            self.quickest_us = min(took_us, self.quickest_us or took_us)
             self._due_us = max(now, self._asked_us + round(EVERY_S * 1_000_000))
             self._asked_us = None
         self._judge(now)

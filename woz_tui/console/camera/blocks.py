@@ -14,7 +14,7 @@ from woz_tui.console.camera import colours as c
 #: How far red, green and blue of a pixel together may be from what is shown, of 3 x 255.
 NOISE = 24
 #: About so many bytes a cell costs by itself: both colours, its sign, a share of a move.
-COSTS = {1 << 24: 42, 256: 28, 16: 16, 0: 4}
+COSTS = {1 << 24: 60, 256: 42, 16: 30, 0: 14}
 #: Changed cells so close to each other, with one in between, are painted in one go.
 _NEAR = 1
 

@@ -15,7 +15,7 @@ FILLS_S = 0.25
 #: Of the time pictures may have this share; the rest of it is everybody else's.
 SHARE = 0.5
 #: The line's speed before it is known, in bytes a second, and what is at least reckoned with.
-AT_FIRST, SLOWEST = 48_000, 4_000
+AT_FIRST, SLOWEST = 12_000, 4_000
 #: Smaller pictures tell nothing about the line, in bytes; faster ones only that it is not slow.
 TELLING, INSTANT_S = 2_000, 0.030
 #: No picture costs more, in bytes.

@@ -39,7 +39,6 @@ class Side:
         #: What the terminal said of itself; False until it has answered.
         self.kitty = self.sixel = False
         self._output, self._line, self._wake = output, line, wake
-        self._quickest_us: int | None = None
 
     @property
     def waiting(self) -> int:
@@ -89,7 +88,4 @@ class Side:
     @property
     def way_us(self) -> int:
         """The shortest time from a question to its answer, in microseconds; 0: unknown."""
-        if self._line.rtt_ms is not None:
-            rtt_us = round(self._line.rtt_ms * 1000)
-            self._quickest_us = min(rtt_us, self._quickest_us or rtt_us)
-        return self._quickest_us or 0
+        return self._line.quickest_us

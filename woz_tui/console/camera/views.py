@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 from rich.color import Color
@@ -36,6 +36,13 @@ class View(Widget):
     def __init__(self) -> None:
         super().__init__()
         self.room = Room(1, 1)
+        self._painted: Callable[[], None] | None = None
+
+    def after_painting(self, call: Callable[[], None]) -> None:
+        """Call back when Textual has written what `show` changed. Its own `call_after_refresh` may
+        come before: a widget's changes take a detour through its screen.
+        """
+        self._painted = call
 
     def place(self, room: Room) -> None:
         """Take other cells; what was drawn is gone."""
@@ -47,12 +54,14 @@ class View(Widget):
         """Pixels to ask for, if a picture may cost `allowance` bytes."""
         raise NotImplementedError
 
-    def show(self, shown: PictureShown, allowance: int) -> None:
-        """Draw a picture, or as much of it as `allowance` bytes reach. Raises `DamagedError`."""
+    def show(self, shown: PictureShown, allowance: int) -> bool:
+        """Draw a picture, or as much of it as `allowance` bytes reach; whether there is anything
+        for Textual to paint. Raises `DamagedError`.
+        """
         raise NotImplementedError
 
     def settled(self) -> None:
-        """Textual has painted what `show` changed; called after each picture."""
+        """What `show` changed has been painted; called after each picture."""
 
     def clear(self) -> None:
         """Draw nothing: no picture fits any more, something lies over it, or the screen closes."""
@@ -61,6 +70,17 @@ class View(Widget):
     def get_line_filters(self) -> Sequence[LineFilter]:
         """None: colours are a terminal's own numbers here, and placeholders' names."""
         return ()
+
+    def render_line(self, y: int) -> Strip:
+        """One line; Textual writes it in the same breath."""
+        painted, self._painted = self._painted, None
+        if painted is not None:
+            self.call_later(painted)
+        return self.line(y)
+
+    def line(self, y: int) -> Strip:
+        """What line `y` shows."""
+        raise NotImplementedError
 
 
 class Blocks(View):
@@ -86,7 +106,7 @@ class Blocks(View):
         """Two pixels a cell: a slow line gets fewer of the cells at a time instead."""
         return self._canvas.size
 
-    def show(self, shown: PictureShown, allowance: int) -> None:
+    def show(self, shown: PictureShown, allowance: int) -> bool:
         """Paint the cells that have changed, the worst first."""
         canvas = self._canvas
         pixels = stretched(unpacked(shown), shown.width, shown.height, *canvas.size)
@@ -95,6 +115,7 @@ class Blocks(View):
             self._strips.pop(stretch.row, None)
         if painted:
             self.refresh(*(Region(one.begin, one.row, one.end - one.begin, 1) for one in painted))
+        return bool(painted)
 
     def clear(self) -> None:
         """All black."""
@@ -102,7 +123,7 @@ class Blocks(View):
         self._strips.clear()
         self.refresh()
 
-    def render_line(self, y: int) -> Strip:
+    def line(self, y: int) -> Strip:
         """One line, cells of the same colours in one piece."""
         if y not in self._strips:
             self._strips[y] = self._strip(y)
@@ -151,15 +172,16 @@ class Kitty(View):
         cells = 4 * self.room.columns * self.room.rows
         return smaller(*self.room.pixels, max(1_000, allowance - cells) / self._bytes)
 
-    def show(self, shown: PictureShown, allowance: int) -> None:
+    def show(self, shown: PictureShown, allowance: int) -> bool:
         """Send the picture under the name that is not shown, then change the names."""
         self._turn = 1 - self._turn
         name = kitty.NAMES[self._turn]
         if not self._put(kitty.sent(name, self.room.columns, self.room.rows, shown.data)):
-            return
+            return False
         self._bytes = max(0.02, len(shown.data) / max(1, shown.width * shown.height))
         self._drawn = name
         self.refresh()
+        return True
 
     def settled(self) -> None:
         """The picture before is not shown any more: let go of it."""
@@ -176,7 +198,7 @@ class Kitty(View):
     def _put(self, text: str) -> bool:
         return self._side.put(kitty.through_tmux(text) if self._tmux else text)
 
-    def render_line(self, y: int) -> Strip:
+    def line(self, y: int) -> Strip:
         """A line of placeholders in the colour that is the picture's name."""
         width = self.size.width
         if not self._drawn or y >= min(self.room.rows, kitty.MOST_ROWS):
@@ -203,7 +225,7 @@ class Sixel(View):
         """All pixels of the cells, or a smaller picture in their middle."""
         return smaller(*self.room.pixels, allowance / self._bytes)
 
-    def show(self, shown: PictureShown, allowance: int) -> None:
+    def show(self, shown: PictureShown, allowance: int) -> bool:
         """Draw over the last one, once Textual has painted."""
         wide, high = self.room.cell
         left = (self.room.columns - shown.width / wide) / 2
@@ -214,6 +236,7 @@ class Sixel(View):
         # Saved and restored: Textual goes on where the cursor was.
         self._data = f"\x1b7\x1b[{row};{column}H{shown.data}\x1b8"
         self._due = True
+        return False
 
     def settled(self) -> None:
         """Draw what is due."""
@@ -226,9 +249,9 @@ class Sixel(View):
         if self.is_attached:
             self.app.refresh()
 
-    def render_line(self, y: int) -> Strip:
+    def line(self, y: int) -> Strip:
         """Blanks. Whoever paints them has erased the picture: it is drawn again behind them."""
         if self._data and not self._due:
             self._due = True
-            self.call_after_refresh(self.settled)
+            self.call_later(self.settled)
         return Strip.blank(self.size.width)

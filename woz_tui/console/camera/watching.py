@@ -158,6 +158,8 @@ class Watching:
     def _arrive(self, now: int) -> None:
         """Take note that the last picture has reached the terminal."""
         drawing = self._drawing
+        if drawing is not None and now - drawing.began_us > LOST_S * 1_000_000:
+            self.painted()  # nobody has: it was not to be seen
         if drawing is None or drawing.painted_us is None:
             return
         painted, cost, took = drawing.painted_us, 0, 0

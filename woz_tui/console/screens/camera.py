@@ -135,8 +135,10 @@ class CameraDialog(Dialog):
         if min(shape) > 0 and shape != self._shape:
             self._shape = shape
             self._lay_out()
-        view.show(shown, watching.allowance)
-        self.call_after_refresh(self._painted)
+        if view.show(shown, watching.allowance):
+            view.after_painting(self._painted)
+        else:
+            self.call_later(self._painted)
 
     def _painted(self) -> None:
         if self._view is not None and self._watching is not None:

@@ -98,11 +98,13 @@ def freeze(seconds: float) -> None:
     """
     own = os.getpid()
     if seconds > 0:
-        subprocess.Popen(
-            ["/bin/sh", "-c", f"sleep {seconds:.3f}; kill -CONT {own}"],
+        # The shell ends at once and leaves the one who waits to init: no child of ours to forget.
+        subprocess.run(
+            ["/bin/sh", "-c", f"(sleep {seconds:.3f}; kill -CONT {own}) &"],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
+            check=True,
         )
     os.kill(own, signal.SIGSTOP)
 

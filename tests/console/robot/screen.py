@@ -39,16 +39,17 @@ def line(seat: Sitting, label: str) -> str:
 
 
 async def choose(seat: Sitting, label: str) -> None:
-    """Go down to a line."""
-    for _ in range(40):
-        if line_is_chosen(seat, label):
-            return
-        await seat.press("down")
-    raise AssertionError(f"{label} was never chosen")
-
-
-def line_is_chosen(seat: Sitting, label: str) -> bool:
-    return any(f"▸ {label} " in row for row in seat.drawn().splitlines())
+    """Go up or down to a line."""
+    top = seat.console.dialog
+    assert isinstance(top, RobotDialog)
+    labels = [each.setting.label for each in top._lines()]
+    way = labels.index(label) - top._line
+    for _ in range(abs(way)):
+        seat.console.post_message(Key("down" if way > 0 else "up", None))
+    await seat.settle()
+    seat.console.paint()
+    await seat.settle()
+    assert any(f"▸ {label} " in row for row in seat.drawn().splitlines())
 
 
 def verbs(seat: Sitting) -> list[tuple[str, dict[str, m.Json], str]]:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import secrets
 from collections.abc import Mapping
 from typing import Any
 
@@ -15,7 +16,8 @@ from woz_drivers.pepper.parts_calls import Endings
 from woz_tui.core.driver import DriverError, Outlet
 from woz_tui.core.messages import Json
 
-#: The service of ours that the robot sends its sound to.
+#: How the service of ours begins that the robot sends its sound to. Each has a name of its own: a
+#: robot that was cut off holds on to those of before for a while.
 SERVICE = "WozTuiMicrophones"
 _HEARD_HZ = 48000
 #: ALAudioDevice's number for the front microphone, and for samples channel by channel: no.
@@ -34,6 +36,7 @@ class Listening:
         self._path = outlet.media / f"robot-{stamp(outlet.clock.wall())}.wav"
         #: The file as results and messages name it.
         self.file = f"{outlet.media.name}/{self._path.name}"
+        self._service = f"{SERVICE}_{secrets.token_hex(4)}"
         self._sound: SoundFile | None = None
         self._first: asyncio.Future[Block] = asyncio.get_running_loop().create_future()
         self._t_us = 0
@@ -48,14 +51,14 @@ class Listening:
         Raises `DriverError` if none comes.
         """
         self._withdraw = await self._robot.serve(
-            SERVICE, {"processRemote": ("(iimr)", self._heard)}
+            self._service, {"processRemote": ("(iimr)", self._heard)}
         )
         try:
             await self._robot.call(
                 *("ALAudioDevice", "setClientPreferences"),
-                *(SERVICE, _HEARD_HZ, _FRONT, _NOT_DEINTERLEAVED),
+                *(self._service, _HEARD_HZ, _FRONT, _NOT_DEINTERLEAVED),
             )
-            await self._robot.call("ALAudioDevice", "subscribe", SERVICE)
+            await self._robot.call("ALAudioDevice", "subscribe", self._service)
             async with asyncio.timeout(_PATIENCE_S):
                 first = await asyncio.shield(self._first)
         except TimeoutError:
@@ -128,7 +131,9 @@ class Listening:
 
     async def _withdrawn(self) -> None:
         with contextlib.suppress(DriverError):  # it is not there, and sends nothing then
-            await self._robot.call("ALAudioDevice", "unsubscribe", SERVICE, within=_FAREWELL_S)
+            await self._robot.call(
+                "ALAudioDevice", "unsubscribe", self._service, within=_FAREWELL_S
+            )
         withdraw, self._withdraw = self._withdraw, None
         if withdraw is not None:
             await withdraw()

@@ -147,6 +147,8 @@ class QiLink:
         number = await self._in_time(self._register(name, made), within, name)
 
         async def withdraw() -> None:
+            if self._session is None:
+                return
             with contextlib.suppress(Said, Gone, Unanswered):
                 ending = self._session.unregisterService(number, _async=True)
                 await self._in_time(self._answer(ending), within, name)

@@ -1,0 +1,229 @@
+"""The robot's microphones over the wire: recordings there, its sound as a file here."""
+
+from __future__ import annotations
+
+import asyncio
+import os
+import threading
+import wave
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.pepper.audio_client import Block, SoundFile, block
+from woz_drivers.pepper.microphones import Microphones
+from woz_drivers.pepper.microphones_listening import SERVICE
+
+from tests.drivers.heard import until
+from tests.drivers.pepper.wired import Wired, wired
+from tests.fakes.naoqi import StandIn, stand_in
+from woz_tui.core.driver import DriverError, Rejected, Scope
+
+
+@pytest.mark.naoqi(
+    "ALAudioRecorder.startMicrophonesRecording", "ALAudioRecorder.stopMicrophonesRecording"
+)
+@pytest.mark.woz4u("audio_save_dir")
+async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn, client: str) -> None:
+    async with wired(
+        Microphones, tmp_path, robot, client=client, recordings="/home/nao/sounds of today"
+    ) as it:
+        told = await it.do("record_sound", on=True)
+        path = str(told["file"])
+        assert path.startswith("/home/nao/sounds of today/woz-2")
+        assert path.endswith(".wav")
+        [call] = await robot.called("ALAudioRecorder.startMicrophonesRecording")
+        assert call.args == [path, "wav", 16000, [1, 1, 1, 1]]
+        assert await it.part.read() == {"microphones": f"recording {path}"}
+        assert await it.part.stop(Scope.ALL) == ()
+        with pytest.raises(Rejected, match="recording already"):
+            await it.do("record_sound", on=True)
+        ended = await it.do("record_sound", on=False)
+        assert (ended["file"], ended["t"]) == (path, told["t"])
+        assert isinstance(ended["seconds"], float)
+        assert await robot.get("recording") == ""
+        assert await it.part.read() == {"microphones": "off"}
+        with pytest.raises(Rejected):
+            await it.do("sing", on=True)
+
+
+async def test_off_ends_what_an_earlier_program_began(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Microphones, tmp_path, robot) as it:
+        words = ("/home/nao/old.wav", "wav", 16000, [1, 1, 1, 1])
+        await it.connection.call("ALAudioRecorder", "startMicrophonesRecording", *words)
+        with pytest.raises(DriverError, match="no recording was begun") as told:
+            await it.do("record_sound", on=True)
+        assert "record_sound off" in told.value.remedy
+        assert await it.do("record_sound", on=False) == {"file": ""}
+        assert str((await it.do("record_sound", on=True))["file"]).endswith(".wav")
+
+
+async def test_the_end_of_the_session_ends_the_recording(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Microphones, tmp_path, robot) as it:
+        await it.do("record_sound", on=True)
+    assert await robot.get("recording") == ""
+    assert it.notices == []
+
+
+async def test_a_robot_that_goes_may_record_on(tmp_path: Path) -> None:
+    async with stand_in() as robot, wired(Microphones, tmp_path, robot) as it:
+        path = (await it.do("record_sound", on=True))["file"]
+        robot.kill()
+        await until(lambda: bool(it.notices))
+        assert it.notices == [f"it: the robot may still be recording to {path}"]
+        assert await it.part.read() == {"microphones": "off"}
+
+
+async def test_a_robot_that_refuses_the_end_may_record_on(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Microphones, tmp_path, robot) as it:
+        path = (await it.do("record_sound", on=True))["file"]
+        await robot.fault("refuse:ALAudioRecorder.stopMicrophonesRecording=busy")
+        with pytest.raises(DriverError, match="busy"):
+            await it.do("record_sound", on=False)
+        assert await it.part.read() == {"microphones": f"recording {path}"}
+    assert it.notices == [f"it: the robot may still be recording to {path}"]
+
+
+def _sound(it: Wired[Microphones], file: Any) -> tuple[int, int, int, bytes]:
+    path = it.heard.outlet.media.parent / str(file)
+    with wave.open(str(path)) as sound:
+        frames = sound.readframes(sound.getnframes())
+        return sound.getnchannels(), sound.getsampwidth(), sound.getframerate(), frames
+
+
+@pytest.mark.naoqi(
+    "ALAudioDevice.setClientPreferences", "ALAudioDevice.subscribe", "ALAudioDevice.unsubscribe"
+)
+@pytest.mark.parametrize("server", ["own", "auto"])
+async def test_the_robots_sound_is_a_file_here(tmp_path: Path, client: str, server: str) -> None:
+    async with (
+        stand_in(server, pace=2.0) as robot,
+        wired(Microphones, tmp_path, robot, client=client) as it,
+    ):
+        before = it.heard.outlet.t(it.heard.clock.now_us())
+        told = await it.do("listen", on=True)
+        [call] = await robot.trace("ALAudioDevice.setClientPreferences")
+        name = str(call.args[0])
+        assert name.startswith(SERVICE)
+        assert call.args[1:] == [48000, 3, 0]
+        assert await robot.get("sound.subscribers") == [name]
+        assert await it.part.read() == {"microphones": f"listening to {told['file']}"}
+        t, robot_time = told["t"], told["robot_time"]
+        assert isinstance(t, int)
+        assert isinstance(robot_time, float)
+        assert before - 100_000 <= t <= it.heard.outlet.t(it.heard.clock.now_us())
+        with pytest.raises(Rejected, match="listening already"):
+            await it.do("listen", on=True)
+        ended = await it.do("listen", on=False)
+        assert await robot.get("sound.subscribers") == []
+        channels, width, rate, frames = _sound(it, ended["file"])
+        assert (channels, width, rate) == (1, 2, 48000)
+        assert len(frames) >= 2 * 4096
+        assert len(set(frames)) > 10
+        assert ended["seconds"] == round(len(frames) / 2 / 48000, 3)
+        assert (ended["missing"], ended["t"]) == (0, told["t"])
+        again = await it.do("listen", on=True)
+        assert again["file"] != ended["file"]
+        assert it.notices == []
+    assert len(_sound(it, again["file"])[3]) >= 2 * 4096
+    assert not [one for one in threading.enumerate() if one.name == "pepper sound"]
+
+
+async def test_without_sound_it_says_so_and_lets_go(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Microphones, tmp_path, robot) as it:
+        await robot.fault("refuse:ALAudioDevice.subscribe=no microphone")
+        with pytest.raises(DriverError, match="no microphone"):
+            await it.do("listen", on=True)
+        assert await it.part.read() == {"microphones": "off"}
+        await robot.clear()
+        assert await it.do("listen", on=False) == {"file": ""}
+        await it.do("listen", on=True)
+        assert len(await robot.get("sound.subscribers")) == 1
+    assert await robot.get("sound.subscribers") == []
+
+
+async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path, client: str) -> None:
+    async with stand_in() as robot, wired(Microphones, tmp_path, robot, client=client) as it:
+        told = await it.do("listen", on=True)
+        robot.kill()
+        await until(lambda: bool(it.notices))
+        assert "ends here: the robot is gone" in it.notices[0]
+        assert await it.do("listen", on=False) == {"file": ""}
+    assert len(_sound(it, told["file"])[3]) >= 2 * 4096
+
+
+@pytest.mark.parametrize(
+    ("place", "trouble"), [("/dev/full", "No space left on device"), ("", "File exists")]
+)
+async def test_a_disk_that_takes_nothing_is_told_once(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: str, trouble: str
+) -> None:
+    path = tmp_path / "sound.wav"
+    path.write_bytes(b"somebody's")
+    real = os.open
+    if place:  # a real full disk, found under another name
+
+        def full(name: Path, flags: int, mode: int = 0o777) -> int:
+            return real(place if name == path else name, flags & ~os.O_EXCL, mode)
+
+        monkeypatch.setattr(os, "open", full)
+    failures: list[str] = []
+    sound = SoundFile(path, 48000, 1, failures.append)
+    sound.begin()
+    sound.put(b"\0\0" * 100)
+    written = await sound.finish()
+    assert written.trouble == trouble
+    sound.put(b"\0\0")
+    assert failures == [trouble]
+    assert path.read_bytes() == b"somebody's"
+
+
+async def test_a_file_is_valid_after_every_buffer(tmp_path: Path) -> None:
+    path = tmp_path / "new" / "sound.wav"
+    sound = SoundFile(path, 16000, 2, pytest.fail)
+    sound.begin()
+    for count in range(1, 4):
+        sound.put(b"\1\0\2\0" * 50)
+
+        def there(frames: int = 50 * count) -> bool:
+            try:
+                with wave.open(str(path)) as opened:
+                    return int(opened.getnframes()) == frames
+            except (OSError, EOFError, wave.Error):
+                return False
+
+        await until(there)
+    assert (await sound.finish()).frames == 150
+    assert path.stat().st_mode & 0o077 == 0
+
+
+@given(
+    *(st.one_of(st.integers(), st.floats(), st.none(), st.text(max_size=3)) for _ in range(2)),
+    st.one_of(st.none(), st.lists(st.integers() | st.none(), max_size=3)),
+    st.one_of(st.binary(max_size=32), st.text(max_size=16), st.none(), st.integers()),
+)
+def test_no_buffer_raises(channels: Any, samples: Any, stamp: Any, buffer: Any) -> None:
+    found = block(channels, samples, stamp, buffer)
+    if isinstance(found, Block):
+        assert len(found.data) == 2 * found.channels * found.samples
+    else:
+        assert found
+
+
+def test_a_buffer_of_four_microphones() -> None:
+    assert block(4, 2, [10, 500_000], b"\0" * 16) == Block(4, 2, b"\0" * 16, 10.5)
+    assert block(1, 2, None, bytearray(4)) == Block(1, 2, b"\0" * 4, None)
+    assert block(4, 2, [10, 0], b"\0" * 15) == "15 bytes for 4 channels of 2 samples are no sound"
+
+
+async def test_nothing_is_left_after_closing(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Microphones, tmp_path, robot) as it:
+        listening = asyncio.create_task(it.do("listen", on=True))
+        await robot.called("ALAudioDevice.subscribe")
+        listening.cancel()
+        await asyncio.wait([listening])
+    left = [one for one in asyncio.all_tasks() if "pepper" in one.get_name()]
+    assert left == []
+    assert await robot.get("sound.subscribers") == []

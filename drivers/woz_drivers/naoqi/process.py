@@ -31,6 +31,7 @@ Or write `robots: [simulated]`, and the driver starts one by itself.
 --control takes one JSON object a line on standard input and answers one a line:
   {"do": "get", "name": "state"}                        everything that can be seen
   {"do": "set", "name": "front", "value": 0.3}          something stands 0.3 m ahead
+  {"do": "set", "name": "drift", "value": true}         it changes its autonomy by itself now
   {"do": "person", "who": {"distance": 1.2, "talking": true, "name": "Ada"}}
   {"do": "person", "who": null}                         nobody; "auto": by the seed again
   {"do": "touch", "x": 0.5, "y": 0.5}                   somebody touches the tablet

@@ -83,23 +83,16 @@ class Client:
             LoginError: The robot does not let us in.
             ProtocolError: Something else listens there.
         """
-        endpoint = Endpoint(host, port, tls is not None)
         services = Host()
         way_in = WayIn(tls, user, token, services.handle)
-        connection = await way_in.connect(endpoint, timeout)
-        this = cls(connection, way_in, services, timeout)
+        endpoint = Endpoint(host, port, tls is not None)
         try:
-            await this._meet_directory()
-        except ConnectionLost as error:
-            if way_in.objection:
-                raise LoginError(f"the robot refuses the login: {way_in.objection}") from error
-            raise
-        except QiError as error:
-            connection.end(str(error))
-            raise
-        except BaseException:
-            connection.end("opening the connection was given up")
-            raise
+            async with asyncio.timeout(timeout):
+                connection = await way_in.connect(endpoint, timeout)
+                this = cls(connection, way_in, services, timeout)
+                await this._begin()
+        except TimeoutError:
+            raise TimedOut(f"{endpoint} does not answer within {timeout:g} s") from None
         return this
 
     @property
@@ -211,6 +204,20 @@ class Client:
 
     # Inside.
 
+    async def _begin(self) -> None:
+        try:
+            await self._meet_directory()
+        except ConnectionLost as error:
+            if self._way_in.objection:
+                raise LoginError(_refusal(self._way_in.objection)) from error
+            raise
+        except QiError as error:
+            self._connection.end(str(error))
+            raise
+        except BaseException:
+            self._connection.end("opening the connection was given up")
+            raise
+
     async def _meet_directory(self) -> None:
         directory = await RemoteObject.fetch(self._connection, DIRECTORY_SERVICE, self._timeout)
         members = await directory.call("service", DIRECTORY, within=self._timeout)
@@ -285,6 +292,10 @@ class Client:
         if self.lost.done():
             return error
         return ServiceLost(f"{service} has gone: {error}")
+
+
+def _refusal(objection: str) -> str:
+    return f"the robot refuses the login: {objection}"
 
 
 async def _already(directory: RemoteObject) -> RemoteObject:

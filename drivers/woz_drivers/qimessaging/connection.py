@@ -112,7 +112,7 @@ class Connection(asyncio.Protocol):
 
     def send(self, frame: Frame) -> None:
         """Send a message. Raises `ConnectionLost`."""
-        if self._transport is None or self.lost.done():
+        if self._transport is None or self._transport.is_closing() or self.lost.done():
             raise ConnectionLost(self._reason or "the connection is closed")
         self._transport.write(frame.encoded())
         if self._transport.get_write_buffer_size() > _MOST_WAITING:

@@ -104,7 +104,7 @@ class Listener:
 
 
 def _welcome() -> bytes:
-    """Return our capabilities and that the login is done; libqi wants the state as an `I`."""
+    """Return our capabilities and that the login is done; the state is an `I`, as libqi's."""
     parts = [encode("s", name) + encode("m", value) for name, value in CAPABILITIES.items()]
     parts.append(encode("s", handshake.STATE) + encode("s", "I") + encode("I", handshake.DONE))
     return encode("I", len(parts)) + b"".join(parts)

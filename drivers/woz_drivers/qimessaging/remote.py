@@ -150,6 +150,8 @@ class Hearing:
         self._loop = asyncio.get_running_loop()
         remote.connection.hear(self._source, self)
         self._registered = asyncio.create_task(self._register(within))
+        # Whoever waited for it may have given up; then its error is nobody's.
+        self._registered.add_done_callback(lambda task: task.cancelled() or task.exception())
 
     async def join(self, heard: Callable[..., None]) -> Unsubscribe:
         """Add a listener; return when the other end knows. Raises as `RemoteObject.call`."""
@@ -161,36 +163,45 @@ class Hearing:
         try:
             await asyncio.shield(self._registered)
         except BaseException:
-            await self._leave(listener, tell=False)
+            if self._leave(listener):
+                self._take_back()
             raise
 
         async def unsubscribe() -> None:
-            await self._leave(listener, tell=True)
+            if self._leave(listener) and not self._remote.connection.lost.done():
+                await self._remote.ask(UNREGISTER_EVENT, self._registration(), WITHIN)
 
         return unsubscribe
 
     async def _register(self, within: float) -> None:
         try:
-            # The first number is the service's: libqi sends it, NAOqi expects it.
-            payload = encode("(IIL)", (self._remote.service, self._uid, self._link))
-            await self._remote.ask(REGISTER_EVENT, payload, within)
+            await self._remote.ask(REGISTER_EVENT, self._registration(), within)
         except BaseException:
-            self._forget()
+            self._remote.connection.unhear(self._source, self)
             raise
 
-    async def _leave(self, listener: Callable[..., None], *, tell: bool) -> None:
+    def _registration(self) -> bytes:
+        # The first number is the service's: libqi sends it, NAOqi expects it.
+        return encode("(IIL)", (self._remote.service, self._uid, self._link))
+
+    def _leave(self, listener: Callable[..., None]) -> bool:
+        """Forget a listener; tell whether it was the last."""
         if listener not in self._listeners:
-            return
+            return False
         self._listeners.remove(listener)
         if self._listeners:
-            return
-        self._forget()
-        if tell and not self._remote.connection.lost.done():
-            payload = encode("(IIL)", (self._remote.service, self._uid, self._link))
-            await self._remote.ask(UNREGISTER_EVENT, payload, WITHIN)
-
-    def _forget(self) -> None:
+            return False
         self._remote.connection.unhear(self._source, self)
+        return True
+
+    def _take_back(self) -> None:
+        """Take back a registration which is under way, without waiting: it was given up."""
+        failed = self._registered.done() and self._registered.exception() is not None
+        connection = self._remote.connection
+        if not failed and not connection.lost.done():
+            connection.post(
+                self._remote.service, self._remote.object, UNREGISTER_EVENT, self._registration()
+            )
 
     def take(self, frame: Frame) -> None:
         """Hand an event's values to all listeners. Raises `ProtocolError`."""

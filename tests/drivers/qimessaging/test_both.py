@@ -274,6 +274,22 @@ async def test_an_object_that_is_handed_out_twice_is_one() -> None:
         await client.close()
 
 
+async def test_listening_that_is_given_up_is_taken_back() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        await client.service("Thing")
+        listening = asyncio.create_task(client.listen("Thing", "fired", print))
+        while client.pending == 0:  # noqa: ASYNC110 - the answer is not to come first
+            await asyncio.sleep(0)
+        listening.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await listening
+        await client.call("Thing", "say", "x", within=W)
+
+        assert ours.service.hearers("fired") == 0
+        await client.close()
+
+
 async def test_a_search_that_is_under_way_ends_with_the_client() -> None:
     async with bench() as (_, port):
         client = await Client.open("127.0.0.1", port)

@@ -24,7 +24,7 @@ from woz_drivers.qimessaging.host import Host
 from woz_drivers.qimessaging.hosting import Signal
 from woz_drivers.qimessaging.listening import Listener
 
-from tests.drivers.qimessaging.desk import bench, between, script
+from tests.drivers.qimessaging.desk import bench, between, frames, script
 
 Greeted = Callable[[Frame, asyncio.StreamWriter], None]
 STATE = "__qi_auth_state"
@@ -117,6 +117,19 @@ async def test_a_robot_that_does_not_answer_is_given_up() -> None:
 
     async with script(play) as port:
         with pytest.raises(TimedOut):
+            await Client.open("127.0.0.1", port, timeout=0.1)
+
+
+async def test_opening_takes_no_longer_than_it_may() -> None:
+    """Also where the robot greets and is silent from then on, or answers bit by bit."""
+
+    async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        async for frame in frames(reader):
+            if frame.service == 0:
+                writer.write(_reply(frame, {STATE: 3}))
+
+    async with script(play) as port:
+        with pytest.raises(TimedOut, match=f"tcp://127.0.0.1:{port} does not answer"):
             await Client.open("127.0.0.1", port, timeout=0.1)
 
 

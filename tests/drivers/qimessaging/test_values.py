@@ -172,6 +172,7 @@ def test_strings_that_are_no_text_come_whole() -> None:
         ("[v]", struct.pack("<I", 0xFFFFFFFF)),  # a list that needs no bytes
         ("[()]", struct.pack("<I", MOST_VALUES + 1)),
         ("[[v]]", struct.pack("<I", 40) + struct.pack("<I", MOST_VALUES // 20) * 40),
+        ("[(vv)]", struct.pack("<I", MOST_VALUES - 9)),
         ("[i]", struct.pack("<I", 0xFFFFFFFF)),
         ("s", struct.pack("<I", 0xFFFFFFFF)),
         ("r", struct.pack("<I", 5) + b"abcd"),

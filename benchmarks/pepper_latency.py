@@ -93,9 +93,12 @@ def session(address: str) -> Any:
 
 def bare(address: str) -> Sender:
     """The floor."""
-    speech = session(address).service("ALTextToSpeech")
+    opened = session(address)  # kept: its services end with it
+    speech = opened.service("ALTextToSpeech")
 
     def send(value: float) -> int:
+        if not opened.isConnected():
+            raise RuntimeError("the robot is gone")
         sent = time.monotonic_ns()
         speech.setVolume(value)
         return sent
@@ -212,7 +215,8 @@ def scene(polling: bool, calls: int) -> list[Measured]:
 
 def trace(address: str) -> dict[str, int]:
     """When each volume arrived, by its six decimals."""
-    told = session(address).service("StandIn").trace()
+    opened = session(address)
+    told = opened.service("StandIn").trace()
     return {
         f"{json.loads(args)[0]:.6f}": entered
         for service, method, args, entered in told

@@ -11,7 +11,7 @@ from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Scope, Verb
 from woz_tui.core.messages import Json
 
 LANE = "body"
@@ -48,19 +48,19 @@ class Animations:
         try:
             await self._robot.call("ALAnimationPlayer", "run", path, within=LONG_S)
         except asyncio.CancelledError:
-            self._endings.send(self._end(path))
-            raise
-        except (Lost, Rejected):
+            self._endings.send(self._end(path))  # until then it may go on, and a stop must reach it
             raise
         except DriverError as error:
+            self._playing = ""
+            if isinstance(error, Lost):
+                raise
             raise DriverError(
                 f"{path} was not played: {error.what}",
                 error.remedy
                 or "check the path; `naoqi: ALBehaviorManager.getInstalledBehaviors`"
                 " lists what the robot has",
             ) from error
-        finally:
-            self._playing = ""
+        self._playing = ""
         return {"move": path}
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
@@ -74,7 +74,8 @@ class Animations:
         """Nothing to set."""
 
     def lost(self) -> None:
-        """Nothing is kept."""
+        """What was played is not known to play any more."""
+        self._playing = ""
 
     async def read(self) -> Mapping[str, Json]:
         """It has no settings."""
@@ -87,3 +88,5 @@ class Animations:
     async def _end(self, path: str) -> None:
         """The job's cancelled call ends it where the robot listens to that; this ends it anyway."""
         await self._robot.call("ALBehaviorManager", "stopBehavior", path)
+        if self._playing == path:
+            self._playing = ""

@@ -32,7 +32,8 @@ class Autonomy:
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
         self._robot = robot
-        self._settings = settings.autonomy
+        #: Asked for last, by the robot file or by a command: set again after a loss.
+        self._asked = asked_for(settings.autonomy)
         self._outlet = outlet
 
     @classmethod
@@ -77,6 +78,7 @@ class Autonomy:
         elif job.verb != "autonomy":
             raise Rejected(f"autonomy cannot {job.verb!r}")
         refused = await self._set(wanted)
+        self._asked |= {name: value for name, value in wanted.items() if name not in refused}
         if refused:
             which = "; ".join(f"{name}: {error.what}" for name, error in refused.items())
             kept = [name for name in wanted if name not in refused]
@@ -91,9 +93,8 @@ class Autonomy:
         return ()
 
     async def connected(self) -> None:
-        """Apply what the robot file says; what the robot refuses is told."""
-        wanted = asked_for(self._settings)
-        for name, error in (await self._set(wanted)).items():
+        """Apply what the robot file says, or the wizard since; what the robot refuses is told."""
+        for name, error in (await self._set(self._asked)).items():
             self._outlet.notice("warning", f"{name} could not be set: {error.what}", error.remedy)
 
     def lost(self) -> None:

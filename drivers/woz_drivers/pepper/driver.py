@@ -16,6 +16,7 @@ from woz_drivers.pepper.driver_reading import Reading
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.senses import Senses
 from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.tablet import Screen
 from woz_drivers.simulated.values import text
 from woz_tui.core.driver import (
     DriverError,
@@ -71,8 +72,7 @@ class Pepper:
     @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
         """What its senses publish, and touches of the tablet, as far as the file wants them."""
-        touch = ("touch.x", "touch.y") if settings.senses.touch else ()
-        return tuple(dict.fromkeys((*Senses.sensors(settings), *touch)))
+        return (*Senses.sensors(settings), *Screen.sensors(settings))
 
     @classmethod
     def joints(cls, settings: PepperSettings) -> Mapping[str, Range]:
@@ -110,7 +110,7 @@ class Pepper:
             raise Rejected(f"Pepper cannot {job.verb!r}")
         try:
             sent = await part.perform(job)
-        except Rejected:
+        except (Rejected, Lost):
             raise
         except DriverError:
             # Perhaps it was done in part: what is missing shows as wanted.

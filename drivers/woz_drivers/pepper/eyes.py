@@ -260,7 +260,9 @@ class Eyes:
                     await self._fade(BLACK, FADE_S)
                     await self._fade(self._shown or WHITE, FADE_S)
         except DriverError as error:
-            self._outlet.notice("warning", f"the eyes stopped to {animation}: {error.what}")
+            self._loop = None
+            what = "blinking" if animation == "blink" else "coming and going"
+            self._outlet.notice("warning", f"the eyes stopped {what}: {error.what}")
 
     def _end_loop(self) -> None:
         if self._loop is not None:

@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated
 
+from woz_drivers.simulated.values import color
+from woz_tui.core.driver import Rejected
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds
 
 #: `robots:` entry for which the driver starts a robot of its own on this machine.
@@ -105,3 +107,15 @@ class PepperSettings:
     pace: Annotated[
         float, Range(0.01, 100), Doc("of the simulated robot only: how fast its time passes")
     ] = 1.0
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What no robot takes, by the setting's path."""
+        found = []
+        if self.eyes:
+            try:
+                color({"color": self.eyes}, "color")
+            except Rejected as error:
+                found.append(("eyes", f"{error.what}; {error.remedy}"))
+        if self.voice.pitch is not None and 0 < self.voice.pitch < 1:
+            found.append(("voice.pitch", "is 0 for its own voice, or 1 to 4 times that"))
+        return found

@@ -13,7 +13,7 @@ from typing import ClassVar
 
 from woz_drivers.pepper import speech_text
 from woz_drivers.pepper.parts import Robot
-from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Endings, answers, apply
+from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Call, Endings, answers, apply
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems
 from woz_drivers.simulated.values import number, text
@@ -26,6 +26,7 @@ LANE, SETTINGS_LANE = "voice", "voice-settings"
 VOLUME, SPEED, PITCH = Range(0, 1), Range(50, 400, "%"), Range(0, 4)
 #: NAOqi's names of its parameters.
 _PARAMETERS = {"speech_speed": "speed", "speech_pitch": "pitchShift"}
+_NAMES = ("volume", *_PARAMETERS)
 
 
 class Voice:
@@ -35,7 +36,12 @@ class Voice:
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
         self._robot = robot
-        self._settings = settings.voice
+        voice = settings.voice
+        #: Asked for last, by the robot file or by a command: set again after a loss.
+        self._asked: dict[str, float] = {}
+        for name, value in zip(_NAMES, (voice.volume, voice.speed, voice.pitch), strict=True):
+            if value is not None:
+                self._asked[name] = float(value)
         self._outlet = outlet
         self._endings = Endings()
         #: In per cent, as last read; only the expected duration depends on it.
@@ -76,16 +82,14 @@ class Voice:
             case "read":
                 return await self._read(job)
             case "volume":
-                level = _inside(job, "level", VOLUME)
-                await self._robot.call(TTS, "setVolume", level)
-                return {"level": level}
+                return await self._set(job, "level", VOLUME)
             case "speech_speed":
-                return await self._parameter(job, "percent", SPEED)
+                return await self._set(job, "percent", SPEED)
             case "speech_pitch":
                 pitch = _inside(job, "pitch", PITCH)
                 if 0 < pitch < 1:
                     raise Rejected(f"there is no pitch {pitch:g}", "0 is its own, 1 to 4 shift it")
-                return await self._parameter(job, "pitch", PITCH)
+                return await self._set(job, "pitch", PITCH)
         raise Rejected(f"the voice cannot {job.verb!r}")
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
@@ -96,16 +100,11 @@ class Voice:
         return (self.name,)
 
     async def connected(self) -> None:
-        """Apply what the robot file says of the voice."""
-        call, wanted = self._robot.call, self._settings
-        calls = {}
-        if wanted.volume is not None:
-            calls["the volume"] = call(TTS, "setVolume", float(wanted.volume))
-        if wanted.speed is not None:
-            calls["the speed of speech"] = call(TTS, "setParameter", "speed", float(wanted.speed))
-        if wanted.pitch is not None:
-            calls["the pitch"] = call(TTS, "setParameter", "pitchShift", float(wanted.pitch))
-        await apply(self._outlet, calls)
+        """Apply what the robot file says of the voice, or the wizard since."""
+        await apply(
+            self._outlet,
+            {name.replace("_", " "): self._call(name, to) for name, to in self._asked.items()},
+        )
 
     def lost(self) -> None:
         """Nothing is kept."""
@@ -170,12 +169,18 @@ class Voice:
         for problem in problems(said):
             self._outlet.notice("warning", problem, "correct the tag in the text")
 
-    async def _parameter(self, job: Job, argument: str, allowed: Range) -> dict[str, Json]:
+    async def _set(self, job: Job, argument: str, allowed: Range) -> dict[str, Json]:
         value = _inside(job, argument, allowed)
-        await self._robot.call(TTS, "setParameter", _PARAMETERS[job.verb], value)
+        await self._call(job.verb, value)
+        self._asked[job.verb] = value
         if job.verb == "speech_speed":
             self._speed = value
         return {argument: value}
+
+    def _call(self, name: str, value: float) -> Call:
+        if name == "volume":
+            return self._robot.call(TTS, "setVolume", value)
+        return self._robot.call(TTS, "setParameter", _PARAMETERS[name], value)
 
 
 def _setting(verb: str, argument: str, summary: str, allowed: Range) -> Verb:

@@ -102,9 +102,10 @@ async def test_what_the_robot_refuses_is_named_and_the_rest_is_set(it: Played) -
     await it.robot.fault("refuse:ALAutonomousBlinking.setEnabled=not now", 60)
     with pytest.raises(DriverError, match=r"did not change blinking: .*not now.*awareness did"):
         await it.do("autonomy", blinking=False, awareness=False)
-    shown = await it.shows(awareness=False, blinking=True)
-    assert shown.wanted["blinking"] is False
-    assert "awareness" not in shown.wanted
+    shown = await it.tells(lambda shown: shown.wanted.get("blinking") is False)
+    assert shown.values["blinking"] is True
+    await it.tells(lambda shown: "awareness" not in shown.wanted)
+    assert it.shown.values["awareness"] is False
 
 
 @pytest.mark.woz4u("autonomous_life_config")
@@ -134,8 +135,8 @@ async def test_a_change_by_the_robot_itself_shows_against_what_was_asked_for(it:
     )
     # Another program, or the robot's own life.
     await it.do("naoqi", call="ALAutonomousBlinking.setEnabled", args="[true]")
-    shown = await it.shows(blinking=True)
-    assert shown.wanted["blinking"] is False
+    await it.tells(lambda shown: shown.values["blinking"] is True)
+    assert it.shown.wanted["blinking"] is False
 
 
 async def test_one_unreadable_setting_hides_no_other(it: Played) -> None:

@@ -42,6 +42,13 @@ def test_the_outline_is_read_by_the_console_and_has_every_setting() -> None:
     assert all(tag.help for tag in told.tags)
 
 
+def test_a_file_with_values_that_no_robot_takes_is_told_where() -> None:
+    wrong = dataclasses.replace(ONE, eyes="grean", voice=Voice(pitch=0.5))
+    assert [place for place, _ in wrong.problems()] == ["eyes", "voice.pitch"]
+    right = dataclasses.replace(ONE, eyes="green", voice=Voice(pitch=1.5))
+    assert right.problems() == []
+
+
 # -- animations ----------------------------------------------------------------------------------
 
 
@@ -87,7 +94,7 @@ def test_the_heads_bend_is_limited_by_its_turn_as_documented(
     yaw: float, low: float, high: float
 ) -> None:
     allowed = body_joints.head_pitch(yaw)
-    assert (allowed.low, allowed.high) == (pytest.approx(low), pytest.approx(high))
+    assert [allowed.low, allowed.high] == pytest.approx([low, high])
 
 
 @given(DEGREES, DEGREES)

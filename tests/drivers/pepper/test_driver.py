@@ -1,0 +1,163 @@
+"""The driver as a whole: contract, the line to the robot, settings after a loss, any call."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+from woz_drivers.pepper import Pepper
+from woz_drivers.pepper.parts import SETTINGS
+from woz_drivers.pepper.settings import PepperSettings, Voice
+
+from tests.drivers.heard import Heard, Ordered
+from tests.drivers.pepper.played import QUIET, joined, played
+from tests.fakes.naoqi import stand_in
+from woz_tui.core.conformance import check
+from woz_tui.core.driver import DriverError, Lost, Rejected
+from woz_tui.core.messages import DriverConnected, DriverLost, SettingsShown
+from woz_tui.core.robots import RobotOutline
+from woz_tui.plugins import installed
+
+#: Every verb of the driver; a robot file and an experiment rely on these names.
+VERBS = {
+    *("say", "read", "volume", "speech_speed", "speech_pitch", "play", "posture", "pose", "home"),
+    *("torque", "gaze", "nudge", "hip", "drive", "eyes", "eyes_animation", "eyes_brightness"),
+    *("sound", "screen", "tablet", "autonomy", "collision", "picture", "record_sound", "listen"),
+    *("connect", "disconnect", "naoqi"),
+}
+
+
+@pytest.mark.parametrize("robots", [("tcp://127.0.0.1:1",), ("simulated",), (), ("no such/name",)])
+async def test_it_keeps_the_contract_with_and_without_a_robot(
+    robots: tuple[str, ...], tmp_path: Path
+) -> None:
+    findings = await check(Pepper, PepperSettings(robots=robots), folder=tmp_path)
+    assert [finding.level for finding in findings] == ["ok"], findings
+
+
+def test_verbs_lanes_joints_and_sensors_are_those_that_files_rely_on() -> None:
+    settings = PepperSettings(robots=())
+    verbs = {verb.name: verb for verb in Pepper.verbs(settings)}
+    assert set(verbs) == VERBS
+    assert verbs["gaze"].stream
+    assert [name for name, verb in verbs.items() if verb.drives] == ["drive"]
+    assert {verbs[name].lane for name in ("play", "posture", "pose", "home", "torque")} == {"body"}
+    assert Pepper.joints(settings)["HeadPitch"].low == -40.5
+    assert {"distance", "loudness", "presence", "gaze", "battery", "touch.x"} <= set(
+        Pepper.sensors(settings)
+    )
+
+
+def test_every_setting_is_changed_by_a_verb_that_takes_it() -> None:
+    settings = PepperSettings(robots=("simulated",))
+    verbs = {verb.name: verb for verb in Pepper.verbs(settings)}
+    told = RobotOutline.read(Pepper.outline(settings))
+    assert told is not None
+    for line in told.settings:
+        if line.verb:
+            arguments = {one.name: one for one in verbs[line.verb].arguments}
+            assert line.argument in arguments, line.name
+            assert not set(line.choices) - set(arguments[line.argument].choices or line.choices)
+
+
+def test_it_is_found_by_the_name_that_files_use() -> None:
+    assert installed()["pepper"] is Pepper
+
+
+# -- the line ------------------------------------------------------------------------------------
+
+
+async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path, client: str) -> None:
+    async with stand_in() as other, played(tmp_path, client=client) as it:
+        sent = await it.do("connect", robot=other.address)
+        assert sent["robot"] == other.address.removeprefix("tcp://")
+        assert str(sent["client"]).startswith(client)
+        await it.do("say", text="Here I am.")
+        assert await other.trace("ALAnimatedSpeech.say")
+        assert await it.calls("ALAnimatedSpeech.say") == []
+        assert await it.do("disconnect") == {"robot": sent["robot"]}
+        await it.tells(lambda shown: "volume" not in shown.values)
+        with pytest.raises(Lost, match="disconnected by the wizard"):
+            await it.do("say", text="Nobody hears this.")
+
+
+async def test_without_a_robot_verbs_say_so_at_once(tmp_path: Path) -> None:
+    heard = Heard(tmp_path)
+    driver = Pepper("it", PepperSettings(robots=(), connect=False), heard.outlet)
+    await driver.open()
+    for verb, args in (("say", {"text": "Hi"}), ("drive", {"x": 1.0}), ("eyes", {"color": "red"})):
+        with pytest.raises(Lost) as told:
+            await driver.perform(Ordered(verb, args))
+        assert "connect" in told.value.remedy
+    await driver.rest()
+    await driver.close()
+    with pytest.raises(Lost, match="closed"):
+        await driver.perform(Ordered("connect"))
+
+
+async def test_a_robot_that_comes_back_gets_the_files_settings_again(tmp_path: Path) -> None:
+    settings = PepperSettings(robots=(), senses=QUIET, voice=Voice(volume=0.3), eyes="green")
+    async with stand_in() as robot:
+        address, port = robot.address, robot.port
+        it = await joined(
+            robot,
+            tmp_path,
+            PepperSettings(robots=(address,), senses=QUIET, voice=settings.voice, eyes="green"),
+        )
+        await it.shows(volume=0.3, eyes="#00ff00")
+        # What the wizard has changed since counts more than the file.
+        await it.do("eyes", color="red")
+        await it.do("volume", level=0.4)
+        await it.do("autonomy", awareness=False)
+        robot.kill()
+        await it.heard.first(DriverLost)
+        await it.tells(lambda shown: set(shown.values) == {"robot"})
+        async with stand_in(port=port):
+            await it.heard.first(DriverConnected, after=1)
+            await it.shows(volume=0.4, eyes="#ff0000", awareness=False)
+            assert it.shown.wanted == {}
+            await it.close()
+
+
+async def test_all_settings_are_read_from_a_simulated_robot_of_its_own(tmp_path: Path) -> None:
+    heard = Heard(tmp_path)
+    settings = PepperSettings(robots=("simulated",), pace=20)
+    driver = Pepper("it", settings, heard.outlet)
+    await driver.open()
+    await heard.until(
+        lambda: any(set(SETTINGS) <= set(one.values) for one in heard.all(SettingsShown))
+    )
+    await asyncio.wait_for(driver.perform(Ordered("say", {"text": "Hello"})), 20)
+    await driver.rest()
+    await driver.close()
+
+
+# -- any call ------------------------------------------------------------------------------------
+
+
+async def test_any_call_of_any_service_with_its_result(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        sent = await it.do("naoqi", call="ALTextToSpeech.getAvailableLanguages")
+        assert sent["result"] == ["English", "French", "German", "Japanese"]
+        sent = await it.do("naoqi", call="ALMotion.setStiffnesses", args='["Head", 0.5]')
+        assert sent == {
+            "call": "ALMotion.setStiffnesses",
+            "args": ["Head", 0.5],
+            "result": None,
+        }
+        assert await it.calls("ALMotion.setStiffnesses") == [("Head", 0.5)]
+        sent = await it.do("naoqi", call="ALTextToSpeech.getVolume", args="[]")
+        assert sent["result"] == pytest.approx(0.7)
+        for args, says in (
+            ({"call": "say"}, "no call"),
+            ({"call": "A.b.c"}, "no call"),
+            ({"call": "A.b", "args": "{}"}, "must be a list"),
+            ({"call": "A.b", "args": "[1"}, "no JSON list"),
+        ):
+            with pytest.raises(Rejected, match=says):
+                await it.do("naoqi", **args)
+        with pytest.raises(DriverError):
+            await it.do("naoqi", call="ALTextToSpeech.noSuchMethod")
+        with pytest.raises(DriverError):
+            await it.do("naoqi", call="ALNothing.say", args='["x"]')

@@ -1,0 +1,189 @@
+"""The stop over the wire: everything at once, part by part, whatever state the robot is in."""
+
+from __future__ import annotations
+
+import asyncio
+from pathlib import Path
+
+import pytest
+from woz_drivers.pepper.driver import Pepper
+from woz_drivers.pepper.settings import PepperSettings
+
+from tests.drivers.heard import Heard
+from tests.drivers.pepper.played import Played, joined, played
+from tests.fakes.naoqi import stand_in
+from woz_tui.bus.bus import Bus
+from woz_tui.core.driver import DriverError, Lost, Scope
+from woz_tui.core.hub import Hub
+from woz_tui.core.messages import AnyMessage, Command, DriverLost, Json, StopConfirmed
+
+LONG = "A very long story that nobody wants to hear to its end. " * 60
+MUSIC = "/home/nao/sounds/music.mp3"
+#: What a stop always ends, whoever began it.
+ALWAYS = ("driving", "motion", "sounds", "speech")
+#: Slow enough that nothing ends by itself while a test looks.
+PACE = 2.0
+
+
+async def busy(it: Played) -> None:
+    """Let it do everything at once."""
+    await it.do("eyes", color="#102030", animation="intermittent")
+    it.begin("drive", x=5.0)
+    await it.robot.called("ALMotion.moveTo")
+    it.begin("play", move="Waiting/ShowSky_1")
+    it.begin("say", text=LONG)
+    it.begin("sound", file=MUSIC)
+    for name in ("ALAnimationPlayer.run", "ALAnimatedSpeech.say", "ALAudioPlayer.play"):
+        await it.robot.called(name)
+    await it.robot.until(lambda: _kinds(it, {"speech", "animation", "move"}))
+
+
+async def _kinds(it: Played, wanted: set[str]) -> bool:
+    return wanted <= {kind for kind, *_ in await it.robot.get("going")}
+
+
+async def quiet(it: Played) -> bool:
+    """Whether the robot does nothing any more."""
+    kinds = {kind for kind, *_ in await it.robot.get("going")}
+    return not kinds - {"leds", "eyes"} and not any(await it.robot.get("velocity"))
+
+
+@pytest.mark.naoqi("ALMotion.killAll", "ALMotion.stopMove", "ALTextToSpeech.stopAll")
+@pytest.mark.naoqi("ALAudioPlayer.stopAll")
+async def test_everything_ends_at_once_and_each_part_confirms(tmp_path: Path, client: str) -> None:
+    async with played(tmp_path, client=client, pace=PACE) as it:
+        await busy(it)
+        assert not await quiet(it)
+        report = await it.stop()
+        assert report.missing == ()
+        assert report.confirmed == tuple(sorted((*ALWAYS, "animations", "eyes")))
+        assert await quiet(it)
+        await it.do("say", text="Hello", plain=True)  # and all of it works again
+        await it.do("drive", turn=5)
+
+
+async def test_parts_are_asked_together_and_before_any_other_call(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=PACE) as it:
+        await busy(it)
+        await it.robot.clear()
+        await it.stop()
+        called = [call.name for call in await it.robot.trace() if "get" not in call.method]
+        first = set(called[:4])
+        assert first == {
+            "ALMotion.stopMove",
+            "ALMotion.killAll",
+            "ALTextToSpeech.stopAll",
+            "ALAudioPlayer.stopAll",
+        }
+
+
+async def test_the_eyes_own_animation_is_covered_by_the_colour_of_before(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        await it.do("eyes", color="#102030")
+        it.begin("eyes_animation", kind="random", seconds=600)
+        await it.robot.called("ALLeds.randomEyes")
+        assert "eyes" in (await it.stop()).confirmed
+        await it.do("eyes", color="#405060")
+        assert await it.robot.get("eyes.animation") == ""
+
+
+async def test_with_nothing_going_on_the_robots_own_doings_end(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        report = await it.stop()
+        assert (report.confirmed, report.missing) == (ALWAYS, ())
+
+
+async def test_a_part_that_fails_is_named_and_the_others_confirm(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=PACE) as it:
+        it.begin("say", text=LONG)
+        await it.robot.called("ALAnimatedSpeech.say")
+        await it.robot.fault("refuse:ALTextToSpeech.stopAll=cannot", 30)
+        report = await it.stop()
+        assert report.missing == ("speech",)
+        assert set(report.confirmed) == {*ALWAYS} - {"speech"}
+
+
+async def test_a_frozen_robot_holds_nobody_up_and_ends_what_it_did_when_it_wakes(
+    tmp_path: Path, client: str
+) -> None:
+    async with played(tmp_path, client=client, pace=PACE) as it:
+        await busy(it)
+        await it.robot.clear()
+        it.robot.freeze()
+        report = await asyncio.wait_for(it.stop(), 5)
+        assert report.confirmed == ()
+        assert {*ALWAYS, "animations"} <= set(report.missing)
+        it.robot.thaw()
+        for name in ("ALMotion.killAll", "ALMotion.stopMove", "ALTextToSpeech.stopAll"):
+            await it.robot.called(name)
+        await it.robot.until(lambda: quiet(it))
+
+
+async def test_a_late_robot_is_named_and_still_stopped(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=PACE) as it:
+        it.begin("drive", x=5.0)
+        await it.robot.called("ALMotion.moveTo")
+        await it.robot.fault("slow:700", 10)
+        report = await it.stop()
+        assert "driving" in report.missing
+        await it.robot.until(lambda: quiet(it))
+
+
+async def test_a_lost_robot_confirms_nothing_until_it_is_there_again(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        it.robot.kill()
+        await it.heard.first(DriverLost)
+        await it.tells(lambda shown: set(shown.values) == {"robot"})
+        report = await it.stop()
+        assert report.confirmed == ()
+        assert set(report.missing) == {"driving", "motion"}
+        report = await it.stop(Scope.DRIVE)
+        assert report.missing == ("driving",)
+
+
+async def test_a_robot_that_was_let_go_or_never_there_has_nothing_to_stop(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        await it.do("disconnect")
+        assert await it.driver.stop(Scope.ALL) is None
+        with pytest.raises(Lost):
+            await it.do("say", text="Hello")
+    settings = PepperSettings(robots=("tcp://127.0.0.1:1",))
+    driver = Pepper("it", settings, Heard(tmp_path).outlet)
+    await driver.open()
+    assert await driver.stop(Scope.ALL) is None
+    await driver.close()
+
+
+async def test_the_bus_ends_the_jobs_and_names_the_parts(tmp_path: Path) -> None:
+    async with stand_in(pace=PACE) as robot:
+        it = await joined(robot, tmp_path, PepperSettings(robots=(robot.address,)))
+        told: list[AnyMessage] = []
+        hub = Hub(it.heard.clock, lambda message, line: None)
+        hub.listen(told.append)
+        bus = Bus(hub, {"it": it.driver}, {"it": Pepper.verbs(PepperSettings(robots=()))})
+        for verb, value in (("say", LONG), ("drive", 5.0), ("play", "Waiting/ShowSky_1")):
+            args: dict[str, Json] = {
+                "text" if verb == "say" else "x" if verb == "drive" else "move": value
+            }
+            command = Command(command=verb, driver="it", verb=verb, args=args, source="key")
+            bus.submit(command)
+            await robot.until(lambda: _kinds(it, {"speech"}))
+        await robot.until(lambda: _kinds(it, {"speech", "move", "animation"}))
+        await bus.stop("key")
+        (confirmed,) = [one for one in told if isinstance(one, StopConfirmed)]
+        assert (confirmed.confirmed, confirmed.missing) == (["it"], [])
+        assert confirmed.parts == {"it": sorted((*ALWAYS, "animations"))}
+        assert await quiet(it)
+        bus.release("key")
+        await bus.drain(2)
+        await it.close()
+
+
+async def test_a_drive_that_a_stop_cut_short_does_not_begin_later(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        job = it.begin("drive", x=5.0)  # it has not even been sent
+        await it.stop()
+        assert job.cancelled()
+        with pytest.raises(DriverError):
+            await it.do("pose", joints={"HeadYaw": 500})
+        assert await it.calls("ALMotion.moveTo") == []

@@ -9,6 +9,7 @@ from tests.console.robot import pepper
 from tests.console.robot.screen import choose, line, opened, verbs
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
+from woz_tui.console.replay.keys import KEYS
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 
@@ -148,3 +149,20 @@ async def test_a_difference_is_seen_on_the_main_screen() -> None:
         assert "pepper: ▲ 1 setting differs, 1 conflict" in seat.text("Status")
         await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
         assert "differs" not in seat.text("Status")
+
+
+async def test_in_a_replay_it_is_only_looked_at() -> None:
+    telling = r.Replaying(t=pepper.NOW, length_us=2 * pepper.NOW, rate=1.0, paused=True)
+    async with sitting(pepper.welcome(pepper.shown({"volume": 0.5})), telling) as seat:
+        await seat.press("@")
+        await choose(seat, "Volume")
+        own = seat.console.keyboard.kept
+        assert own == {"tab", "shift+tab", "up", "down"}, "the others move through the log"
+        await seat.press("right", "enter", "space")
+        assert verbs(seat) == [("nudge", {"yaw": -5.0}, "")], "as without the screen"
+        assert line(seat, "Volume") == "Volume 0.70 ▲ wanted 0.50"
+        assert "Connection" not in seat.drawn()
+
+
+def test_a_replay_has_its_key() -> None:
+    assert {item.id: item.chord for item in KEYS}["robot"] == "@"

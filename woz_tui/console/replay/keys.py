@@ -16,7 +16,7 @@ NEAR_S, FAR_S = 5.0, 60.0
 _KEPT = frozenset(
     {
         *("failures", "panel_next", "panel_back", "drivers"),
-        *("body", "knobs", "redraw"),
+        *("body", "knobs", "robot", "redraw"),
     }
 )
 

@@ -49,16 +49,21 @@ class Hand:
         ask: Sends a request, and calls with its reply.
         refused: What to do with a refusal that nobody looks at any more.
         key: The key that opened the screen, for the log.
+        watched: Whether anybody looks.
     """
 
     def __init__(
-        self, picture: Picture, ask: Ask, refused: Callable[[Reply], None], key: str
+        self,
+        picture: Picture,
+        ask: Ask,
+        refused: Callable[[Reply], None],
+        key: str,
+        watched: Callable[[], bool],
     ) -> None:
         self._picture, self._ask, self._refused, self._key = picture, ask, refused, key
         self._asked: dict[Key, Asked] = {}
         self._refusals: dict[Key, str] = {}
-        #: Whether anybody looks.
-        self.open = True
+        self._watched = watched
 
     def change(self, driver: str, line: Line, value: Json) -> None:
         """Ask the robot for a value, now or as soon as it has taken the one before."""
@@ -135,7 +140,7 @@ class Hand:
         if not reply.ok:
             self._drop(key, asked)
             self._refusals[key] = f"{reply.reason} {reply.hint}".strip()
-            if not self.open:
+            if not self._watched():
                 self._refused(reply)
         elif reply.run:
             asked.run = reply.run

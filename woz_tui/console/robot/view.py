@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection
 from dataclasses import dataclass
 
 from woz_tui.console.cells import Piece, clean
@@ -54,12 +53,11 @@ class Viewer:
         self._arrows, self._hand = arrows, hand
 
     def lines(self, driver: str, outline: RobotOutline) -> list[Line]:
-        """All lines, those that can be chosen and those that are only shown."""
-        return lines_of(outline, self.verbs(driver))
-
-    def verbs(self, driver: str) -> Collection[str]:
-        """What the driver offers."""
-        return self._picture.verbs.get(driver, ())
+        """All lines; in a replay those of the robot's own settings."""
+        found = lines_of(outline, self._picture.verbs.get(driver, ()))
+        if self._picture.replay is None:
+            return found
+        return [line for line in found if line.what is What.SETTING]
 
     def value(self, driver: str, line: Line) -> Json:
         """The value from which an arrow key goes on: the one asked for, else the robot's."""

@@ -21,7 +21,7 @@ from woz_tui.console.robot.rows import Place, list_room, scrolled, settings_rows
 from woz_tui.console.robot.swatch import Swatches
 from woz_tui.console.robot.values import WrongValue, about, next_value, typed_value, value_text
 from woz_tui.console.robot.view import Viewer
-from woz_tui.console.screens.dialog import Entry
+from woz_tui.console.screens.dialog import Entry, give_keys
 from woz_tui.console.screens.drawing import Drawing
 from woz_tui.core.messages import Json
 from woz_tui.experiment.textual_names import from_textual
@@ -32,6 +32,7 @@ _VALUES = {"left": -1, "right": 1}
 _DO = frozenset(("space", "enter"))
 #: Taken only where no action of the experiment has them.
 _FAR = frozenset(("pageup", "pagedown", "home", "end"))
+_REPLAY_HINT = "arrows up and down choose · tab: next · ctrl+q closes"
 
 
 class RobotDialog(Drawing):
@@ -45,20 +46,36 @@ class RobotDialog(Drawing):
         super().__init__()
         self._line = 0
         self._top = 0
+        self._open = True
         self.own_keys = frozenset((*_ROBOTS, *_LINES, *_VALUES, *_DO))
 
     def on_mount(self) -> None:
         """Now the app is known: its keys, its requests."""
         app = self.console_app
-        self.own_keys |= _FAR - app.keymap.table.keys()
-        self._hand = Hand(app.picture, self.desk.ask, self.desk.refused, self.desk.key_of("robot"))
+        if app.picture.replay is None:
+            self.own_keys |= _FAR - app.keymap.table.keys()
+        else:
+            self._only_look()
+        give_keys(app.keyboard, app.dialog)
+        self._hand = Hand(
+            app.picture,
+            self.desk.ask,
+            self.desk.refused,
+            self.desk.key_of("robot"),
+            watched=lambda: self._open,
+        )
         self._viewer = Viewer(app.picture, self.glyphs, self.desk.arrows, self._hand)
         super().on_mount()
 
+    def _only_look(self) -> None:
+        """In a replay nothing can be changed, and the other keys move through the log."""
+        self.own_keys = frozenset((*_ROBOTS, *_LINES))
+        for box in self.query(".dialog"):
+            box.border_subtitle = self.glyphs.plain(_REPLAY_HINT)
+
     def closing(self) -> None:
         """What is refused from now on is told on the main screen."""
-        if self.is_mounted:
-            self._hand.open = False
+        self._open = False
 
     def body(self) -> Iterable[Widget]:
         """Cells that can show a colour."""

@@ -1,19 +1,16 @@
-"""Reading WoZ4U files from text, for tests: with a driver that offers what the driver `pepper`
-promises to files (its settings and verbs), and does nothing.
-"""
+"""Reading WoZ4U files from text, for tests, with the driver that they are for."""
 
 from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
+from woz_drivers.pepper import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.experiment.catalogue import Bare
-from woz_tui.core.driver import Argument, Driver, Verb
-from woz_tui.core.fields import Range
+from woz_tui.core.driver import Driver
 from woz_tui.experiment.decode import TOP_LEVEL, load
 from woz_tui.experiment.nodes import Table
 from woz_tui.experiment.shape import Action, Experiment, ExperimentError, Panel
@@ -27,59 +24,7 @@ START = "pepper_ips: [10.0.0.7]\n"
 _ELSEWHERE = ("place", "path", "sha256", "files", "texts", "warnings")
 
 
-def _texts(*names: str, kind: str = "text") -> tuple[Argument, ...]:
-    return tuple(Argument(name, kind, required=number == 0) for number, name in enumerate(names))
-
-
-_SECONDS = Argument("seconds", "seconds", range=Range(0, 3600, "s"))
-_AUTONOMY = ("blinking", "awareness", "listening_movement", "speaking_movement")
-
-
-class StandIn(Bare):
-    """The settings and verbs of a Pepper."""
-
-    Settings: ClassVar[type] = PepperSettings
-
-    @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        plain = Argument("plain", "flag", default=False)
-        angles = (Argument("yaw", "number"), Argument("pitch", "number"))
-        names = ("autonomy", "collision", "speech_speed", "speech_pitch", "eyes_brightness")
-        numbers = [Argument(name, "number") for name in ("tangential", "orthogonal")]
-        level = Argument("level", "number", required=True)
-        return (
-            Verb("say", "speak", (*_texts("text"), plain), lane="voice"),
-            Verb("read", "read out", (*_texts("file", kind="file"), plain), lane="voice"),
-            Verb("play", "an animation", _texts("move"), lane="body"),
-            Verb("posture", "stand", _texts("name"), lane="body"),
-            Verb("pose", "joints", _texts("joints", kind="joints"), lane="body"),
-            Verb("home", "stand", (_SECONDS,), lane="body"),
-            Verb("torque", "hold", _texts("on", kind="flag"), lane="body"),
-            Verb("gaze", "look", angles, lane="head", stream=True),
-            Verb("nudge", "look", angles, lane="head"),
-            Verb("hip", "bend", (Argument("pitch", "number"),), lane="hip"),
-            Verb("drive", "drive", (Argument("x", "number"),), lane="base", drives=True),
-            Verb("eyes", "colour", (*_texts("color"), _SECONDS), lane="face"),
-            Verb("eyes_animation", "play", (*_texts("kind", "color"), _SECONDS), lane="face"),
-            Verb("sound", "play", (*_texts("file"), Argument("volume", "number")), lane="sound"),
-            Verb("screen", "show", _texts("file", kind="file"), lane="screen"),
-            Verb("tablet", "the tablet", _texts("what"), lane="screen"),
-            Verb("volume", "loudness", (level,), lane="settings"),
-            Verb(names[0], "by itself", (*_words("state", "engagement"), *_flags(*_AUTONOMY))),
-            Verb(names[1], "distances", tuple(numbers)),
-            *(Verb(name, "a setting", (level,)) for name in names[2:]),
-        )
-
-
-def _words(*names: str) -> tuple[Argument, ...]:
-    return tuple(Argument(name, "text") for name in names)
-
-
-def _flags(*names: str) -> tuple[Argument, ...]:
-    return tuple(Argument(name, "flag") for name in names)
-
-
-CATALOGUE: Mapping[str, type[Driver]] = {"pepper": StandIn}
+CATALOGUE: Mapping[str, type[Driver]] = {"pepper": Pepper}
 
 
 def read(folder: Path, text: str, start: str = START) -> Experiment:

@@ -136,8 +136,8 @@ def test_the_voice(tmp_path: Path) -> None:
     assert settings(experiment).voice == Voice(volume=0.35, speed=85.0, pitch=1.2)
     assert [does(action) for action in panel(experiment, "Voice").actions] == [
         [("volume", {"level": 0.35})],
-        [("speech_speed", {"level": 85.0})],
-        [("speech_pitch", {"level": 1.2})],
+        [("speech_speed", {"percent": 85.0})],
+        [("speech_pitch", {"pitch": 1.2})],
     ]
 
 

@@ -23,7 +23,7 @@ from woz_tui.experiment.woz4u.known import AUTONOMY, LOCKS, STEPS, VOICE
 EXAMPLE = Path(__file__).parents[3] / "experiments" / "woz4u" / "config.yaml"
 _ONE_FOLDER = settings(
     deadline=None,
-    max_examples=60,
+    max_examples=40,
     suppress_health_check=[HealthCheck.function_scoped_fixture, HealthCheck.too_slow],
 )
 
@@ -163,7 +163,7 @@ def test_any_data_under_its_keys(tmp_path: Path, data: dict[str, Any]) -> None:
     told(written(tmp_path, yaml.safe_dump({"pepper_ips": [], **data}, allow_unicode=True)))
 
 
-@pytest.mark.parametrize("seed", range(40))
+@pytest.mark.parametrize("seed", range(30))
 def test_damaged_files(tmp_path: Path, seed: int) -> None:
     """Characters cut out, put in and swapped; lines dropped, doubled and moved."""
     chance = random.Random(seed)

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import PurePosixPath
 
 from woz_tui.experiment.nodes import Node, Scalar, Table
+from woz_tui.experiment.settings import resolved
 from woz_tui.experiment.shape import Place
 from woz_tui.experiment.spot import Spot
 from woz_tui.experiment.woz4u import made, values
@@ -190,6 +191,8 @@ def tablet(table: Mapping[str, Spot], move: Move) -> Shown:
         if spot is None or typed is None:
             continue
         path = _shown_path(typed.strip(), root, move)
+        if "://" not in path:
+            resolved(spot, path, must_exist=True)
         does = ("screen", spot.place, made.said(literal(path), spot.place))
         shown.buttons.append(item.button(PurePosixPath(path).stem or path, does))
         mark = item.fields.get("is_default_img")

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+from typing import Protocol
 
-from woz_drivers.pepper.link import Gone, Link, Said, Unanswered
+from woz_drivers.pepper.link import Gone, Said, Unanswered
 from woz_tui.core.driver import Lost
 
 #: A call is sent only if the robot was heard so lately, else it is asked first, in seconds.
@@ -20,10 +21,18 @@ KNOWN_S = 1.9
 _OVERSLEPT_S = 0.1
 
 
+class Asked(Protocol):
+    """What is asked: a `Link`."""
+
+    async def ask(self, within: float) -> None:
+        """See `Link.ask`."""
+        ...
+
+
 class Pulse:
     """The life of one link, by the time of the event loop."""
 
-    def __init__(self, link: Link, heartbeat: float) -> None:
+    def __init__(self, link: Asked, heartbeat: float) -> None:
         self._link = link
         self._loop = asyncio.get_running_loop()
         self._heartbeat = heartbeat
@@ -58,16 +67,22 @@ class Pulse:
                 return str(gone)
 
     async def fresh(self) -> None:
-        """Return at once if the robot was heard just now, else ask. Raises `Lost`."""
+        """Return at once if the robot was heard just now, else when it answers a question.
+
+        Raises `Lost` at once if it is silent, later if it stays so, or `Gone`.
+        """
         if self._loop.time() - self._heard > FRESH_S:
-            await self.ask()
+            await self._answer_within(self._patience)
 
     async def ask(self) -> None:
         """Ask now; return on the answer. Raises `Lost` if it does not come at once, or `Gone`."""
+        await self._answer_within(SILENT_S)
+
+    async def _answer_within(self, seconds: float) -> None:
         if self.silent:
             raise _silent()
         try:
-            await asyncio.wait_for(asyncio.shield(self._ask()), SILENT_S)
+            await asyncio.wait_for(asyncio.shield(self._ask()), seconds)
         except (TimeoutError, Unanswered):
             raise _silent() from None
 

@@ -169,7 +169,12 @@ async def test_a_wrong_password_is_not_tried_again_and_again(
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", "Hush!42")
     asked: list[str] = []
-    server = Server(authenticator=lambda user, password: bool(asked.append(user)))
+
+    def refuse(user: str, _: str) -> bool:
+        asked.append(user)
+        return False
+
+    server = Server(authenticator=refuse)
     endpoint = await server.listen("127.0.0.1")
     async with stand(
         tmp_path, str(endpoint), client="own", password="ROBOT_PASSWORD", connect=False
@@ -204,10 +209,14 @@ async def test_parts_that_fail_to_apply_are_told_of(
     await it.close()
 
 
+def open_files() -> int:
+    return len(list(Path("/proc/self/fd").iterdir()))
+
+
 async def test_nothing_is_left_after_the_end(robot: StandIn, client: str, tmp_path: Path) -> None:
     async with stand(tmp_path, robot.address, client=client) as it:
         await it.is_so(Health.CONNECTED)
-    threads, files = threading.active_count(), len(os.listdir("/proc/self/fd"))
+    threads, files = threading.active_count(), open_files()
     async with stand(tmp_path, robot.address, client=client) as it:
         await it.is_so(Health.CONNECTED)
         saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
@@ -219,7 +228,7 @@ async def test_nothing_is_left_after_the_end(robot: StandIn, client: str, tmp_pa
         assert len(asyncio.all_tasks()) == 1
         await it.connection.close()
     await it.until(lambda: threading.active_count() <= threads)
-    await it.until(lambda: len(os.listdir("/proc/self/fd")) <= files)
+    await it.until(lambda: open_files() <= files)
 
 
 async def test_the_simulated_robot_lives_as_long_as_it_is_played(

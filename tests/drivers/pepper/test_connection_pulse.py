@@ -1,0 +1,201 @@
+"""When a robot counts as silent and as gone, to the millisecond, in virtual time."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from woz_drivers.pepper.connection_pulse import ANSWER_S, FRESH_S, SILENT_S, Pulse
+from woz_drivers.pepper.link import Gone, Unanswered
+
+from tests.fakes.virtual_time import run_virtual
+from woz_tui.core.driver import Lost
+
+#: The wizard knows at the latest after so long, in seconds.
+KNOWN_S = 2.0
+
+
+class FarEnd:
+    """A robot that answers questions after `takes` seconds, and from `freezes` on not at all."""
+
+    def __init__(self, takes: float = 0.002, freezes: float = float("inf")) -> None:
+        self.takes = takes
+        self.freezes = freezes
+        self.asked: list[float] = []
+        self.gone = False
+
+    async def ask(self, within: float) -> None:
+        loop = asyncio.get_running_loop()
+        self.asked.append(loop.time())
+        if self.gone:
+            raise Gone("closed")
+        if loop.time() >= self.freezes or self.takes > within:
+            await asyncio.sleep(within)
+            raise Unanswered("no answer")
+        await asyncio.sleep(self.takes)
+
+
+def pulse(end: FarEnd, heartbeat: float = 0.5) -> Pulse:
+    return Pulse(end, heartbeat)
+
+
+@given(heartbeat=st.floats(0.1, 1.5), freezes=st.floats(0, 3), takes=st.floats(0.0005, 0.2))
+def test_a_frozen_robot_is_known_in_time(heartbeat: float, freezes: float, takes: float) -> None:
+    async def scene() -> float:
+        loop = asyncio.get_running_loop()
+        reason = await pulse(FarEnd(takes, freezes), heartbeat).until_dead()
+        assert "has not answered" in reason
+        return loop.time() - freezes
+
+    assert run_virtual(scene()) <= KNOWN_S + 0.001
+
+
+def test_a_robot_that_answers_is_never_given_up() -> None:
+    async def scene() -> None:
+        end = FarEnd(takes=0.2)
+        with pytest.raises(TimeoutError):
+            async with asyncio.timeout(60):
+                await pulse(end).until_dead()
+        assert 60 / (0.5 + 0.2) - 2 < len(end.asked) < 60 / (0.5 + 0.2) + 2
+
+    run_virtual(scene())
+
+
+def test_other_answers_are_life_enough() -> None:
+    async def scene() -> None:
+        end = FarEnd(freezes=0.0)
+        beating = pulse(end)
+
+        async def answers() -> None:
+            while True:
+                await asyncio.sleep(0.3)
+                beating.heard()
+
+        calls = asyncio.create_task(answers())
+        with pytest.raises(TimeoutError):
+            async with asyncio.timeout(20):
+                await beating.until_dead()
+        assert end.asked == []
+        calls.cancel()
+
+    run_virtual(scene())
+
+
+def test_a_line_that_is_gone_ends_the_watch() -> None:
+    async def scene() -> None:
+        end = FarEnd()
+        end.gone = True
+        assert await pulse(end).until_dead() == "closed"
+
+    run_virtual(scene())
+
+
+def test_a_call_is_let_through_at_once_only_right_after_an_answer() -> None:
+    async def scene() -> None:
+        loop = asyncio.get_running_loop()
+        end = FarEnd()
+        beating = pulse(end)
+        await asyncio.sleep(FRESH_S * 0.9)
+        await beating.fresh()
+        assert end.asked == []
+        await asyncio.sleep(FRESH_S * 0.2)
+        begun = loop.time()
+        await beating.fresh()
+        assert len(end.asked) == 1
+        assert loop.time() - begun == pytest.approx(end.takes, abs=1e-6)
+
+    run_virtual(scene())
+
+
+def test_a_silent_robot_gets_no_call() -> None:
+    async def scene() -> None:
+        loop = asyncio.get_running_loop()
+        beating = pulse(FarEnd(freezes=0.0))
+        await asyncio.sleep(0.2)
+        begun = loop.time()
+        waiting = asyncio.create_task(beating.fresh())
+        with pytest.raises(Lost, match="nothing was sent") as lost:
+            await beating.ask()
+        assert lost.value.remedy
+        assert loop.time() - begun == pytest.approx(SILENT_S, abs=1e-6)
+        await asyncio.sleep(0.001)
+        # From now on nobody waits at all.
+        silent = [beating.silent]
+        begun_again = loop.time()
+        for ask in (beating.fresh, beating.ask):
+            with pytest.raises(Lost, match="nothing was sent"):
+                await ask()
+        assert loop.time() == begun_again
+        with pytest.raises(Lost, match="nothing was sent"):
+            await waiting
+        assert loop.time() - begun == pytest.approx(ANSWER_S, abs=1e-6)
+        beating.heard()
+        silent.append(beating.silent)
+        assert silent == [True, False]
+        await beating.fresh()
+
+    run_virtual(scene())
+
+
+def test_a_robot_that_hesitates_gets_the_call_late_but_before_anybody_gives_up() -> None:
+    async def scene() -> None:
+        loop = asyncio.get_running_loop()
+        beating = pulse(FarEnd(takes=0.6))
+        await asyncio.sleep(0.2)
+        begun = loop.time()
+        await beating.fresh()
+        assert loop.time() - begun == pytest.approx(0.6, abs=1e-6)
+
+    run_virtual(scene())
+
+
+def test_a_probe_asks_even_right_after_an_answer() -> None:
+    async def scene() -> None:
+        end = FarEnd()
+        beating = pulse(end)
+        beating.heard()
+        await beating.ask()
+        assert len(end.asked) == 1
+
+    run_virtual(scene())
+
+
+def test_several_who_ask_share_a_question() -> None:
+    async def scene() -> None:
+        end = FarEnd(takes=0.1)
+        beating = pulse(end)
+        await asyncio.gather(*(beating.ask() for _ in range(5)))
+        assert len(end.asked) == 1
+        assert len(asyncio.all_tasks()) == 1
+
+    run_virtual(scene())
+
+
+def test_one_who_gives_up_asking_does_not_disturb_the_others() -> None:
+    async def scene() -> None:
+        beating = pulse(FarEnd(takes=0.1))
+        one, two = (asyncio.create_task(beating.ask()) for _ in range(2))
+        await asyncio.sleep(0.05)
+        one.cancel()
+        await two
+        assert one.cancelled()
+
+    run_virtual(scene())
+
+
+def test_a_process_that_overslept_asks_again_before_it_gives_up() -> None:
+    async def scene(slept: float) -> tuple[str, int]:
+        loop = asyncio.get_running_loop()
+        jump: Callable[[float], None] = loop.jump  # type: ignore[attr-defined]
+        end = FarEnd(freezes=0.0)
+        beating = pulse(end)
+        watching = asyncio.create_task(beating.until_dead())
+        await asyncio.sleep(1.4)
+        jump(slept)  # this process did not run: an answer may lie in its socket
+        return await watching, len(end.asked)
+
+    assert run_virtual(scene(0.0)) == ("the robot has not answered for 1.0 s", 1)
+    assert run_virtual(scene(5.0)) == ("the robot has not answered for 1.0 s", 2)

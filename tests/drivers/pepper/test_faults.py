@@ -1,0 +1,185 @@
+"""A robot that is killed, frozen, cut off, slow: what the wizard knows, and what never runs late.
+
+The robot is a process of its own; the network before it is `DroppingProxy`.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import time
+from pathlib import Path
+
+import pytest
+from woz_drivers.pepper.connection_pulse import FRESH_S
+
+from tests.drivers.pepper.connected import Outcome, Stand, is_lost, stand
+from tests.fakes.dropping_proxy import dropping_proxy
+from tests.fakes.naoqi import Call, StandIn, stand_in
+from woz_tui.core.driver import Health, Lost
+
+#: What a test calls to see afterwards whether it ran: it changes nothing that matters.
+MARK = ("ALMemory", "insertData", "Test/Mark")
+
+
+SILENCE = {"ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killAll"}
+
+
+async def marks(robot: StandIn) -> dict[int, Call]:
+    """The marks that arrived, by number; each of them once."""
+    found = [call for call in await robot.trace("ALMemory.insertData") if call.args[0] == MARK[2]]
+    numbered = {int(call.args[1]): call for call in found}
+    assert len(numbered) == len(found), "a call was carried out twice"
+    return numbered
+
+
+async def said(robot: StandIn, it: Stand) -> asyncio.Task[Outcome]:
+    """A long utterance that has begun."""
+    task: asyncio.Task[Outcome] = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
+    await robot.called("ALTextToSpeech.say")
+    return task
+
+
+async def marked_until(it: Stand, ended: asyncio.Task[Outcome]) -> list[asyncio.Task[Outcome]]:
+    """Marks from 1 on, one every 20 ms until the other call has ended."""
+    sent: list[asyncio.Task[Outcome]] = []
+    while not ended.done():
+        sent.append(it.begin(*MARK, len(sent) + 1))
+        await asyncio.sleep(0.02)
+    return sent
+
+
+async def test_a_killed_robot_is_told_of_and_found_again(client: str, tmp_path: Path) -> None:
+    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        port = robot.port
+        saying = await said(robot, it)
+        robot.kill()
+        assert is_lost(await saying)
+        await it.is_so(Health.LOST)
+        await it.until(lambda: it.went == 1)
+        async with stand_in(port=port) as again:
+            await it.is_so(Health.CONNECTED)
+            assert await it.connection.call("ALSystem", "robotName") == "Pepper"
+            names = [call.name for call in await again.trace()]
+            assert names.index("ALTextToSpeech.stopAll") < names.index("ALSystem.robotName")
+            assert it.came == 2
+
+
+async def test_a_frozen_robot_wakes_and_is_silenced_first(client: str, tmp_path: Path) -> None:
+    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        saying = await said(robot, it)
+        robot.freeze()
+        froze = time.monotonic_ns()
+        sent = await marked_until(it, saying)
+        assert is_lost(await saying)
+        await it.is_so(Health.LOST, "has not answered")
+        with pytest.raises(Lost):
+            await it.connection.probe()
+        robot.thaw()
+        await it.is_so(Health.CONNECTED)
+        await it.connection.call(*MARK, 0)
+        arrived = await marks(robot)
+        outcomes = [await one for one in sent]
+        assert all(is_lost(one) for one in outcomes)
+        # Only what was sent before anybody could notice lies in the robot's own memory.
+        blind_ns = froze + (FRESH_S + 0.05) * 1e9
+        for number, one in enumerate(outcomes, start=1):
+            assert number not in arrived or one.begun_ns < blind_ns
+        assert outcomes[-1].begun_ns > blind_ns, "the test has not tried anything in the silence"
+        stops = await robot.trace("ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killAll")
+        assert {stop.name for stop in stops} == SILENCE
+        assert max(stop.at_ns for stop in stops) < arrived[0].at_ns
+
+
+async def test_what_was_sent_into_a_cut_cable_never_arrives(client: str, tmp_path: Path) -> None:
+    async with (
+        stand_in() as robot,
+        dropping_proxy(robot.port) as network,
+        stand(tmp_path, network.address, client=client) as it,
+    ):
+        await it.is_so(Health.CONNECTED)
+        saying = await said(robot, it)
+        network.cut()
+        sent = await marked_until(it, saying)
+        assert is_lost(await saying)
+        await it.is_so(Health.LOST, "has not answered")
+        await asyncio.gather(*sent)
+        network.heal()
+        await it.is_so(Health.CONNECTED)
+        await it.connection.call(*MARK, 0)
+        assert all(is_lost(one) for one in [await one for one in sent])
+        assert set(await marks(robot)) == {0}
+        assert await robot.trace("ALTextToSpeech.stopAll")
+
+
+async def test_a_short_cut_is_no_loss(client: str, tmp_path: Path) -> None:
+    async with (
+        stand_in() as robot,
+        dropping_proxy(robot.port) as network,
+        stand(tmp_path, network.address, client=client) as it,
+    ):
+        await it.is_so(Health.CONNECTED)
+        await it.connection.probe()
+        network.cut()
+        calls = [it.begin(*MARK, number) for number in range(3)]
+        await asyncio.sleep(0.2)
+        network.heal()
+        assert [(await call).error for call in calls] == [None] * 3
+        assert it.went == 0
+
+
+async def test_a_network_that_breaks_the_line_ends_calls_at_once(
+    client: str, tmp_path: Path
+) -> None:
+    async with (
+        stand_in() as robot,
+        dropping_proxy(robot.port) as network,
+        stand(tmp_path, network.address, client=client) as it,
+    ):
+        await it.is_so(Health.CONNECTED)
+        saying = await said(robot, it)
+        network.reset()
+        assert is_lost(await saying)
+        await it.until(lambda: it.came == 2)
+        await it.is_so(Health.CONNECTED)
+        assert {call.name for call in await robot.trace()} >= SILENCE
+
+
+async def test_a_slow_network_is_played_slowly(client: str, tmp_path: Path) -> None:
+    async with stand_in() as robot, dropping_proxy(robot.port) as network:
+        network.delay_s = 0.04
+        async with stand(tmp_path, network.address, client=client) as it:
+            await it.is_so(Health.CONNECTED)
+            for number in range(3):
+                assert (await it.call(*MARK, number)).error is None
+            assert it.went == 0
+
+
+async def test_a_robot_that_does_not_answer_one_call_is_not_lost(
+    client: str, tmp_path: Path
+) -> None:
+    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        await robot.fault("deaf")
+        with pytest.raises(Lost, match=r"did not answer ALSystem\.robotName in time") as lost:
+            await it.connection.call("ALSystem", "robotName", within=0.1)
+        assert lost.value.remedy
+        assert it.connection.there
+        await robot.fault("none")
+        assert await it.connection.call("ALSystem", "robotName") == "Pepper"
+        assert it.went == 0
+
+
+async def test_a_silent_robot_is_asked_to_stop_even_so(client: str, tmp_path: Path) -> None:
+    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        robot.freeze()
+        await it.until(lambda: not it.connection.there)
+        stopping = it.begin("ALMotion", "stopMove")
+        moving = it.begin("ALMotion", "moveTo", 1.0, 0.0, 0.0)
+        assert "nothing was sent" in str((await moving).error)
+        assert not stopping.done()
+        robot.thaw()
+        assert (await stopping).error is None
+        assert not await robot.trace("ALMotion.moveTo")

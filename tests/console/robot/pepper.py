@@ -22,7 +22,8 @@ VERBS = {
 
 OUTLINE = RobotOutline(
     settings=[
-        Setting(name="robot", section="Robot", label="Address"),
+        Setting(name="robot", section="Robot", label="Address", verb="connect", argument="robot",
+                kind="choice", choices=["192.168.1.20", "pepper.local"]),
         Setting(name="awake", section="Robot", label="Motors on", verb="torque", argument="on",
                 kind="flag"),
         Setting(name="posture", section="Robot", label="Posture", verb="posture", argument="name",
@@ -30,7 +31,7 @@ OUTLINE = RobotOutline(
         Setting(name="battery", section="Robot", label="Battery", kind="number", high=1.0),
         Setting(name="state", section="Autonomy", label="Autonomous life", verb="autonomy",
                 argument="state", kind="choice", choices=STATES),
-        Setting(name="blinking", section="Autonomy", label="Blinks", verb="autonomy",
+        Setting(name="blinking", section="Autonomy", label="blinks", verb="autonomy",
                 argument="blinking", kind="flag"),
         Setting(name="engagement", section="Autonomy", label="Engagement", verb="autonomy",
                 argument="engagement", kind="choice",

@@ -49,6 +49,8 @@ async def test_what_is_only_shown_sends_nothing() -> None:
             await seat.press("left", "right", "space", "enter")
         assert verbs(seat) == []
         assert "only shown" in seat.drawn()
+        await choose(seat, "Address")
+        assert "chosen under Connection" in seat.drawn(), "by enter, and not by an arrow too many"
 
 
 async def test_a_held_arrow_sends_its_last_value_when_the_one_before_is_done() -> None:

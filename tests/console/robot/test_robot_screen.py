@@ -18,6 +18,7 @@ async def test_values_are_shown_and_unknown_ones_are_a_dash() -> None:
     async with opened() as seat:
         assert line(seat, "Motors on") == "Motors on on"
         assert line(seat, "Arms keep off") == "Arms keep off 0.10 m"
+        assert line(seat, "Blinks") == "Blinks on"
         await seat.press("end")
         assert line(seat, "Shows") == "Shows -"
         assert line(seat, "192.168.1.20").endswith("● this one")

@@ -37,7 +37,12 @@ class Line:
     @property
     def is_set(self) -> bool:
         """Whether it has a value that can be changed, here or at the robot."""
-        return self.what is What.STEP or (self.what is What.SETTING and bool(self.setting.verb))
+        return self.what is What.STEP or (self.what is What.SETTING and self._by_hand)
+
+    @property
+    def _by_hand(self) -> bool:
+        """Not which robot it is: an arrow key too many would let go of it in mid-session."""
+        return self.setting.verb not in ("", "connect")
 
     @property
     def is_typed(self) -> bool:

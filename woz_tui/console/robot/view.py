@@ -103,7 +103,7 @@ class Viewer:
         if line.what is What.STEP:
             value: Json = self._arrows.value(setting.name)
             text = value_text(setting, value, glyphs)
-            return LineView(setting.section, setting.label, text, about=self._about(line))
+            return LineView(setting.section, _label(line), text, about=self._about(line))
         stands = self._robot(driver).values.get(setting.name) if _has_value(line) else None
         text = value_text(setting, stands, glyphs) if _has_value(line) else ""
         if line.what is What.ROBOT:
@@ -112,7 +112,7 @@ class Viewer:
             text = f"{glyphs.stale} {text}"
         return LineView(
             setting.section,
-            setting.label,
+            _label(line),
             text,
             color="" if stale or setting.kind != "color" else color_of(stands),
             stale=stale and _has_value(line),
@@ -165,7 +165,8 @@ class Viewer:
     def _about(self, line: Line) -> tuple[Piece, ...]:
         words = [line.setting.help, about(line.setting) if line.is_set else ""]
         if line.what is What.SETTING and not line.is_set:
-            words.append("only shown")
+            connects = line.setting.verb == "connect"
+            words.append(f"chosen under {CONNECTION}" if connects else "only shown")
         if line.setting.section == CONNECTION:
             words.append(_CONNECTION[line.what])
         told = "; ".join(word for word in words if word)
@@ -177,6 +178,12 @@ _CONNECTION = {
     What.ADDRESS: "enter asks for the address of any robot",
     What.DISCONNECT: "enter lets go of the robot; it is not looked for any more",
 }
+
+
+def _label(line: Line) -> str:
+    """An address stays as it is; everything else begins with a capital letter."""
+    label = line.setting.label
+    return label if line.what is What.ROBOT else label[:1].upper() + label[1:]
 
 
 def _has_value(line: Line) -> bool:

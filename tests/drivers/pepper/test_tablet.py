@@ -1,0 +1,248 @@
+"""The tablet over the wire: it fetches what it is to show, as the real one does."""
+
+from __future__ import annotations
+
+import asyncio
+import threading
+from collections.abc import AsyncIterator
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.pepper.settings import Tablet
+from woz_drivers.pepper.tablet import Screen
+
+from tests.drivers.heard import until
+from tests.drivers.pepper.wired import Wired, wired
+from tests.fakes.naoqi import StandIn, stand_in
+from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+
+PICTURE, OTHER, FILM = b"picture" * 100, b"another" * 50, b"film" * 1000
+
+
+@pytest.fixture
+def folder(tmp_path: Path) -> Path:
+    (tmp_path / "shown").mkdir()
+    (tmp_path / "shown" / "map.png").write_bytes(PICTURE)
+    (tmp_path / "shown" / "film.mp4").write_bytes(FILM)
+    (tmp_path / "logo.JPG").write_bytes(OTHER)
+    (tmp_path / "page.html").write_text("<p>page</p>")
+    return tmp_path
+
+
+@pytest.fixture
+async def it(folder: Path, robot: StandIn) -> AsyncIterator[Wired[Screen]]:
+    async with wired(Screen, folder, robot, tablet=Tablet("shown", "../logo.JPG")) as made:
+        yield made
+
+
+async def _shows(robot: StandIn, what: str, fetched: int = 0) -> dict[str, Any]:
+    """Wait until the tablet shows this kind of thing and what it fetched last had that size."""
+
+    async def there() -> Any:
+        state = await robot.get("tablet")
+        loads = await robot.get("tablet.fetched")
+        last = loads[-1]["size"] if loads else 0
+        return state if state["shows"] == what and (not fetched or last == fetched) else None
+
+    found: dict[str, Any] = await robot.until(there)
+    return found
+
+
+@pytest.mark.naoqi("ALTabletService.showWebview", "ALTabletService.enableWifi")
+@pytest.mark.woz4u("tablet_root_location", "tablet_items", "is_default_img")
+async def test_the_default_is_shown_on_connect_and_pictures_when_asked(
+    folder: Path, robot: StandIn, client: str
+) -> None:
+    tablet = Tablet("shown", "logo.JPG")
+    async with wired(Screen, folder, robot, client=client, tablet=tablet) as it:
+        await _shows(robot, "webview", len(OTHER))
+        assert await it.part.read() == {"tablet": "logo.JPG"}
+        assert await it.do("screen", file="map.png") == {"shown": "map.png"}
+        state = await _shows(robot, "webview", len(PICTURE))
+        assert (state["status"], state["error"]) == (200, "")
+        page, picture = (await robot.get("tablet.fetched"))[-2:]
+        assert page["type"] == "text/html"
+        assert picture["type"] == "image/png"
+        assert page["parts"] == [picture["url"]]
+        assert await it.do("screen", file="off") == {"shown": "logo.JPG"}
+        await _shows(robot, "webview", len(OTHER))
+        assert len(await robot.trace("ALTabletService.enableWifi")) == 1
+        assert it.notices == []
+    assert not [one for one in threading.enumerate() if one.name.startswith("pepper tablet")]
+
+
+@pytest.mark.naoqi("ALTabletService.playVideo", "ALTabletService/videoFinished")
+async def test_a_video_plays_to_its_end_and_the_default_comes_back(
+    it: Wired[Screen], robot: StandIn, folder: Path
+) -> None:
+    await robot.set("tablet.video_seconds", 10)
+    assert await it.do("screen", file="film.mp4") == {"shown": "film.mp4"}
+    await _shows(robot, "video")
+    assert await it.part.read() == {"tablet": "film.mp4"}
+    await _shows(robot, "webview", len(OTHER))
+    await until(lambda: it.part._shows == "../logo.JPG")
+    sizes = [one["size"] for one in await robot.get("tablet.fetched")]
+    assert len(FILM) in sizes
+    assert it.notices == []
+
+
+async def test_the_end_of_a_video_is_found_out_where_no_signal_tells_it(
+    it: Wired[Screen], robot: StandIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    await robot.set("tablet.video_seconds", 40)
+    for end in it.part._signals:
+        await end()
+    it.part._signals = []
+    await it.do("screen", file="film.mp4")
+    await _shows(robot, "video")
+    await _shows(robot, "webview", len(OTHER))
+    assert len(await robot.trace("ALTabletService.getVideoPosition")) >= 2
+
+
+async def test_a_video_that_never_begins_is_told(
+    it: Wired[Screen], robot: StandIn, monkeypatch: pytest.MonkeyPatch, folder: Path
+) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.tablet_video._LOOK_S", 0.05)
+    monkeypatch.setattr("woz_drivers.pepper.tablet_video._BEGINS_WITHIN_S", 0.2)
+    address = "http://127.0.0.1:9/film.mp4"
+    await it.do("screen", file=address)
+    await until(lambda: any("has not begun to play" in one for one in it.notices))
+    assert any("could not load" in one for one in it.notices)
+    await _shows(robot, "webview", len(OTHER))
+
+
+async def test_a_picture_after_a_video_ends_it(it: Wired[Screen], robot: StandIn) -> None:
+    await robot.set("tablet.video_seconds", 3600)
+    await it.do("screen", file="film.mp4")
+    await _shows(robot, "video")
+    await it.do("screen", file="map.png")
+    await _shows(robot, "webview", len(PICTURE))
+    assert len(await robot.trace("ALTabletService.stopVideo")) == 1
+    assert await it.part.stop(Scope.ALL) == ()
+
+
+async def test_the_stop_ends_a_video_and_says_tablet(it: Wired[Screen], robot: StandIn) -> None:
+    assert await it.part.stop(Scope.ALL) == ()
+    await robot.set("tablet.video_seconds", 3600)
+    await it.do("screen", file="film.mp4")
+    await _shows(robot, "video")
+    assert await it.part.stop(Scope.DRIVE) == ()
+    assert await it.part.stop(Scope.ALL) == ("tablet",)
+    assert len(await robot.trace("ALTabletService.stopVideo")) == 1
+    await _shows(robot, "webview", len(OTHER))
+
+
+async def test_a_stop_that_the_tablet_refuses_is_an_error(
+    it: Wired[Screen], robot: StandIn
+) -> None:
+    await robot.set("tablet.video_seconds", 3600)
+    await it.do("screen", file="film.mp4")
+    await robot.fault("refuse:ALTabletService.stopVideo=no tablet")
+    with pytest.raises(DriverError, match="no tablet"):
+        await it.part.stop(Scope.ALL)
+
+
+@pytest.mark.naoqi("ALTabletService.hideWebview", "ALTabletService.enableWifi")
+async def test_its_network_hiding_and_the_default(it: Wired[Screen], robot: StandIn) -> None:
+    await it.do("tablet", what="wifi")
+    assert len(await robot.trace("ALTabletService.enableWifi")) == 2
+    assert await it.do("tablet", what="hide") == {"shown": ""}
+    await _shows(robot, "default")
+    assert await it.part.read() == {"tablet": "its own"}
+    await it.do("tablet", what="default")
+    await _shows(robot, "webview", len(OTHER))
+    await robot.set("tablet.video_seconds", 3600)
+    await it.do("screen", file="film.mp4")
+    assert await it.do("tablet", what="stop") == {"shown": "../logo.JPG"}
+    assert len(await robot.trace("ALTabletService.stopVideo")) == 1
+    with pytest.raises(Rejected):
+        await it.do("tablet", what="explode")
+
+
+async def test_without_a_default_nothing_is_shown_until_asked(folder: Path, robot: StandIn) -> None:
+    async with wired(Screen, folder, robot) as it:
+        assert await robot.trace("ALTabletService.showWebview") == []
+        await it.do("screen", file="page.html")
+        await _shows(robot, "webview", len("<p>page</p>"))
+        await it.do("screen", file="off")
+        await _shows(robot, "default")
+
+
+async def test_a_page_and_a_picture_of_somewhere_else(
+    it: Wired[Screen], robot: StandIn, folder: Path
+) -> None:
+    elsewhere = await it.part._files.address("map.png")
+    await it.do("screen", file=f"{elsewhere}?a=1&b='2'")
+    await _shows(robot, "webview", len(PICTURE))
+    page, _ = (await robot.get("tablet.fetched"))[-2:]
+    assert page["parts"] == [f"{elsewhere}?a=1&amp;b=&#x27;2&#x27;"]
+    site = "http://127.0.0.1:9/site"
+    await it.do("screen", file=site)
+    assert (await _shows(robot, "webview"))["url"] == site
+    await until(lambda: bool(it.notices))
+    assert "could not load" in it.notices[0]
+
+
+@pytest.mark.parametrize(
+    ("text", "words"),
+    [
+        ("missing.png", r"there is no file .*shown/missing\.png or .*/missing\.png"),
+        ("shown", "does not know what 'shown' is"),
+        ("notes.txt", "does not know"),
+        ("ftp://host/a.png", "cannot fetch"),
+        ("http://", "cannot fetch"),
+        ("http://[::1/a.png", "is no address"),
+        ("\0.png", "is no file|there is no file"),
+    ],
+)
+async def test_what_cannot_be_shown_is_said_and_changes_nothing(
+    it: Wired[Screen], robot: StandIn, text: str, words: str
+) -> None:
+    await _shows(robot, "webview", len(OTHER))
+    with pytest.raises(DriverError, match=words) as told:
+        await it.do("screen", file=text)
+    assert told.value.remedy
+    assert await it.part.read() == {"tablet": "../logo.JPG"}
+    assert (await robot.get("tablet"))["shows"] == "webview"
+
+
+async def test_a_default_that_is_missing_is_a_notice(folder: Path, robot: StandIn) -> None:
+    async with wired(Screen, folder, robot, tablet=Tablet(default="lost.png")) as it:
+        assert ["there is no file" in one for one in it.notices] == [True]
+        await it.do("screen", file="logo.JPG")
+        await _shows(robot, "webview", len(OTHER))
+
+
+async def test_a_port_that_is_taken_is_told(folder: Path, robot: StandIn) -> None:
+    server = await asyncio.start_server(lambda _r, _w: None, "127.0.0.1", 0)
+    port = server.sockets[0].getsockname()[1]
+    try:
+        async with wired(Screen, folder, robot, tablet=Tablet(port=port)) as it:
+            with pytest.raises(DriverError, match=f"port {port}: Address already in use"):
+                await it.do("screen", file="logo.JPG")
+    finally:
+        server.close()
+
+
+async def test_after_a_loss_the_default_is_shown_again(folder: Path) -> None:
+    tablet = Tablet(default="logo.JPG")
+    async with stand_in() as robot, wired(Screen, folder, robot, tablet=tablet) as it:
+        await it.do("screen", file="shown/map.png")
+        robot.kill()
+        await until(lambda: not it.connection.there)
+        with pytest.raises(Lost):
+            await it.do("screen", file="logo.JPG")
+        async with stand_in(port=robot.port) as back:
+            await it.connected(2)
+            await _shows(back, "webview", len(OTHER))
+            assert await it.part.read() == {"tablet": "logo.JPG"}
+
+
+async def test_a_video_ends_with_the_session(folder: Path, robot: StandIn) -> None:
+    await robot.set("tablet.video_seconds", 3600)
+    async with wired(Screen, folder, robot) as it:
+        await it.do("screen", file="shown/film.mp4")
+        await _shows(robot, "video")
+    assert len(await robot.trace("ALTabletService.stopVideo")) == 1
+    assert [one for one in asyncio.all_tasks() if "pepper" in one.get_name()] == []

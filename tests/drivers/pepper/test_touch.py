@@ -1,0 +1,211 @@
+"""Fingers on the tablet: over the wire, and as every kind of tablet tells them."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from woz_drivers.pepper.link import Methods, Unsubscribe
+from woz_drivers.pepper.settings import PepperSettings, Senses
+from woz_drivers.pepper.tablet import Screen
+from woz_drivers.pepper.touch import SENSORS, Scale, Touch, place
+
+from tests.drivers.heard import Heard
+from tests.drivers.pepper.test_senses_values import ANYTHING
+from tests.drivers.pepper.wired import wired
+from tests.fakes.naoqi import StandIn, stand_in
+from tests.fakes.virtual_time import LoopClock, run_virtual
+from woz_tui.core.driver import DriverError
+from woz_tui.core.messages import Reading
+
+
+@pytest.mark.naoqi(
+    *("ALTabletService/onTouchDownRatio", "ALTabletService/onTouchMove"),
+    "ALTabletService/onTouchUp",
+)
+async def test_a_finger_is_told_where_it_comes_down_moves_and_leaves(
+    tmp_path: Path, robot: StandIn, client: str
+) -> None:
+    async with wired(Screen, tmp_path, robot, client=client) as it:
+        await it.heard.state("touch.x", "ok")
+        await robot.touch(0.25, 0.75)
+        await it.heard.until(lambda: len(it.heard.values("touch.y")) >= 3)
+        assert it.heard.values("touch.x") == [0.25] * 3
+        assert it.heard.values("touch.y") == [0.75] * 3
+        told = [one.text for one in it.heard.all(Reading) if one.sensor == "touch.x"]
+        # libqi hears each signal in a thread of its own: what comes within a moment may be swapped.
+        assert (told if client == "own" else sorted(told)) == ["down", "move", "up"]
+
+
+async def test_a_lost_tablet_is_touched_again_when_it_is_back(tmp_path: Path) -> None:
+    async with stand_in() as robot, wired(Screen, tmp_path, robot) as it:
+        robot.kill()
+        await it.heard.state("touch.y", "stale")
+        async with stand_in(port=robot.port) as back:
+            await it.connected(2)
+            await it.heard.state("touch.y", "ok")
+            await back.touch(0.5, 0.5)
+            await it.heard.until(lambda: len(it.heard.values("touch.y")) >= 3)
+
+
+async def test_touches_that_nobody_wants_are_not_listened_to(
+    tmp_path: Path, robot: StandIn
+) -> None:
+    none = Senses(touch=False)
+    async with wired(Screen, tmp_path, robot, senses=none) as it:
+        await robot.touch(0.5, 0.5)
+        await it.do("tablet", what="hide")
+        assert it.heard.values("touch.x") == []
+    assert Screen.sensors(PepperSettings(robots=(), senses=none)) == ()
+    assert Screen.sensors(PepperSettings(robots=())) == SENSORS
+
+
+class Fingers:
+    """A robot with a tablet that tells what it is told to; `missing` signals it does not have."""
+
+    there = True
+    local_host = "127.0.0.1"
+
+    def __init__(self, *missing: str) -> None:
+        self._missing = missing
+        self.heard: dict[str, Callable[..., None]] = {}
+        self.ended = 0
+
+    async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
+        if signal in self._missing:
+            raise DriverError(f"{service} has no signal {signal}")
+        self.heard[signal] = heard
+        return self._end
+
+    async def _end(self) -> None:
+        self.ended += 1
+
+    async def call(self, service: str, method: str, *args: Any, within: float = 2.0) -> Any:
+        raise DriverError(f"{service}.{method}: not for fingers")
+
+    async def serve(self, name: str, methods: Methods) -> Unsubscribe:
+        raise DriverError(f"{name}: not for fingers")
+
+    async def probe(self) -> None:
+        """It is there."""
+
+
+def _touched(
+    folder: Path, script: Callable[[Fingers], Any], *missing: str
+) -> list[tuple[float | None, float | None, str]]:
+    """What is told of a script of touches, in virtual time; nothing is left afterwards."""
+
+    async def play() -> list[tuple[float | None, float | None, str]]:
+        loop = asyncio.get_running_loop()
+        heard = Heard(folder, LoopClock(loop))
+        fingers = Fingers(*missing)
+        touch = Touch(fingers, heard.outlet)
+        await touch.connected()
+        await script(fingers)
+        await asyncio.sleep(1)
+        await touch.close()
+        assert fingers.ended == len(fingers.heard)
+        told = heard.all(Reading)
+        x, y = ([one for one in told if one.sensor == sensor] for sensor in SENSORS)
+        assert [one.text for one in x] == [one.text for one in y]
+        return [(a.value, b.value, a.text) for a, b in zip(x, y, strict=True)]
+
+    return run_virtual(play())
+
+
+async def _swipe(fingers: Fingers, moves: int, every: float, size: tuple[float, float]) -> None:
+    """A finger that goes from left to right."""
+    across, down = size
+    fingers.heard["onTouchDownRatio"](0.1, 0.5, "webview")
+    fingers.heard["onTouchDown"](0.1 * across, 0.5 * down)
+    for step in range(1, moves + 1):
+        await asyncio.sleep(every)
+        fingers.heard["onTouchMove"]((0.1 + 0.8 * step / moves) * across, 0.5 * down)
+    fingers.heard["onTouchUp"](0.9 * across, 0.5 * down)
+
+
+@pytest.mark.parametrize("size", [(1280.0, 800.0), (1707.0, 1067.0), (1600.0, 1080.0)])
+def test_moves_are_thinned_and_the_last_one_is_never_lost(
+    tmp_path: Path, size: tuple[float, float]
+) -> None:
+    told = _touched(tmp_path, lambda fingers: _swipe(fingers, 100, 0.01, size))
+    assert told[0] == (0.1, 0.5, "down")
+    assert told[-2] == (0.9, 0.5, "move")
+    assert told[-1] == (0.9, 0.5, "up")
+    moves = [one for one in told if one[2] == "move"]
+    assert 10 <= len(moves) <= 12
+    across = [x for x, _, _ in moves if x is not None]
+    assert across == sorted(across)
+
+
+def test_a_move_that_is_held_back_is_told_in_its_time(tmp_path: Path) -> None:
+    async def script(fingers: Fingers) -> None:
+        fingers.heard["onTouchMove"](128.0, 80.0)
+        fingers.heard["onTouchMove"](256.0, 80.0)
+        fingers.heard["onTouchMove"](384.0, 80.0)
+
+    assert _touched(tmp_path, script) == [(0.1, 0.1, "move"), (0.3, 0.1, "move")]
+
+
+def test_a_tablet_without_shares_tells_by_pixels(tmp_path: Path) -> None:
+    async def script(fingers: Fingers) -> None:
+        fingers.heard["onTouchDown"](640.0, 400.0)
+        fingers.heard["onTouchUp"](1707.0, 1067.0)
+
+    told = _touched(tmp_path, script, "onTouchDownRatio", "onTouchMove")
+    assert told == [(0.5, 0.5, "down"), (1.0, 1.0, "up")]
+
+
+def test_a_tablet_that_tells_nothing_is_stale(tmp_path: Path) -> None:
+    async def play() -> list[str]:
+        heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
+        names = ("onTouchDownRatio", "onTouchDown", "onTouchMove", "onTouchUp")
+        await Touch(Fingers(*names), heard.outlet).connected()
+        return heard.states("touch.x")
+
+    assert run_virtual(play()) == ["stale"]
+
+
+@settings(max_examples=40)
+@given(
+    st.lists(st.tuples(st.sampled_from(["Down", "DownRatio", "Move", "Up"]), ANYTHING, ANYTHING))
+)
+def test_no_touch_raises_and_each_is_on_the_screen(
+    tmp_path_factory: pytest.TempPathFactory, touches: list[tuple[str, Any, Any]]
+) -> None:
+    async def script(fingers: Fingers) -> None:
+        for kind, x, y in touches:
+            fingers.heard[f"onTouch{kind}"](x, y)
+        fingers.heard["onTouchDown"]()
+
+    for x, y, _ in _touched(tmp_path_factory.getbasetemp(), script):
+        assert x is not None
+        assert y is not None
+        assert 0 <= x <= 1
+        assert 0 <= y <= 1
+
+
+def test_pixels_near_an_edge_teach_nothing() -> None:
+    scale = Scale()
+    scale.learn((0.001, 0.5), (900.0, 400.0))
+    assert scale.share((640.0, 400.0)) == (0.5, 0.5)
+    scale.learn((0.5, 0.5), (853.5, 533.5))
+    assert scale.share((853.5, 533.5)) == (0.5, 0.5)
+
+
+def test_shares_are_shares_until_there_are_pixels() -> None:
+    scale = Scale()
+    assert scale.share((0.5, 1.0)) == (0.5, 1.0)
+    assert scale.share((640.0, 1.0)) == (0.5, 1.0 / 800)
+    assert scale.share((0.5, 0.5)) == (0.5 / 1280, 0.5 / 800)
+
+
+def test_what_is_no_place() -> None:
+    assert place(1, 2.5) == (1.0, 2.5)
+    assert place(float("nan"), 1) is None
+    assert place("1", 1) is None

@@ -254,6 +254,9 @@ class Client:
 
     async def _connect_elsewhere(self, endpoint: Endpoint) -> Connection:
         connection = await self._way_in.connect(endpoint, self._timeout)
+        if endpoint in self._elsewhere:  # two services of one process were looked up at once
+            connection.end("there is another")
+            return self._elsewhere[endpoint]
         self._elsewhere[endpoint] = connection
         connection.lost.add_done_callback(lambda _: self._drop(endpoint, connection))
         if self.lost.done():

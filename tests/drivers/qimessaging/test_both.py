@@ -184,6 +184,22 @@ async def test_a_service_in_another_process_is_reached_and_its_loss_is_told() ->
         await client.close()
 
 
+async def test_two_services_of_one_process_share_a_connection() -> None:
+    async with bench() as (_, port):
+        owner = await Client.open("127.0.0.1", port)
+        services = [Hosted([Signal("news", "(s)")]) for _ in range(2)]
+        for name, hosted in zip(("One", "Two"), services, strict=True):
+            await owner.register(name, hosted)
+        client = await Client.open("127.0.0.1", port)
+        await asyncio.gather(*[client.listen(name, "news", print) for name in ("One", "Two")])
+        one, two = await client.service("One"), await client.service("Two")
+
+        assert one.connection is two.connection
+        await client.close()
+        await until(lambda: [each.hearers("news") for each in services] == [0, 0])
+        await owner.close()
+
+
 async def test_a_call_in_flight_tells_that_its_process_has_gone() -> None:
     async with bench() as (_, port):
         owner = await Client.open("127.0.0.1", port)

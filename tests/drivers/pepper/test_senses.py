@@ -55,9 +55,14 @@ def _why(it: Wired[Senses], sensor: str) -> str:
 
 
 @pytest.mark.naoqi(
-    *("ALMemory.getListData", "ALSonar.subscribe", SONAR, VISIBLE, FACES, SOUND),
-    *("PeoplePerception/Person/<id>/Distance", "PeoplePerception/Person/<id>/IsLookingAtRobot"),
-    *("ALAudioDevice.enableEnergyComputation", "ALAudioDevice.getFrontMicEnergy"),
+    "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value",
+    "PeoplePerception/VisiblePeopleList",
+    "PeoplePerception/Person/<id>/Distance",
+    "PeoplePerception/Person/<id>/IsLookingAtRobot",
+    "FaceDetected",
+    "ALSoundLocalization/SoundLocated",
+    "ALAudioDevice.enableEnergyComputation",
+    "ALAudioDevice.getFrontMicEnergy",
 )
 async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn, client: str) -> None:
     async with sense(client) as it:
@@ -194,6 +199,20 @@ async def test_a_robot_that_refuses_lists_is_asked_key_by_key(sense: Sense, robo
         await it.reads("identity", 0.7, "Ada")
         await it.reads("gaze", 1.0)
         assert len(await robot.trace("ALMemory.getListData")) == 1
+
+
+async def test_a_module_that_comes_later_is_begun_then(
+    sense: Sense, robot: StandIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.senses._AGAIN_US", 0)
+    await robot.fault("refuse:ALSonar.subscribe=not yet")
+    async with sense() as it:
+        await it.heard.state("distance", "stale")
+        await _round(it)
+        assert it.heard.values("distance") == []
+        await robot.clear()
+        await it.heard.state("distance", "ok")
+        assert it.heard.states("gaze") == ["ok"]
 
 
 async def test_energy_that_is_refused_is_told_for_loudness_alone(

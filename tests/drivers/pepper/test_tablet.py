@@ -72,7 +72,7 @@ async def test_the_default_is_shown_on_connect_and_pictures_when_asked(
     assert not [one for one in threading.enumerate() if one.name.startswith("pepper tablet")]
 
 
-@pytest.mark.naoqi("ALTabletService.playVideo", "ALTabletService/videoFinished")
+@pytest.mark.naoqi("ALTabletService.playVideo", "ALTabletService.videoFinished")
 async def test_a_video_plays_to_its_end_and_the_default_comes_back(
     it: Wired[Screen], robot: StandIn, folder: Path
 ) -> None:

@@ -25,8 +25,9 @@ from woz_tui.core.messages import Reading
 
 
 @pytest.mark.naoqi(
-    *("ALTabletService/onTouchDownRatio", "ALTabletService/onTouchMove"),
-    "ALTabletService/onTouchUp",
+    "ALTabletService.onTouchDownRatio",
+    "ALTabletService.onTouchMove",
+    "ALTabletService.onTouchUp",
 )
 async def test_a_finger_is_told_where_it_comes_down_moves_and_leaves(
     tmp_path: Path, robot: StandIn, client: str

@@ -34,9 +34,15 @@ volume: 1
 
 
 @pytest.mark.woz4u(
-    *("lock_anim_speech_section", "lock_gesture_section", "lock_tablet_section"),
-    *("lock_audio_section", "lock_color_section", "lock_eye_anim_section"),
-    *("lock_movement_control_section", "lock_autonomous_life_section", "lock_volume_section"),
+    "lock_anim_speech_section",
+    "lock_gesture_section",
+    "lock_tablet_section",
+    "lock_audio_section",
+    "lock_color_section",
+    "lock_eye_anim_section",
+    "lock_movement_control_section",
+    "lock_autonomous_life_section",
+    "lock_volume_section",
 )
 @pytest.mark.parametrize("lock", SECTIONS)
 @pytest.mark.parametrize("full", [False, True])

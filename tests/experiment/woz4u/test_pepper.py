@@ -56,9 +56,18 @@ def test_folders_of_pictures_and_recordings(tmp_path: Path) -> None:
 
 
 @pytest.mark.woz4u(
-    *("autonomous_life_config", "autonomous_state", "tangential_collision", "blinking"),
-    *("orthogonal_collision", "basic_awareness", "engagement_mode", "head_breathing"),
-    *("arms_breathing", "body_breathing", "legs_breathing", "listening_movement"),
+    "autonomous_life_config",
+    "autonomous_state",
+    "tangential_collision",
+    "blinking",
+    "orthogonal_collision",
+    "basic_awareness",
+    "engagement_mode",
+    "head_breathing",
+    "arms_breathing",
+    "body_breathing",
+    "legs_breathing",
+    "listening_movement",
     "speaking_movement",
 )
 def test_what_the_robot_does_by_itself(tmp_path: Path) -> None:

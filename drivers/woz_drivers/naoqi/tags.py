@@ -9,7 +9,7 @@ from dataclasses import asdict, dataclass, replace
 #: Letters a second at speed 100, about three words.
 LETTERS_PER_S = 15.0
 _TAG = re.compile(r"\\\s*([a-z]+)\s*(?:=\s*([^\\]*?)\s*)?\\", re.IGNORECASE)
-_RUN = re.compile(r"\^([A-Za-z]+)\(\s*([^)]*?)\s*\)")
+_RUN = re.compile(r"\^([A-Za-z]+)\(\s*((?:[^()]|\([^()]*\))*?)\s*\)")
 _RANGES = {"vct": (50, 200), "rspd": (50, 400), "vol": (0, 100), "pau": (0, 65535)}
 
 

@@ -6,8 +6,10 @@ import asyncio
 import json
 
 import pytest
+from woz_drivers.naoqi.world import Options
 
-from tests.drivers.naoqi.hands import Said, Wired
+from tests.drivers.naoqi.hands import Said, Wired, own_caller
+from tests.fakes.naoqi import stand_in_here
 
 
 async def test_memory_refuses_as_an_old_naoqi_does(wired: Wired) -> None:
@@ -17,6 +19,14 @@ async def test_memory_refuses_as_an_old_naoqi_does(wired: Wired) -> None:
             await wired.call(f"ALMemory.{method}", "FaceDetected")
     await wired.time.advance(6)
     assert await wired.call("ALMemory.getData", "FaceDetected") == []
+
+
+async def test_subscriber_is_refused_unless_told_otherwise() -> None:
+    async with stand_in_here(options=Options(visitors=False)) as robot:
+        call, client = await own_caller(robot)
+        with pytest.raises(Said, match=r"^Invalid signature$"):
+            await call("ALMemory.subscriber", "FaceDetected")
+        await client.close()
 
 
 async def test_a_deaf_robot_answers_when_it_hears_again(wired: Wired) -> None:

@@ -91,6 +91,7 @@ async def test_errors_faults_and_calls_beside_each_other(pair: tuple[StandIn, Ca
         await call("NoSuchService.call")
     await _faults_over_the_wire(call)
     await _calls_do_not_wait_for_each_other(robot, call)
+    await _events_reach_their_subscriber(robot, call)
 
 
 async def _faults_over_the_wire(call: Caller) -> None:
@@ -119,9 +120,21 @@ async def _calls_do_not_wait_for_each_other(robot: StandIn, call: Caller) -> Non
     await asyncio.wait_for(playing, PATIENCE_S)
 
 
+async def _events_reach_their_subscriber(robot: StandIn, call: Caller) -> None:
+    heard: list[Any] = []
+    subscriber = await call("ALMemory.subscriber", "Mine")
+    if hasattr(subscriber, "listen"):
+        await subscriber.listen("signal", heard.append)
+    else:
+        await asyncio.to_thread(subscriber.signal.connect, heard.append)
+    await call("ALMemory.raiseEvent", "Mine", [1, "two"])
+    await _came(robot, heard)
+    assert heard == [[1, "two"]]
+
+
 @QI
 @pytest.mark.parametrize("server", ["own", "qi"])
-async def test_signals_events_and_sound_reach_the_package_qi(robot: StandIn) -> None:
+async def test_signals_and_sound_reach_the_package_qi(robot: StandIn) -> None:
     heard: dict[str, list[Any]] = {"touch": [], "sound": []}
     async with qi_session(robot.address) as session:
         call = qi_caller(session)

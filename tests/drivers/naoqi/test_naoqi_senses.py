@@ -88,6 +88,22 @@ async def test_somebody_who_turns_away_has_no_face(wired: Wired) -> None:
     assert await data(wired, f"{PERSON}{FIRST_ID + 3}/IsLookingAtRobot") is False
 
 
+async def test_faces_and_sounds_are_where_the_head_is_not(wired: Wired) -> None:
+    await perceive(wired)
+    await turn_head(wired, 0.5)
+    await wired.robot.person(ADA)
+    (_stamp, (face, _filtered), *_pose) = await data(wired, FACES)
+    assert face[0][1] == pytest.approx(0.3 - 0.5)
+    (_stamp, located, *_heads) = await data(wired, SOUND)
+    assert located[0] == pytest.approx(0.3 - 0.5)
+
+
+async def turn_head(wired: Wired, angle: float) -> None:
+    await wired.call("ALBasicAwareness.setEnabled", False)
+    await wired.call("ALMotion.setAngles", "HeadYaw", angle, 0.5)
+    await wired.time.advance(1)
+
+
 async def test_nobody_has_no_distance(wired: Wired) -> None:
     await perceive(wired)
     await wired.robot.person(None)
@@ -125,7 +141,10 @@ async def test_energy_follows_speech(wired: Wired) -> None:
     for _ in range(10):
         await wired.time.advance(0.1)
         loud.append(await wired.call("ALAudioDevice.getFrontMicEnergy"))
-    assert 0 < quiet < 500 < min(loud)
+    assert 0 < quiet < 500
+    assert min(loud) > 500
+    await wired.robot.person({**ADA, "talking": False})
+    assert await wired.call("ALAudioDevice.getFrontMicEnergy") < 500
     assert max(loud) <= 10_000
     await wired.call("ALAudioDevice.disableEnergyComputation")
     assert await wired.call("ALAudioDevice.getFrontMicEnergy") == 0
@@ -205,6 +224,21 @@ async def test_the_camera_sees_the_visitor_move(wired: Wired) -> None:
     # Left of the robot is left in the picture.
     assert shirts[0] < 60
     assert shirts[1] > 100
+
+
+async def test_the_picture_turns_with_the_head(wired: Wired) -> None:
+    await wired.robot.person({**ADA, "angle": 0.2})
+    handle = await wired.call("ALVideoDevice.subscribe", "eye", 0, 11, 10)
+    await turn_head(wired, 0.2)
+    ahead = await picture(wired, handle)
+    await turn_head(wired, 0.0)
+    aside = await picture(wired, handle)
+    shirt = [
+        float(np.nonzero((one[:, :, 2] > 160) & (one[:, :, 0] < 60))[1].mean())
+        for one in (ahead, aside)
+    ]
+    assert shirt[0] == pytest.approx(79.5, abs=2)
+    assert shirt[1] < 60
 
 
 async def test_blue_and_red_change_places(wired: Wired) -> None:

@@ -146,6 +146,19 @@ async def test_an_unknown_animation_in_a_text_is_noted_and_speech_goes_on(wired:
     assert "nothing/here is not installed" in str(await wired.robot.get("notes"))
 
 
+async def test_a_tag_in_a_text_stands_for_any_of_its_animations(wired: Wired) -> None:
+    text = "^startTag(hey) hi ^waitTag(hey) ^runTag(nonsense) ^pCall(ALMotion.rest()) bye"
+    task = await wired.begin("ALAnimatedSpeech.say", text, kind="speech")
+    await wired.time.advance(4)
+    await wired.done(task)
+    assert await said(wired) == [("hi", True), ("bye", True)]
+    (played,) = await wired.robot.get("animations")
+    assert "/Hey_" in played
+    unknown, not_simulated = await wired.robot.get("notes")
+    assert "nonsense" in unknown
+    assert "^pCall" in not_simulated
+
+
 async def test_an_animation_lasts_its_length(wired: Wired) -> None:
     task = await wired.begin("ALAnimationPlayer.run", HEY, kind="animation")
     assert await wired.call("ALBehaviorManager.getRunningBehaviors") == [HEY]

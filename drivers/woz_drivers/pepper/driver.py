@@ -164,7 +164,11 @@ class Pepper:
         _, late = await asyncio.wait(closing, timeout=FAREWELL_S)
         for part in late:
             part.cancel()
-        await asyncio.gather(*closing, return_exceptions=True)
+        if late:
+            await asyncio.wait(late, timeout=FAREWELL_S)
+        for part in closing:
+            if part.done() and not part.cancelled() and part.exception() is not None:
+                log.error("a part did not close", exc_info=part.exception())
         self._present = self._astray = False
         await self._connection.close()
 

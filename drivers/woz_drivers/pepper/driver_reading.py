@@ -72,7 +72,7 @@ class Reading:
             await asyncio.wait([loop])
 
     async def _run(self) -> None:
-        while True:
+        while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
             self._tell(values, self._wanted.differing(values), conflicts(values, self._used))

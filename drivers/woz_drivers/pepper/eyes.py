@@ -250,7 +250,7 @@ class Eyes:
     async def _repeat(self, animation: str) -> None:
         """Blink, or let the light come and go, until it is ended or the robot is gone."""
         try:
-            while True:
+            while self._loop is asyncio.current_task():
                 if animation == "blink":
                     await asyncio.sleep(OPEN_S)
                     await self._fade(BLACK, 0.0)

@@ -83,6 +83,7 @@ async def test_the_stop_of_driving_ends_driving_alone(it: Played) -> None:
     report = await it.stop(Scope.DRIVE)
     assert (report.confirmed, report.missing) == (("driving",), ())
     assert not await _drives(it)
+    assert await it.calls("ALMotion.getRobotVelocity")  # it was asked whether it stands
     assert await it.calls("ALMotion.killAll", "ALTextToSpeech.stopAll") == []
     with pytest.raises(DriverError):
         await driving  # nobody cancelled it here: the robot says that it did not arrive

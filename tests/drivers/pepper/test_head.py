@@ -40,7 +40,6 @@ async def reaches(it: Played, joint: str, degrees: float) -> None:
     await it.robot.until(there)
 
 
-@pytest.mark.naoqi("ALMotion.setAngles")
 async def test_a_gaze_is_absolute_and_returns_at_once(it: Played) -> None:
     assert await it.do("gaze", yaw=40, pitch=10) == {"yaw": 40, "pitch": 10}
     await reaches(it, "HeadYaw", 40)

@@ -20,8 +20,6 @@ RIGHT = (
 
 
 @pytest.mark.parametrize("text", RIGHT)
-@pytest.mark.naoqi("tag.vct", "tag.rspd", "tag.pau", "tag.vol", "tag.rst")
-@pytest.mark.naoqi("tag.run", "tag.start", "tag.stop", "tag.wait")
 def test_right_tags_and_plain_text_are_not_complained_about(text: str) -> None:
     assert tags.problems(text) == []
 

@@ -79,6 +79,20 @@ async def test_a_cancelled_sentence_ends_on_the_robot_and_spares_the_next_one(it
     assert whole["text"].strip() == "Something else."
 
 
+async def test_the_next_sentence_waits_until_the_end_of_the_last_one_has_arrived(
+    it: Played,
+) -> None:
+    job = it.begin("say", text="A very long story. " * 100)
+    await it.robot.until(lambda: _says(it, "A very long story"))
+    await it.robot.fault("slow:300", 2)
+    await it.cancel(job)
+    await it.do("say", text="Later.")
+    (ended,) = await it.robot.trace("ALTextToSpeech.stopAll")
+    begun = (await it.robot.trace("ALAnimatedSpeech.say"))[-1]
+    # The answer to the end took 0.3 s, and only then was the next one sent.
+    assert begun.at_ns - ended.at_ns > 250_000_000
+
+
 async def test_nothing_is_not_said(it: Played) -> None:
     with pytest.raises(Rejected, match="nothing to say"):
         await it.do("say", text=" \n")
@@ -104,6 +118,19 @@ async def test_tags_reach_the_voice_and_move_the_body(it: Played) -> None:
     assert (slow["rspd"], slow["vct"], slow["vol"]) == (50, 150, 50)
     assert (normal["rspd"], normal["vct"]) == (100, 100)
     assert (await it.robot.get("animations"))[-1] == "animations/Stand/Gestures/No_1"
+
+
+@pytest.mark.naoqi("tag.start", "tag.wait", "tag.stop")
+async def test_animations_in_a_sentence_begin_end_and_are_waited_for(it: Played) -> None:
+    whole, cut = (f"animations/Stand/Gestures/{name}" for name in ("Me_1", "Please_1"))
+    await it.do(
+        "say",
+        text=f"^start({whole}) Me, ^wait({whole}) and ^start({cut}) you, ^stop({cut}) that is all.",
+    )
+    assert it.notices == []
+    done = await it.robot.get("animations")
+    assert whole in done
+    assert cut not in done
 
 
 # -- reading out ---------------------------------------------------------------------------------

@@ -15,8 +15,6 @@ from woz_tui.console.camera import colours as c
 NOISE = 24
 #: About so many bytes a cell costs by itself: both colours, its sign, a share of a move.
 COSTS = {1 << 24: 60, 256: 42, 16: 30, 0: 14}
-#: Changed cells so close to each other, with one in between, are painted in one go.
-_NEAR = 1
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,7 +102,7 @@ class Canvas:
         for place in places:
             row, column = divmod(place, self.columns)
             last = found[-1] if found else None
-            if last is not None and last.row == row and column - last.end <= _NEAR:
+            if last is not None and last.row == row and last.end == column:
                 found[-1] = Stretch(row, last.begin, column + 1)
             else:
                 found.append(Stretch(row, column, column + 1))

@@ -6,7 +6,7 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import dataclass
 
-from woz_tui.console.camera.pace import Pace
+from woz_tui.console.camera.pace import MOST, Pace
 from woz_tui.console.camera.side import Side
 from woz_tui.core.clock import Clock
 from woz_tui.core.pictures import PictureFormat, PictureShown
@@ -67,7 +67,7 @@ class Watching:
     @property
     def allowance(self) -> int:
         """Bytes that the next picture may cost."""
-        return self.pace.allowance
+        return self.pace.allowance if self._side is not None else MOST
 
     @property
     def rate(self) -> float:

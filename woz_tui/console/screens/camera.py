@@ -33,7 +33,7 @@ _NEXT, _BACK, _LARGER, _SMALLER, _TAKE = "tab", "shift+tab", "+", "-", "enter"
 _KEYS = {"plus": _LARGER, "minus": _SMALLER}
 #: The driver's verb that makes a file of a picture.
 _VERB = "picture"
-OFF = "Pictures are switched off: start without `--pictures off` to see them."
+OFF = "Pictures are switched off (--pictures off)."
 REPLAY = "A replay has no pictures: they are in no log."
 
 
@@ -123,13 +123,13 @@ class CameraDialog(Dialog):
     def _look(self) -> None:
         """Ask for the next picture, unless something else has the screen."""
         view, watching = self._view, self._watching
-        if view is not None and watching is not None and self.is_current:
+        if view is not None and watching is not None and self.is_active:
             watching.tick(view.wanted(watching.allowance), view.format)
         self.refreshed()
 
     def _draw(self, shown: PictureShown) -> None:
         view, watching = self._view, self._watching
-        if view is None or watching is None or not self.is_current:
+        if view is None or watching is None or not self.is_active:
             return
         shape = (shown.camera_width, shown.camera_height)
         if min(shape) > 0 and shape != self._shape:

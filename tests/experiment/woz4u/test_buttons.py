@@ -252,6 +252,13 @@ gestures:
     assert len(names) == len(set(names))
 
 
+def test_many_equal_titles(tmp_path: Path) -> None:
+    lines = "".join(f"  - {{title: A, gesture: a{number}}}\n" for number in range(500))
+    actions = panel(read(tmp_path, f"gestures:\n{lines}"), "Gestures").actions
+    assert actions[-1].name == "A (Gestures 499)"
+    assert len({action.name for action in actions}) == 500
+
+
 def test_items_that_do_nothing_are_left_out(tmp_path: Path) -> None:
     text = """animated_speech:
   - {title: Silent, string: ""}

@@ -66,13 +66,14 @@ def name_apart(panels: Sequence[Panel]) -> None:
     """Titles that occur twice: the later action gets a name of its own, with its panel's title."""
     titles = {button.title for panel in panels for button in panel.buttons}
     names: set[str] = set()
+    counts: dict[tuple[str, str], int] = {}
     for panel in panels:
         for button in panel.buttons:
-            name, number = button.title, 1
-            while name in names or (number > 1 and name in titles):
+            name, kind = button.title, (button.title, panel.title)
+            while name in names or (kind in counts and name in titles):
+                number = counts[kind] = counts.get(kind, 0) + 1
                 tail = f" {number}" if number > 1 else ""
                 name = f"{button.title} ({panel.title}{tail})"
-                number += 1
             names.add(name)
             button.name = name if name != button.title else ""
 

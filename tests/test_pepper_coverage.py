@@ -1,0 +1,24 @@
+"""Every call and every key of the parity tables has a test, and the page that says so is fresh."""
+
+from __future__ import annotations
+
+import pytest
+
+from docs import pepper_coverage as coverage
+
+BOTH = pytest.mark.parametrize("table", coverage.TABLES)
+
+
+@BOTH
+def test_every_row_is_shown_by_a_test(table: str) -> None:
+    assert coverage.uncovered(table) == []
+
+
+@BOTH
+def test_marks_name_rows_that_there_are(table: str) -> None:
+    assert coverage.unknown(table) == []
+
+
+def test_the_page_is_fresh() -> None:
+    written = coverage.PAGE.read_text(encoding="utf-8")
+    assert written == coverage.page(written), "run `python -m docs.pepper_coverage`"

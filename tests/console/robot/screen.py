@@ -32,8 +32,11 @@ def dialog(seat: Sitting) -> type[object]:
 
 
 def line(seat: Sitting, label: str) -> str:
-    """The line that begins with this label."""
-    found = [row.strip("│|▸> ") for row in seat.drawn().splitlines() if f" {label} " in row]
+    """What stands at this label."""
+    place = seat.console.screen.query_one("#drawing").region
+    drawn = seat.drawn().splitlines()[place.y : place.bottom]
+    rows = [row[place.x : place.right].strip("▸> ") for row in drawn]
+    found = [row for row in rows if f"{row} ".startswith(f"{label} ")]
     assert len(found) == 1, (label, found)
     return " ".join(found[0].split())
 

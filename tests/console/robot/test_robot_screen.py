@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.console.driving import sitting
+from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
 from tests.console.robot.screen import choose, line, opened, verbs
 from woz_tui.console.glyphs import ASCII
@@ -46,19 +46,27 @@ async def test_a_difference_and_a_conflict_are_words(size: tuple[int, int], glyp
             assert "".join(rows).isascii()
 
 
-async def test_nothing_jumps_when_values_change() -> None:
+@pytest.mark.parametrize(
+    ("conflicts", "told"),
+    [
+        (("One.",), "One."),
+        (("One.", "Two.", "Three."), "and 2 more"),
+        (("This one is told at length. " * 20,), "at length"),
+    ],
+)
+async def test_nothing_jumps_when_values_change(conflicts: tuple[str, ...], told: str) -> None:
     async with opened() as seat:
-        before = {
-            label: row for row, text in enumerate(seat.drawn().splitlines())
-            for label in ("Autonomous life", "Volume", "Battery") if label in text
-        }  # fmt: skip
-        await seat.tell(
-            pepper.shown({"volume": 0.2, "state": "disabled"}, ("One.", "Two.", "Three."))
-        )
-        rows = seat.drawn().splitlines()
-        assert len(before) == 3
-        assert all(label in rows[row] for label, row in before.items())
-        assert "and 2 more" in seat.drawn()
+        labels = ("Autonomous life", "Volume", "Battery")
+        before = [at(seat, label) for label in labels]
+        await seat.tell(pepper.shown({"volume": 0.2, "state": "disabled"}, conflicts))
+        assert told in seat.drawn()
+        assert [at(seat, label) for label in labels] == before
+
+
+def at(seat: Sitting, label: str) -> tuple[int, int]:
+    """Row and column of a label."""
+    rows = seat.drawn().splitlines()
+    return next((row, text.index(label)) for row, text in enumerate(rows) if label in text)
 
 
 async def test_other_keys_play_and_the_opening_key_closes() -> None:
@@ -154,7 +162,8 @@ async def test_a_difference_is_seen_on_the_main_screen() -> None:
 
 async def test_in_a_replay_it_is_only_looked_at() -> None:
     telling = r.Replaying(t=pepper.NOW, length_us=2 * pepper.NOW, rate=1.0, paused=True)
-    async with sitting(pepper.welcome(pepper.shown({"volume": 0.5})), telling) as seat:
+    first = pepper.welcome(pepper.shown({"volume": 0.5}))
+    async with sitting(first, telling, size=(160, 50)) as seat:
         await seat.press("@")
         await choose(seat, "Volume")
         own = seat.console.keyboard.kept

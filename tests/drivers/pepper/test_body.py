@@ -58,6 +58,7 @@ async def test_a_cancelled_animation_ends_on_the_robot_and_the_next_one_plays(it
     job = it.begin("play", move=LONG)
     await it.robot.until(lambda: _plays(it))
     await it.cancel(job)
+    await it.robot.called("ALBehaviorManager.stopBehavior")
     await it.do("play", move="Yes_1")
     done = await it.robot.get("animations")
     assert done[-1] == "animations/Stand/Gestures/Yes_1"

@@ -9,6 +9,7 @@ from collections.abc import AsyncIterator
 import pytest
 import pytest_asyncio
 
+from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -20,6 +21,12 @@ async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Play
     async with played(tmp_path_factory.mktemp("experiment"), life="safeguard") as made:
         await made.do("torque", on=True)
         yield made
+
+
+@pytest.fixture(autouse=True)
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine takes its time; that a stop waits no longer is another test's."""
+    monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
 
 
 @pytest_asyncio.fixture(loop_scope="module")

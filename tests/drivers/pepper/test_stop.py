@@ -9,7 +9,7 @@ import pytest
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.heard import Heard
+from tests.drivers.heard import PATIENCE_S, Heard
 from tests.drivers.pepper.played import Played, joined, played
 from tests.fakes.naoqi import stand_in
 from woz_tui.bus.bus import Bus
@@ -25,9 +25,20 @@ ALWAYS = ("driving", "motion", "sounds", "speech")
 PACE = 2.0
 
 
+@pytest.fixture
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A busy machine takes its time; that a stop waits no longer is another test's."""
+    monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_tui.bus.bus.STOP_WAIT_S", PATIENCE_S)
+
+
 async def busy(it: Played) -> None:
     """Let it do everything at once."""
     await it.do("eyes", color="#102030", animation="intermittent")
+    (it.folder / "film.mp4").write_bytes(b"film" * 1000)
+    await it.robot.set("tablet.video_seconds", 3600)
+    await it.do("screen", file="film.mp4")
+    await it.robot.until(lambda: _film(it))
     it.begin("drive", x=5.0)
     await it.robot.called("ALMotion.moveTo")
     it.begin("play", move="Waiting/ShowSky_1")
@@ -36,6 +47,10 @@ async def busy(it: Played) -> None:
     for name in ("ALAnimationPlayer.run", "ALAnimatedSpeech.say", "ALAudioPlayer.play"):
         await it.robot.called(name)
     await it.robot.until(lambda: _kinds(it, {"speech", "animation", "move"}))
+
+
+async def _film(it: Played) -> bool:
+    return bool((await it.robot.get("tablet"))["shows"] == "video")
 
 
 async def _kinds(it: Played, wanted: set[str]) -> bool:
@@ -48,6 +63,7 @@ async def quiet(it: Played) -> bool:
     return not kinds - {"leds", "eyes"} and not any(await it.robot.get("velocity"))
 
 
+@pytest.mark.usefixtures("unhurried")
 @pytest.mark.naoqi("ALMotion.killAll", "ALMotion.stopMove", "ALTextToSpeech.stopAll")
 @pytest.mark.naoqi("ALAudioPlayer.stopAll")
 async def test_everything_ends_at_once_and_each_part_confirms(tmp_path: Path, client: str) -> None:
@@ -56,12 +72,14 @@ async def test_everything_ends_at_once_and_each_part_confirms(tmp_path: Path, cl
         assert not await quiet(it)
         report = await it.stop()
         assert report.missing == ()
-        assert report.confirmed == tuple(sorted((*ALWAYS, "animations", "eyes")))
+        assert report.confirmed == tuple(sorted((*ALWAYS, "animations", "eyes", "tablet")))
         assert await quiet(it)
+        assert not await _film(it)
         await it.do("say", text="Hello", plain=True)  # and all of it works again
         await it.do("drive", turn=5)
 
 
+@pytest.mark.usefixtures("unhurried")
 async def test_parts_are_asked_together_and_before_any_other_call(tmp_path: Path) -> None:
     async with played(tmp_path, pace=PACE) as it:
         await busy(it)
@@ -77,6 +95,7 @@ async def test_parts_are_asked_together_and_before_any_other_call(tmp_path: Path
         }
 
 
+@pytest.mark.usefixtures("unhurried")
 async def test_the_eyes_own_animation_is_covered_by_the_colour_of_before(tmp_path: Path) -> None:
     async with played(tmp_path) as it:
         await it.do("eyes", color="#102030")
@@ -87,12 +106,14 @@ async def test_the_eyes_own_animation_is_covered_by_the_colour_of_before(tmp_pat
         assert await it.robot.get("eyes.animation") == ""
 
 
+@pytest.mark.usefixtures("unhurried")
 async def test_with_nothing_going_on_the_robots_own_doings_end(tmp_path: Path) -> None:
     async with played(tmp_path) as it:
         report = await it.stop()
         assert (report.confirmed, report.missing) == (ALWAYS, ())
 
 
+@pytest.mark.usefixtures("unhurried")
 async def test_a_part_that_fails_is_named_and_the_others_confirm(tmp_path: Path) -> None:
     async with played(tmp_path, pace=PACE) as it:
         it.begin("say", text=LONG)
@@ -154,6 +175,7 @@ async def test_a_robot_that_was_let_go_or_never_there_has_nothing_to_stop(tmp_pa
     await driver.close()
 
 
+@pytest.mark.usefixtures("unhurried")
 async def test_the_bus_ends_the_jobs_and_names_the_parts(tmp_path: Path) -> None:
     async with stand_in(pace=PACE) as robot:
         it = await joined(robot, tmp_path, PepperSettings(robots=(robot.address,)))

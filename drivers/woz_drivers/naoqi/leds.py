@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import random
 from typing import Any
 
 from woz_drivers.naoqi.table import Refused, Service, offers
@@ -24,10 +25,26 @@ _NAMED = {
 }
 Color = tuple[float, float, float]
 _WHITE: Color = (1.0, 1.0, 1.0)
+_DARK: Color = (0.0, 0.0, 0.0)
+_RASTA = (0x00FF00, 0xFFFF00, 0xFF0000)
+#: How long an animation of the eyes shows one picture.
+STEP_S = 0.25
 
 
 def _color(number: int) -> Color:
     return ((number >> 16 & 255) / 255, (number >> 8 & 255) / 255, (number & 255) / 255)
+
+
+def _played(about: str, passed: float, led: str) -> Color:
+    """What one LED of the eyes shows in an animation after so many seconds."""
+    name, *how = about.split()
+    if name == "rotateEyes":
+        lit = int(passed / float(how[1]) * 8) % 8 + 1
+        return _color(int(how[0], 16)) if led.endswith(str(lit)) else _DARK
+    step = int(passed / STEP_S)
+    if name == "rasta":
+        return _color(_RASTA[step % len(_RASTA)])
+    return _color(random.Random(f"{step} {led}").randrange(1 << 24))
 
 
 class Leds(Service):
@@ -42,7 +59,10 @@ class Leds(Service):
         self._set(GROUPS["AllLeds"], _WHITE, 0.0)
 
     def color(self, led: str) -> Color:
-        """The colour now."""
+        """The colour now; while the eyes play something, of what they play."""
+        playing = self._world.going.of("eyes") if led in _EYES else []
+        if playing:
+            return _played(playing[-1].about, self._world.time.now() - playing[-1].begun, led)
         start, end, begun, seconds = self._fades[led]
         share = 1.0 if seconds <= 0 else min(1.0, (self._world.time.now() - begun) / seconds)
         red, green, blue = (a + share * (b - a) for a, b in zip(start, end, strict=True))
@@ -94,7 +114,7 @@ class Leds(Service):
     @offers("off(s)v")
     def off(self, name: str) -> None:
         """Dark."""
-        self._set(self._leds("off", name), (0.0, 0.0, 0.0), 0.0)
+        self._set(self._leds("off", name), _DARK, 0.0)
 
     @offers("reset(s)v")
     def reset(self, name: str) -> None:
@@ -121,15 +141,10 @@ class Leds(Service):
         """A colour going round; nothing ends it early."""
         if turn_s <= 0:
             raise Refused("ALLeds::rotateEyes\n\ttimeForRotation must be above 0")
-        await self._animate(f"rotateEyes #{rgb:06x}", seconds)
+        await self._animate(f"rotateEyes {rgb:06x} {turn_s:g}", seconds)
 
     async def _animate(self, about: str, seconds: float) -> None:
-        before = {led: self.color(led) for led in _EYES}
         await self._world.going.last("eyes", seconds, about)
-        # What was set meanwhile stays: only what still is as before was the animation's.
-        for led, color in before.items():
-            if self._fades[led][1] == color:
-                self._set((led,), color, 0.0)
 
     def animation(self) -> str:
         """What the eyes play now, or nothing."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import json
 
 import pytest
 
@@ -14,6 +15,7 @@ ABILITIES = (
     "ALListeningMovement",
     "ALSpeakingMovement",
 )
+ONE_EYE = [f"RightFaceLed{number}" for number in range(1, 9)]
 
 
 async def enabled(wired: Wired) -> list[bool]:
@@ -130,13 +132,21 @@ async def test_unknown_leds_are_refused(wired: Wired) -> None:
 async def test_eye_animations_run_for_their_time(
     wired: Wired, name: str, args: tuple[float, ...]
 ) -> None:
+    before = await wired.robot.get("eyes")
     task = await wired.begin(f"ALLeds.{name}", *args, kind="eyes")
-    await wired.time.advance(1.9)
+    shown = set()
+    for _ in range(6):
+        await wired.time.advance(0.3)
+        colors = [await wired.call("ALLeds.getIntensity", led) for led in ONE_EYE]
+        shown.add(json.dumps(colors))
+    assert len(shown) > 1
+    await wired.time.advance(0.1)
     assert (await wired.robot.get("eyes.animation")).startswith(name)
     assert await wired.pending(task)
     await wired.time.advance(0.2)
     await wired.done(task)
     assert await wired.robot.get("eyes.animation") == ""
+    assert await wired.robot.get("eyes") == before
 
 
 async def test_what_it_is_and_how_full(wired: Wired) -> None:

@@ -114,6 +114,17 @@ async def test_a_stopped_video_does_not_finish(wired: Wired, site: str) -> None:
     assert await wired.call("ALTabletService.stopVideo") is False
 
 
+async def test_a_video_that_is_hidden_while_it_loads_never_starts(wired: Wired, site: str) -> None:
+    started = await wired.hear("ALTabletService", "videoStarted")
+    loaded = await wired.hear("ALTabletService", "onPageFinished")
+    await wired.call("ALTabletService.playVideo", f"{site}/film.mp4")
+    await wired.call("ALTabletService.hideWebview")
+    await loaded(1)
+    await wired.call("ALSystem.robotName")
+    assert await started(0) == []
+    assert await wired.robot.get("going") == []
+
+
 async def test_touches_reach_who_listens(wired: Wired) -> None:
     ratio = await wired.hear("ALTabletService", "onTouchDownRatio")
     up = await wired.hear("ALTabletService", "onTouchUp")

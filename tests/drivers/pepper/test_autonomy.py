@@ -62,7 +62,7 @@ async def test_every_switch_is_set_and_read_back(it: Played) -> None:
 async def test_the_state_comes_first_since_it_changes_the_others(it: Played) -> None:
     wanted: dict[str, Any] = {
         "speaking_movement": False,
-        "legs_breathing": True,
+        "head_breathing": True,
         "body_breathing": False,
         "engagement": "FullyEngaged",
         "awareness": False,
@@ -72,7 +72,7 @@ async def test_the_state_comes_first_since_it_changes_the_others(it: Played) -> 
     called = [call.name for call in await it.robot.trace() if ".set" in call.name]
     assert called[0] == "ALAutonomousLife.setState"
     # One part of the body breathes again, so the body as a whole does not count as breathing.
-    shown = await it.shows(**wanted, head_breathing=False, arms_breathing=False)
+    shown = await it.shows(**wanted, legs_breathing=False, arms_breathing=False)
     assert not set(wanted) & set(shown.wanted)
 
 

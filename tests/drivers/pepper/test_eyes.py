@@ -114,6 +114,9 @@ async def test_animations_last_as_long_as_asked_and_the_colour_comes_back(it: Pl
         asked = await it.calls(f"ALLeds.{method}")
         assert sum(call[-1] for call in asked) == 2.5
         assert it.jobs[-1].announced == [2.5]
+        back = (await it.calls(FADE))[-1]
+        assert back == ("FaceLeds", *(pytest.approx(n / 255) for n in (16, 32, 48)), back[-1])
+        assert back[-1] == pytest.approx(0.2)
         assert await seen(it) == "#102030"
     assert asked[0][:2] == (0xFF8000, 1)
 
@@ -122,7 +125,10 @@ async def test_a_cancelled_animation_gives_the_colour_back(it: Played) -> None:
     await it.do("eyes", color="#102030")
     job = it.begin("eyes_animation", kind="rasta", seconds=600)
     await it.robot.called("ALLeds.rasta")
+    await it.robot.clear()
     await it.cancel(job)
+    # Once over the second that still plays, and once more behind it.
+    await it.robot.called(FADE, 2)
     await sees(it, "#102030")
     await it.do("eyes", color="red")
     asked = len(await it.calls("ALLeds.rasta"))

@@ -8,7 +8,6 @@ unless its sender has thrown it away meanwhile by resetting the connection.
 from __future__ import annotations
 
 import asyncio
-import contextlib
 import socket
 import struct
 from collections.abc import AsyncIterator
@@ -86,7 +85,7 @@ class DroppingProxy:
             await loop.sock_connect(robot, ("127.0.0.1", self._target))
             ways.append(asyncio.create_task(self._forward(driver, robot, inward=True)))
             ways.append(asyncio.create_task(self._forward(robot, driver, inward=False)))
-            await asyncio.wait(ways, return_when=asyncio.FIRST_COMPLETED)
+            await asyncio.wait(ways, return_when=asyncio.FIRST_EXCEPTION)
         except OSError:
             pass
         finally:
@@ -98,22 +97,22 @@ class DroppingProxy:
                 end.close()
 
     async def _forward(self, one: socket.socket, other: socket.socket, *, inward: bool) -> None:
-        """One direction, until either end is gone."""
+        """One direction, until its sender says goodbye. Raises `OSError` if either end is gone."""
         loop = asyncio.get_running_loop()
-        with contextlib.suppress(OSError):
-            while True:
-                await _readable(one)
-                if not self._whole.is_set():
-                    await self._whole.wait()
-                    if one.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR):
-                        return  # the sender has thrown away what it had sent
-                data = one.recv(_PIECE)
-                if not data:
-                    return
-                if self.delay_s:
-                    await asyncio.sleep(self.delay_s)
-                await loop.sock_sendall(other, data)
-                self.to_robot += len(data) if inward else 0
+        while True:
+            await _readable(one)
+            if not self._whole.is_set():
+                await self._whole.wait()
+                if number := one.getsockopt(socket.SOL_SOCKET, socket.SO_ERROR):
+                    raise OSError(number, "the sender has thrown away what it had sent")
+            data = one.recv(_PIECE)
+            if not data:
+                other.shutdown(socket.SHUT_WR)
+                return
+            if self.delay_s:
+                await asyncio.sleep(self.delay_s)
+            await loop.sock_sendall(other, data)
+            self.to_robot += len(data) if inward else 0
 
 
 async def _readable(end: socket.socket) -> None:

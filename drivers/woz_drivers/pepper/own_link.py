@@ -12,7 +12,7 @@ from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.link import Gone, LinkError, Methods, Missing, Said, Unanswered, Unsubscribe
-from woz_drivers.pepper.links_socket import keep_nothing_unsent, resolved
+from woz_drivers.pepper.links_socket import Sockets, elsewhere, resolved
 from woz_drivers.pepper.links_trouble import (
     unknown,
     unreachable,
@@ -29,7 +29,6 @@ from woz_tui.core.driver import Lost
 _DIRECTORY = "ServiceDirectory"
 _QUESTION = "machineId"
 _ABSENT = re.compile(r"cannot find service|no such service", re.I)
-_TCP_END = re.compile(r"tcps?://(.+):(\d+)")
 #: A signal is subscribed within this time, in seconds.
 _LISTENS_WITHIN_S = 2.0
 #: The library's own limits lie beyond ours: when ours is reached, the call is cancelled.
@@ -53,6 +52,7 @@ async def open_own_link(
     try:
         async with asyncio.timeout(within):
             peer = await resolved(address)
+            sockets = Sockets(peer)
             client = await Client.open(
                 *peer,
                 tls=watch.context if address.secure else None,
@@ -70,7 +70,7 @@ async def open_own_link(
         if watch.refused:
             raise wrong_certificate(address, watch.found) from None
         raise _not_opened(address, error, secret) from None
-    return OwnLink(client, peer, watch.found)
+    return OwnLink(client, sockets, watch.found)
 
 
 def _not_opened(address: Address, error: errors.QiError, secret: Secret) -> Lost:
@@ -118,13 +118,13 @@ class OwnLink:
 
     client = "own client"
 
-    def __init__(self, client: Client, peer: tuple[str, int], certificate: str) -> None:
+    def __init__(self, client: Client, sockets: Sockets, certificate: str) -> None:
         self._client = client
-        self._peers = {peer}
+        self._sockets = sockets
         self.certificate = certificate
         self.local_host = client.local_host
         self.lost = client.lost
-        keep_nothing_unsent(self._peers)
+        sockets.keep_nothing_unsent()
 
     async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
         """Call a method; see `Link.call`."""
@@ -137,12 +137,12 @@ class OwnLink:
         await self.call(_DIRECTORY, _QUESTION, within=within)
 
     async def services(self, within: float) -> frozenset[str]:
-        """Names of all services; where they listen is kept for `keep_nothing_unsent`."""
+        """Names of all services; see `Link.services`."""
         infos = await self._in_time(self._client.services(), within, _DIRECTORY, "services")
-        for end in (end for info in infos for end in info.endpoints):
-            if found := _TCP_END.fullmatch(end):
-                self._peers.add((found[1], int(found[2])))
-        return frozenset(info.name for info in infos)
+        places = {info.name: (info.process, info.endpoints) for info in infos}
+        directory = places.get(_DIRECTORY, (0, ()))[0]
+        self._sockets.expect(elsewhere(places.values(), directory))
+        return frozenset(places)
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
         """Hear a signal; see `Link.listen`. Not answered within 2 s: raises `Unanswered`."""
@@ -168,7 +168,7 @@ class OwnLink:
 
     async def close(self) -> None:
         """Let go; see `Link.close`."""
-        keep_nothing_unsent(self._peers)
+        self._sockets.throw_away_unsent()
         await self._client.close()
 
     async def _in_time(self, doing: Awaitable[_T], within: float, service: str, what: str) -> _T:

@@ -17,11 +17,7 @@ from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Unsubscribe
-from woz_drivers.pepper.links_socket import (
-    keep_nothing_unsent,
-    local_host_towards,
-    resolved,
-)
+from woz_drivers.pepper.links_socket import Sockets, elsewhere, local_host_towards, resolved
 from woz_drivers.pepper.links_trouble import hung_up, unknown, unreachable, words, wrong_password
 from woz_drivers.pepper.qi_link_library import Login, library
 from woz_drivers.pepper.secrets import Secret
@@ -37,7 +33,6 @@ _DENIED = re.compile(r"authenti", re.I)
 #: libqi ends the calls of a lost line a moment before it tells of the loss, in seconds.
 _TELLS_WITHIN_S = 0.1
 _T = TypeVar("_T")
-_TCP_END = re.compile(r"tcps?://(.+):(\d+)")
 
 
 async def open_qi_link(address: Address, secret: Secret, variable: str, within: float) -> QiLink:
@@ -86,7 +81,7 @@ class QiLink:
     def __init__(self, address: Address, peer: tuple[str, int], secret: Secret) -> None:
         self._loop = asyncio.get_running_loop()
         self._address = address
-        self._peers = {peer}
+        self._sockets = Sockets(peer)
         self.client = f"qi {library().__version__}"
         self.local_host = local_host_towards(*peer)
         self.lost: asyncio.Future[str] = self._loop.create_future()
@@ -103,7 +98,7 @@ class QiLink:
         self._session.disconnected.connect(self._from_thread(self._is_lost))
         if not self._session.isConnected():
             self._is_lost("disconnected")
-        keep_nothing_unsent(self._peers)
+        self._sockets.keep_nothing_unsent()
 
     async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
         """Call a method; see `Link.call`."""
@@ -114,12 +109,12 @@ class QiLink:
         await self.call(_DIRECTORY, _QUESTION, within=within)
 
     async def services(self, within: float) -> frozenset[str]:
-        """Names of all services; where they listen is kept for `keep_nothing_unsent`."""
+        """Names of all services; see `Link.services`."""
         infos = await self.call(_DIRECTORY, "services", within=within)
-        for end in (end for info in infos for end in _member(info, "endpoints", 4)):
-            if found := _TCP_END.fullmatch(end):
-                self._peers.add((found[1], int(found[2])))
-        return frozenset(_member(info, "name", 0) for info in infos)
+        places = {_member(info, "name", 0): _place(info) for info in infos}
+        directory = places.get(_DIRECTORY, (0, ()))[0]
+        self._sockets.expect(elsewhere(places.values(), directory))
+        return frozenset(places)
 
     async def listen(self, service: str, signal: str, heard: Callable[..., None]) -> Unsubscribe:
         """Hear a signal; see `Link.listen`. Not answered within 2 s: raises `Unanswered`."""
@@ -164,7 +159,7 @@ class QiLink:
             return
         await asyncio.gather(*services.values(), return_exceptions=True)
         ended = [task.result() for task in services.values() if _worked(task)]
-        keep_nothing_unsent(self._peers)
+        self._sockets.throw_away_unsent()
         threading.Thread(target=_end, args=(session, ended), name="qi close", daemon=True).start()
 
     # -- in the event loop ---------------------------------------------------------------------
@@ -220,7 +215,7 @@ class QiLink:
             proxy = await self._answer(self._session.service(service, _async=True))
         except Said as said:
             raise await self._judged(service, service, str(said)) from None
-        keep_nothing_unsent(self._peers)
+        self._sockets.keep_nothing_unsent()
         return proxy
 
     async def _judged(self, service: str, what: str, text: str) -> Exception:
@@ -304,6 +299,11 @@ def _end(session: Any, services: list[Any]) -> None:
         session.close(_async=True)
     services.clear()
     del session
+
+
+def _place(info: Any) -> tuple[int, list[str]]:
+    """Process and endpoints of a service."""
+    return _member(info, "processId", 3), _member(info, "endpoints", 4)
 
 
 def _member(info: Any, name: str, place: int) -> Any:

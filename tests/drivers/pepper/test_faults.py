@@ -21,6 +21,7 @@ from woz_tui.core.driver import Health, Lost
 MARK = ("ALMemory", "insertData", "Test/Mark")
 
 
+LAST = 1000
 SILENCE = {"ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killAll"}
 
 
@@ -69,6 +70,7 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(client: str, tmp_path:
     async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
         await it.is_so(Health.CONNECTED)
         saying = await said(robot, it)
+        await it.connection.call(*MARK, 0)  # now calls pass unasked for a moment
         robot.freeze()
         froze = time.monotonic_ns()
         sent = await marked_until(it, saying)
@@ -78,7 +80,7 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(client: str, tmp_path:
             await it.connection.probe()
         robot.thaw()
         await it.is_so(Health.CONNECTED)
-        await it.connection.call(*MARK, 0)
+        await it.connection.call(*MARK, LAST)
         arrived = await marks(robot)
         outcomes = [await one for one in sent]
         assert all(is_lost(one) for one in outcomes)
@@ -89,7 +91,7 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(client: str, tmp_path:
         assert outcomes[-1].begun_ns > blind_ns, "the test has not tried anything in the silence"
         stops = await robot.trace("ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killAll")
         assert {stop.name for stop in stops} == SILENCE
-        assert max(stop.at_ns for stop in stops) < arrived[0].at_ns
+        assert max(stop.at_ns for stop in stops) < arrived[LAST].at_ns
 
 
 async def test_what_was_sent_into_a_cut_cable_never_arrives(client: str, tmp_path: Path) -> None:
@@ -100,6 +102,7 @@ async def test_what_was_sent_into_a_cut_cable_never_arrives(client: str, tmp_pat
     ):
         await it.is_so(Health.CONNECTED)
         saying = await said(robot, it)
+        await it.connection.call(*MARK, 0)  # now calls pass unasked for a moment
         network.cut()
         sent = await marked_until(it, saying)
         assert is_lost(await saying)
@@ -107,9 +110,9 @@ async def test_what_was_sent_into_a_cut_cable_never_arrives(client: str, tmp_pat
         await asyncio.gather(*sent)
         network.heal()
         await it.is_so(Health.CONNECTED)
-        await it.connection.call(*MARK, 0)
+        await it.connection.call(*MARK, LAST)
         assert all(is_lost(one) for one in [await one for one in sent])
-        assert set(await marks(robot)) == {0}
+        assert set(await marks(robot)) == {0, LAST}
         assert await robot.trace("ALTextToSpeech.stopAll")
 
 

@@ -94,13 +94,13 @@ class Screen:
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """A video ends; the default comes afterwards, which is not waited for."""
-        if scope is not Scope.ALL or self._video is None:
+        video = self._video
+        if scope is not Scope.ALL or video is None:
             return ()
-        self._video = None
         self._watching.cancel()
+        # Not confirmed, it may play on: the next stop tries it again.
         await self._call("stopVideo", sure=False)
-        self._shows = ""
-        self._return()
+        self._over(video)
         return (self.name,)
 
     async def connected(self) -> None:
@@ -181,7 +181,9 @@ class Screen:
         self._video = video
         try:
             await self._call("playVideo", address)
-        except BaseException:
+        except Lost:
+            raise  # it may play even so, and be ended
+        except DriverError:
             self._video = None
             raise
         if self._video is video:

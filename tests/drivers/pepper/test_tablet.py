@@ -33,6 +33,7 @@ def folder(tmp_path: Path) -> Path:
 @pytest.fixture
 async def it(folder: Path, robot: StandIn) -> AsyncIterator[Wired[Screen]]:
     async with wired(Screen, folder, robot, tablet=Tablet("shown", "../logo.JPG")) as made:
+        await _shows(robot, "webview", len(OTHER))
         yield made
 
 
@@ -141,6 +142,34 @@ async def test_a_stop_that_the_tablet_refuses_is_an_error(
     await robot.fault("refuse:ALTabletService.stopVideo=no tablet")
     with pytest.raises(DriverError, match="no tablet"):
         await it.part.stop(Scope.ALL)
+    await robot.clear()
+    assert await it.part.stop(Scope.ALL) == ("tablet",)
+    await _shows(robot, "webview", len(OTHER))
+
+
+async def test_a_video_that_is_cut_short_before_it_plays_can_be_stopped(
+    it: Wired[Screen], robot: StandIn
+) -> None:
+    await robot.set("tablet.video_seconds", 3600)
+    await robot.fault("slow:200")
+    showing = asyncio.create_task(it.do("screen", file="film.mp4"))
+    await robot.called("ALTabletService.playVideo")
+    stopping = asyncio.create_task(it.part.stop(Scope.ALL))
+    await asyncio.sleep(0)
+    showing.cancel()
+    assert await stopping == ("tablet",)
+    await _shows(robot, "webview", len(OTHER))
+    names = [call.method for call in await robot.trace() if "Video" in call.method]
+    assert names == ["playVideo", "stopVideo"]
+
+
+async def test_a_video_that_the_tablet_refuses_is_not_playing(
+    it: Wired[Screen], robot: StandIn
+) -> None:
+    await robot.fault("refuse:ALTabletService.playVideo=no such codec")
+    with pytest.raises(DriverError, match="no such codec"):
+        await it.do("screen", file="film.mp4")
+    assert await it.part.stop(Scope.ALL) == ()
 
 
 @pytest.mark.naoqi("ALTabletService.hideWebview", "ALTabletService.enableWifi")
@@ -199,7 +228,6 @@ async def test_a_page_and_a_picture_of_somewhere_else(
 async def test_what_cannot_be_shown_is_said_and_changes_nothing(
     it: Wired[Screen], robot: StandIn, text: str, words: str
 ) -> None:
-    await _shows(robot, "webview", len(OTHER))
     with pytest.raises(DriverError, match=words) as told:
         await it.do("screen", file=text)
     assert told.value.remedy

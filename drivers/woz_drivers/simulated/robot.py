@@ -17,6 +17,7 @@ from woz_drivers.simulated.moves import roles
 from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.performance import Performance
 from woz_drivers.simulated.publishing import Publisher
+from woz_drivers.simulated.sight import Person, Sight
 from woz_drivers.simulated.telling import Teller
 from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
@@ -72,6 +73,7 @@ class SimulatedRobot:
         self._publisher = Publisher(outlet, self._faults)
         self._teller = Teller(name, outlet, self._clock_us)
         visitor = self._visitor
+        self._sight = Sight(outlet) if visitor else None
         self._ears = Ears(name, outlet, self._publisher, visitor.hearing) if visitor else None
         self._performance = Performance(settings, self._body, outlet.folder, self)
         self._opened = self._looked = self._pace.now()
@@ -216,6 +218,13 @@ class SimulatedRobot:
                 self._ears.hear(samples, now)
         if self._visitor is not None:
             self._listen(self._visitor, now)
+            self._look(self._visitor, now)
+
+    def _look(self, visitor: Visitor, now: float) -> None:
+        """What its camera sees of the visitor, unless it is unplugged."""
+        if self._sight is not None and self._gone(now) is None:
+            seen = Person(visitor.distance, visitor.side, visitor.looking, visitor.talking)
+            self._sight.look(seen if visitor.present else None)
 
     def _listen(self, visitor: Visitor, now: float) -> None:
         """What the microphone makes of the visitor's voice, unless it is unplugged."""

@@ -82,6 +82,11 @@ class Visitor:
         return self.phase is not Phase.AWAY
 
     @property
+    def side(self) -> float:
+        """Where they stand, in degrees to the right."""
+        return self._side
+
+    @property
     def talking(self) -> bool:
         """Whether the person is saying something now."""
         return self._talk_begins <= self._tick < self._talk_ends

@@ -22,6 +22,7 @@ def played(pace: Pace, speed: float, wanted: int, seconds: float) -> list[tuple[
         cost = min(wanted, pace.allowance)
         took = cost / speed
         sent.append((now, cost, took))
+        pace.asked(now)
         began, now = now, now + round(took * SECOND) + 1000
         pace.shown(began, cost, round(took * SECOND))
     return sent
@@ -65,6 +66,8 @@ def test_a_line_that_turns_slow_is_heard_of_at_once() -> None:
 def test_small_pictures_tell_nothing_and_drawing_counts() -> None:
     pace = Pace()
     before = pace.allowance
+    pace.asked(0)
+    assert not pace.due(200_000 - 1)
     pace.shown(0, 500, 3 * SECOND)
     assert pace.allowance == before
     assert not pace.due(6 * SECOND - 1)

@@ -44,17 +44,19 @@ class Pace:
         """Whether the next picture may be asked for."""
         return now_us >= self._next_us
 
+    def asked(self, now_us: int) -> None:
+        """A picture is being asked for: the next one may not be before the rate allows it."""
+        self.wait(now_us, 1 / self.rate)
+
     def shown(self, began_us: int, cost: int, took_us: int, drawing_us: int = 0) -> None:
-        """A picture of `cost` bytes, begun at `began_us`, filled the line for `took_us`; to draw it
-        took `drawing_us` of the processor.
+        """A picture of `cost` bytes, drawn from `began_us` on, filled the line for `took_us`; to
+        draw it took `drawing_us` of the processor.
         """
         took_s = max(0.0, took_us / 1_000_000)
         if cost >= TELLING:
             self._learn(cost, took_s)
-        pause_s = max(
-            1 / self.rate, cost / self._budget, took_s / SHARE, drawing_us / 1_000_000 / SHARE
-        )
-        self._next_us = began_us + round(pause_s * 1_000_000)
+        pause_s = max(cost / self._budget, took_s / SHARE, drawing_us / 1_000_000 / SHARE)
+        self.wait(began_us, pause_s)
 
     def wait(self, now_us: int, seconds: float) -> None:
         """Ask for nothing for a while."""

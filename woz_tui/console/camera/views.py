@@ -22,7 +22,7 @@ from woz_tui.core.pictures import PictureFormat, PictureShown
 #: Upper half of a cell in its foreground's colour, lower half in that of its background.
 _HALF = "▀"
 #: Bytes that a pixel costs before the first picture has told.
-_PNG_BYTES, _SIXEL_BYTES = 0.6, 0.5
+_PNG_BYTES, _SIXEL_BYTES = 1.2, 1.2
 
 
 class View(Widget):

@@ -107,6 +107,7 @@ class Watching:
         if not idle or not self.pace.due(now):
             return
         self._asked_us = now
+        self.pace.asked(now)
         asked_of = self._asked_of
         request = AskPicture(
             driver=self.camera,

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import json
 import os
-import sys
+import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
 from woz_drivers.naoqi.pepper import Pepper
 from woz_drivers.naoqi.standin import StandIn
 from woz_drivers.naoqi.table import Refused
-
-#: A line may carry a whole set of values.
-_LIMIT = 1 << 22
 
 
 class Control:
@@ -23,14 +21,14 @@ class Control:
     def __init__(self, pepper: Pepper, out: int) -> None:
         self._standin, self._out = pepper.standin, out
 
-    async def run(self, ended: asyncio.Event) -> None:
+    async def run(self) -> None:
         """Until nobody can give orders any more; then the robot ends, too."""
-        reader = asyncio.StreamReader(limit=_LIMIT)
+        lines: asyncio.Queue[bytes] = asyncio.Queue()
         loop = asyncio.get_running_loop()
-        await loop.connect_read_pipe(lambda: asyncio.StreamReaderProtocol(reader), sys.stdin)
-        while line := await reader.readline():
+        # A thread, because standard input may be a file; a daemon, because nothing ends its read.
+        threading.Thread(target=_read_lines, args=(loop, lines), daemon=True).start()
+        while line := await lines.get():
             self._answer(line)
-        ended.set()
 
     def _answer(self, line: bytes) -> None:
         try:
@@ -42,6 +40,19 @@ class Control:
         data = json.dumps(answer).encode() + b"\n"
         while data:
             data = data[os.write(self._out, data) :]
+
+
+def _read_lines(loop: asyncio.AbstractEventLoop, lines: asyncio.Queue[bytes]) -> None:
+    """Hand on every line of standard input, and nothing at its end."""
+    rest = b""
+    # The loop may be gone before the last line.
+    with contextlib.suppress(RuntimeError):
+        while data := os.read(0, 1 << 16):
+            *whole, rest = (rest + data).split(b"\n")
+            for line in whole:
+                if line.strip():
+                    loop.call_soon_threadsafe(lines.put_nowait, line)
+        loop.call_soon_threadsafe(lines.put_nowait, b"")
 
 
 def carry_out(standin: StandIn, order: Mapping[str, Any]) -> Any:

@@ -128,17 +128,16 @@ async def _serve(given: argparse.Namespace, out: int) -> None:
     ended = asyncio.Event()
     for one in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(one, ended.set)
-    living = asyncio.ensure_future(pepper.live())
-    living.add_done_callback(lambda _: ended.set())
     os.write(out, json.dumps({"address": address}).encode() + b"\n")
-    control = asyncio.ensure_future(Control(pepper, out).run(ended)) if given.control else None
-    await ended.wait()
-    if living.done():
-        living.result()
-    living.cancel()
-    if control:
-        control.cancel()
+    tasks = {asyncio.ensure_future(pepper.live()), asyncio.ensure_future(ended.wait())}
+    if given.control:
+        tasks.add(asyncio.ensure_future(Control(pepper, out).run()))
+    done, going = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+    for task in going:
+        task.cancel()
     await host.close()
+    for task in done:
+        task.result()
 
 
 async def start(pepper: Pepper, server: str, host: str, port: int) -> tuple[Host, str]:

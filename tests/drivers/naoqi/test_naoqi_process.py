@@ -8,6 +8,7 @@ import socket
 import sys
 from collections.abc import AsyncIterator
 from importlib.util import find_spec
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -251,6 +252,23 @@ async def test_it_ends_when_nobody_can_give_orders_any_more() -> None:
         assert robot._process.stdin is not None
         robot._process.stdin.close()
         assert await asyncio.wait_for(robot._process.wait(), PATIENCE_S) == 0
+
+
+async def test_orders_may_come_from_a_file(tmp_path: Path) -> None:
+    orders = tmp_path / "orders"
+    orders.write_text('{"do": "get", "name": "life"}\n\nnonsense\n')
+    with orders.open() as given:
+        process = await asyncio.create_subprocess_exec(
+            *(sys.executable, "-m", "woz_drivers.naoqi", "--control", "--server", "own"),
+            stdin=given,
+            stdout=asyncio.subprocess.PIPE,
+        )
+        out, _ = await asyncio.wait_for(process.communicate(), PATIENCE_S)
+    address, life, nonsense = map(json.loads, out.splitlines())
+    assert address["address"].startswith("tcp://127.0.0.1:")
+    assert life == {"ok": "solitary"}
+    assert "not understood" in nonsense["error"]
+    assert process.returncode == 0
 
 
 async def test_help_tells_how_to_rehearse() -> None:

@@ -208,11 +208,15 @@ class Screen:
             await self._call("stopVideo", sure=False)
 
     async def _network(self) -> None:
-        """What is fetched needs the tablet's wifi; that it is on is known after the first time."""
-        if not self._on_air:
-            with contextlib.suppress(Rejected):
-                await self._call("enableWifi", sure=False)
-            self._on_air = True
+        """What is fetched needs the tablet's wifi, unless it has another way: refused, it is tried."""
+        if self._on_air:
+            return
+        try:
+            await self._call("enableWifi", sure=False)
+        except DriverError:
+            if not self._robot.there:
+                raise
+        self._on_air = True
 
     async def _call(self, method: str, *words: Any, sure: bool = True) -> None:
         """Have the tablet do it. Raises `DriverError`; if `sure`, also when it says no."""

@@ -192,8 +192,10 @@ async def test_its_network_hiding_and_the_default(it: Wired[Screen], robot: Stan
 async def test_without_a_default_nothing_is_shown_until_asked(folder: Path, robot: StandIn) -> None:
     async with wired(Screen, folder, robot) as it:
         assert await robot.trace("ALTabletService.showWebview") == []
+        await robot.fault("refuse:ALTabletService.enableWifi=no wifi here")
         await it.do("screen", file="page.html")
         await _shows(robot, "webview", len("<p>page</p>"))
+        await robot.clear()
         await it.do("screen", file="off")
         await _shows(robot, "default")
 

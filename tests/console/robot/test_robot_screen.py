@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import asyncio
+
 import pytest
+from textual.events import Key
 
 from tests.console.driving import Sitting, sitting
 from tests.console.robot import pepper
@@ -176,3 +179,15 @@ async def test_in_a_replay_it_is_only_looked_at() -> None:
 
 def test_a_replay_has_its_key() -> None:
     assert {item.id: item.chord for item in KEYS}["robot"] == "@"
+
+
+async def test_a_painting_may_come_at_any_moment_of_its_opening() -> None:
+    async with sitting(pepper.welcome(pepper.shown())) as seat:
+        seat.console.desk.do("robot")
+        for _ in range(100):
+            seat.console.paint()
+            seat.console.post_message(Key("pagedown", None))
+            await asyncio.sleep(0)
+        await seat.settle()
+        assert seat.console.is_running
+        assert "Motors on" in seat.drawn() or "Another address" in seat.drawn()

@@ -6,9 +6,10 @@ many lines as fit. All three keep their places whatever the robot says.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Iterable
 from dataclasses import dataclass
+
+from rich.cells import cell_len, chop_cells
 
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.glyphs import Frame
@@ -154,8 +155,16 @@ def _foot(lines: tuple[LineView, ...], place: Place, rows: int, frame: Frame) ->
 
 
 def _wrapped(text: str, look: str, frame: Frame) -> list[Row]:
-    parts = textwrap.wrap(text, max(10, frame.width - 2))
-    return [((f" {part}", look),) for part in parts]
+    """Sentences in rows, by cells: a sign of Chinese takes two."""
+    room = max(10, frame.width - 2)
+    rows = [""]
+    for part in (part for word in text.split() for part in chop_cells(word, room)):
+        longer = f"{rows[-1]} {part}".strip()
+        if cell_len(longer) <= room:
+            rows[-1] = longer
+        else:
+            rows.append(part)
+    return [((f" {row}", look),) for row in rows if row]
 
 
 def _cut_off(rows: Iterable[Row], room: int, frame: Frame) -> list[Row]:

@@ -60,6 +60,8 @@ class MoveDialog(Entry):
         super().__init__()
         self._back = 0
         self._player = 0
+        self._driver = ""
+        self._names: list[str] = []
 
     def on_mount(self) -> None:
         """Names as they are now."""

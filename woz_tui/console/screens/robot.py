@@ -6,6 +6,7 @@ The arrows, space and enter are the screen's; every other key plays the robot as
 from __future__ import annotations
 
 from collections.abc import Iterable
+from functools import cached_property
 from typing import ClassVar
 
 from textual import events
@@ -57,15 +58,17 @@ class RobotDialog(Drawing):
         else:
             self._only_look()
         give_keys(app.keyboard, app.dialog)
-        self._hand = Hand(
-            app.picture,
-            self.desk.ask,
-            self.desk.refused,
-            self.desk.key_of("robot"),
-            watched=lambda: self._open,
-        )
-        self._viewer = Viewer(app.picture, self.glyphs, self.desk.arrows, self._hand)
         super().on_mount()
+
+    @cached_property
+    def _hand(self) -> Hand:
+        """Made when it is first needed: a painting may come before the mounting."""
+        key = self.desk.key_of("robot")
+        return Hand(self.picture, self.desk.ask, self.desk.refused, key, watched=lambda: self._open)
+
+    @cached_property
+    def _viewer(self) -> Viewer:
+        return Viewer(self.picture, self.glyphs, self.desk.arrows, self._hand)
 
     def _only_look(self) -> None:
         """In a replay nothing can be changed, and the other keys move through the log."""
@@ -139,8 +142,9 @@ class RobotDialog(Drawing):
         self._line = min(last, max(0, self._line + by))
 
     def _room(self) -> int:
-        cells = self.query_one("#drawing", Swatches)
-        return list_room(Frame(cells.size.width, cells.size.height, 0, self.glyphs))
+        """Lines that fit; 1 as long as there is nothing to draw in."""
+        heights = [cells.size.height for cells in self.query("#drawing")]
+        return max((list_room(Frame(0, height, 0, self.glyphs)) for height in heights), default=1)
 
     def _chosen_line(self) -> Line | None:
         """The chosen line, if something may be done there."""

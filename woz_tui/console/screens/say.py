@@ -81,6 +81,7 @@ class SayDialog(Entry):
         super().__init__()
         self._back = 0
         self._voice = 0
+        self._utterances: list[str] = []
 
     def on_mount(self) -> None:
         """Utterances as they are now."""

@@ -208,7 +208,7 @@ class Screen:
             await self._call("stopVideo", sure=False)
 
     async def _network(self) -> None:
-        """What is fetched needs the tablet's wifi, unless it has another way: refused, it is tried."""
+        """What is fetched needs the tablet's wifi, or another way: refused, it is tried."""
         if self._on_air:
             return
         try:

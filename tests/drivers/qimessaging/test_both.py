@@ -6,6 +6,7 @@ import asyncio
 import ssl
 from typing import Any
 
+import psutil
 import pytest
 from woz_drivers.qimessaging import (
     Cancelled,
@@ -184,6 +185,11 @@ async def test_a_service_in_another_process_is_reached_and_its_loss_is_told() ->
         await client.close()
 
 
+def _connections_to(port: int) -> int:
+    found = psutil.Process().net_connections("tcp")
+    return sum(each.status == psutil.CONN_ESTABLISHED and each.laddr.port == port for each in found)
+
+
 async def test_two_services_of_one_process_share_a_connection() -> None:
     async with bench() as (_, port):
         owner = await Client.open("127.0.0.1", port)
@@ -195,6 +201,8 @@ async def test_two_services_of_one_process_share_a_connection() -> None:
         one, two = await client.service("One"), await client.service("Two")
 
         assert one.connection is two.connection
+        _, ours = one.connection.address("peername")
+        await until(lambda: _connections_to(ours) == 1)
         await client.close()
         await until(lambda: [each.hearers("news") for each in services] == [0, 0])
         await owner.close()

@@ -7,7 +7,15 @@ import contextlib
 from collections.abc import AsyncIterator
 
 import pytest
-from woz_drivers.qimessaging import Client, Hosted, Method, Refused, RemoteError, Server
+from woz_drivers.qimessaging import (
+    Client,
+    Hosted,
+    Method,
+    Refused,
+    RemoteError,
+    Server,
+    Signal,
+)
 from woz_drivers.qimessaging.connection import Connection
 from woz_drivers.qimessaging.decoding import decode
 from woz_drivers.qimessaging.encoding import encode
@@ -15,6 +23,8 @@ from woz_drivers.qimessaging.endpoints import ServiceInfo
 from woz_drivers.qimessaging.errors import ConnectionLost
 from woz_drivers.qimessaging.frames import Frame, Kind
 from woz_drivers.qimessaging.handshake import error_text
+from woz_drivers.qimessaging.host import Host
+from woz_drivers.qimessaging.listening import Listener
 
 from tests.drivers.qimessaging.desk import Bench, bench, until
 
@@ -118,3 +128,27 @@ async def test_a_connection_that_was_ended_takes_no_calls() -> None:
             await _ask(connection, THING, 2, encode("I", 1))
         assert await connection.lost == "enough"
         assert connection.pending == 0
+
+
+async def test_a_service_that_is_announced_too_early_is_waited_for() -> None:
+    """As libqi does it: the directory names the service, its connection refuses it still."""
+    loop = asyncio.get_running_loop()
+    host = Host()
+    late = Hosted([Method("twice", "(i)", "i", lambda value: value * 2)])
+
+    def service(name: str) -> tuple[object, ...]:
+        if name == "Late":
+            loop.call_later(0.05, host.add, 40, late)
+        return (name, 40, "pepper", 7, ["qi:ServiceDirectory"], "0", b"")
+
+    host.add(
+        DIRECTORY,
+        Hosted([Method("service", "(s)", INFO, service), Signal("serviceRemoved", "(Is)")]),
+    )
+    listener = Listener(host)
+    port = (await listener.listen("127.0.0.1", 0)).port
+    client = await Client.open("127.0.0.1", port)
+
+    assert await client.call("Late", "twice", 4, within=20) == 8
+    await client.close()
+    await listener.close()

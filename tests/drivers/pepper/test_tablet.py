@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import threading
 from collections.abc import AsyncIterator
 from pathlib import Path
@@ -267,6 +268,36 @@ async def test_after_a_loss_the_default_is_shown_again(folder: Path) -> None:
             await it.connected(2)
             await _shows(back, "webview", len(OTHER))
             assert await it.part.read() == {"tablet": "logo.JPG"}
+
+
+def _has_ipv6() -> bool:
+    try:
+        with socket.socket(socket.AF_INET6) as one:
+            one.bind(("::1", 0))
+    except OSError:
+        return False
+    return True
+
+
+@pytest.mark.skipif(not _has_ipv6(), reason="this machine has no IPv6")
+async def test_a_robot_that_is_reached_in_another_way_gets_its_pictures_there(
+    folder: Path,
+) -> None:
+    tablet = Tablet(default="logo.JPG")
+    async with (
+        stand_in("own") as here,
+        stand_in("own", options=("--host", "::1")) as there,
+        wired(Screen, folder, here, tablet=tablet) as it,
+    ):
+        first = await _shows(here, "webview", len(OTHER))
+        assert first["url"].startswith("http://127.0.0.1:")
+        it.part.lost()
+        await it.connection.connect(f"tcp://[::1]:{there.port}")
+        await it.connected(2)
+        second = await _shows(there, "webview", len(OTHER))
+        assert second["url"].startswith("http://[::1]:")
+        names = [one.name for one in threading.enumerate()]
+        assert names.count("pepper tablet") == 1
 
 
 async def test_a_video_ends_with_the_session(folder: Path, robot: StandIn) -> None:

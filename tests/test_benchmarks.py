@@ -24,6 +24,7 @@ TABLES = {
     "motion_rate.py": ("robot process", "in the console's process", "bare loop"),
     "engagement_sample.py": ("bare queues", "the model, joint", "lines, fifo"),
     "report.py": ("json.loads on every line", "woz report --csv", "woz methods"),
+    "pepper_faults.py": ("killed, own", "frozen, own", "cut, own", "late unforeseen"),
     "pepper_latency.py": ("idle: Flask route", "polling: woz, client own", "bare qi"),
     "log_reading.py": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),

@@ -5,13 +5,13 @@ What is promised about calls, and what cannot be:
 - Every call ends exactly once: with its value, with the robot's refusal, or with `Lost`. A robot
   that was killed is known at once; one that is frozen or cut off after at most 2 s, and all calls
   under way end in that moment.
-- A call is sent only while the robot is known to be alive: it was heard within the last 0.1 s
+- A call is sent only while the robot is known to be alive: it was heard within the last 0.02 s
   (`connection_pulse.FRESH_S`), or it has just answered a question that was asked for this call. If
   it is silent, the call is refused and never sent. Only calls that end something (`HALTS`) are sent
   in any case, because late they do no harm.
 - What was sent into a cut cable is forgotten by this machine within 1.5 s and on closing: it does
   not arrive when the cable is plugged in again.
-- What cannot be promised: a call that was sent to a robot that froze less than 0.1 s ago (or while
+- What cannot be promised: a call that was sent to a robot that froze less than 0.02 s ago (or while
   its question was being answered) lies in the robot's own memory, and NAOqi carries it out when it
   wakes, although it was reported as lost. So does a call that it had begun before it froze.
   Therefore the first thing after every reconnection, before any other call is let through, is to

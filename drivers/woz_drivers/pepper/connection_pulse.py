@@ -9,8 +9,9 @@ from typing import Protocol
 from woz_drivers.pepper.link import Gone, Said, Unanswered
 from woz_tui.core.driver import Lost
 
-#: A call is sent only if the robot was heard so lately, else it is asked first, in seconds.
-FRESH_S = 0.1
+#: A call is sent only if the robot was heard so lately, else it is asked first, in seconds: calls
+#: made together ask once. What is sent in this time after a robot froze runs when it wakes.
+FRESH_S = 0.02
 #: A question open for longer means: silent, nothing is sent, in seconds.
 SILENT_S = 0.25
 #: A question open for so long means: gone, in seconds; less with a lazy heartbeat, so that both
@@ -40,31 +41,40 @@ class Pulse:
         self._heard = self._loop.time()
         self._question: asyncio.Task[None] | None = None
         self._asked = 0.0
+        #: Since when a question has been open; None: something was heard since.
+        self._unanswered: float | None = None
 
     @property
     def silent(self) -> bool:
         """Whether a question has been open for too long."""
-        waiting = self._question is not None and self._heard < self._asked
-        return waiting and self._loop.time() - self._asked > SILENT_S
+        since = self._unanswered
+        return since is not None and self._loop.time() - since > SILENT_S
 
     def heard(self) -> None:
         """Something came from the robot."""
         self._heard = self._loop.time()
+        self._unanswered = None
 
     async def until_dead(self) -> str:
         """Watch; returns why the robot counts as gone."""
+        overslept = False
         while True:
             quiet = self._loop.time() - self._heard
             if quiet < self._heartbeat:
                 await asyncio.sleep(self._heartbeat - quiet)
                 continue
             try:
-                await asyncio.shield(self._ask())
+                await asyncio.shield(self._ask(SILENT_S if overslept else self._patience))
             except Unanswered:
-                if self._is_dead():
+                if self._unanswered is None:
+                    continue
+                if overslept or not self._has_overslept():
                     return f"the robot has not answered for {self._patience:.1f} s"
+                overslept = True
+                continue
             except Gone as gone:
                 return str(gone)
+            overslept = False
 
     async def fresh(self) -> None:
         """Return at once if the robot was heard just now, else when it answers a question.
@@ -82,23 +92,25 @@ class Pulse:
         if self.silent:
             raise _silent()
         try:
-            await asyncio.wait_for(asyncio.shield(self._ask()), seconds)
+            await asyncio.wait_for(asyncio.shield(self._ask(self._patience)), seconds)
         except (TimeoutError, Unanswered):
             raise _silent() from None
 
     # -- the question --------------------------------------------------------------------------
 
-    def _ask(self) -> asyncio.Task[None]:
+    def _ask(self, patience: float) -> asyncio.Task[None]:
         """The open question, or a new one."""
         if self._question is None:
             self._asked = self._loop.time()
-            self._question = self._loop.create_task(self._asking())
+            if self._unanswered is None:
+                self._unanswered = self._asked
+            self._question = self._loop.create_task(self._asking(patience))
             self._question.add_done_callback(self._answered)
         return self._question
 
-    async def _asking(self) -> None:
+    async def _asking(self, patience: float) -> None:
         with contextlib.suppress(Said):  # that is an answer, too
-            await self._link.ask(self._patience)
+            await self._link.ask(patience)
         self.heard()
 
     def _answered(self, question: asyncio.Task[None]) -> None:
@@ -106,10 +118,9 @@ class Pulse:
         if not question.cancelled():
             question.exception()  # fetched here, where nobody may be waiting for it
 
-    def _is_dead(self) -> bool:
-        """Whether an unanswered question proves anything."""
-        overslept = self._loop.time() - self._asked - self._patience > _OVERSLEPT_S
-        return not overslept and self._heard <= self._asked
+    def _has_overslept(self) -> bool:
+        """Whether the answer may have come while this process did not run."""
+        return self._loop.time() - self._asked - self._patience > _OVERSLEPT_S
 
 
 def _silent() -> Lost:

@@ -140,10 +140,11 @@ class Pepper:
         confirmed: list[str] = []
         missing = [stops[stop].name for stop in late]
         for stop in done:
-            if (error := stop.exception()) is None:
+            error = None if stop.cancelled() else stop.exception()
+            if error is None and not stop.cancelled():
                 confirmed += stop.result()
             else:
-                log.info("stop of %s: %s", stops[stop].name, error)
+                log.info("stop of %s: %s", stops[stop].name, error or "the session ends")
                 missing.append(stops[stop].name)
         return StopReport(tuple(sorted(confirmed)), tuple(sorted(missing)))
 
@@ -175,19 +176,20 @@ class Pepper:
     # -- the line --------------------------------------------------------------------------------
 
     async def _connect(self, robot: str) -> dict[str, Json]:
-        self._let_go()
+        await self._let_go()
         await self._connection.connect(robot)
         return {"robot": self._connection.robot, "client": self._connection.client}
 
     async def _disconnect(self) -> dict[str, Json]:
         robot = self._connection.robot
-        self._let_go()
+        await self._let_go()
         await self._connection.disconnect()
         return {"robot": robot}
 
-    def _let_go(self) -> None:
-        """The robot of before goes because the wizard wants it."""
+    async def _let_go(self) -> None:
+        """The robot of before goes because the wizard wants it; it must not be left driving."""
         if self._present:
+            await self.stop(Scope.ALL)
             self._gone()
         self._astray = False
 

@@ -13,6 +13,8 @@ from woz_tui.core.driver import DriverError, Lost, Outlet
 #: For calls that end when something has ended on the robot: longer than any of that takes. A robot
 #: that falls silent meanwhile is noticed by the connection.
 LONG_S = 3600.0
+#: What a job's end still has to say may take so long when the session is over.
+FAREWELL_S = 0.5
 #: A question about the robot's settings may take so long.
 LOOK_S = 0.9
 
@@ -74,7 +76,9 @@ class Endings:
             await asyncio.wait(self._tasks, timeout=WITHIN_S)
 
     async def close(self) -> None:
-        """Give up what is left."""
+        """Let it arrive if the robot is quick; give up what is left."""
+        if self._tasks:
+            await asyncio.wait(self._tasks, timeout=FAREWELL_S)
         for task in list(self._tasks):
             task.cancel()
         if self._tasks:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 from pathlib import Path
 
 import pytest
@@ -80,6 +81,30 @@ async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path, cli
         await it.tells(lambda shown: "volume" not in shown.values)
         with pytest.raises(Lost, match="disconnected by the wizard"):
             await it.do("say", text="Nobody hears this.")
+
+
+async def test_a_robot_is_not_left_driving_or_speaking(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=2) as it:
+        driving = it.begin("drive", x=5.0)
+        saying = it.begin("say", text="A long story. " * 100)
+        await it.robot.called("ALMotion.moveTo")
+        await it.robot.called("ALAnimatedSpeech.say")
+        await it.do("disconnect")
+        for job in (driving, saying):
+            with contextlib.suppress(DriverError):
+                await job
+        assert not any(await it.robot.get("velocity"))
+        assert "speech" not in [kind for kind, *_ in await it.robot.get("going")]
+
+
+async def test_what_the_end_of_the_session_cuts_short_ends_on_the_robot(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=2) as it:
+        job = it.begin("drive", x=5.0)
+        await it.robot.called("ALMotion.moveTo")
+        await it.cancel(job)
+        await it.driver.close()
+        assert await it.calls("ALMotion.stopMove")
+        assert not any(await it.robot.get("velocity"))
 
 
 async def test_without_a_robot_verbs_say_so_at_once(tmp_path: Path) -> None:

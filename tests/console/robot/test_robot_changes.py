@@ -10,7 +10,7 @@ import pytest
 from textual.widgets import Input
 
 from tests.console.robot import pepper
-from tests.console.robot.screen import choose, dialog, done, line, opened, runs, verbs
+from tests.console.robot.screen import choose, dialog, done, line, opened, runs, type_in, verbs
 from woz_tui.console.screens.robot import RobotDialog, ValueDialog
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -84,12 +84,12 @@ async def test_a_value_that_is_never_read_back_is_not_shown_for_ever() -> None:
 async def test_a_refusal_stands_at_its_line() -> None:
     async with opened() as seat:
         seat.feed.answers[r.AskVerb] = lambda request, ref: r.Reply(
-            ref=ref, ok=False, reason="the stop is pressed", hint="release it"
+            ref=ref, ok=False, reason="the stop is on", hint="release it"
         )
         await choose(seat, "Volume")
         await seat.press("right")
-        assert line(seat, "Volume") == "Volume 0.70 ⊘ the stop is pressed release it"
-        assert "Not done: the stop is pressed" in seat.drawn()
+        assert line(seat, "Volume") == "Volume 0.70 ⊘ the stop is on (release it)"
+        assert "Not done: the stop is on" in seat.drawn()
         del seat.feed.answers[r.AskVerb]
         await seat.press("right")
         assert line(seat, "Volume") == "Volume 0.70"
@@ -107,7 +107,7 @@ async def test_so_does_what_the_robot_would_not_do(kind: Callable[..., m.AnyMess
         await seat.tell(
             kind(command="c1", driver="pepper", reason="it is charging", remedy="unplug")
         )
-        assert line(seat, "Posture") == "Posture Stand ⊘ it is charging unplug"
+        assert line(seat, "Posture") == "Posture Stand ⊘ it is charging (unplug)"
 
 
 async def test_a_refusal_after_the_screen_was_closed_is_told_on_the_main_screen() -> None:
@@ -203,6 +203,23 @@ async def test_the_robot_is_chosen() -> None:
             ("connect", {"robot": "10.0.0.9"}, "pepper"),
             ("disconnect", {}, "pepper"),
         ]
+
+
+async def test_a_connection_that_failed_is_forgotten_with_the_next_try() -> None:
+    async with opened(size=(160, 50)) as seat:
+        seat.feed.answers[r.AskVerb] = lambda request, ref: r.Reply(
+            ref=ref, ok=False, reason="nothing listens there"
+        )
+        await choose(seat, "Another address")
+        await seat.press("enter")
+        assert "now 192.168.1.20" in seat.drawn()
+        await type_in(seat, "10.0.0.9")
+        await seat.press("enter")
+        assert line(seat, "Another address").endswith("⊘ nothing listens there")
+        del seat.feed.answers[r.AskVerb]
+        await choose(seat, "pepper.local")
+        await seat.press("enter")
+        assert line(seat, "Another address") == "Another address"
 
 
 async def test_steps_of_the_arrow_keys_are_changed_here_and_sent_nowhere() -> None:

@@ -11,7 +11,7 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from woz_tui.console.robot.lines import Line
+from woz_tui.console.robot.lines import CONNECTING, CONNECTION, Line
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 from woz_tui.core.requests import AskVerb, Reply
@@ -68,13 +68,21 @@ class Hand:
     def change(self, driver: str, line: Line, value: Json) -> None:
         """Ask the robot for a value, now or as soon as it has taken the one before."""
         key = (driver, line.id)
-        self._refusals.pop(key, None)
+        self._forget(driver, line)
         under_way = self._asked.get(key)
         if under_way is not None and under_way.over is None:
             under_way.value = value
             return
         self._asked[key] = Asked(line, value)
         self._send(key)
+
+    def _forget(self, driver: str, line: Line) -> None:
+        """What was refused here; of a connection, whatever was refused of any."""
+        ids = {line.id}
+        if line.setting.section == CONNECTION:
+            ids |= {id_ for name, id_ in self._refusals if id_.startswith(CONNECTING)}
+        for id_ in ids:
+            self._refusals.pop((driver, id_), None)
 
     def awaited(self, driver: str, line: Line) -> Json:
         """The value asked for that does not show yet; None: there is none."""
@@ -106,7 +114,7 @@ class Hand:
 
     def _ended(self, key: Key, asked: Asked, end: m.End, now: int) -> None:
         if isinstance(end, m.Failed | m.TimedOut | m.Refused):
-            self._refusals[key] = f"{end.reason} {end.remedy}".strip()
+            self._refusals[key] = _sentence(end.reason, end.remedy)
             self._drop(key, asked)
         elif isinstance(end, m.Done):
             self._taken(key, asked, now)
@@ -139,7 +147,7 @@ class Hand:
             return
         if not reply.ok:
             self._drop(key, asked)
-            self._refusals[key] = f"{reply.reason} {reply.hint}".strip()
+            self._refusals[key] = _sentence(reply.reason, reply.hint)
             if not self._watched():
                 self._refused(reply)
         elif reply.run:
@@ -150,3 +158,7 @@ class Hand:
     def _drop(self, key: Key, asked: Asked) -> None:
         if self._asked.get(key) is asked:
             del self._asked[key]
+
+
+def _sentence(reason: str, remedy: str) -> str:
+    return f"{reason} ({remedy})" if remedy else reason

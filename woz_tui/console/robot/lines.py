@@ -22,6 +22,10 @@ class What(enum.Enum):
     STEP = "step"
 
 
+#: How ids of lines of the connection begin.
+CONNECTING = tuple(what.value for what in (What.ROBOT, What.ADDRESS, What.DISCONNECT))
+
+
 @dataclass(frozen=True, slots=True)
 class Line:
     """One line. `setting` says how it is called and what may be set, whatever it is about."""

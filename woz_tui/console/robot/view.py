@@ -64,7 +64,8 @@ class Viewer:
         if line.what is What.STEP:
             return self._arrows.value(line.setting.name)
         awaited = self._hand.awaited(driver, line)
-        return self._robot(driver).values.get(line.setting.name) if awaited is None else awaited
+        name = "robot" if line.what is What.ADDRESS else line.setting.name
+        return self._robot(driver).values.get(name) if awaited is None else awaited
 
     def locked(self, line: Line) -> str:
         """The panel whose lock covers the line's verb, or nothing."""

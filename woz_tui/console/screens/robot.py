@@ -179,8 +179,7 @@ class RobotDialog(Drawing):
 
     def _type(self, line: Line) -> None:
         if line.is_typed:
-            value = self._viewer.value(self._driver, line) if line.is_set else None
-            now = value_text(line.setting, value, self.glyphs)
+            now = value_text(line.setting, self._viewer.value(self._driver, line), self.glyphs)
             self.console_app.open_dialog(ValueDialog(self, self._driver, line, now))
 
     def typed(self, driver: str, line: Line, value: Json) -> None:

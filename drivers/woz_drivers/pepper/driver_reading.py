@@ -7,13 +7,14 @@ import contextlib
 import logging
 from collections.abc import Mapping, Sequence
 
+from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.conflicts import conflicts
 from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.outline import lines
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.wanted import Wanted
-from woz_tui.core.driver import DriverError, Job, Outlet
+from woz_tui.core.driver import DriverError, Job, Outlet, Rejected
 from woz_tui.core.messages import Json, SettingsShown
 
 #: At most so long from one reading to the next.
@@ -36,6 +37,7 @@ class Reading:
         self._parts = parts
         self._outlet = outlet
         self._wanted = Wanted(settings, lines(settings))
+        self._names = _names(settings)
         self._used: set[str] = set()
         self._soon = asyncio.Event()
         self._loop: asyncio.Task[None] | None = None
@@ -52,7 +54,7 @@ class Reading:
         if self._loop is not None:
             self._loop.cancel()
             self._loop = None
-            self._tell({"robot": self._connection.robot}, {}, [])
+            self._tell({"robot": self._robot()}, {}, [])
 
     def soon(self) -> None:
         """Something has just changed: read at once."""
@@ -81,7 +83,7 @@ class Reading:
                     await self._soon.wait()
 
     async def _values(self) -> dict[str, Json]:
-        values: dict[str, Json] = {"robot": self._connection.robot}
+        values: dict[str, Json] = {"robot": self._robot()}
         read = await asyncio.gather(*(part.read() for part in self._parts), return_exceptions=True)
         for part, found in zip(self._parts, read, strict=True):
             if isinstance(found, Mapping):
@@ -89,6 +91,10 @@ class Reading:
             elif not isinstance(found, DriverError):
                 self._complain(part.name, found)
         return {name: _steady(name, value) for name, value in values.items()}
+
+    def _robot(self) -> str:
+        """As the robot file writes it, where it does."""
+        return self._names.get(self._connection.robot, self._connection.robot)
 
     def _complain(self, part: str, error: BaseException) -> None:
         """A mistake of ours: told once, and the others are still read."""
@@ -106,6 +112,15 @@ class Reading:
         if shown != self._told:
             self._told = shown
             self._outlet.show(shown)
+
+
+def _names(settings: PepperSettings) -> dict[str, str]:
+    """How the connection calls each robot of the file, and how the file does."""
+    names = {}
+    for text in settings.robots:
+        with contextlib.suppress(Rejected):
+            names[parse(text).shown] = text
+    return names
 
 
 def _steady(name: str, value: Json) -> Json:

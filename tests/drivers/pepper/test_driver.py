@@ -130,7 +130,7 @@ async def test_a_robot_that_comes_back_gets_the_files_settings_again(tmp_path: P
             tmp_path,
             PepperSettings(robots=(address,), senses=QUIET, voice=settings.voice, eyes="green"),
         )
-        await it.shows(volume=0.3, eyes="#00ff00")
+        await it.shows(volume=0.3, eyes="#00ff00", robot=address)
         # What the wizard has changed since counts more than the file.
         await it.do("eyes", color="red")
         await it.do("volume", level=0.4)

@@ -14,7 +14,10 @@ from woz_drivers.simulated.values import text
 from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Scope, Verb
 from woz_tui.core.messages import Json
 
+BEHAVIORS = "ALBehaviorManager"
 LANE = "body"
+#: How often it is asked whether an animation has ended.
+ASK_S = 0.03
 
 
 class Animations:
@@ -87,6 +90,13 @@ class Animations:
 
     async def _end(self, path: str) -> None:
         """The job's cancelled call ends it where the robot listens to that; this ends it anyway."""
-        await self._robot.call("ALBehaviorManager", "stopBehavior", path)
+        try:
+            await self._robot.call(BEHAVIORS, "stopBehavior", path)
+        except Lost:
+            raise
+        except DriverError:
+            # Perhaps because it has ended already, by the cancelled call or by the end of motion.
+            while await self._robot.call(BEHAVIORS, "isBehaviorRunning", path):  # noqa: ASYNC110
+                await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
         if self._playing == path:
             self._playing = ""

@@ -124,6 +124,16 @@ async def test_a_part_that_fails_is_named_and_the_others_confirm(tmp_path: Path)
         assert set(report.confirmed) == {*ALWAYS} - {"speech"}
 
 
+@pytest.mark.usefixtures("unhurried")
+async def test_an_animation_that_has_ended_already_confirms_too(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=PACE) as it:
+        it.begin("play", move="Waiting/ShowSky_1")
+        await it.robot.until(lambda: _kinds(it, {"animation"}))
+        await it.robot.fault("refuse:ALBehaviorManager.stopBehavior=it is not running", 30)
+        assert "animations" in (await it.stop()).confirmed
+        assert await quiet(it)
+
+
 async def test_a_frozen_robot_holds_nobody_up_and_ends_what_it_did_when_it_wakes(
     tmp_path: Path, client: str
 ) -> None:

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from collections import deque
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import msgspec
 
@@ -37,7 +37,7 @@ from woz_tui.console.robot.outlines import robots_of
 from woz_tui.console.runs import Failure, Run, Runs
 from woz_tui.console.sentences import Event, event_of
 from woz_tui.console.study.blind import Blind, blind_of
-from woz_tui.console.study.perceived import Perception, kind_of, perception_of
+from woz_tui.console.study.perceived import Perception, eyeless, kind_of, perception_of
 from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -224,6 +224,9 @@ class Picture:
         if perception.hides("face"):
             self.faces.clear()
             self.bodies.clear()
+            for driver, robot in self.robots.items():
+                values, wanted = eyeless(robot.values), eyeless(robot.wanted)
+                self.robots[driver] = replace(robot, values=values, wanted=wanted)
         told = [event for event in self.events if event.mark not in _TELLING]
         self.events = deque(told, maxlen=EVENTS)
 

@@ -9,6 +9,7 @@ import msgspec
 from tests.console.robot import pepper
 from woz_tui.console.parts import RobotPicture
 from woz_tui.console.picture import Picture
+from woz_tui.console.study.perceived import HIDDEN
 from woz_tui.core import messages as m
 from woz_tui.session.standing import Standing
 
@@ -55,3 +56,17 @@ def test_what_another_version_wrote_does_no_harm() -> None:
     told = m.SettingsShown(driver="pepper", values=strange, wanted=strange, conflicts=strange)
     picture.take([pepper.welcome(), told], 0)
     assert picture.robots["pepper"] == RobotPicture()
+
+
+def test_the_eyes_are_kept_where_the_face_is() -> None:
+    picture = Picture()
+    picture.take([pepper.welcome(), pepper.shown({"eyes": "#ffffff", "volume": 0.5})], 0)
+    assert picture.robots["pepper"].values["eyes"] == "#00ff80"
+    for message in (
+        m.PerceptionChanged(hidden=["face"], blurred=[]),
+        pepper.shown({"eyes": "#123456"}),
+    ):
+        picture.take([message], 0)
+        robot = picture.robots["pepper"]
+        assert robot.values["eyes"] == robot.wanted["eyes"] == HIDDEN
+        assert robot.values["volume"] == 0.7

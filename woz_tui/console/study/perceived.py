@@ -34,6 +34,9 @@ _DOT = "●"
 #: Values of a body that its face shows.
 _FACE = frozenset(("emotion", "intensity", "valence", "arousal", "eye_x", "eye_y"))
 
+#: Settings of a robot that its face shows.
+_EYES = frozenset(("eyes", "eyes_brightness"))
+
 #: Notices of the engagement model, and those that may tell what a sensor measured.
 _MODEL = ("handshake:", "engagement:")
 _SENSED = re.compile(
@@ -196,6 +199,14 @@ class Perception:
             return told
         return msgspec.structs.replace(told, values=_faceless(told.values))
 
+    def _settings(self, told: m.SettingsShown) -> m.Message:
+        """A robot's settings, without those that its face shows."""
+        if not self.hides("face"):
+            return told
+        return msgspec.structs.replace(
+            told, values=eyeless(told.values), wanted=eyeless(told.wanted)
+        )
+
 
 def _faceless(values: object) -> dict[str, Json]:
     """A body's values, those that its face shows as the word that they are hidden."""
@@ -204,6 +215,12 @@ def _faceless(values: object) -> dict[str, Json]:
         name: HIDDEN if name in _FACE else _faceless(value) if isinstance(value, dict) else value
         for name, value in told.items()
     }
+
+
+def eyeless(values: object) -> dict[str, Json]:
+    """A robot's settings, those of its eyes as the word that they are hidden."""
+    told = values if isinstance(values, dict) else {}
+    return {name: HIDDEN if name in _EYES else value for name, value in told.items()}
 
 
 def dots(text: str) -> str:
@@ -248,6 +265,7 @@ _CHANGES: Mapping[type[m.Message], Callable[[Perception, Any], m.Message | None]
     m.CueGiven: Perception._cue,
     m.FaceShown: Perception._face,
     m.BodyChanged: Perception._body,
+    m.SettingsShown: Perception._settings,
     **dict.fromkeys(
         (m.ActionRequested, m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionRefused),
         Perception._effect,

@@ -280,6 +280,8 @@ class Console(App[str]):
     def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
         """As Textual does, with fewer bytes."""
         super()._display(screen, tight(renderable))
+        if self.dialog is not None:
+            self.dialog.displayed(renderable)
 
     # -- news and presses ------------------------------------------------------------------------
 

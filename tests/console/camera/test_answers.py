@@ -56,6 +56,13 @@ def test_escape_before_the_cameras_key_is_a_stop(data: bytes, expects: bool) -> 
     assert b"".join(token.raw for token in tokens) == data
 
 
+@pytest.mark.parametrize("data", [b"\x1b_h", b"\x1b_GO", b"\x1b_Gi=32", b"\x1b_Gi=31;O\x1bK"])
+def test_what_cannot_be_the_answer_stops_at_once(data: bytes) -> None:
+    tokens = expecting().feed(data)
+    assert isinstance(tokens[0], Stop)
+    assert b"".join(token.raw for token in tokens) == data
+
+
 @given(st.binary(max_size=30))
 def test_nothing_is_lost_of_what_only_begins_like_it(rest: bytes) -> None:
     scanner = expecting()

@@ -6,8 +6,10 @@ from collections.abc import Callable, Sequence
 from typing import ClassVar
 
 from rich.color import Color
+from rich.console import RenderableType
 from rich.segment import Segment
 from rich.style import Style
+from textual._compositor import ChopsUpdate
 from textual.filter import LineFilter
 from textual.geometry import Region
 from textual.strip import Strip
@@ -62,6 +64,9 @@ class View(Widget):
 
     def settled(self) -> None:
         """What `show` changed has been painted; called after each picture."""
+
+    def displayed(self, update: RenderableType | None) -> None:
+        """Textual has written `update` to the terminal."""
 
     def clear(self) -> None:
         """Draw nothing: no picture fits any more, something lies over it, or the screen closes."""
@@ -250,8 +255,21 @@ class Sixel(View):
             self.app.refresh()
 
     def line(self, y: int) -> Strip:
-        """Blanks. Whoever paints them has erased the picture: it is drawn again behind them."""
-        if self._data and not self._due:
+        """Blanks."""
+        return Strip.blank(self.size.width)
+
+    def displayed(self, update: RenderableType | None) -> None:
+        """Blanks that were painted have erased the picture: it is drawn again behind them."""
+        if self._data and not self._due and _touches(update, self.content_region):
             self._due = True
             self.call_later(self.settled)
-        return Strip.blank(self.size.width)
+
+
+def _touches(update: RenderableType | None, region: Region) -> bool:
+    """Whether an update has painted any of the cells of `region`."""
+    if isinstance(update, ChopsUpdate):
+        return any(
+            region.y <= y < region.bottom and begin < region.right and end > region.x
+            for y, begin, end in update.spans
+        )
+    return update is not None

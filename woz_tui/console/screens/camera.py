@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
+from rich.console import RenderableType
 from textual import events
 from textual.app import ComposeResult
 from textual.containers import Vertical
@@ -144,6 +145,11 @@ class CameraDialog(Dialog):
         if self._view is not None and self._watching is not None:
             self._view.settled()
             self._watching.painted()
+
+    def displayed(self, update: RenderableType | None) -> None:
+        """What was painted over is drawn again."""
+        if self._view is not None:
+            self._view.displayed(update)
 
     def on_screen_suspend(self) -> None:
         """Another dialog has come: nobody looks, and nothing may be drawn over it."""

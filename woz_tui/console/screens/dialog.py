@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, ClassVar, cast
 
+from rich.console import RenderableType
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
@@ -105,6 +106,9 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
 
     def refreshed(self) -> None:
         """Called after each painting of the screen beneath; for what changes while it is open."""
+
+    def displayed(self, update: RenderableType | None) -> None:
+        """Called after each writing to the terminal; for what is drawn beside Textual."""
 
 
 def give_keys(keyboard: Keyboard, top: Dialog | None) -> None:

@@ -95,13 +95,15 @@ async def test_no_more_pictures_than_wanted_and_each_after_the_last(
 
 
 async def test_a_refusal_is_told_once_and_the_camera_tried_again(
-    tmp_path: Path, robot: StandIn
+    tmp_path: Path, robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.camera._TROUBLED_S", 0.1)
     async with wired(Camera, tmp_path, robot) as it:
         await robot.fault("refuse:ALVideoDevice.getImageRemote=the camera is broken")
         _watch(it)
         await until(lambda: bool(it.notices))
         assert "the camera is broken" in it.notices[0]
+        await robot.called("ALVideoDevice.getImageRemote", 3)
         await robot.clear()
         await until(lambda: _came(it) >= 1)
         assert len(it.notices) == 1

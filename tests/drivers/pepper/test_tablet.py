@@ -92,7 +92,8 @@ async def test_a_video_plays_to_its_end_and_the_default_comes_back(
 async def test_the_end_of_a_video_is_found_out_where_no_signal_tells_it(
     it: Wired[Screen], robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    await robot.set("tablet.video_seconds", 40)
+    monkeypatch.setattr("woz_drivers.pepper.tablet_video._LOOK_S", 0.05)
+    await robot.set("tablet.video_seconds", 10)
     for end in it.part._signals:
         await end()
     it.part._signals = []

@@ -74,10 +74,18 @@ class FilmingHost(FakeHost):
         super().__init__(path, **options)
         self.film = film
         self.given = 0
+        #: Set: it answers no question for pictures, and counts them.
+        self.held = False
+        self.unanswered = 0
 
     def _hear(self, number: int, connection: socket.socket, request: AnyRequest) -> None:
         if not isinstance(request, AskPicture):
             super()._hear(number, connection, request)
+            return
+        if self.held:
+            with self._changed:
+                self.unanswered += 1
+                self._changed.notify_all()
             return
         self.given += 1
         t = time.monotonic_ns() // 1000

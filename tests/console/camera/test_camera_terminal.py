@@ -167,7 +167,8 @@ def test_sixels_are_drawn_inside_the_frame_and_erased(tmp_path: Path) -> None:
 def test_a_picture_that_was_painted_over_is_drawn_again(tmp_path: Path) -> None:
     with watched(tmp_path, lambda number: room(), sixel=True) as (host, terminal):
         wait(terminal, SIXEL, 2)
-        host.frozen = True  # no other picture comes that would be drawn anyway
+        host.held = True  # no other picture comes that would be drawn anyway
+        host.until(lambda: host.unanswered > 0, "a question that is not answered")
         before = len(terminal.written)
         terminal.send("\x0c")  # draw the screen again
         terminal.wait_for(lambda text: b"Camera" in terminal.written[before:])

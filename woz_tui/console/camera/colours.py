@@ -92,7 +92,7 @@ def rgb_of(number: int, colours: int) -> tuple[int, int, int]:
     return _CUBE[number // 36], _CUBE[number // 6 % 6], _CUBE[number % 6]
 
 
-@lru_cache(16_384)
+@lru_cache(4_096)
 def style(upper: int, lower: int, colours: int) -> Style:
     """A half block's colours; of a blank where both are the same."""
     if upper == lower:
@@ -100,6 +100,6 @@ def style(upper: int, lower: int, colours: int) -> Style:
     return Style.from_color(_colour(upper, colours), _colour(lower, colours))
 
 
-@lru_cache(8_192)
+@lru_cache(4_096)
 def _colour(number: int, colours: int) -> Color:
     return Color.from_rgb(*rgb_of(number, colours)) if colours > 256 else Color.from_ansi(number)

@@ -154,7 +154,7 @@ async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn, c
         assert await it.part.stop(Scope.ALL) == ()
         with pytest.raises(Rejected):
             await it.do("film")
-    assert not [one for one in threading.enumerate() if one.name == "pepper file"]
+    await until(lambda: "pepper file" not in [one.name for one in threading.enumerate()])
 
 
 @pytest.mark.woz4u("camera_save_dir")

@@ -128,7 +128,7 @@ async def test_the_robots_sound_is_a_file_here(tmp_path: Path, client: str, serv
         assert again["file"] != ended["file"]
         assert it.notices == []
     assert len(_sound(it, again["file"])[3]) >= 2 * 4096
-    assert not [one for one in threading.enumerate() if one.name == "pepper sound"]
+    await until(lambda: "pepper sound" not in [one.name for one in threading.enumerate()])
 
 
 async def test_without_sound_it_says_so_and_lets_go(tmp_path: Path, robot: StandIn) -> None:

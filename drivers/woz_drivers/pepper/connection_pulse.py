@@ -41,7 +41,7 @@ class Pulse:
         self._heard = self._loop.time()
         self._question: asyncio.Task[None] | None = None
         self._asked = 0.0
-        #: Since when a question has been open; None: something was heard since.
+        #: Since when nothing was heard with a question open.
         self._unanswered: float | None = None
 
     @property
@@ -53,28 +53,29 @@ class Pulse:
     def heard(self) -> None:
         """Something came from the robot."""
         self._heard = self._loop.time()
-        self._unanswered = None
+        self._unanswered = None if self._question is None else self._heard
 
     async def until_dead(self) -> str:
         """Watch; returns why the robot counts as gone."""
-        overslept = False
+        limit, overslept = self._heartbeat + self._patience, False
         while True:
             quiet = self._loop.time() - self._heard
             if quiet < self._heartbeat:
                 await asyncio.sleep(self._heartbeat - quiet)
                 continue
             try:
-                await asyncio.shield(self._ask(SILENT_S if overslept else self._patience))
+                # Less where it has answered something else since it was asked before.
+                await asyncio.shield(self._ask(max(SILENT_S, min(self._patience, limit - quiet))))
             except Unanswered:
-                if self._unanswered is None:
+                if self._heard > self._asked:
                     continue
                 if overslept or not self._has_overslept():
-                    return f"the robot has not answered for {self._patience:.1f} s"
+                    return f"the robot has not answered for {self._loop.time() - self._heard:.1f} s"
                 overslept = True
-                continue
             except Gone as gone:
                 return str(gone)
-            overslept = False
+            else:
+                overslept = False
 
     async def fresh(self) -> None:
         """Return at once if the robot was heard just now, else when it answers a question.
@@ -115,8 +116,9 @@ class Pulse:
 
     def _answered(self, question: asyncio.Task[None]) -> None:
         self._question = None
-        if not question.cancelled():
-            question.exception()  # fetched here, where nobody may be waiting for it
+        # Its error is fetched here, where nobody may be waiting for it.
+        if not question.cancelled() and question.exception() is None:
+            self._unanswered = None
 
     def _has_overslept(self) -> bool:
         """Whether the answer may have come while this process did not run."""

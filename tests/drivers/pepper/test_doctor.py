@@ -1,0 +1,92 @@
+"""`woz doctor`: what is said of robots that are there, incomplete, guarded, gone."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.pepper import doctor
+from woz_drivers.pepper.connection_line import WANTED
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.qimessaging.hosting import Method
+from woz_drivers.qimessaging.server import Server
+
+from tests.fakes.naoqi import StandIn
+from woz_tui.core.driver import Finding, Probe
+
+
+async def examined(folder: Path, *robots: str, **settings: Any) -> list[Finding]:
+    return await doctor.examine(Probe("p", PepperSettings(robots=robots, **settings), folder))
+
+
+def texts(findings: list[Finding], level: str) -> str:
+    return "\n".join(f"{one.subject}: {one.text}" for one in findings if one.level == level)
+
+
+async def test_a_robot_that_is_well(robot: StandIn, client: str, tmp_path: Path) -> None:
+    await robot.clear()
+    findings = await examined(tmp_path, robot.address, client=client)
+    fine = texts(findings, "ok")
+    for words in (
+        *("client", "ms (worst of 20", "all services are there", "runs NAOqi 2.5.10.7"),
+        *("is called Pepper", "battery at 87 %", "autonomous life is solitary"),
+        *("tablet is there", "GB free"),
+    ):
+        assert words in fine
+    assert not texts(findings, "error") + texts(findings, "warning")
+    # It was asked, and nothing else.
+    asked = {call.method for call in await robot.trace()}
+    assert asked <= {
+        *("systemVersion", "robotName", "getBatteryCharge", "robotIsWakeUp", "getState"),
+        "getWifiStatus",
+    }
+
+
+async def test_what_is_not_well_has_a_remedy(tmp_path: Path) -> None:
+    server = Server()
+    endpoint = await server.listen("127.0.0.1")
+    answers = {
+        "ALBattery": Method("getBatteryCharge", "()", "i", lambda: 12),
+        "ALMotion": Method("robotIsWakeUp", "()", "b", lambda: False),
+        "ALAutonomousLife": Method("getState", "()", "s", lambda: "interactive"),
+        "ALTabletService": Method("getWifiStatus", "()", "s", lambda: "DISCONNECTED"),
+        "ALSystem": Method("systemVersion", "()", "s", lambda: 1 / 0),
+    }
+    for name, method in answers.items():
+        server.add(name, methods=[method])
+    findings = await examined(tmp_path, str(endpoint), "127.0.0.1:1", "nao:Hush@pepper")
+    errors, warnings = texts(findings, "error"), texts(findings, "warning")
+    assert "without ALAnimatedSpeech" in errors
+    assert "nothing listens on port 1" in errors
+    assert "password must not stand" in errors
+    assert "Hush" not in repr(findings)
+    for words in ("battery at 12 %", "is interactive", "disconnected", "ALSystem.systemVersion"):
+        assert words in warnings
+    assert "rests" in texts(findings, "info")
+    assert all(one.remedy for one in findings if one.level in ("error", "warning", "info"))
+    await server.close()
+
+
+async def test_answers_nobody_understands_are_told_of(tmp_path: Path) -> None:
+    server = Server()
+    endpoint = await server.listen("127.0.0.1")
+    for name in sorted(WANTED):
+        server.add(name)
+    server.add("ALBattery", methods=[Method("getBatteryCharge", "()", "s", lambda: "much")])
+    findings = await examined(tmp_path, str(endpoint))
+    assert "'much': not understood" in texts(findings, "warning")
+    await server.close()
+
+
+async def test_the_simulated_robot_is_looked_at_and_ended(tmp_path: Path) -> None:
+    findings = await examined(tmp_path, "simulated", pictures="not/there/yet")
+    assert "simulated: runs NAOqi" in texts(findings, "ok")
+    assert not texts(findings, "error")
+
+
+async def test_without_the_package_qi(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.qi_link_library.find_spec", lambda name: None)
+    assert "not installed" in texts(await examined(tmp_path), "ok")
+    (missing,) = [one for one in await examined(tmp_path, client="qi") if one.level == "error"]
+    assert "woz-tui[pepper]" in missing.remedy

@@ -53,7 +53,7 @@ CALLS: dict[str, str] = {
     "ALMotion.killAll": "the stop",
     "ALMotion.getRobotVelocity": "the stop: whether it stands",
     "ALMotion.setStiffnesses": "`gaze`, `nudge`, `hip`, `pose`",
-    "ALMotion.angleInterpolation": "`gaze`, `nudge`, `hip`, `pose`",
+    "ALMotion.angleInterpolation": "`pose`",
     "ALMotion.setBreathEnabled": "`autonomy: {head_breathing: ...}` and the other chains",
     "ALMotion.getBreathEnabled": "settings `head_breathing` ...",
     "ALMotion.setTangentialSecurityDistance": "`collision: {tangential: ...}`",

@@ -9,8 +9,8 @@ from woz_tui.console.engagement.hand import Order, is_offered, request
 from woz_tui.console.feed import GONE
 from woz_tui.console.robot.steps import ArrowSteps
 from woz_tui.core import requests as r
-from woz_tui.core.pictures import PictureShown
 from woz_tui.core.messages import Json
+from woz_tui.core.pictures import PictureShown
 
 if TYPE_CHECKING:
     from woz_tui.console.app import Console

@@ -51,6 +51,11 @@ async def _shows(robot: StandIn, what: str, fetched: int = 0) -> dict[str, Any]:
     return found
 
 
+def _servers() -> int:
+    """Servers of pictures that run in this process."""
+    return [one.name for one in threading.enumerate()].count("pepper tablet")
+
+
 @pytest.mark.naoqi("ALTabletService.showWebview", "ALTabletService.enableWifi")
 @pytest.mark.woz4u("tablet_root_location", "tablet_items", "is_default_img")
 async def test_the_default_is_shown_on_connect_and_pictures_when_asked(
@@ -71,7 +76,7 @@ async def test_the_default_is_shown_on_connect_and_pictures_when_asked(
         await _shows(robot, "webview", len(OTHER))
         assert len(await robot.trace("ALTabletService.enableWifi")) == 1
         assert it.notices == []
-    assert not [one for one in threading.enumerate() if one.name.startswith("pepper tablet")]
+    await until(lambda: _servers() == 0)
 
 
 @pytest.mark.naoqi("ALTabletService.playVideo", "ALTabletService.videoFinished")
@@ -297,8 +302,7 @@ async def test_a_robot_that_is_reached_in_another_way_gets_its_pictures_there(
         await it.connected(2)
         second = await _shows(there, "webview", len(OTHER))
         assert second["url"].startswith("http://[::1]:")
-        names = [one.name for one in threading.enumerate()]
-        assert names.count("pepper tablet") == 1
+        await until(lambda: _servers() == 1)
 
 
 async def test_a_video_ends_with_the_session(folder: Path, robot: StandIn) -> None:

@@ -7,7 +7,6 @@ to all of its sockets, but they are files of this process like any others.
 
 from __future__ import annotations
 
-import asyncio
 import contextlib
 import ctypes
 import os
@@ -20,8 +19,6 @@ from collections.abc import Iterable, Iterator
 from functools import cache
 from pathlib import Path
 from typing import ClassVar
-
-from woz_drivers.pepper.address import Address
 
 #: Bytes that the robot's side has not confirmed for so long are given up, in milliseconds: less
 #: than what it takes the wizard to be told, and more than a bad wireless link needs.
@@ -119,22 +116,3 @@ def _keep_nothing(held: socket.socket) -> None:
     held.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
     if sys.platform == "linux":
         held.setsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT, UNCONFIRMED_MS)
-
-
-async def resolved(address: Address) -> tuple[str, int]:
-    """IP address and port of the robot, IPv4 before IPv6. Raises `OSError` (`socket.gaierror`)."""
-    found = await asyncio.get_running_loop().getaddrinfo(
-        address.host, address.port, type=socket.SOCK_STREAM
-    )
-    found.sort(key=lambda info: info[0] != socket.AF_INET)
-    place = found[0][4]
-    return str(place[0]), int(place[1])
-
-
-def local_host_towards(ip: str, port: int) -> str:
-    """This machine's address on the way to the robot; nothing is sent. Empty if there is none."""
-    family = socket.AF_INET6 if ":" in ip else socket.AF_INET
-    with contextlib.suppress(OSError), socket.socket(family, socket.SOCK_DGRAM) as asked:
-        asked.connect((ip, port))
-        return str(asked.getsockname()[0])
-    return ""

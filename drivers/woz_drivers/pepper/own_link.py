@@ -12,7 +12,8 @@ from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.link import Gone, LinkError, Methods, Missing, Said, Unanswered, Unsubscribe
-from woz_drivers.pepper.links_socket import Sockets, elsewhere, resolved
+from woz_drivers.pepper.links_lookup import resolved
+from woz_drivers.pepper.links_socket import Sockets, elsewhere
 from woz_drivers.pepper.links_trouble import (
     unknown,
     unreachable,

@@ -13,11 +13,13 @@ import contextlib
 import re
 import threading
 from collections.abc import Callable, Coroutine
+from dataclasses import replace
 from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Unsubscribe
-from woz_drivers.pepper.links_socket import Sockets, elsewhere, local_host_towards, resolved
+from woz_drivers.pepper.links_lookup import local_host_towards, resolved
+from woz_drivers.pepper.links_socket import Sockets, elsewhere
 from woz_drivers.pepper.links_trouble import hung_up, unknown, unreachable, words, wrong_password
 from woz_drivers.pepper.qi_link_library import Login, library
 from woz_drivers.pepper.secrets import Secret
@@ -80,7 +82,7 @@ class QiLink:
 
     def __init__(self, address: Address, peer: tuple[str, int], secret: Secret) -> None:
         self._loop = asyncio.get_running_loop()
-        self._address = address
+        self._url = replace(address, host=peer[0]).url
         self._sockets = Sockets(peer)
         self.client = f"qi {library().__version__}"
         self.local_host = local_host_towards(*peer)
@@ -93,7 +95,7 @@ class QiLink:
 
     async def begin(self) -> None:
         """Connect. Raises `Said` with libqi's words."""
-        await self._answer(self._session.connect(self._address.url, _async=True))
+        await self._answer(self._session.connect(self._url, _async=True))
         # Not before: a refused login is told as a loss first, and as what it is afterwards.
         self._session.disconnected.connect(self._from_thread(self._is_lost))
         if not self._session.isConnected():

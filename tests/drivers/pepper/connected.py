@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 import time
 from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
@@ -105,3 +106,8 @@ async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[St
 def is_lost(outcome: Outcome) -> bool:
     """Whether the wizard was told that the robot is not there."""
     return isinstance(outcome.error, Lost)
+
+
+def threads_now() -> int:
+    """How many threads there are, but for those that asyncio keeps for later."""
+    return sum(not thread.name.startswith("asyncio") for thread in threading.enumerate())

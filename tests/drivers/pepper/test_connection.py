@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import threading
 from collections.abc import AsyncIterator
 from pathlib import Path
 
@@ -15,7 +14,7 @@ from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
 from woz_drivers.qimessaging.server import Server
 
 from tests.drivers.heard import Heard
-from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand
+from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand, threads_now
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.core.driver import DriverError, Health, Lost, Rejected
 from woz_tui.core.messages import Notice
@@ -216,7 +215,7 @@ def open_files() -> int:
 async def test_nothing_is_left_after_the_end(robot: StandIn, client: str, tmp_path: Path) -> None:
     async with stand(tmp_path, robot.address, client=client) as it:
         await it.is_so(Health.CONNECTED)
-    threads, files = threading.active_count(), open_files()
+    threads, files = threads_now(), open_files()
     async with stand(tmp_path, robot.address, client=client) as it:
         await it.is_so(Health.CONNECTED)
         saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
@@ -227,7 +226,7 @@ async def test_nothing_is_left_after_the_end(robot: StandIn, client: str, tmp_pa
         assert is_lost(await saying)
         assert len(asyncio.all_tasks()) == 1
         await it.connection.close()
-    await it.until(lambda: threading.active_count() <= threads)
+    await it.until(lambda: threads_now() <= threads)
     await it.until(lambda: open_files() <= files)
 
 

@@ -7,14 +7,13 @@ from __future__ import annotations
 import asyncio
 import gc
 import random
-import threading
 import time
 from contextlib import AsyncExitStack
 from pathlib import Path
 
 import psutil
 
-from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand
+from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand, threads_now
 from tests.fakes.dropping_proxy import DroppingProxy, dropping_proxy
 from tests.fakes.naoqi import StandIn, stand_in
 
@@ -81,13 +80,13 @@ async def test_a_hundred_faults_in_a_row(client: str, tmp_path: Path) -> None:
     async with stand_in() as robot:
         await trouble(robot, client, tmp_path, faults=3)
         gc.collect()
-        threads, memory = threading.active_count(), process.memory_info().rss
+        threads, memory = threads_now(), process.memory_info().rss
         lost = await trouble(robot, client, tmp_path, faults=FAULTS)
         assert lost > STANDS * FAULTS / 2, "the faults had no effect"
         gc.collect()
         assert process.memory_info().rss - memory < GROWTH
         async with asyncio.timeout(WITHIN_S):
-            while threading.active_count() > threads:  # noqa: ASYNC110
+            while threads_now() > threads:  # noqa: ASYNC110
                 await asyncio.sleep(0.01)
 
 

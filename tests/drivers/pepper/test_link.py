@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import asyncio
-import threading
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -17,6 +16,7 @@ from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.qimessaging.hosting import Method, Signal
 from woz_drivers.qimessaging.server import Server
 
+from tests.drivers.pepper.connected import threads_now
 from woz_tui.core.driver import Lost
 
 SETTINGS = PepperSettings(robots=())
@@ -226,11 +226,11 @@ async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None
 
     for _ in range(3):
         await once()
-    threads, tasks = threading.active_count(), len(asyncio.all_tasks())
+    threads, tasks = threads_now(), len(asyncio.all_tasks())
     for _ in range(10):
         await once()
     async with asyncio.timeout(WITHIN_S):
-        while threading.active_count() > threads or len(asyncio.all_tasks()) > tasks:  # noqa: ASYNC110
+        while threads_now() > threads or len(asyncio.all_tasks()) > tasks:  # noqa: ASYNC110
             await asyncio.sleep(0.01)
 
 

@@ -267,6 +267,8 @@ class Connection:
         self._absent[address] = await until_services(line, known, self._starting)
         if address in self._met:
             await silence(line)
+        else:
+            self._tell_certificate(line)
         self._met.add(address)
         self._line = line
         try:
@@ -285,6 +287,16 @@ class Connection:
         self._outlet.health(Health.CONNECTED, f"{detail}; without {absent}" if absent else detail)
         if not first.done():
             first.set_result(None)
+
+    def _tell_certificate(self, line: Line) -> None:
+        """Once for each robot on a secured line of which the file does not say what to trust."""
+        found = line.link.certificate
+        if found and not self._settings.trusted:
+            self._outlet.notice(
+                "info",
+                f"{line.shown} shows the certificate {found}; any is accepted",
+                f"set `trusted: {found}` to be sure which robot it is",
+            )
 
     def _starting(self, line: Line, missing: frozenset[str]) -> None:
         """It has just been started: services come up one after the other."""

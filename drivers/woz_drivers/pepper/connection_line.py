@@ -16,9 +16,14 @@ HALTS = frozenset(
         "ALMotion.stopMove",
         "ALMotion.killAll",
         "ALMotion.killMove",
+        "ALMotion.killTasksUsingResources",
+        "ALRobotPosture.stopMove",
         "ALTextToSpeech.stopAll",
         "ALAudioPlayer.stopAll",
+        "ALAudioRecorder.stopMicrophonesRecording",
         "ALBehaviorManager.stopAllBehaviors",
+        "ALBehaviorManager.stopBehavior",
+        "ALTabletService.stopVideo",
     }
 )
 #: What is ended after a reconnection, before anything else: what the robot still had to do.

@@ -9,6 +9,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.pepper.address import parse
+from woz_drivers.pepper.connection_line import WANTED
 from woz_drivers.pepper.link import Link
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.links_trouble import Refused
@@ -16,7 +17,9 @@ from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.qimessaging.hosting import Method
 from woz_drivers.qimessaging.server import Server
 
-from woz_tui.core.driver import Lost
+from tests.drivers.pepper.connected import stand
+from woz_tui.core.driver import Health, Lost
+from woz_tui.core.messages import Notice
 
 KEPT = Path(__file__).parents[1] / "qimessaging"
 CERTIFICATE, KEY = KEPT / "certificate.pem", KEPT / "key.pem"
@@ -92,6 +95,24 @@ async def test_the_trusted_certificate_is_taken(
         link = await guarded.open(trusted=trusted, client="own")
         assert link.certificate == fingerprint()
         await link.close()
+
+
+async def test_which_certificate_is_accepted_is_told(
+    guarded: Guarded, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
+    for name in sorted(WANTED):
+        guarded.server.add(name)
+    given = {"client": "own", "password": "ROBOT_PASSWORD"}
+    async with stand(tmp_path, guarded.address, **given) as it:
+        await it.is_so(Health.CONNECTED)
+        (notice,) = it.heard.all(Notice)
+        assert fingerprint() in notice.text
+        assert f"trusted: {fingerprint()}" in notice.remedy
+        assert PASSWORD not in str(it.heard.messages)
+    async with stand(tmp_path, guarded.address, trusted=fingerprint(), **given) as it:
+        await it.is_so(Health.CONNECTED)
+        assert not it.heard.all(Notice)
 
 
 async def test_to_a_robot_with_another_certificate_no_password_is_sent(

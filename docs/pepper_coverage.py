@@ -93,7 +93,7 @@ CALLS: dict[str, str] = {
     "ALVideoDevice.unsubscribe": "the camera's screen closed",
     "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value": "reading `distance`",
     "PeoplePerception/VisiblePeopleList": "readings `presence`, `people`",
-    "PeoplePerception/Person/<id>/Distance": "reading `person.distance`",
+    "PeoplePerception/Person/<id>/Distance": "reading `nearest`",
     "PeoplePerception/Person/<id>/IsLookingAtRobot": "reading `gaze`",
     "FaceDetected": "reading `identity`",
     "ALSoundLocalization/SoundLocated": "reading `direction`",

@@ -165,6 +165,6 @@ class Senses:
         if ids is not None:
             self._told.people(ids, values, sensors)
             return
-        for sensor in ("presence", "people", "person.distance", "gaze"):
+        for sensor in ("presence", "people", "nearest", "gaze"):
             if sensor in sensors:
                 self._told.nothing(sensor, said)

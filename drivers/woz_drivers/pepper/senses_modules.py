@@ -29,7 +29,7 @@ class Module:
 
 _SONAR = (Module("ALSonar", ("distance",)),)
 _PEOPLE = (
-    Module("ALPeoplePerception", ("presence", "people", "person.distance", "gaze")),
+    Module("ALPeoplePerception", ("presence", "people", "nearest", "gaze")),
     Module("ALGazeAnalysis", ("gaze",)),
     Module("ALFaceDetection", ("identity",)),
 )

@@ -11,8 +11,8 @@ from woz_tui.core.driver import Outlet
 
 #: How much of a value that makes no sense is shown, in characters.
 _SHOWN = 60
-#: What stays the same for hours is told this often.
-_CALM_US = 10_000_000
+#: What stays the same for hours is told this often: seldom, but not so that it looks stale.
+_CALM_US = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,13 +95,13 @@ class Told:
         who = people.nearest(ids, values)
         if who is not None:
             said = values.get(people.distance_key(who.id))
-            self.plain("person.distance", who.distance, said, "m")
+            self.plain("nearest", who.distance, said, "m")
             looking = None if who.looking is None else float(who.looking)
             if "gaze" in sensors:
                 self.plain("gaze", looking, values.get(people.looking_key(who.id)))
         elif not ids:
-            self._outlet.sensor("person.distance", "ok")
-            self._outlet.reading("person.distance", None, unit="m")
+            self._outlet.sensor("nearest", "ok")
+            self._outlet.reading("nearest", None, unit="m")
             if "gaze" in sensors:
                 self.plain("gaze", 0.0, None)
 

@@ -73,11 +73,11 @@ robot.kill()
 
 
 @pytest.mark.skipif(importlib.util.find_spec("qi") is None, reason="our own client logs nothing")
-def test_libqi_is_silent_through_kill_freeze_and_errors() -> None:
+def test_libqi_is_silent_through_kill_freeze_and_errors(tmp_path: Path) -> None:
     done = subprocess.run(
         [sys.executable, "-X", "faulthandler", "-c", SCENE],
         cwd=ROOT,
-        env={"PATH": "/usr/bin:/bin", "QI_LOG_LEVEL": "0"},
+        env={"PATH": "/usr/bin:/bin", "QI_LOG_LEVEL": "0", "HOME": str(tmp_path)},
         capture_output=True,
         timeout=60,
         check=False,

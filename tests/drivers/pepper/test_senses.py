@@ -21,7 +21,7 @@ from woz_tui.core.messages import Reading, SensorChanged
 
 FAST = settings.Senses(rate=20)
 ALL = (
-    *("distance", "presence", "people", "person.distance", "gaze", "identity"),
+    *("distance", "presence", "people", "nearest", "gaze", "identity"),
     *("direction", "loudness", "battery"),
 )
 #: Somebody to the left who looks, talks and is known.
@@ -69,7 +69,7 @@ async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn, clie
         await _round(it)
         await robot.person(ADA)
         await it.reads("distance", 1.25)
-        await it.reads("person.distance", 1.25)
+        await it.reads("nearest", 1.25)
         await it.reads("presence", 1.0)
         await it.reads("people", 1.0)
         await it.reads("gaze", 1.0)
@@ -82,7 +82,7 @@ async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn, clie
         assert {sensor: it.heard.states(sensor)[-1] for sensor in ALL} == dict.fromkeys(ALL, "ok")
         assert it.notices == []
     assert Senses.sensors(settings.PepperSettings(robots=())) == (
-        *("distance", "presence", "people", "person.distance", "gaze", "identity"),
+        *("distance", "presence", "people", "nearest", "gaze", "identity"),
         *("direction", "loudness", "battery"),
     )
 
@@ -97,9 +97,9 @@ async def test_nobody_is_said_to_be_nobody(sense: Sense, robot: StandIn) -> None
         await robot.person(None)
         await it.reads("presence", 0.0)
         await it.reads("people", 0.0)
-        await it.reads("person.distance", None)
+        await it.reads("nearest", None)
         await it.reads("distance", 5.0)
-        assert it.heard.states("person.distance") == ["ok"]
+        assert it.heard.states("nearest") == ["ok"]
         assert it.heard.states("gaze") == ["ok"]
 
 
@@ -109,11 +109,11 @@ async def test_the_nearest_of_several_counts(sense: Sense) -> None:
             await _put(it, distance_key(person), metres)
             await _put(it, looking_key(person), looking)
         await _put(it, VISIBLE, [4, 5, 6])
-        await it.reads("person.distance", 0.75)
+        await it.reads("nearest", 0.75)
         assert (await it.reads("people", 3.0)).value == 3
         assert (await it.reads("gaze", 0.0)).value == 0
         await _put(it, VISIBLE, [4, 6])
-        await it.reads("person.distance", 1.5)
+        await it.reads("nearest", 1.5)
         await it.reads("gaze", 1.0)
 
 
@@ -135,8 +135,8 @@ NONSENSE: tuple[tuple[str, Any, tuple[str, ...]], ...] = (
     (SONAR, [1.0], ("distance",)),
     (SONAR, -2.0, ("distance",)),
     (BATTERY, "full", ("battery",)),
-    (VISIBLE, "nobody", ("presence", "people", "person.distance", "gaze")),
-    (VISIBLE, [[1], 2], ("presence", "people", "person.distance", "gaze")),
+    (VISIBLE, "nobody", ("presence", "people", "nearest", "gaze")),
+    (VISIBLE, [[1], 2], ("presence", "people", "nearest", "gaze")),
     (FACES, [[1, 2], "Ada"], ("identity",)),
     (SOUND, [[1, 2], "left"], ("direction",)),
 )
@@ -166,7 +166,7 @@ async def test_what_makes_no_sense_is_null_with_a_reason_and_the_others_go_on(
 MODULES = {
     "ALSonar": {"distance"},
     "ALGazeAnalysis": {"gaze"},
-    "ALPeoplePerception": {"presence", "people", "person.distance", "gaze"},
+    "ALPeoplePerception": {"presence", "people", "nearest", "gaze"},
     "ALFaceDetection": {"identity"},
     "ALSoundLocalization": {"direction"},
 }
@@ -195,7 +195,7 @@ async def test_a_robot_that_refuses_lists_is_asked_key_by_key(sense: Sense, robo
     await robot.fault("refuse:ALMemory.getListData=a key is missing")
     async with sense() as it:
         await it.reads("distance", 1.25)
-        await it.reads("person.distance", 1.25)
+        await it.reads("nearest", 1.25)
         await it.reads("identity", 0.7, "Ada")
         await it.reads("gaze", 1.0)
         assert len(await robot.trace("ALMemory.getListData")) == 1

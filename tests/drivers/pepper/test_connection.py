@@ -51,6 +51,16 @@ async def test_it_begins_with_the_first_robot(robot: StandIn, client: str, tmp_p
         assert not await robot.trace("ALMotion.stopMove", "ALTextToSpeech.stopAll")
 
 
+async def test_a_robot_hosted_by_our_own_server(client: str, tmp_path: Path) -> None:
+    async with stand_in("own") as robot, stand(tmp_path, robot.address, client=client) as it:
+        await it.is_so(Health.CONNECTED)
+        assert await it.connection.call("ALSystem", "robotName") == "Pepper"
+        saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
+        await robot.called("ALTextToSpeech.say")
+        robot.kill()
+        assert is_lost(await saying)
+
+
 async def test_signals_are_heard(robot: StandIn, client: str, tmp_path: Path) -> None:
     async with stand(tmp_path, robot.address, client=client) as it:
         await it.is_so(Health.CONNECTED)

@@ -82,6 +82,19 @@ def test_stops_know_who_confirmed_them() -> None:
     assert told(it).whole.stops == 1
 
 
+def test_a_driver_of_several_parts_tells_which_of_them_stand_still() -> None:
+    it = Told().add(1, m.StopPressed(source="key"))
+    confirmed = m.StopConfirmed(
+        confirmed=["head"],
+        missing=["pepper"],
+        elapsed_us=1,
+        parts={"pepper": ["motion", "speech"]},
+        missing_parts={"pepper": ["tablet"]},
+    )
+    [stop] = told(it.add(2, confirmed).end(9)).stops
+    assert (stop.confirmed, stop.missing) == (("head",), ("pepper (tablet)",))
+
+
 def test_marks_are_in_order() -> None:
     it = Told().add(1, m.Note(text="shy")).add(2, m.Marker(text="laughs", source="wizard"))
     it.add(3, m.Marker(text="4 checks", source="preflight")).act(4)

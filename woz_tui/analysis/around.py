@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import replace
 
 from woz_tui.analysis.course import Course, Handlers
@@ -42,8 +43,8 @@ class Stops:
             if stop.elapsed_us is None:
                 self.stops[at] = replace(
                     stop,
-                    confirmed=tuple(message.confirmed),
-                    missing=tuple(message.missing),
+                    confirmed=_with_parts(message.confirmed, message.parts),
+                    missing=_with_parts(message.missing, message.missing_parts),
                     elapsed_us=message.elapsed_us,
                 )
                 return
@@ -53,6 +54,13 @@ class Stops:
         self.stops = [
             stop if stop.released is not None else replace(stop, released=t) for stop in self.stops
         ]
+
+
+def _with_parts(drivers: list[str], parts: Mapping[str, list[str]]) -> tuple[str, ...]:
+    """`pepper (motion, speech)`: names of drivers, with the parts that were told of some."""
+    return tuple(
+        f"{name} ({', '.join(parts[name])})" if parts.get(name) else name for name in drivers
+    )
 
 
 class Marks:

@@ -76,7 +76,9 @@ class Span:
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log."""
+    """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log;
+    a driver of several parts is followed by those in brackets.
+    """
 
     t: int
     source: str

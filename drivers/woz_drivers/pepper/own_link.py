@@ -34,6 +34,7 @@ _ABSENT = re.compile(r"cannot find service|no such service", re.I)
 _LISTENS_WITHIN_S = 2.0
 #: The library's own limits lie beyond ours: when ours is reached, the call is cancelled.
 _BEYOND_S = 1.0
+_TELLS_WITHIN_S = 0.1
 _T = TypeVar("_T")
 
 
@@ -182,6 +183,10 @@ class OwnLink:
         except errors.ConnectionLost as error:
             raise Gone(str(error)) from None
         except errors.ServiceLost:
+            # With the whole line gone, the library may tell of the service a moment earlier.
+            await asyncio.wait([self.lost], timeout=_TELLS_WITHIN_S)
+            if self.lost.done():
+                raise Gone(self.lost.result()) from None
             raise Missing(f"{service} has just ended on the robot") from None
         except errors.QiError as error:
             if _ABSENT.search(str(error)):

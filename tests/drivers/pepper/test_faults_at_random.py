@@ -23,7 +23,7 @@ FAULTS = 25
 #: What a call of this test writes; its value says which one it is.
 KEY = "Test/Random"
 #: What had arrived at the robot when a line broke may be entered a moment after it is told as lost.
-ARRIVED_NS = 250_000_000
+ARRIVED_NS = 1_000_000_000
 #: Bytes that Python and libqi may keep from a hundred lost connections.
 GROWTH = 30 << 20
 

@@ -14,7 +14,8 @@ from woz_tui.console.output import Output
 from woz_tui.experiment.terminals import detected
 
 #: Values of TERM whose terminals draw pictures over kitty's placeholders. Others that answer the
-#: question with yes (Konsole and WezTerm, it is said) know kitty's pictures, but write the placeholders as text.
+#: question with yes (Konsole and WezTerm, it is said) know kitty's pictures, but write the
+#: placeholders as text.
 PLACEHOLDERS = ("xterm-kitty", "xterm-ghostty")
 
 

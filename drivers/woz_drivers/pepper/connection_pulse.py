@@ -93,7 +93,10 @@ class Pulse:
         if self.silent:
             raise _silent()
         try:
-            await asyncio.wait_for(asyncio.shield(self._ask(self._patience)), seconds)
+            # Not `wait_for`: until Python 3.12 a cancellation that comes together with the answer
+            # is lost in it, and what a stop has just ended would be sent.
+            async with asyncio.timeout(seconds):
+                await asyncio.shield(self._ask(self._patience))
         except (TimeoutError, Unanswered):
             raise _silent() from None
 

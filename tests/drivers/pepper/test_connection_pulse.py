@@ -91,6 +91,29 @@ def test_with_a_question_open_another_answer_starts_the_silence_anew() -> None:
     run_virtual(scene())
 
 
+@pytest.mark.parametrize("turns", range(8))
+def test_what_is_cancelled_in_the_moment_of_the_answer_is_not_sent(turns: int) -> None:
+    async def scene() -> None:
+        beating = pulse(FarEnd(takes=0.002))
+        await asyncio.sleep(FRESH_S * 2)
+        sent = []
+
+        async def call() -> None:
+            await beating.fresh()
+            sent.append("moved")
+
+        calling = asyncio.create_task(call())
+        await asyncio.sleep(0.002)
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        was_done = calling.done()
+        calling.cancel()
+        await asyncio.wait([calling])
+        assert bool(sent) == was_done
+
+    run_virtual(scene())
+
+
 def test_a_robot_that_answers_is_never_given_up() -> None:
     async def scene() -> None:
         end = FarEnd(takes=0.2)

@@ -32,6 +32,7 @@ check: $(DEV)  ## lint, format, types, import rules
 screenshots: $(DEV)  ## draw the pictures of the documentation again
 	@$(BIN)/python docs/screenshots.py
 	@$(BIN)/python -m docs.report_picture
+	@$(BIN)/python -m docs.pepper_pictures
 
 bench: $(DEV)  ## measure what benchmarks/ measures
 	@for file in benchmarks/[a-z]*.py; do \

@@ -1,7 +1,7 @@
 """Draws the console with a simulated Pepper: `python -m docs.pepper_pictures [folder]`.
 
 A real session, played in real time: a robot process, a robot behind NAOqi's protocol, a wizard who
-sends what keys would send. What a console is told that attaches after half a minute is drawn. The
+sends what keys would send. What a console is told that attaches after twenty seconds is drawn. The
 visitor moves on, so no two pictures are the same.
 """
 
@@ -27,16 +27,17 @@ from woz_tui.core.requests import Welcome
 EXPERIMENT = Path(__file__).parents[1] / "experiments" / "pepper.yaml"
 #: Seconds from the beginning, and what the wizard asks for then.
 COURSE: tuple[tuple[float, dict[str, Any]], ...] = (
-    (8.0, {"kind": "action", "action": "Hello"}),
-    (13.0, {"kind": "action", "action": "Who"}),
-    (18.0, {"kind": "action", "action": "Ask"}),
-    (21.0, {"kind": "action", "action": "Green"}),
-    (22.0, {"kind": "verb", "verb": "autonomy", "args": {"awareness": False}}),
-    (22.5, {"kind": "verb", "verb": "naoqi",
+    (3.0, {"kind": "script", "play": True}),  # wake up
+    (7.5, {"kind": "script", "play": True}),
+    (9.5, {"kind": "action", "action": "Green"}),
+    (10.0, {"kind": "script", "play": True}),
+    (15.0, {"kind": "script", "play": True}),
+    (15.2, {"kind": "verb", "verb": "naoqi",
             "args": {"call": "ALBasicAwareness.setEnabled", "args": "[true]"}}),
-    (25.5, {"kind": "action", "action": "Way"}),
+    (17.5, {"kind": "action", "action": "Think"}),
+    (18.2, {"kind": "script", "play": True}),
 )  # fmt: skip
-MOMENT = 27.5
+MOMENT = 20.0
 SHOTS = (("pepper-160x50", 160, 50, ()), ("pepper-80x24", 80, 24, ()), ("robot", 100, 36, ("@",)))
 
 
@@ -58,7 +59,8 @@ def _played(path: Path) -> Welcome:
         while (left := begun + at - time.monotonic()) > 0:
             _say(wizard, {"kind": "beat"})
             time.sleep(min(left, 0.5))
-        _say(wizard, {"source": "key", **request})
+        source = {} if request["kind"] == "script" else {"source": "key"}
+        _say(wizard, {**source, **request})
     while time.monotonic() < begun + MOMENT:
         _say(wizard, {"kind": "beat"})
         time.sleep(0.25)

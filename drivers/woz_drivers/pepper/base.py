@@ -64,7 +64,6 @@ class Base:
             raise DriverError("the robot is at rest and cannot drive", "wake it: `torque: true`")
         seconds = max(math.hypot(x, y) / M_S, abs(math.radians(turn)) / RAD_S)
         job.expects(seconds)
-        _unless_stopped()
         arrived = await self._drive(x, y, math.radians(turn), seconds * SLACK_FACTOR + SLACK_S)
         if arrived is False:
             raise DriverError(*await self._why())
@@ -115,15 +114,6 @@ class Base:
             " or an animation has its body",
             "clear the way, or let it keep less distance with `collision`; then drive again",
         )
-
-
-def _unless_stopped() -> None:
-    """Raise if the job was cancelled in the very moment in which an answer came: `wait_for` may
-    swallow that in Python 3.11, and nothing may set off after a stop.
-    """
-    task = asyncio.current_task()
-    if task is not None and task.cancelling():
-        raise asyncio.CancelledError
 
 
 def _still(velocity: object) -> bool:

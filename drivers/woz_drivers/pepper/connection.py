@@ -25,8 +25,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Awaitable, Callable, Iterator
-from typing import Any
+from collections.abc import Awaitable, Callable, Coroutine, Iterator
+from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.connection_line import HALTS, Line, silence, until_services
@@ -43,6 +43,7 @@ _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 2.0
 #: How long the parts may take to apply what the settings say, in seconds.
 _APPLIED_WITHIN_S = 10.0
+_T = TypeVar("_T")
 
 
 class Connection:
@@ -69,6 +70,8 @@ class Connection:
         self._line: Line | None = None
         self._keeper: asyncio.Task[None] | None = None
         self._changing = asyncio.Lock()
+        self._changes: set[asyncio.Task[Any]] = set()
+        self._closed = False
         self._met: set[Address] = set()
         self._absent: dict[Address, frozenset[str]] = {}
         self._why = Lost("no robot is connected", "take one with `connect`")
@@ -91,27 +94,23 @@ class Connection:
         Raises `Rejected` for what is no address, `Lost` if the first attempt fails; it is tried
         again even so.
         """
-        text = robot or (self._settings.robots[0] if self._settings.robots else "")
-        address = parse(text)
-        async with self._changing:
-            await self._let_go(Lost(f"{address.shown} is being taken", "wait until it is there"))
-            first = self._keep(address)
+        first = await self._whole(self._taken(self.named(robot)))
         await asyncio.shield(first)
 
     async def disconnect(self) -> None:
         """Let the robot go, and do not look for it until `connect`."""
-        shown = self.robot or "no robot"
-        async with self._changing:
-            why = Lost(f"{shown}: disconnected by the wizard", "take a robot with `connect`")
-            await self._let_go(why)
-            self._address = None
-            self._tell(Health.LOST, why)
+        await self._whole(self._left())
 
     async def close(self) -> None:
         """End everything; never waits for the robot."""
+        self._closed = True
         async with self._changing:
             await self._let_go(Lost("the session is over"))
         await self._simulated.close()
+
+    def named(self, robot: str) -> Address:
+        """Which robot `connect` would take. Raises `Rejected` for what is no address."""
+        return parse(robot or (self._settings.robots[0] if self._settings.robots else ""))
 
     @property
     def robot(self) -> str:
@@ -197,13 +196,46 @@ class Connection:
 
     # -- keeping it ----------------------------------------------------------------------------
 
+    async def _whole(self, change: Coroutine[Any, Any, _T]) -> _T:
+        """Carry a change of robot to its end, even if a stop comes while one is let go: else none
+        would be looked for, and the last that was told would be that the old one is there.
+        """
+        task = asyncio.create_task(change)
+        self._changes.add(task)
+        task.add_done_callback(self._changes.discard)
+        return await asyncio.shield(task)
+
+    async def _taken(self, address: Address) -> asyncio.Future[None]:
+        async with self._changing:
+            if self._closed:
+                raise Lost("the session is over")
+            await self._let_go(Lost(f"{address.shown} is being taken", "wait until it is there"))
+            return self._keep(address)
+
+    async def _left(self) -> None:
+        shown = self.robot or "no robot"
+        async with self._changing:
+            why = Lost(f"{shown}: disconnected by the wizard", "take a robot with `connect`")
+            await self._let_go(why)
+            self._address = None
+            self._tell(Health.LOST, why)
+
     def _keep(self, address: Address) -> asyncio.Future[None]:
         """Look after this robot from now on; the result is that of the first attempt."""
         first: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         first.add_done_callback(lambda done: done.cancelled() or done.exception())
         self._address = address
         self._keeper = asyncio.create_task(self._keeping(address, first))
+        self._keeper.add_done_callback(lambda keeper: self._kept(keeper, first))
         return first
+
+    def _kept(self, keeper: asyncio.Task[None], first: asyncio.Future[None]) -> None:
+        """Nobody waits for it any more, and a mistake of ours does not end it in silence."""
+        error = None if keeper.cancelled() else keeper.exception()
+        if error is not None:
+            what = f"the connection ended by a mistake of this program: {error!r}"
+            self._tell(Health.FAULTED, Lost(what, "take the robot again; please report it"))
+        self._failed(first, self._why)
 
     async def _let_go(self, why: Lost) -> None:
         """Close what there is; calls under way end with `why`."""

@@ -172,8 +172,8 @@ class Eyes:
         seconds = positive(job.args, "seconds", 0.0)
         self._end_loop()
         job.expects(seconds)
-        self._shown = shown
         await self._fade(shown, seconds)
+        self._shown = shown  # not before: what failed must not come after a loss
         if animation != "steady":
             self._loop = asyncio.get_running_loop().create_task(
                 self._repeat(animation), name="pepper eyes"
@@ -189,9 +189,13 @@ class Eyes:
         job.expects(seconds)
         self._animated = True
         left = seconds
-        while left > 0:
-            await self._slice(kind, light, min(left, SLICE_S), before)
-            left = round(left - SLICE_S, 6)
+        try:
+            while left > 0:
+                await self._slice(kind, light, min(left, SLICE_S), before)
+                left = round(left - SLICE_S, 6)
+        except DriverError:
+            self._animated = False
+            raise
         self._animated = False
         await self._fade(before, BACK_S)
         return {"kind": kind, "seconds": seconds}

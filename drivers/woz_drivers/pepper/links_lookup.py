@@ -29,6 +29,8 @@ async def resolved(address: Address) -> tuple[str, int]:
             answer = socket.getaddrinfo(address.host, address.port, type=socket.SOCK_STREAM)
         except OSError as error:
             answer = error
+        except UnicodeError:  # a part of it is longer than a name may be
+            answer = socket.gaierror(socket.EAI_NONAME, "not known")
         with contextlib.suppress(RuntimeError):  # the loop has been closed meanwhile
             loop.call_soon_threadsafe(_settle, found, answer)
 

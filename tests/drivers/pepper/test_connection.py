@@ -17,7 +17,7 @@ from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand, threads_now
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.core.driver import DriverError, Health, Lost, Rejected
-from woz_tui.core.messages import Notice
+from woz_tui.core.messages import DriverFaulted, Notice
 
 
 @pytest.fixture
@@ -114,6 +114,36 @@ async def test_let_go_it_stays_away(bare: str, client: str, tmp_path: Path) -> N
         assert not [task for task in asyncio.all_tasks() if "keeping" in repr(task.get_coro())]
         await it.connection.connect(bare)
         assert it.came == 2
+
+
+async def test_who_waits_for_a_robot_that_is_let_go_is_told(tmp_path: Path) -> None:
+    async with await asyncio.start_server(lambda *_: None, "127.0.0.1", 0) as mute:
+        port = mute.sockets[0].getsockname()[1]
+        async with stand(tmp_path) as it:
+            waiting = asyncio.create_task(it.connection.connect(f"127.0.0.1:{port}"))
+            await it.is_so(Health.CONNECTING)
+            await it.connection.disconnect()
+            with pytest.raises(Lost, match="disconnected by the wizard"):
+                await waiting
+
+
+async def test_a_mistake_of_this_program_does_not_end_it_in_silence(
+    bare: str, tmp_path: Path
+) -> None:
+    heard = Heard(tmp_path)
+
+    async def applied() -> None: ...
+
+    def mistaken() -> None:
+        raise ZeroDivisionError
+
+    it = Connection(SETTINGS, heard.outlet, on_connected=applied, on_lost=mistaken)
+    await it.connect(bare)
+    await it.disconnect()
+    told = await heard.first(DriverFaulted)
+    assert "ZeroDivisionError" in told.detail
+    assert told.remedy
+    await it.close()
 
 
 async def test_what_is_no_address_changes_nothing(bare: str, tmp_path: Path) -> None:

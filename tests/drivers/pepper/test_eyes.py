@@ -12,7 +12,7 @@ from woz_drivers.pepper import eyes as eyes_module
 from woz_drivers.simulated.values import COLORS
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import DriverError, Rejected
 
 FADE = "ALLeds.fadeRGB"
 
@@ -135,6 +135,16 @@ async def test_a_cancelled_animation_gives_the_colour_back(it: Played) -> None:
     await it.do("eyes", color="green", seconds=3)
     assert await seen(it) == "#00ff00"
     assert len(await it.calls("ALLeds.rasta")) == asked
+
+
+async def test_an_animation_that_is_refused_leaves_nothing_to_stop(it: Played) -> None:
+    await it.do("eyes", color="#102030")
+    await it.robot.fault("refuse:ALLeds.rasta")
+    with pytest.raises(DriverError, match="not now"):
+        await it.do("eyes_animation", kind="rasta", seconds=1)
+    await it.robot.clear()
+    assert "eyes" not in (await it.stop()).confirmed
+    assert await it.calls(FADE) == []
 
 
 @pytest.mark.naoqi("ALLeds.fadeRGB")

@@ -239,6 +239,7 @@ async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None
     [
         ("127.0.0.1:1", "nothing listens on port 1", "NAOqi has started"),
         ("no.such.host.invalid", "no host is called", "chest button"),
+        ("p" * 64 + ".local", "no host is called", "chest button"),
     ],
 )
 async def test_why_a_robot_is_not_reached(client: str, text: str, what: str, remedy: str) -> None:

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import asyncio
+import math
 from dataclasses import dataclass
 from typing import Any
 
-import numpy as np
-
-from woz_drivers.naoqi import scene
 from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.visitor import Person
 from woz_drivers.naoqi.world import World
 
 #: Width and height by NAOqi's number of a resolution.
@@ -18,6 +17,8 @@ RESOLUTIONS = {
 }
 RGB, BGR, GREY = 11, 13, 0
 _LAYERS = {RGB: 3, BGR: 3, GREY: 1}
+#: Pepper's upper camera: half of its field of view in radians, across and upright.
+HALF_ACROSS, HALF_UPRIGHT = math.radians(57.2 / 2), math.radians(44.3 / 2)
 #: How often the same name may be subscribed, as the documentation says.
 _MOST = 6
 
@@ -92,14 +93,15 @@ class VideoDevice(Service):
             raise Refused(f"ALVideoDevice::getImageRemote\n\t{handle} is not subscribed")
         width, height = RESOLUTIONS[held.resolution]
         body, now = self._world.body, self._world.time.now()
-        angles = body.angle("HeadYaw"), body.angle("HeadPitch")
+        look = body.angle("HeadYaw"), body.angle("HeadPitch")
         # In a thread: a large picture takes longer than anybody else should wait.
-        drawn = await asyncio.to_thread(scene.draw, width, height, self._world.person(), *angles)
-        picture = _coloured(drawn, held.space)
+        picture = await asyncio.to_thread(
+            _drawn, width, height, held.space, self._world.person(), look
+        )
         return [
             *(width, height, _LAYERS[held.space], held.space),
-            *(int(now), int(now % 1 * 1e6), picture.tobytes(), held.camera),
-            *(scene.HALF_ACROSS, scene.HALF_UPRIGHT, -scene.HALF_ACROSS, -scene.HALF_UPRIGHT),
+            *(int(now), int(now % 1 * 1e6), picture, held.camera),
+            *(HALF_ACROSS, HALF_UPRIGHT, -HALF_ACROSS, -HALF_UPRIGHT),
         ]
 
     @offers("releaseImage(s)b")
@@ -113,7 +115,15 @@ class VideoDevice(Service):
         return 0
 
 
-def _coloured(picture: scene.Picture, space: int) -> scene.Picture:
+def _drawn(
+    width: int, height: int, space: int, person: Person | None, look: tuple[float, float]
+) -> bytes:
+    """What is seen with the head at yaw and pitch (rad): a byte a layer of each pixel, by rows."""
+    from woz_drivers.naoqi import scene  # noqa: PLC0415 - with numpy: most robots are not watched
+
+    picture = scene.draw(width, height, person, *look)
     if space == BGR:
-        return picture[:, :, ::-1]
-    return picture.mean(axis=2).astype(np.uint8) if space == GREY else picture
+        picture = picture[:, :, ::-1]
+    elif space == GREY:
+        picture = picture.mean(axis=2).astype("uint8")
+    return picture.tobytes()

@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import math
-
-import numpy as np
-from numpy.typing import NDArray
+from typing import TYPE_CHECKING
 
 from woz_drivers.naoqi.visitor import Person
 
-Samples = NDArray[np.int16]
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    Samples = NDArray[np.int16]
 
 #: getFrontMicEnergy counts like this in a quiet room, and with somebody talking a metre away.
 QUIET, LOUD = 250.0, 4000.0
@@ -30,6 +32,8 @@ def energy(person: Person | None, now: float) -> float:
 
 def block(person: Person | None, begin: float, samples: int, rate: int, channels: int) -> Samples:
     """Sound of `samples` a channel from a time on, interleaved; the same for the same time."""
+    import numpy as np  # noqa: PLC0415 - most robots are not listened to, and start sooner
+
     times = begin + np.arange(samples) / rate
     noise = np.random.default_rng(round(begin * 1000)).normal(0.0, 60.0, samples)
     sound = noise

@@ -7,12 +7,11 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from woz_drivers.naoqi.camera import HALF_ACROSS, HALF_UPRIGHT
 from woz_drivers.naoqi.visitor import Person
 
 Picture = NDArray[np.uint8]
 
-#: Pepper's upper camera: half of its field of view in radians, across and upright.
-HALF_ACROSS, HALF_UPRIGHT = math.radians(57.2 / 2), math.radians(44.3 / 2)
 _WALL, _FLOOR, _DOOR, _LINE = (168, 176, 184), (112, 96, 84), (140, 110, 80), (150, 158, 166)
 _SKIN, _SHIRT, _DARK = (224, 172, 136), (52, 96, 168), (40, 30, 30)
 #: Metres: half a face, and where its middle is above the camera.

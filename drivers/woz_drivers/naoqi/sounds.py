@@ -10,7 +10,6 @@ from typing import Any
 from woz_drivers.naoqi import hearing
 from woz_drivers.naoqi.table import Refused, Service, offers
 from woz_drivers.naoqi.world import World, flat
-from woz_drivers.wav import NoWav, Wav, parse
 
 #: Sounds that come with the stand-in, with seconds: `set("sounds", ...)` adds others.
 FILES = {
@@ -31,6 +30,8 @@ class Disk:
         """How long a sound is, or None when there is no such file."""
         if path in self.table:
             return self.table[path]
+        from woz_drivers.wav import NoWav, parse  # noqa: PLC0415 - with numpy, see `hearing.block`
+
         try:
             return parse(self.place(path).read_bytes()).seconds
         except (OSError, NoWav):
@@ -222,7 +223,7 @@ class AudioRecorder(Service):
         if recording is None:
             raise Refused("ALAudioRecorder::stopMicrophonesRecording\n\tnot recording")
         try:
-            self._disk.write(recording.path, self._content(recording).to_bytes())
+            self._disk.write(recording.path, self._content(recording))
         except OSError as error:
             self._world.note(f"recording {recording.path}: {error}")
         else:
@@ -233,11 +234,13 @@ class AudioRecorder(Service):
         """The file that is being recorded, or nothing."""
         return self._recording.path if self._recording else ""
 
-    def _content(self, recording: _Recording) -> Wav:
+    def _content(self, recording: _Recording) -> bytes:
+        from woz_drivers.wav import Wav  # noqa: PLC0415 - as above
+
         passed = self._world.time.now() - recording.begun
         samples = round(min(passed, 600.0) * recording.rate)
         sound = hearing.block(
             *(self._world.person(), recording.begun, samples),
             *(recording.rate, recording.channels),
         )
-        return Wav("S16_LE", recording.rate, recording.channels, sound.tobytes())
+        return Wav("S16_LE", recording.rate, recording.channels, sound.tobytes()).to_bytes()

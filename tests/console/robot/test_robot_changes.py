@@ -213,6 +213,7 @@ async def test_a_connection_that_failed_is_forgotten_with_the_next_try() -> None
         await choose(seat, "Another address")
         await seat.press("enter")
         assert "now 192.168.1.20" in seat.drawn()
+        assert seat.drawn().count("tcps://USER@HOST:PORT") == 2, "at the line, and at the field"
         await type_in(seat, "10.0.0.9")
         await seat.press("enter")
         assert line(seat, "Another address").endswith("⊘ nothing listens there")

@@ -13,6 +13,7 @@ from tests.console.robot.screen import choose, line, opened, verbs
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
 from woz_tui.console.replay.keys import KEYS
+from woz_tui.console.screens.robot import RobotDialog
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 
@@ -156,9 +157,19 @@ async def test_a_difference_is_seen_on_the_main_screen() -> None:
     async with sitting(pepper.welcome(pepper.shown())) as seat:
         assert "differ" not in seat.text("Status")
         await seat.tell(pepper.shown({"volume": 0.1, "state": "disabled"}))
-        assert "pepper: ▲ 2 settings differ" in seat.text("Status")
+        assert "pepper: ▲ volume, autonomous life differ" in seat.text("Status")
         await seat.tell(pepper.shown({"volume": 0.1}, ("They fight.",)))
-        assert "pepper: ▲ 1 setting differs, 1 conflict" in seat.text("Status")
+        assert "pepper: ▲ volume differs, 1 conflict" in seat.text("Status")
+        many: dict[str, m.Json] = {
+            "volume": 0.1,
+            "state": "disabled",
+            "engagement": "",
+            "awake": False,
+        }
+        await seat.tell(pepper.shown(many, ("They fight.", "So do these.")))
+        assert "pepper: ▲ 4 settings differ, 2 conflicts" in seat.text("Status")
+        await seat.tell(pepper.shown({"of another robot": 1}))
+        assert "pepper: ▲ 1 setting differs " in seat.text("Status")
         await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
         assert "differs" not in seat.text("Status")
 
@@ -191,3 +202,43 @@ async def test_a_painting_may_come_at_any_moment_of_its_opening() -> None:
         await seat.settle()
         assert seat.console.is_running
         assert "Motors on" in seat.drawn() or "Another address" in seat.drawn()
+
+
+@pytest.mark.parametrize(("size", "rows"), [((80, 24), 2), ((100, 36), 4)])
+async def test_there_is_room_for_conflicts(size: tuple[int, int], rows: int) -> None:
+    told = ("One.", "Two.", "Three.", "Four.", "Five.")
+    async with opened(pepper.shown(None, told[:rows]), size=size) as seat:
+        assert all(sentence in seat.drawn() for sentence in told[:rows])
+        before = at(seat, "Autonomous life")
+        await seat.tell(pepper.shown(None, told))
+        assert f"and {len(told) - rows + 1} more" in seat.drawn()
+        assert at(seat, "Autonomous life") == before
+
+
+async def test_it_opens_where_there_is_something_to_do() -> None:
+    async with opened() as seat:
+        assert chosen(seat) == "Address"
+        await choose(seat, "Speed")
+        assert await reopened(seat) == "Speed", "the line of before"
+        await seat.tell(pepper.shown({"volume": 0.1, "state": "disabled"}))
+        assert await reopened(seat) == "Autonomous life", "the first that differs"
+        await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
+        assert await reopened(seat) == "192.168.1.20", "where a robot is taken"
+        await seat.tell(m.DriverConnected(driver="pepper", detail="NAOqi", t=pepper.NOW))
+        await seat.tell(pepper.shown())
+        assert await reopened(seat) == "192.168.1.20", "the line of before"
+
+
+async def reopened(seat: Sitting) -> str:
+    """Close and open the screen; returns what is chosen then."""
+    await seat.press("@", "@")
+    return chosen(seat)
+
+
+def chosen(seat: Sitting) -> str:
+    """The label of the chosen line."""
+    top = seat.console.dialog
+    assert isinstance(top, RobotDialog)
+    label = top._lines()[top._line].setting.label
+    assert f"▸ {label} " in seat.drawn()
+    return label

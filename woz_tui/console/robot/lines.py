@@ -10,6 +10,7 @@ from woz_tui.console.robot.steps import steps_offered
 from woz_tui.core.robots import RobotOutline, Setting
 
 CONNECTION = "Connection"
+_ADDRESSES = "a host name, tcp://HOST:PORT or tcps://USER@HOST:PORT"
 
 
 class What(enum.Enum):
@@ -69,18 +70,20 @@ def _connection(outline: RobotOutline, verbs: Collection[str]) -> list[Line]:
     found: list[Line] = []
     if "connect" in verbs:
         found += [
-            Line(What.ROBOT, _link(name=name, label=name, verb="connect", argument="robot"))
+            Line(What.ROBOT, _link(name, name, "connect", "robot"))
             for name in dict.fromkeys(outline.robots)
         ]
-        other = _link(name="", label="Another address", verb="connect", argument="robot")
+        other = _link("", "Another address", "connect", "robot", hint=_ADDRESSES)
         found.append(Line(What.ADDRESS, other))
     if "disconnect" in verbs:
-        found.append(Line(What.DISCONNECT, _link(name="", label="Disconnect", verb="disconnect")))
+        found.append(Line(What.DISCONNECT, _link("", "Disconnect", "disconnect")))
     return found
 
 
-def _link(name: str, label: str, verb: str, argument: str = "") -> Setting:
-    return Setting(name=name, section=CONNECTION, label=label, verb=verb, argument=argument)
+def _link(name: str, label: str, verb: str, argument: str = "", hint: str = "") -> Setting:
+    return Setting(
+        name=name, section=CONNECTION, label=label, verb=verb, argument=argument, help=hint
+    )
 
 
 def host_of(address: str) -> str:

@@ -19,8 +19,8 @@ from woz_tui.console.robot.view import LineView, RobotView
 TALL = 26
 #: From this width on the columns are wider.
 WIDE = 90
-#: Rows of sentences, in a low and in a tall frame.
-_LOW, _HIGH = 2, 3
+#: Rows for the conflicts and for what is known of the chosen line, in a low and in a tall frame.
+_LOW, _HIGH = (2, 2), (4, 3)
 #: Look of a swatch: this, and the colour behind it.
 SWATCH = "swatch "
 
@@ -40,24 +40,28 @@ class Place:
 
 def settings_rows(view: RobotView, place: Place, frame: Frame) -> list[Row]:
     """The whole screen: as many rows as the frame is high."""
-    sentences = _HIGH if frame.height >= TALL else _LOW
+    above, below = _sentences(frame)
     listed = _listed(view.lines, place, frame)
     room = list_room(frame)
     shown = listed[place.top : place.top + room]
     return [
         _head(view, place, frame),
-        *_conflicts(view, sentences, frame),
+        *_conflicts(view, above, frame),
         *shown,
         *[()] * (room - len(shown)),
         _rule(place.top, len(listed), room, frame),
-        *_foot(view.lines, place, sentences, frame),
+        *_foot(view.lines, place, below, frame),
     ]
 
 
 def list_room(frame: Frame) -> int:
     """Rows for the list."""
-    sentences = _HIGH if frame.height >= TALL else _LOW
-    return max(1, frame.height - 2 * sentences - 2)
+    return max(1, frame.height - sum(_sentences(frame)) - 2)
+
+
+def _sentences(frame: Frame) -> tuple[int, int]:
+    """Rows of sentences above and below the list."""
+    return _HIGH if frame.height >= TALL else _LOW
 
 
 def scrolled(lines: tuple[LineView, ...], chosen: int, top: int, frame: Frame) -> int:

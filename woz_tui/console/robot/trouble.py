@@ -4,10 +4,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rich.cells import cell_len
+
+from woz_tui.console.cells import clean
 from woz_tui.console.parts import RobotPicture
 
 if TYPE_CHECKING:
     from woz_tui.console.picture import Picture
+
+#: Cells that names of settings may take in the status line; more of them are counted.
+NAMED = 30
 
 
 def is_stale(picture: Picture, driver: str) -> bool:
@@ -15,18 +21,32 @@ def is_stale(picture: Picture, driver: str) -> bool:
     return bool(picture.lost) or picture.health(driver) not in ("connected", "faulted")
 
 
-def trouble_words(robot: RobotPicture) -> str:
-    """`2 settings differ, 1 conflict`, or nothing."""
+def trouble_words(robot: RobotPicture, names: str = "") -> str:
+    """`2 settings differ, 1 conflict`, or nothing; `names` stand instead of the settings' count."""
     differ, conflicts = len(robot.wanted), len(robot.conflicts)
     found = []
     if differ:
-        found.append("1 setting differs" if differ == 1 else f"{differ} settings differ")
+        which = names or ("1 setting" if differ == 1 else f"{differ} settings")
+        found.append(f"{which} {'differs' if differ == 1 else 'differ'}")
     if conflicts:
         found.append("1 conflict" if conflicts == 1 else f"{conflicts} conflicts")
     return ", ".join(found)
 
 
 def driver_trouble(picture: Picture, driver: str) -> str:
-    """The same of a driver; nothing where what it told is old."""
+    """The same of a driver, with the names of what differs if they are short; nothing where what
+    it told is old.
+    """
     robot = picture.robots.get(driver)
-    return "" if robot is None or is_stale(picture, driver) else trouble_words(robot)
+    if robot is None or is_stale(picture, driver):
+        return ""
+    return trouble_words(robot, _names(picture, driver, robot))
+
+
+def _names(picture: Picture, driver: str, robot: RobotPicture) -> str:
+    """What is otherwise than asked for, by its labels; nothing if that takes too much room."""
+    outline = picture.robot_outlines.get(driver)
+    labels = {} if outline is None else {line.name: line.label for line in outline.settings}
+    told = [clean(labels.get(name, "")) for name in robot.wanted]
+    names = ", ".join(label[:1].lower() + label[1:] for label in told)
+    return names if all(told) and cell_len(names) <= NAMED else ""

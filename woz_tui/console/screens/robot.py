@@ -16,10 +16,12 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Frame
+from woz_tui.console.parts import RobotPicture
 from woz_tui.console.robot.hand import Hand
 from woz_tui.console.robot.lines import Line, What
 from woz_tui.console.robot.rows import Place, list_room, scrolled, settings_rows
 from woz_tui.console.robot.swatch import Swatches
+from woz_tui.console.robot.trouble import is_stale
 from woz_tui.console.robot.values import WrongValue, about, next_value, typed_value, value_text
 from woz_tui.console.robot.view import Viewer
 from woz_tui.console.screens.dialog import Entry, give_keys
@@ -33,6 +35,8 @@ _VALUES = {"left": -1, "right": 1}
 _DO = frozenset(("space", "enter"))
 #: Taken only where no action of the experiment has them.
 _FAR = frozenset(("pageup", "pagedown", "home", "end"))
+#: Under which name the desk keeps which line was chosen.
+_LAST = "RobotDialog line"
 _REPLAY_HINT = "arrows up and down choose · tab: next · ctrl+q closes"
 
 
@@ -57,6 +61,7 @@ class RobotDialog(Drawing):
             self.own_keys |= _FAR - app.keymap.table.keys()
         else:
             self._only_look()
+        self._line = self._first_line()
         give_keys(app.keyboard, app.dialog)
         super().on_mount()
 
@@ -70,6 +75,22 @@ class RobotDialog(Drawing):
     def _viewer(self) -> Viewer:
         return Viewer(self.picture, self.glyphs, self.desk.arrows, self._hand)
 
+    def _first_line(self) -> int:
+        """Where it opens: without a robot where one is taken, with settings that differ at the
+        first of them, else at the line that was chosen last.
+        """
+        if not self.count():
+            return 0
+        lines, driver = self._lines(), self._driver
+        wanted = self.picture.robots.get(driver, RobotPicture()).wanted
+        if is_stale(self.picture, driver):
+            found = [number for number, line in enumerate(lines) if line.what is What.ROBOT]
+        else:
+            found = [number for number, line in enumerate(lines) if line.setting.name in wanted]
+        last = self.desk.drafts.get(_LAST)
+        found += [number for number, line in enumerate(lines) if line.id == last]
+        return next(iter(found), 0)
+
     def _only_look(self) -> None:
         """In a replay nothing can be changed, and the other keys move through the log."""
         self.own_keys = frozenset((*_ROBOTS, *_LINES))
@@ -77,8 +98,10 @@ class RobotDialog(Drawing):
             box.border_subtitle = self.glyphs.plain(_REPLAY_HINT)
 
     def closing(self) -> None:
-        """What is refused from now on is told on the main screen."""
+        """What is refused from now on is told on the main screen; the line is remembered."""
         self._open = False
+        if self.count():
+            self.desk.drafts[_LAST] = self._lines()[self._line].id
 
     def body(self) -> Iterable[Widget]:
         """Cells that can show a colour."""
@@ -221,7 +244,9 @@ class ValueDialog(Entry):
 
     def below(self) -> Iterable[Widget]:
         """What may be typed, and what is wrong with what was."""
-        yield Static(Content(self.glyphs.plain(about(self._line.setting))), classes="caption")
+        setting = self._line.setting
+        told = about(setting) or setting.help
+        yield Static(Content(self.glyphs.plain(told)), classes="caption")
         yield Static("", id="wrong", classes="wrong")
 
     def on_input_submitted(self, event: Input.Submitted) -> None:

@@ -203,6 +203,7 @@ class Connection:
         task = asyncio.create_task(change)
         self._changes.add(task)
         task.add_done_callback(self._changes.discard)
+        task.add_done_callback(lambda done: done.cancelled() or done.exception())
         return await asyncio.shield(task)
 
     async def _taken(self, address: Address) -> asyncio.Future[None]:

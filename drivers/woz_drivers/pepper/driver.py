@@ -136,6 +136,8 @@ class Pepper:
         self._stops |= set(stops)
         for stop in stops:
             stop.add_done_callback(self._stops.discard)
+            # Nobody waits for those that come too late: how they end has been told as missing.
+            stop.add_done_callback(lambda over: over.cancelled() or over.exception())
         done, late = await asyncio.wait(stops, timeout=STOP_S)
         confirmed: list[str] = []
         missing = [stops[stop].name for stop in late]
@@ -176,6 +178,7 @@ class Pepper:
     # -- the line --------------------------------------------------------------------------------
 
     async def _connect(self, robot: str) -> dict[str, Json]:
+        self._connection.named(robot)  # what is no address must not cost the robot that is there
         await self._let_go()
         await self._connection.connect(robot)
         return {"robot": self._connection.robot, "client": self._connection.client}

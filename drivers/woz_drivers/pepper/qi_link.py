@@ -90,6 +90,7 @@ class QiLink:
         self._open: set[asyncio.Future[Any]] = set()
         self._services: dict[str, asyncio.Task[Any]] = {}
         self._session: Any = library().Session()
+        self._begun = False
         if address.secure:
             self._session.setClientAuthenticatorFactory(Login(address.user, secret.reveal()))
 
@@ -101,6 +102,7 @@ class QiLink:
         if not self._session.isConnected():
             self._is_lost("disconnected")
         self._sockets.keep_nothing_unsent()
+        self._begun = True
 
     async def call(self, service: str, method: str, *args: Any, within: float) -> Any:
         """Call a method; see `Link.call`."""
@@ -161,7 +163,10 @@ class QiLink:
             return
         await asyncio.gather(*services.values(), return_exceptions=True)
         ended = [task.result() for task in services.values() if _worked(task)]
-        self._sockets.throw_away_unsent()
+        if self._begun:
+            # Before that nothing was sent but a greeting; and a robot that has not accepted the
+            # connection yet, since it is frozen, would never accept any again (libqi 3.1.5).
+            self._sockets.throw_away_unsent()
         threading.Thread(target=_end, args=(session, ended), name="qi close", daemon=True).start()
 
     # -- in the event loop ---------------------------------------------------------------------

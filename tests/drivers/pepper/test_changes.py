@@ -1,0 +1,102 @@
+"""Changing the robot while things happen: a stop in between, a mistyped address, what failed."""
+
+from __future__ import annotations
+
+import asyncio
+import gc
+from pathlib import Path
+from typing import Any
+
+import pytest
+from woz_drivers.pepper.address import parse
+from woz_drivers.pepper.links import open_link
+from woz_drivers.pepper.settings import PepperSettings
+
+from tests.drivers.pepper.connected import stand
+from tests.drivers.pepper.played import played
+from tests.fakes.naoqi import stand_in, stand_in_here
+from woz_tui.core.driver import DriverError, Health, Lost, Rejected
+
+
+@pytest.mark.parametrize("turns", range(8))
+async def test_a_stop_while_a_robot_is_let_go_leaves_no_driver_without_one(
+    client: str, tmp_path: Path, turns: int
+) -> None:
+    async with (
+        stand_in_here() as one,
+        stand_in_here() as other,
+        stand(tmp_path, one.address, client=client) as it,
+    ):
+        await it.is_so(Health.CONNECTED)
+        taking = asyncio.create_task(it.connection.connect(other.address))
+        for _ in range(turns):
+            await asyncio.sleep(0)
+        taking.cancel()
+        await asyncio.wait([taking])
+        if turns:  # else it had not begun
+            await it.is_so(Health.CONNECTED, parse(other.address).shown)
+        assert await it.connection.call("ALSystem", "robotName") == "Pepper"
+
+
+async def test_a_change_that_a_stop_cut_short_does_not_outlive_the_session(tmp_path: Path) -> None:
+    async with stand_in_here() as one, stand(tmp_path, one.address, client="own") as it:
+        await it.is_so(Health.CONNECTED)
+        tasks = [asyncio.create_task(it.connection.connect()) for _ in range(3)]
+        await asyncio.sleep(0)
+        for task in tasks:
+            task.cancel()
+        await it.connection.close()
+        await asyncio.gather(*tasks, return_exceptions=True)
+        with pytest.raises(Lost, match="session is over"):
+            await it.connection.connect()
+        assert it.connection.client == ""
+
+
+async def test_what_is_no_address_costs_nobody_the_stop(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=2.0) as it:
+        with pytest.raises(Rejected):
+            await it.do("connect", robot="tcp://nao:secret@10.0.0.1")
+        it.begin("naoqi", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
+        await it.robot.called("ALMotion.moveTo")
+        report = await it.stop()
+        assert "driving" in (*report.confirmed, *report.missing)
+        await it.robot.called("ALMotion.killAll")
+
+
+async def test_a_colour_that_failed_is_not_shown_at_the_next_connection(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        await it.do("eyes", color="#008000")
+        await it.robot.fault("refuse:ALLeds.fadeRGB=not now")
+        with pytest.raises(DriverError):
+            await it.do("eyes", color="red")
+        await it.robot.clear()
+        await it.do("connect", robot="")
+        faded = await it.calls("ALLeds.fadeRGB")
+        assert faded
+        assert not [call for call in faded if call[1] > 0], "red came after all"
+
+
+async def test_a_robot_that_wakes_takes_connections_again(client: str) -> None:
+    settings = PepperSettings(robots=(), client=client)
+    async with stand_in() as robot:
+        robot.freeze()
+        for _ in range(2):
+            with pytest.raises(Lost):
+                await open_link(parse(robot.address), settings, within=0.2)
+        robot.thaw()
+        link = await open_link(parse(robot.address), settings, within=20.0)
+        assert "ALMotion" in await link.services(20.0)
+        await link.close()
+
+
+async def test_a_stop_that_is_answered_too_late_leaves_nothing_unread(tmp_path: Path) -> None:
+    unread: list[dict[str, Any]] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, what: unread.append(what))
+    async with played(tmp_path) as it:
+        it.robot.freeze()
+        report = await it.stop()
+        assert {"driving", "motion", "sounds", "speech"} <= set(report.missing)
+        await it.heard.until(lambda: not it.driver._connection.there)
+        await it.heard.until(lambda: not it.driver._stops)
+        gc.collect()
+        assert unread == []

@@ -69,11 +69,12 @@ class Desk:
 @contextlib.asynccontextmanager
 async def desk_in(folder: Path) -> AsyncIterator[Desk]:
     """A desk whose drivers are closed in the end, and that leaves no process behind."""
+    before = {one.pid for one in psutil.Process().children()}  # of other tests, for the whole run
     desk = Desk(folder)
     yield desk
     for driver in desk.drivers:
         await driver.close()
-    below = [one for one in psutil.Process().children() if one.pid != guard.pid]
+    below = [one for one in psutil.Process().children() if one.pid not in {guard.pid, *before}]
     assert [one for one in below if one.status() != "zombie"] == []
 
 

@@ -232,11 +232,12 @@ async def test_a_command_that_hangs_is_stale_then_ended_and_started_again(
 
 async def test_nothing_is_left_behind(begin: Begin, tmp_path: Path) -> None:
     (tmp_path / "sound.raw").write_bytes(square(0.2, 0.25))
+    before = {one.pid for one in offspring()}  # of other tests, for the whole run
     microphone, heard = await begin(("sh", "-c", "sleep 1000 & cat sound.raw; wait"))
     await heard.first(DriverConnected)
 
     await until(lambda: len(offspring(named="sleep")) == 1)
-    children = [one for one in offspring() if one.pid != guard.pid]
+    children = [one for one in offspring() if one.pid not in {guard.pid, *before}]
     await microphone.close()
     _, left = psutil.wait_procs(children, timeout=10)
     assert left == []

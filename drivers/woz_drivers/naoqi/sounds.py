@@ -153,10 +153,10 @@ class AudioPlayer(Service):
         self.stop_all()
         self._loaded.clear()
 
-    @offers("getLoadedFilesIds()m")
-    def get_loaded_files_ids(self) -> list[int]:
-        """Numbers."""
-        return list(self._loaded)
+    @offers("getLoadedFilesIds()[s]")
+    def get_loaded_files_ids(self) -> list[str]:
+        """Numbers, as text: so does NAOqi (`std::vector<std::string>` in alaudioplayerproxy.h)."""
+        return [str(number) for number in self._loaded]
 
     @offers("getLoadedFilesNames()m")
     def get_loaded_files_names(self) -> list[str]:

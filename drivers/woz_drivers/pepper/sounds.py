@@ -83,7 +83,9 @@ class Sounds:
         """The file being played, empty if none. What the robot has unloaded is loaded anew."""
         there = await self._robot.call(PLAYER, "getLoadedFilesIds", within=LOOK_S)
         if isinstance(there, list | tuple):
-            self._ids = {path: sound for path, sound in self._ids.items() if sound in there}
+            # `loadFile` gives a number, this gives the same numbers as text.
+            held = {str(one) for one in there}
+            self._ids = {path: sound for path, sound in self._ids.items() if str(sound) in held}
         return {"sound": self._playing}
 
     async def close(self) -> None:

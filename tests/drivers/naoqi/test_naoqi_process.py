@@ -66,7 +66,7 @@ async def test_every_kind_of_value_over_every_wire(pair: tuple[StandIn, Caller])
     assert await call("ALMemory.getListData", ["NotThere", "FaceDetected"]) == [None, []]
     number = await call("ALAudioPlayer.loadFile", "/home/nao/sounds/beep.wav")
     await call("ALAudioPlayer.play", number)
-    assert await call("ALAudioPlayer.getLoadedFilesIds") == [number]
+    assert await call("ALAudioPlayer.getLoadedFilesIds") == [str(number)]
     handle = await call("ALVideoDevice.subscribe", "eye", 0, 11, 5)
     picture = await call("ALVideoDevice.getImageRemote", handle)
     assert list(picture[:4]) == [160, 120, 3, 11]

@@ -160,7 +160,7 @@ async def test_sounds_are_stopped(wired: Wired) -> None:
 
 async def test_files_are_loaded_and_unloaded(wired: Wired) -> None:
     numbers = [await wired.call("ALAudioPlayer.loadFile", BEEP) for _ in range(2)]
-    assert await wired.call("ALAudioPlayer.getLoadedFilesIds") == numbers
+    assert await wired.call("ALAudioPlayer.getLoadedFilesIds") == [str(one) for one in numbers]
     await wired.call("ALAudioPlayer.setVolume", numbers[0], 0.5)
     loaded = await wired.robot.get("sounds.loaded")
     assert [(one["id"], one["volume"]) for one in loaded] == [(numbers[0], 0.5), (numbers[1], 1.0)]

@@ -71,6 +71,15 @@ async def test_a_file_that_is_not_on_the_robot_is_told(it: Played) -> None:
         await it.do("sound", file=" ")
 
 
+@pytest.mark.naoqi("ALAudioPlayer.getLoadedFilesIds")
+async def test_a_loaded_sound_is_not_loaded_again_after_its_ids_were_read(it: Played) -> None:
+    await it.do("sound", file=BEEP)
+    await it.robot.clear()
+    await it.robot.called("ALAudioPlayer.getLoadedFilesIds", 2)
+    await it.do("sound", file=BEEP)
+    assert await it.calls("ALAudioPlayer.loadFile") == []
+
+
 @pytest.mark.naoqi("ALAudioPlayer.getLoadedFilesIds", "ALAudioPlayer.unloadAllFiles")
 async def test_what_the_robot_has_unloaded_is_loaded_anew_and_close_unloads(
     tmp_path: Path,

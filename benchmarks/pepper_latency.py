@@ -11,6 +11,8 @@ entered. In turns, with a pause drawn at random between them, it is called by
 * `woz host`: the action's line written to its socket, until the method is entered, once with each
   client. It is recorded in the log before it is sent.
 
+Where the package `qi` has no wheels there is only our own client to measure, and no goal.
+
 Once with nothing else going on, once while states are read: the Flask program reads eight states
 once a second, the robot process all of its settings, and five times a second its senses.
 """
@@ -20,6 +22,7 @@ from __future__ import annotations
 import argparse
 import contextlib
 import http.client
+import importlib.util
 import itertools
 import json
 import os
@@ -43,6 +46,7 @@ PROGRAMS = Path(__file__).parent / "programs"
 #: Seconds between two calls.
 GAPS_S = (0.005, 0.03)
 SETTLE_S = 1.5
+QI = importlib.util.find_spec("qi") is not None
 #: Polls of the Flask program a second, where states are read.
 POLLS = 1.0
 _FILE = """\
@@ -66,17 +70,40 @@ _SENSES = "{rate: 5}"
 Sender = Callable[[float], int]
 
 
+class Robot:
+    """A simulated Pepper in a process of its own, told what to do by its standard input."""
+
+    def __init__(self, process: subprocess.Popen[str]) -> None:
+        self._process = process
+        self.address: str = self._said()["address"]
+
+    def trace(self) -> dict[str, int]:
+        """When each volume arrived, by its six decimals."""
+        assert self._process.stdin is not None
+        self._process.stdin.write('{"do": "trace"}\n')
+        self._process.stdin.flush()
+        return {
+            f"{json.loads(args)[0]:.6f}": entered
+            for service, method, args, entered in self._said()["ok"]
+            if (service, method) == ("ALTextToSpeech", "setVolume")
+        }
+
+    def _said(self) -> Any:
+        assert self._process.stdout is not None
+        return json.loads(self._process.stdout.readline())
+
+
 @contextlib.contextmanager
-def robot() -> Iterator[str]:
-    """A simulated Pepper; its address."""
+def robot() -> Iterator[Robot]:
+    """One that listens."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "woz_drivers.naoqi", "--port", "0", "--server", "qi"],
+        [sys.executable, "-m", "woz_drivers.naoqi", "--port", "0", "--control"],
+        stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
     )
     try:
-        assert process.stdout is not None
-        yield json.loads(process.stdout.readline())["address"]
+        yield Robot(process)
     finally:
         process.kill()
         process.communicate()
@@ -166,7 +193,7 @@ class Wizard:
 
 
 @contextlib.contextmanager
-def console(address: str, client: str, senses: str) -> Iterator[Sender]:
+def console(address: str, client: str, senses: str, settle_s: float) -> Iterator[Sender]:
     """A robot process with this client."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "latency.yaml"
@@ -175,7 +202,7 @@ def console(address: str, client: str, senses: str) -> Iterator[Sender]:
                          "--name", f"latency-{os.getpid()}-{client}"])  # fmt: skip
         try:
             wizard = Wizard(launch.wait().socket)
-            time.sleep(SETTLE_S)
+            time.sleep(settle_s)
             yield wizard.volume
         finally:
             launch.abandon()
@@ -190,38 +217,34 @@ class Measured:
     lost: int
 
 
-def scene(polling: bool, calls: int) -> list[Measured]:
-    """All roads in turns."""
+@contextlib.contextmanager
+def roads(address: str, polling: bool, settle_s: float) -> Iterator[dict[str, Sender]]:
+    """All roads to one robot, by name."""
     senses, polls = (_SENSES, POLLS) if polling else (_QUIET, 0.0)
-    with (
-        robot() as address,
-        route(address, polls) as flask,
-        console(address, "qi", senses) as over_qi,
-        console(address, "own", senses) as over_own,
-    ):
-        roads = {"bare qi": bare(address), "Flask route": flask,
-                 "woz, client qi": over_qi, "woz, client own": over_own}  # fmt: skip
-        sent: dict[str, dict[str, int]] = {name: {} for name in roads}
+    with contextlib.ExitStack() as opened:
+        made: dict[str, Sender] = {}
+        if QI:
+            made["bare qi"] = bare(address)
+            made["Flask route"] = opened.enter_context(route(address, polls))
+        for client in ("qi", "own") if QI else ("own",):
+            way = console(address, client, senses, settle_s)
+            made[f"woz, client {client}"] = opened.enter_context(way)
+        yield made
+
+
+def scene(polling: bool, calls: int, settle_s: float) -> list[Measured]:
+    """All roads in turns."""
+    with robot() as pepper, roads(pepper.address, polling, settle_s) as ways:
+        sent: dict[str, dict[str, int]] = {name: {} for name in ways}
         values = itertools.count(1)
         draw = random.Random(5)
         for _ in range(calls):
-            for name, send in roads.items():
+            for name, send in ways.items():
                 value = next(values) / 100_000
                 sent[name][f"{value:.6f}"] = send(value)
                 time.sleep(draw.uniform(*GAPS_S))
-        entered = trace(address)
+        entered = pepper.trace()
     return [_measured(name, times, entered) for name, times in sent.items()]
-
-
-def trace(address: str) -> dict[str, int]:
-    """When each volume arrived, by its six decimals."""
-    opened = session(address)
-    told = opened.service("StandIn").trace()
-    return {
-        f"{json.loads(args)[0]:.6f}": entered
-        for service, method, args, entered in told
-        if (service, method) == ("ALTextToSpeech", "setVolume")
-    }
 
 
 def _measured(name: str, sent: dict[str, int], entered: dict[str, int]) -> Measured:
@@ -231,12 +254,12 @@ def _measured(name: str, sent: dict[str, int], entered: dict[str, int]) -> Measu
 
 def tell(name: str, measured: list[Measured]) -> list[list[str]]:
     """The lines of one scene."""
-    flask = next(one.took for one in measured if one.name.startswith("Flask"))
+    flask = next((one.took for one in measured if one.name.startswith("Flask")), None)
     lines = []
     for one in measured:
-        p50, p99 = one.took.over(flask)
         goals = ["", ""]
-        if one.name.startswith("woz"):
+        if flask is not None and one.name.startswith("woz"):
+            p50, p99 = one.took.over(flask)
             goals = [f"{p50:.2f} x  {verdict(p50, 1)}", f"{p99:.2f} x  {verdict(p99, 1)}"]
         lines.append(
             [f"{name}: {one.name}", str(one.took.count), f"{one.took.p50:.2f}",
@@ -251,14 +274,14 @@ def main() -> None:
     parser.add_argument("--calls", type=int, default=400, help="on each road, in each scene")
     parser.add_argument("--quick", action="store_true", help="a few calls")
     arguments = parser.parse_args()
-    calls = 5 if arguments.quick else arguments.calls
+    calls, settle_s = (5, 0.2) if arguments.quick else (arguments.calls, SETTLE_S)
     table(
         "Action sent to method entered, ms (goal: below the Flask route, at p50 and p99)",
         ("", "calls", "p50", "p99", "worst", "p50 / Flask", "p99 / Flask", "lost"),
         [
             line
             for name, polling in (("idle", False), ("polling", True))
-            for line in tell(name, scene(polling, calls))
+            for line in tell(name, scene(polling, calls, settle_s))
         ],
     )
     print(f"\n{machine()}")

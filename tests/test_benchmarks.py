@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib.util
 import os
 import subprocess
 import sys
@@ -15,7 +16,7 @@ from benchmarks.stop_latency import answered
 
 ROOT = Path(__file__).parents[1]
 #: Script -> what must stand in its tables.
-TABLES = {
+TABLES: dict[str, tuple[str, ...]] = {
     "key_latency.py": ("idle: key to perform", "load: key to perform", "50 Hz loop"),
     "stop_latency.py": ("idle: escape + key", "asleep: ctrl+c", "spinning: escape"),
     "midi_latency.py": ("a body at 50 Hz", "a body at 100 Hz", "byte to setpoint"),
@@ -25,10 +26,15 @@ TABLES = {
     "engagement_sample.py": ("bare queues", "the model, joint", "lines, fifo"),
     "report.py": ("json.loads on every line", "woz report --csv", "woz methods"),
     "pepper_faults.py": ("killed, own", "frozen, own", "cut, own", "late unforeseen"),
-    "pepper_latency.py": ("idle: Flask route", "polling: woz, client own", "bare qi"),
+    "pepper_latency.py": ("idle: woz, client own", "polling: woz, client own"),
     "log_reading.py": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
+
+
+if importlib.util.find_spec("qi"):
+    TABLES["pepper_faults.py"] += ("killed, qi", "frozen, qi", "cut, qi")
+    TABLES["pepper_latency.py"] += ("idle: Flask route", "polling: woz, client qi", "bare qi")
 
 
 @pytest.mark.parametrize("script", TABLES)

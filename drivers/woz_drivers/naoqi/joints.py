@@ -49,6 +49,8 @@ CHAINS: Mapping[str, tuple[str, ...]] = MappingProxyType(
         "Wheels": (),
     }
 )
+#: What of a Pepper may be stiffened by itself; the rest is by waking up and resting alone.
+SET_STIFF = frozenset({"Head", "LArm", "RArm", "LHand", "RHand"})
 #: Chains that can breathe, and which single ones they stand for.
 BREATHING: Mapping[str, tuple[str, ...]] = MappingProxyType(
     {

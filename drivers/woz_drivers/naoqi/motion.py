@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from woz_drivers.naoqi.joints import BREATHING, JOINTS, expand
+from woz_drivers.naoqi.joints import BREATHING, JOINTS, SET_STIFF, expand
 from woz_drivers.naoqi.table import Refused, Service, offers
 from woz_drivers.naoqi.world import World, flat
 
@@ -50,8 +50,15 @@ class Joints(Service):
 
     @offers("setStiffnesses(mm)v")
     def set_stiffnesses(self, names: Any, values: Any) -> None:
-        """0 to 1 for joints or chains; one value for all or one for each name."""
+        """0 to 1 for head, arms and hands; one value for all or one for each name.
+
+        The page "Stiffness control" (naoqi/motion/control-stiffness of NAOqi 2.5) forbids a
+        Pepper's lower part, and names no single joints among what may be set.
+        """
         wanted = self._pairs("setStiffnesses", names, values)
+        for name in flat(names):
+            if name not in SET_STIFF:
+                raise Refused(f"ALMotion::setStiffnesses\n\t{name} is not allowed on Pepper")
         for joint, stiffness in wanted.items():
             self._body.stiffness[joint] = min(1.0, max(0.0, float(stiffness)))
 

@@ -6,7 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import ClassVar
 
-from woz_drivers.pepper.body_joints import checked, native
+from woz_drivers.pepper.body_joints import checked, limb, native
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Call, Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
@@ -177,8 +177,15 @@ class Body:
 
 
 async def hold(robot: Robot, names: list[str]) -> None:
-    """Switch on the motors of those joints that are slack: they would not follow."""
+    """Switch on the motors of those limbs that are slack: they would not follow.
+
+    Raises `DriverError` for hip and knee: a Pepper's lower part is stiff while it is awake, and
+    its stiffness alone cannot be set.
+    """
     now = await robot.call(MOTION, "getStiffnesses", names)
     slack = [name for name, stiffness in zip(names, now, strict=False) if stiffness < SLACK]
-    if slack:
-        await robot.call(MOTION, "setStiffnesses", slack, STIFF)
+    limbs = [limb(name) for name in slack]
+    if None in limbs:
+        raise DriverError("the robot is at rest: hip and knee are slack", "wake it: `torque: true`")
+    if limbs:
+        await robot.call(MOTION, "setStiffnesses", list(dict.fromkeys(limbs)), STIFF)

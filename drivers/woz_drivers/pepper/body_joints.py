@@ -19,6 +19,7 @@ HEAD_YAW, HEAD_PITCH = "HeadYaw", "HeadPitch"
 HIP_PITCH, HIP_ROLL = "HipPitch", "HipRoll"
 #: Hands have no angle: 0 is closed, 1 is open.
 HANDS = ("LHand", "RHand")
+_LOWER = (HIP_PITCH, HIP_ROLL, "KneePitch")
 
 
 def _degrees(low: float, high: float) -> Range:
@@ -106,6 +107,17 @@ def checked(pose: Json) -> dict[str, float]:
         who = f"with the head turned by {turned:g}, {HEAD_PITCH}"
         _inside(who, found[HEAD_PITCH], head_pitch(turned))
     return found
+
+
+def limb(name: str) -> str | None:
+    """What of the robot to stiffen so that this joint follows; None for hip and knee.
+
+    The manufacturer's page "Stiffness control" of NAOqi 2.5 (naoqi/motion/control-stiffness)
+    allows head, arms and hands of a Pepper, and forbids its lower part.
+    """
+    if name in HANDS:
+        return name
+    return {"H": "Head", "L": "LArm", "R": "RArm"}[name[0]] if name not in _LOWER else None
 
 
 def native(name: str, angle: float) -> float:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
 
-from woz_drivers.pepper.body import MOTION, SLACK, STIFF
+from woz_drivers.pepper.body import MOTION, hold
 from woz_drivers.pepper.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.settings import PepperSettings
@@ -32,11 +32,10 @@ _STEP = Range(-90, 90, "degrees")
 
 @dataclass
 class Pair:
-    """Two joints that move together: a chain of NAOqi, and what of it was asked for last."""
+    """Two joints that move together, and what of them was asked for last."""
 
     robot: Robot
     clock: Clock
-    chain: str
     joints: tuple[str, str]
     speed: float
     nearest: Callable[[float, float], tuple[float, float]]
@@ -46,13 +45,13 @@ class Pair:
     async def to(self, first: float, second: float) -> tuple[float, float]:
         """Go to these degrees, or to the nearest that can be taken; returns those."""
         if not self._recent():
-            await self._hold()
+            await hold(self.robot, list(self.joints))
         return await self._send(*self.nearest(first, second))
 
     async def by(self, first: float, second: float) -> tuple[float, float]:
         """Go so many degrees further."""
         if not self._recent():
-            await self._hold()
+            await hold(self.robot, list(self.joints))
             now = await self.robot.call(MOTION, "getAngles", list(self.joints), False)
             self.goal = math.degrees(now[0]), math.degrees(now[1])
         return await self._send(*self.nearest(self.goal[0] + first, self.goal[1] + second))
@@ -63,12 +62,6 @@ class Pair:
 
     def _recent(self) -> bool:
         return self.moved_us is not None and self.clock.now_us() - self.moved_us < RECENT_US
-
-    async def _hold(self) -> None:
-        """Switch the motors on if they are slack: the joints would not follow."""
-        stiffness = await self.robot.call(MOTION, "getStiffnesses", list(self.joints))
-        if min(stiffness) < SLACK:
-            await self.robot.call(MOTION, "setStiffnesses", self.chain, STIFF)
 
     async def _send(self, first: float, second: float) -> tuple[float, float]:
         angles = [math.radians(first), math.radians(second)]
@@ -84,8 +77,8 @@ class Head:
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
         clock = outlet.clock
-        self._head = Pair(robot, clock, "Head", (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
-        self._hip = Pair(robot, clock, "Leg", (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
+        self._head = Pair(robot, clock, (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
+        self._hip = Pair(robot, clock, (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:

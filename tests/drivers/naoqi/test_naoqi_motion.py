@@ -212,6 +212,15 @@ async def test_a_chain_stands_for_its_joints(wired: Wired) -> None:
     assert len(await wired.call("ALMotion.getAngles", "Body", True)) == len(JOINTS)
 
 
+@pytest.mark.parametrize("name", ["Leg", "Body", "HipPitch", "HeadYaw"])
+async def test_only_head_arms_and_hands_are_stiffened_by_themselves(
+    wired: Wired, name: str
+) -> None:
+    with pytest.raises(Said, match=name):
+        await wired.call("ALMotion.setStiffnesses", ["Head", name], 0.0)
+    assert await wired.call("ALMotion.getStiffnesses", HEAD) == [1.0, 1.0]
+
+
 async def test_chains_breathe_on_their_own_and_together(wired: Wired) -> None:
     await wired.call("ALMotion.setBreathEnabled", "Body", False)
     await wired.call("ALMotion.setBreathEnabled", "Arms", True)

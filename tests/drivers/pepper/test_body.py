@@ -8,9 +8,11 @@ from pathlib import Path
 
 import pytest
 import pytest_asyncio
+from woz_drivers.pepper.body_joints import JOINTS, limb
 
 from tests.drivers.pepper.played import Played, played
 from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.messages import Json
 
 HEY = "animations/Stand/Gestures/Hey_1"
 LONG = "animations/Stand/Waiting/ShowSky_1"
@@ -124,14 +126,37 @@ async def test_an_impossible_pose_never_reaches_the_robot(it: Played) -> None:
 
 
 @pytest.mark.naoqi("ALMotion.setStiffnesses")
-async def test_only_slack_joints_are_stiffened(it: Played) -> None:
+async def test_only_slack_limbs_are_stiffened(it: Played) -> None:
     await it.do("naoqi", call="ALMotion.setStiffnesses", args='["RArm", 0.0]')
     await it.robot.clear()
     await it.do("pose", joints={"HeadYaw": 5, "RShoulderPitch": 5}, seconds=0.2)
-    assert await it.calls("ALMotion.setStiffnesses") == [(["RShoulderPitch"], 1.0)]
+    assert await it.calls("ALMotion.setStiffnesses") == [(["RArm"], 1.0)]
     assert (await it.robot.get("angles"))["RShoulderPitch"] == pytest.approx(
         math.radians(5), abs=1e-3
     )
+
+
+@pytest.mark.naoqi("ALMotion.setStiffnesses")
+@pytest.mark.parametrize(
+    ("verb", "args"), [("hip", {"pitch": 5}), ("pose", {"joints": {"KneePitch": 5, "HeadYaw": 5}})]
+)
+async def test_hip_and_knee_of_a_robot_at_rest_are_left_alone(
+    it: Played, verb: str, args: dict[str, Json]
+) -> None:
+    await it.do("torque", on=False)
+    await it.robot.clear()
+    with pytest.raises(DriverError, match="at rest") as told:
+        await it.do(verb, **args)
+    assert "torque" in told.value.remedy
+    moving = ("setStiffnesses", "setAngles", "angleInterpolation")
+    assert await it.calls(*(f"ALMotion.{one}" for one in moving)) == []
+    await it.do("torque", on=True)
+
+
+@pytest.mark.parametrize("name", JOINTS)
+async def test_the_head_arms_and_hands_are_stiffened_and_nothing_else(name: str) -> None:
+    assert limb(name) in {"Head", "LArm", "RArm", "LHand", "RHand", None}
+    assert (limb(name) is None) is (name in {"HipPitch", "HipRoll", "KneePitch"})
 
 
 async def test_a_cancelled_pose_holds_its_joints(it: Played) -> None:

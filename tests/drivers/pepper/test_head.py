@@ -95,7 +95,7 @@ async def test_a_slack_head_is_stiffened_first_and_a_stiff_one_is_not_asked_agai
     await it.robot.clear()
     await it.do("nudge", yaw=20)
     await it.do("nudge", yaw=1)
-    assert await it.calls("ALMotion.setStiffnesses") == [("Head", 1.0)]
+    assert await it.calls("ALMotion.setStiffnesses") == [(["Head"], 1.0)]
     await reaches(it, "HeadYaw", 21)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import json
 import re
 import tomllib
@@ -45,6 +46,21 @@ def validator(schema: Mapping[str, Any]) -> jsonschema.Draft202012Validator:
     return jsonschema.Draft202012Validator(schema)
 
 
+@functools.cache  # checking a schema takes longer than a hundred files against it
+def of_experiments() -> jsonschema.Draft202012Validator:
+    return validator(experiment_schema(bundled()))
+
+
+@functools.cache
+def of_robots() -> jsonschema.Draft202012Validator:
+    return validator(robot_schema(bundled()))
+
+
+@functools.cache
+def of_catalogue() -> jsonschema.Draft202012Validator:
+    return validator(experiment_schema(CATALOGUE))
+
+
 def bundled() -> dict[str, Any]:
     """Our own drivers, whatever else is installed on this machine."""
     catalogue = installed()
@@ -66,19 +82,19 @@ def test_the_committed_schemas_are_fresh(name: str, make: Any) -> None:
 @pytest.mark.parametrize("path", EXAMPLES, ids=lambda path: path.stem)
 def test_the_examples_fit_the_schema(path: Path) -> None:
     data = as_editors_read(path.read_text(encoding="utf-8"))
-    validator(experiment_schema(bundled())).validate(data)
+    of_experiments().validate(data)
 
 
 @pytest.mark.parametrize("path", ROBOTS, ids=lambda path: path.stem)
 def test_the_example_robots_fit_the_schema(path: Path) -> None:
     data = as_editors_read(path.read_text(encoding="utf-8"))
-    validator(robot_schema(bundled())).validate(data)
+    of_robots().validate(data)
 
 
 @pytest.mark.parametrize("name", ["everything", "study"])
 def test_everything_that_can_be_said_fits_the_schema(name: str) -> None:
     text = (Path(__file__).parent / "good" / f"{name}.yaml").read_text(encoding="utf-8")
-    validator(experiment_schema(CATALOGUE)).validate(as_editors_read(text))
+    of_catalogue().validate(as_editors_read(text))
 
 
 @pytest.mark.parametrize(
@@ -93,7 +109,7 @@ def test_everything_that_can_be_said_fits_the_schema(name: str) -> None:
 def test_broken_files_do_not_fit(name: str) -> None:
     data = as_editors_read((BROKEN / f"{name}.yaml").read_text(encoding="utf-8"))
     with pytest.raises(jsonschema.ValidationError):
-        validator(experiment_schema(CATALOGUE)).validate(data)
+        of_catalogue().validate(data)
 
 
 def test_a_broken_robot_does_not_fit() -> None:
@@ -135,7 +151,7 @@ def test_what_editors_show() -> None:
 def test_actions(action: str, fits: bool) -> None:
     for head in (HEAD, ROBOT):
         data = as_editors_read(panel(action, head=head))
-        assert validator(experiment_schema(CATALOGUE)).is_valid(data) is fits
+        assert of_catalogue().is_valid(data) is fits
 
 
 def test_verbs_that_a_switch_brings_are_known_to_editors() -> None:

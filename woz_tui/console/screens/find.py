@@ -17,10 +17,11 @@ from textual.widgets.option_list import Option
 from woz_tui.console.caps import Cap, caption, key_name
 from woz_tui.console.cells import clean, fit
 from woz_tui.console.engagement.hand import ORDERS, is_offered
+from woz_tui.console.robot.orders import orders_of
 from woz_tui.console.screens.dialog import Entry
-from woz_tui.core.requests import AskLock
+from woz_tui.core.requests import AskLock, AskVerb
 
-LABEL = 30
+LABEL = 38
 #: Without a key of their own.
 COLOURS = {
     "dark": "dark colours",
@@ -67,7 +68,8 @@ class FindDialog(Entry):
         if not self.there:
             return
         self.entry.value = ""
-        self._all = [*self._actions(), *self._locks(), *self._orders(), *self._commands()]
+        self._all = [*self._actions(), *self._locks(), *self._orders(), *self._robots()]
+        self._all += self._commands()
         self._shown = self._all
         self._search("")
 
@@ -107,6 +109,15 @@ class FindDialog(Entry):
             for order in ORDERS:
                 do = functools.partial(self.desk.steer, order)
                 yield Find(order.text, "", "engagement", do, order.text)
+
+    def _robots(self) -> Iterable[Find]:
+        """What a robot can do that needs no button."""
+        key = self.desk.key_of("find")
+        for driver, order in orders_of(self.picture):
+            args = dict(order.args)
+            request = AskVerb(verb=order.verb, args=args, on=driver, source="key", key=key)
+            do = functools.partial(self.desk.ask, request)
+            yield Find(order.text, "", driver, do, f"{order.text} {order.verb}")
 
     def _commands(self) -> Iterable[Find]:
         app = self.console_app

@@ -278,6 +278,7 @@ async def test_signs_of_ascii_where_there_are_no_others() -> None:
         await seen(seat, robot, 4)
         text = seat.drawn()
         assert text.isascii()
+        assert "signs" in words(seat)
         shades = {sign for line in text.splitlines()[3:18] for sign in line[25:55]}
         assert len(shades & set(" .:-=+*#%@")) >= 5
 

@@ -33,7 +33,7 @@ class View(Widget):
     can_focus = False
     format: ClassVar[PictureFormat] = "rgb"
     #: How it draws, for the wizard.
-    word: ClassVar[str] = ""
+    word: str = ""
 
     def __init__(self) -> None:
         super().__init__()
@@ -95,12 +95,11 @@ class Blocks(View):
         depth: Colours of the terminal: 1 << 24, 256, 16, or 0 for signs of ASCII.
     """
 
-    word: ClassVar[str] = "half blocks"
-
     def __init__(self, depth: int) -> None:
         super().__init__()
         self._canvas = Canvas(1, 1, depth)
         self._strips: dict[int, Strip] = {}
+        self.word = "half blocks" if depth else "signs"
 
     @property
     def canvas(self) -> Canvas:
@@ -163,7 +162,7 @@ class Kitty(View):
     """
 
     format: ClassVar[PictureFormat] = "png"
-    word: ClassVar[str] = "kitty"
+    word = "kitty"
 
     def __init__(self, side: Side, tmux: bool = False) -> None:
         super().__init__()
@@ -217,7 +216,7 @@ class Sixel(View):
     """Blank cells to Textual, and the picture drawn over them when it has painted."""
 
     format: ClassVar[PictureFormat] = "sixel"
-    word: ClassVar[str] = "sixel"
+    word = "sixel"
 
     def __init__(self, side: Side) -> None:
         super().__init__()

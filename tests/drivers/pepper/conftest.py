@@ -7,8 +7,10 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+import pytest_asyncio
 
 from tests.drivers.heard import Heard
+from tests.drivers.pepper.played import Played, played
 from tests.fakes.naoqi import StandIn, stand_in
 
 #: What carries a connection here: our own client everywhere, qi where it has wheels.
@@ -32,3 +34,17 @@ async def robot() -> AsyncIterator[StandIn]:
 def heard(tmp_path: Path) -> Heard:
     """What the driver tells its session."""
     return Heard(tmp_path)
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+    """One robot and its driver for a module whose tests leave nothing behind."""
+    async with played(tmp_path_factory.mktemp("experiment")) as made:
+        yield made
+
+
+@pytest_asyncio.fixture(loop_scope="module")
+async def it(shared: Played) -> Played:
+    """That robot, without what the tests before have done with it."""
+    await shared.afresh()
+    return shared

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
@@ -16,22 +14,10 @@ from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
 
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
-    async with played(tmp_path_factory.mktemp("experiment")) as made:
-        yield made
-
-
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """A busy machine takes its time; that a stop waits no longer is another test's."""
     monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
-    await shared.afresh()
-    return shared
 
 
 @pytest.mark.naoqi("ALMotion.moveTo")

@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import math
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 from woz_drivers.pepper.body_joints import JOINTS, limb
 
 from tests.drivers.pepper.played import Played, played
@@ -19,18 +17,6 @@ LONG = "animations/Stand/Waiting/ShowSky_1"
 
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
-    async with played(tmp_path_factory.mktemp("experiment")) as made:
-        yield made
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
-    await shared.afresh()
-    return shared
 
 
 async def moves(it: Played) -> list[str]:

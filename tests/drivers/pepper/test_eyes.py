@@ -3,11 +3,9 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 from woz_drivers.pepper import eyes as eyes_module
 from woz_drivers.simulated.values import COLORS
 
@@ -18,18 +16,6 @@ FADE = "ALLeds.fadeRGB"
 
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
-    async with played(tmp_path_factory.mktemp("experiment")) as made:
-        yield made
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
-    await shared.afresh()
-    return shared
 
 
 async def seen(it: Played) -> str:

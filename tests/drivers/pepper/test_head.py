@@ -29,12 +29,6 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
 
 
-@pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
-    await shared.afresh()
-    return shared
-
-
 async def angle(it: Played, joint: str) -> float:
     """Degrees."""
     return round(math.degrees((await it.robot.get("angles"))[joint]), 1)

@@ -101,6 +101,11 @@ class Connection:
         """Let the robot go, and do not look for it until `connect`."""
         await self._whole(self._left())
 
+    def leaving(self, leaves: bool) -> None:
+        """Whether this robot is about to be let go: then only what ends something is sent to it."""
+        if self._line is not None:
+            self._line.leaving = leaves
+
     async def close(self) -> None:
         """End everything; never waits for the robot."""
         self._closed = True
@@ -141,6 +146,7 @@ class Connection:
         with self._in_words(line, what):
             if what not in HALTS:
                 await line.pulse.fresh()
+            line.refuse_if_leaving(what)
             value = await line.link.call(service, method, *args, within=within)
         line.pulse.heard()
         return value

@@ -26,6 +26,12 @@ HALTS = frozenset(
         "ALTabletService.stopVideo",
     }
 )
+#: What a robot that is being let go is still asked: the stop, and whether it stands still.
+FAREWELL = HALTS | {
+    "ALMotion.getRobotVelocity",
+    "ALBehaviorManager.isBehaviorRunning",
+    "ALLeds.fadeRGB",
+}
 #: What is ended after a reconnection, before anything else: what the robot still had to do.
 _SILENCE = (
     ("ALMotion", "stopMove"),
@@ -62,6 +68,8 @@ class Line:
         self.pulse = Pulse(link, heartbeat)
         #: Set when it has ended.
         self.why: Lost | None = None
+        #: The wizard lets it go: what goes on must not begin anything behind the last stop.
+        self.leaving = False
 
     @property
     def shown(self) -> str:
@@ -73,6 +81,11 @@ class Line:
         if self.why is not None:
             return Lost(self.why.what, self.why.remedy)
         return Lost(f"{self.shown} is lost: {reason}", _LOOKED_FOR)
+
+    def refuse_if_leaving(self, what: str) -> None:
+        """Raise `Lost` for a call that would begin something on a robot that is being let go."""
+        if self.leaving and what not in FAREWELL:
+            raise Lost(f"{self.shown} is being let go; nothing was sent", "connect again")
 
     async def until_lost(self, getting_ready: asyncio.Task[None]) -> Lost:
         """Return when the connection is gone, the robot does not answer, or cannot be got ready."""

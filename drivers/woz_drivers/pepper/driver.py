@@ -192,7 +192,20 @@ class Pepper:
     async def _let_go(self) -> None:
         """The robot of before goes because the wizard wants it; it must not be left driving."""
         if self._present:
-            await self.stop(Scope.ALL)
+            robot = self._connection.robot
+            self._connection.leaving(True)
+            try:
+                report = await self.stop(Scope.ALL)
+            except BaseException:
+                self._connection.leaving(False)
+                raise
+            if report is not None and report.missing:
+                missing = ", ".join(report.missing)
+                self._outlet.notice(
+                    "warning",
+                    f"{robot} was let go, but did not confirm its stop: {missing}",
+                    "look at it: what it was doing may go on",
+                )
             self._gone()
         self._astray = False
 

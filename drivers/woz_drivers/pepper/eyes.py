@@ -224,6 +224,8 @@ class Eyes:
                     *(LEDS, "rotateEyes", light.number, TURN_S, seconds), within=seconds + MARGIN_S
                 )
         playing = asyncio.get_running_loop().create_task(call, name="pepper eyes")
+        # Cut short on a robot that is gone, nobody asks how it ended.
+        playing.add_done_callback(lambda over: over.cancelled() or over.exception())
         try:
             await asyncio.shield(playing)
         except asyncio.CancelledError:

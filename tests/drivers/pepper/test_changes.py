@@ -63,6 +63,38 @@ async def test_what_is_no_address_costs_nobody_the_stop(tmp_path: Path) -> None:
         await it.robot.called("ALMotion.killAll")
 
 
+async def test_a_robot_that_is_let_go_begins_nothing_more(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=2.0) as it:
+        (it.folder / "long.txt").write_text("\n\n".join(["word " * 40] * 9))
+        it.begin("read", file="long.txt")
+        await it.robot.called("ALAnimatedSpeech.say")
+        leaving = it.begin("disconnect")
+        driving = it.begin("drive", x=3.0)
+        with pytest.raises(Lost):
+            await driving
+        await leaving
+        assert len(await it.calls("ALAnimatedSpeech.say")) == 1
+        assert not await it.calls("ALMotion.moveTo")
+        assert not await it.robot.get("going")
+
+
+async def test_a_robot_that_is_let_go_without_confirming_is_told_of(tmp_path: Path) -> None:
+    async with played(tmp_path) as it:
+        it.robot.freeze()
+        await it.do("disconnect")
+        assert [text for text in it.notices if "did not confirm its stop: driving" in text]
+
+
+async def test_a_change_that_a_stop_ends_at_once_leaves_the_robot_playable(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=2.0) as it:
+        it.begin("naoqi", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
+        await it.robot.called("ALMotion.moveTo")
+        leaving = it.begin("disconnect")
+        await asyncio.sleep(0)
+        await it.cancel(leaving)
+        await it.do("say", text="Still here")
+
+
 async def test_a_colour_that_failed_is_not_shown_at_the_next_connection(tmp_path: Path) -> None:
     async with played(tmp_path) as it:
         await it.do("eyes", color="#008000")

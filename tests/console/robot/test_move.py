@@ -6,6 +6,7 @@ from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 
 import msgspec
+import pytest
 from textual.widgets import Input
 
 from tests.console.driving import Sitting, sitting
@@ -45,6 +46,23 @@ async def test_a_part_of_the_name_and_tab() -> None:
         await seat.press("tab", "enter")
         assert played(seat) == [(HEY, "pepper", "%")]
         assert seat.console.dialog is None
+
+
+async def test_enter_plays_what_is_marked() -> None:
+    async with typing() as seat:
+        await type_in(seat, "happy")
+        assert "▸ animations/Stand/Emotions/Positive/Happy_1" in seat.drawn()
+        await seat.press("enter")
+        assert played(seat) == [("animations/Stand/Emotions/Positive/Happy_1", "pepper", "%")]
+
+
+@pytest.mark.parametrize("typed", ["Hey_1", "Stand/Gestures/Hey", HEY, "Dance_9"])
+async def test_whole_names_and_paths_are_sent_as_they_are(typed: str) -> None:
+    async with typing() as seat:
+        await type_in(seat, typed)
+        assert "▸ animations" not in seat.drawn()
+        await seat.press("enter")
+        assert played(seat) == [(typed, "pepper", "%")]
 
 
 async def test_what_is_not_in_the_list_is_sent_as_it_is_typed() -> None:

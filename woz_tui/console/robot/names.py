@@ -19,6 +19,16 @@ def holding(typed: str, names: Iterable[str]) -> list[str]:
     return sorted(found, key=lambda name: _rank(name.casefold(), folded))
 
 
+def meant(typed: str, names: Iterable[str]) -> str:
+    """What is played for `typed`: a path and a name's whole last part as they are, which the robot
+    completes; of anything else the first name that holds it, or itself.
+    """
+    names = list(names)
+    if "/" in typed or any(name.rpartition("/")[2] == typed for name in names):
+        return typed
+    return next(iter(holding(typed, names)), typed)
+
+
 def _rank(name: str, typed: str) -> int:
     if name.startswith(typed) or name.rpartition("/")[2] == typed:
         return 0

@@ -11,9 +11,9 @@ from textual.suggester import Suggester
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import clean
+from woz_tui.console.cells import Row, clean
 from woz_tui.console.picture import Picture
-from woz_tui.console.robot.names import begin_with, holding
+from woz_tui.console.robot.names import begin_with, holding, meant
 from woz_tui.console.screens.dialog import Entry, content
 
 #: Lines of matching names under the field.
@@ -41,8 +41,8 @@ class _Completer(Suggester):
 
 
 class MoveDialog(Entry):
-    """Type and play: tab takes the first name that holds what was typed, arrows walk through what
-    was played, ctrl+o takes another robot.
+    """Type and play: enter plays the first name that holds what was typed, unless that is a path or
+    a whole name; tab puts it in, arrows walk through what was played, ctrl+o takes another robot.
     """
 
     heading = "Play"
@@ -84,7 +84,13 @@ class MoveDialog(Entry):
 
     def _show_matches(self, typed: str) -> None:
         found = [name for name in holding(typed, self._names) if name != typed]
-        rows = [((f"  {clean(name)}", "muted"),) for name in found[:MATCHES]]
+        taken = meant(typed, self._names) if typed else ""
+        rows: list[Row] = [
+            ((f"{self.glyphs.here} {clean(name)}", "plain"),)
+            if name == taken
+            else ((f"  {clean(name)}", "muted"),)
+            for name in found[:MATCHES]
+        ]
         if len(found) > MATCHES:
             more = f"  {self.glyphs.ellipsis} {len(found) - MATCHES} more"
             rows.append(((more, "muted"),))
@@ -103,7 +109,7 @@ class MoveDialog(Entry):
         event.stop()
         name = event.value.strip()
         if name:
-            self.desk.move(name, self._driver)
+            self.desk.move(meant(name, self._names), self._driver)
         self.sent()
 
     def action_complete(self) -> None:

@@ -117,16 +117,21 @@ class StandIn(Robot):
 
     def kill(self) -> None:
         """End it at once, without a goodbye."""
-        with suppress(ProcessLookupError):
-            self._process.kill()
+        self._signal(signal.SIGKILL)
 
     def freeze(self) -> None:
         """It goes on existing and does nothing."""
-        os.kill(self.pid, signal.SIGSTOP)
+        self._signal(signal.SIGSTOP)
 
     def thaw(self) -> None:
         """It goes on."""
-        os.kill(self.pid, signal.SIGCONT)
+        self._signal(signal.SIGCONT)
+
+    def _signal(self, number: int) -> None:
+        # Not by `Process.kill`: that may take the exit status away from asyncio, which complains.
+        if self._process.returncode is None:
+            with suppress(ProcessLookupError):
+                os.kill(self.pid, number)
 
     async def order(self, **order: Any) -> Any:
         """By its standard input. Raises AssertionError if it says no, or is gone."""
@@ -145,9 +150,8 @@ class StandIn(Robot):
 
     async def close(self) -> None:
         """End it, frozen or not."""
-        with suppress(ProcessLookupError):
-            self.thaw()
-            self._process.terminate()
+        self.thaw()
+        self._signal(signal.SIGTERM)
         try:
             async with asyncio.timeout(3):
                 await self._process.wait()

@@ -186,6 +186,19 @@ async def test_services_that_come_one_by_one_are_waited_for(client: str, tmp_pat
     await server.close()
 
 
+async def test_a_robot_that_goes_while_it_starts_was_never_there(
+    client: str, tmp_path: Path
+) -> None:
+    server = Server()
+    endpoint = await server.listen("127.0.0.1")
+    server.add("ALMemory")
+    async with stand(tmp_path, str(endpoint), client=client) as it:
+        await it.is_so(Health.CONNECTING, "is starting")
+        await server.close()
+        await it.is_so(Health.LOST)
+        assert (it.came, it.went) == (0, 0)
+
+
 async def test_a_robot_without_some_services_is_played_even_so(
     client: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

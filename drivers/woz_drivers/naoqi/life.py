@@ -9,16 +9,17 @@ from woz_drivers.naoqi.table import Refused, Service, offers
 from woz_drivers.naoqi.world import World
 
 STATES = ("solitary", "interactive", "safeguard", "disabled")
-#: What each state switches on; everything else it switches off.
+#: What each state switches on; everything else it switches off (ref/life/
+#: autonomous_abilities_management of NAOqi 2.8; in 2.4 a solitary robot did not blink).
+_ALL = ("ALBasicAwareness", "ALAutonomousBlinking", "ALSpeakingMovement", "ALListeningMovement")
 _ABILITIES = {
-    "solitary": ("ALBasicAwareness", "ALAutonomousBlinking", "ALSpeakingMovement"),
-    "interactive": (
-        *("ALBasicAwareness", "ALAutonomousBlinking"),
-        *("ALSpeakingMovement", "ALListeningMovement"),
-    ),
+    "solitary": _ALL,
+    "interactive": _ALL,
     "safeguard": (),
-    "disabled": (),
+    "disabled": ("ALSpeakingMovement",),
 }
+#: How it engages from then on, by the same page.
+_MODES = {"solitary": "Unengaged", "interactive": "FullyEngaged"}
 
 
 class Ability(Service):
@@ -86,6 +87,9 @@ class Life(Service):
         """Solitary or interactive: it wakes up and does things by itself; disabled: it rests."""
         if state not in STATES:
             raise Refused(f"ALAutonomousLife::setState\n\t{state} is not a valid state")
+        if (self.state, state) == ("interactive", "solitary"):
+            # naoqi/interaction/autonomouslife-api of NAOqi 2.5: "manual change ... will fail".
+            raise Refused("ALAutonomousLife::setState\n\tinteractive to solitary is not allowed")
         self.become(state)
         if state == "disabled":
             await self._motion.rest()
@@ -103,6 +107,8 @@ class Life(Service):
         self.state = state
         for name, ability in self._abilities.items():
             ability.on = name in abilities
+            if isinstance(ability, Awareness):
+                ability.mode = _MODES.get(state, ability.mode)
         breathes = state in ("solitary", "interactive")
         self._world.body.breathing = dict.fromkeys(self._world.body.breathing, breathes)
         self._world.store.raise_event("AutonomousLife/State", state)

@@ -23,6 +23,8 @@ LANE = "settings"
 #: A change of state may wake the robot up, or put it to rest, before it returns.
 STATE_S = 20.0
 _METRES = Range(0.0, 5.0, "m")
+#: NAOqi refuses one change alone (naoqi/interaction/autonomouslife-api of 2.5).
+_BACK = "from interactive it gets to solitary by disabled alone, in which it rests"
 
 
 class Autonomy:
@@ -83,8 +85,10 @@ class Autonomy:
             which = "; ".join(f"{name}: {error.what}" for name, error in refused.items())
             kept = [name for name in wanted if name not in refused]
             also = f"; {', '.join(kept)} did change" if kept else ""
+            remedies = dict.fromkeys(filter(None, (error.remedy for error in refused.values())))
             raise DriverError(
-                f"the robot did not change {which}{also}", "look at the robot's settings"
+                f"the robot did not change {which}{also}",
+                "; ".join(remedies) or "look at the robot's settings",
             )
         return dict(wanted)
 
@@ -138,7 +142,8 @@ class Autonomy:
             except Lost:
                 raise
             except DriverError as error:
-                refused[name] = error
+                way = _BACK if (name, wanted[name]) == ("state", "solitary") else ""
+                refused[name] = DriverError(error.what, error.remedy or way)
         return refused
 
     def _one(self, name: str, value: Json) -> Call:

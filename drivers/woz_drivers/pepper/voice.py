@@ -111,7 +111,7 @@ class Voice:
 
     async def read(self) -> Mapping[str, Json]:
         """Volume (0 to 1), speed (per cent) and pitch as the robot has them."""
-        call = self._robot.call
+        call, before = self._robot.call, self._speed
         values = await answers(
             {
                 "volume": call(TTS, "getVolume", within=LOOK_S),
@@ -120,7 +120,8 @@ class Voice:
             }
         )
         read = {name: round(float(value), 3) for name, value in values.items()}
-        self._speed = read.get("speech_speed", self._speed)
+        if self._speed == before:  # else it was set while the robot was asked
+            self._speed = read.get("speech_speed", before)
         return dict(read)
 
     async def close(self) -> None:

@@ -23,12 +23,27 @@ async def enabled(wired: Wired) -> list[bool]:
 
 
 async def test_each_state_switches_what_it_does_by_itself(wired: Wired) -> None:
-    assert await enabled(wired) == [True, True, False, True]
-    await wired.call("ALAutonomousLife.setState", "interactive")
     assert await enabled(wired) == [True, True, True, True]
     await wired.call("ALAutonomousLife.setState", "safeguard")
     assert await enabled(wired) == [False, False, False, False]
     assert await wired.call("ALAutonomousLife.getState") == "safeguard"
+    task = await wired.begin("ALAutonomousLife.setState", "disabled", kind="posture")
+    await wired.time.advance(3)
+    await wired.done(task)
+    assert await enabled(wired) == [False, False, False, True]
+
+
+async def test_each_state_changes_how_it_engages(wired: Wired) -> None:
+    await wired.call("ALBasicAwareness.setEngagementMode", "SemiEngaged")
+    await wired.call("ALAutonomousLife.setState", "interactive")
+    assert await wired.call("ALBasicAwareness.getEngagementMode") == "FullyEngaged"
+
+
+async def test_the_way_back_from_interactive_to_solitary_is_refused(wired: Wired) -> None:
+    await wired.call("ALAutonomousLife.setState", "interactive")
+    with pytest.raises(Said, match="interactive to solitary"):
+        await wired.call("ALAutonomousLife.setState", "solitary")
+    assert await wired.call("ALAutonomousLife.getState") == "interactive"
 
 
 async def test_what_a_client_switched_off_comes_back_with_the_state(wired: Wired) -> None:

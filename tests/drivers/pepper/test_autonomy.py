@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import AsyncIterator
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
 import pytest
-import pytest_asyncio
 from woz_drivers.pepper.settings import Autonomy
 
 from tests.drivers.pepper.played import Played, played
@@ -25,18 +23,6 @@ CHAINS = {"head_breathing": "Head", "arms_breathing": "Arms", "legs_breathing": 
 
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
-    async with played(tmp_path_factory.mktemp("experiment")) as made:
-        yield made
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
-    await shared.afresh()
-    return shared
 
 
 @pytest.mark.naoqi("ALBasicAwareness.setEnabled", "ALBasicAwareness.isEnabled")
@@ -106,6 +92,16 @@ async def test_what_the_robot_refuses_is_named_and_the_rest_is_set(it: Played) -
     assert shown.values["blinking"] is True
     await it.tells(lambda shown: "awareness" not in shown.wanted)
     assert it.shown.values["awareness"] is False
+
+
+async def test_the_way_from_interactive_to_solitary_is_told(it: Played) -> None:
+    await it.do("autonomy", state="interactive")
+    with pytest.raises(DriverError, match=r"did not change state: .*; awareness did") as told:
+        await it.do("autonomy", state="solitary", awareness=True)
+    assert "by disabled" in told.value.remedy
+    await it.do("autonomy", state="disabled")
+    await it.do("autonomy", state="solitary")
+    await it.shows(state="solitary", engagement="Unengaged")
 
 
 @pytest.mark.woz4u("autonomous_life_config")

@@ -3,29 +3,15 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-import pytest_asyncio
 from woz_drivers.pepper.settings import Voice
 
 from tests.drivers.pepper.played import Played, played
 from woz_tui.core.driver import Lost, Rejected
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
-
-
-@pytest_asyncio.fixture(scope="module", loop_scope="module")
-async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
-    async with played(tmp_path_factory.mktemp("experiment")) as made:
-        yield made
-
-
-@pytest_asyncio.fixture(loop_scope="module")
-async def it(shared: Played) -> Played:
-    await shared.afresh()
-    return shared
 
 
 #: What a web form or a template may lose or change.
@@ -57,9 +43,10 @@ async def test_say_ends_when_the_robot_has_finished_speaking(it: Played) -> None
     assert not job.done()
     await job
     assert not await _speaking(it)
-    assert await it.robot.get("memory:ALTextToSpeech/TextDone") == 1
     (expected,) = it.jobs[-1].announced
     assert expected == pytest.approx(len(text.strip()) / 14)
+    done = await it.do("naoqi", call="ALMemory.getData", args='["ALTextToSpeech/TextDone"]')
+    assert done["result"] == 1
 
 
 async def test_the_expected_time_follows_the_speed(it: Played) -> None:

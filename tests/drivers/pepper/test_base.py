@@ -6,6 +6,7 @@ import math
 from pathlib import Path
 
 import pytest
+from woz_drivers.pepper import base as base_module
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
@@ -65,6 +66,17 @@ async def test_a_cancelled_drive_ends_on_the_robot(it: Played) -> None:
     await it.robot.called("ALMotion.stopMove")
     assert not await _drives(it)
     await it.do("drive", turn=5)  # waits until the end of the last one has arrived
+
+
+async def test_a_drive_that_takes_too_long_is_ended_on_the_robot(
+    it: Played, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(base_module, "SLACK_FACTOR", 0.0)
+    monkeypatch.setattr(base_module, "SLACK_S", 0.05)
+    with pytest.raises(Lost, match="did not answer"):
+        await it.do("drive", x=5.0)
+    await it.robot.called("ALMotion.stopMove")
+    assert not await _drives(it)
 
 
 @pytest.mark.naoqi("ALMotion.stopMove", "ALMotion.getRobotVelocity")

@@ -145,7 +145,9 @@ async def test_the_head_arms_and_hands_are_stiffened_and_nothing_else(name: str)
     assert (limb(name) is None) is (name in {"HipPitch", "HipRoll", "KneePitch"})
 
 
-async def test_a_cancelled_pose_holds_its_joints(it: Played) -> None:
+@pytest.mark.parametrize("fault", ["none", "refuse:ALMotion.killTasksUsingResources"])
+async def test_a_cancelled_pose_holds_its_joints(it: Played, fault: str) -> None:
+    await it.robot.fault(fault)
     job = it.begin("pose", joints={"HeadYaw": 100}, seconds=60)
     await it.robot.called("ALMotion.angleInterpolation")
     await it.cancel(job)

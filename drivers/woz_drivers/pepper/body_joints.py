@@ -1,7 +1,9 @@
 """Pepper's joints: their ranges, and how far the head bends at which turn.
 
 Ranges and the table of the head are those of the manufacturer's page "Joints" of Pepper for NAOqi
-2.5 (family/pepper_technical/joints_pep). Directions: left, forward and down are positive.
+2.5 (family/pepper_technical/joints_pep). Directions: left and down are positive. HipPitch and
+KneePitch count from the torso downwards (links torso, Hip, Pelvis, Tibia of pepper_description's
+URDF), so a Pepper that bends forward has a negative HipPitch, as in its posture at rest.
 """
 
 from __future__ import annotations

@@ -131,8 +131,9 @@ class Head:
                 goal = await self._head.by(first, second)
                 asked = goal
             case "hip":
-                goal = await self._hip.by(first, second)
-                asked = goal
+                # Its pitch is that of the legs against the torso: bent forward it is negative.
+                pitch, roll = await self._hip.by(-first, second)
+                goal = asked = (0.0 - pitch, roll)
             case _:
                 raise Rejected(f"the head cannot {job.verb!r}")
         sent: dict[str, Json] = dict(zip(names, (round(angle, 3) for angle in goal), strict=True))

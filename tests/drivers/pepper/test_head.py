@@ -11,6 +11,7 @@ import pytest_asyncio
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
+from woz_tui.core.messages import Json
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -99,6 +100,27 @@ async def test_the_hip_bends_in_steps_within_its_range(it: Played) -> None:
     assert (await it.do("hip", pitch=5, roll=-3))["pitch"] == pytest.approx(5, abs=0.1)
     assert (await it.do("hip", roll=-40))["roll"] == -29.5
     await reaches(it, "HipRoll", -29.5)
+
+
+@pytest.mark.parametrize(
+    ("step", "joint", "radians"),
+    [
+        # What WoZ4U's keys send: shift with up, down, left, right.
+        ({"pitch": 11.46}, "HipPitch", -0.2),
+        ({"pitch": -11.46}, "HipPitch", 0.2),
+        ({"roll": 11.46}, "HipRoll", 0.2),
+        ({"roll": -11.46}, "HipRoll", -0.2),
+    ],
+)
+async def test_the_hip_bends_to_the_side_that_is_asked_for(
+    it: Played, step: dict[str, Json], joint: str, radians: float
+) -> None:
+    await it.stop()
+    await it.do("pose", joints={"HipPitch": 0, "HipRoll": 0}, seconds=0.5)
+    sent = await it.do("hip", **step)
+    assert {name: sent[name] for name in step} == pytest.approx(step, abs=0.01)
+    joints, angles, _ = (await it.last("ALMotion.setAngles")).args
+    assert dict(zip(joints, angles, strict=True))[joint] == pytest.approx(radians, abs=1e-3)
 
 
 async def test_a_burst_of_steps_is_quick_and_leaves_nothing_out(it: Played) -> None:

@@ -134,4 +134,4 @@ async def test_locked_sections_ask_the_robot_for_nothing(tmp_path: Path) -> None
                 session.send(verb, args, "", KEY)
         await it.play("Green")  # so whatever was sent before has arrived
         assert await it.asked("ALAnimationPlayer.run", "ALMotion.moveTo") == []
-        assert await it.asked("ALMotion.angleInterpolation", "ALMotion.changeAngles") == []
+        assert await it.asked("ALMotion.setAngles", "ALMotion.angleInterpolation") == []

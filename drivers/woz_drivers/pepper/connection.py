@@ -33,7 +33,7 @@ from woz_drivers.pepper.connection_line import HALTS, Line, silence, until_servi
 from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Unsubscribe
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.links_trouble import Refused
-from woz_drivers.pepper.parts import WITHIN_S
+from woz_drivers.pepper.parts import WITHIN_S, Absent
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
 from woz_tui.core.driver import DriverError, Health, Lost, Outlet, Rejected
@@ -187,7 +187,7 @@ class Connection:
         try:
             yield
         except Missing as missing:
-            raise DriverError(
+            raise Absent(
                 str(missing), "after its start they come one by one; else see `woz doctor`"
             ) from None
         except Said as said:

@@ -12,18 +12,23 @@ from typing import Any, ClassVar, Protocol
 
 from woz_drivers.pepper.link import Methods, Unsubscribe
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import Job, Outlet, Scope, Verb
+from woz_tui.core.driver import DriverError, Job, Outlet, Scope, Verb
 from woz_tui.core.messages import Json
 
 #: Seconds that an ordinary call may take; what takes its time (speech, a move) says so itself.
 WITHIN_S = 2.0
 
 
+class Absent(DriverError):  # noqa: N818 - read as `except Absent`
+    """The robot has no such service now."""
+
+
 class Robot(Protocol):
     """The robot as its parts see it: `connection.Connection` implements it.
 
     All raise `core.driver` errors: `Lost` when the robot is not there or does not answer (nothing
-    is sent while it is silent), `DriverError` with the robot's own words when it says no.
+    is sent while it is silent), `DriverError` with the robot's own words when it says no, `Absent`
+    where it has no such service.
     """
 
     async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:

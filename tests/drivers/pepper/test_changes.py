@@ -8,14 +8,21 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from woz_drivers.naoqi.passing import PacedTime
+from woz_drivers.naoqi.pepper import Pepper as Standing
+from woz_drivers.naoqi.process import start
+from woz_drivers.naoqi.world import Options, World
 from woz_drivers.pepper.address import parse
+from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.settings import PepperSettings
 
+from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import stand
 from tests.drivers.pepper.played import played
 from tests.fakes.naoqi import stand_in, stand_in_here
-from woz_tui.core.driver import DriverError, Health, Lost, Rejected
+from woz_tui.core.driver import DriverError, Health, Lost, Rejected, Scope
+from woz_tui.core.messages import DriverConnected
 
 
 @pytest.mark.parametrize("turns", range(8))
@@ -119,6 +126,26 @@ async def test_a_robot_that_wakes_takes_connections_again(client: str) -> None:
         link = await open_link(parse(robot.address), settings, within=20.0)
         assert "ALMotion" in await link.services(20.0)
         await link.close()
+
+
+async def test_a_robot_without_a_player_confirms_its_stop(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.connection_line._COMES_WITHIN_S", 0.1)
+    pepper = Standing(World(PacedTime(20.0), Options(visitors=False)))
+    pepper.services = {
+        name: one for name, one in pepper.services.items() if name != "ALAudioPlayer"
+    }
+    host, address = await start(pepper, "own", "127.0.0.1", 0)
+    heard = Heard(tmp_path)
+    driver = Pepper("it", PepperSettings(robots=(address,), client="own"), heard.outlet)
+    await driver.open()
+    assert "without ALAudioPlayer" in (await heard.first(DriverConnected)).detail
+    report = await driver.stop(Scope.ALL)
+    assert report is not None
+    assert "sounds" not in (*report.confirmed, *report.missing)
+    await driver.close()
+    await host.close()
 
 
 async def test_a_stop_that_is_answered_too_late_leaves_nothing_unread(tmp_path: Path) -> None:

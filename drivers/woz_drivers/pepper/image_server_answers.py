@@ -32,6 +32,8 @@ TYPES: Mapping[str, str] = {
     ".ogv": "video/ogg",
     ".mpg": "video/mpeg",
     ".mpeg": "video/mpeg",
+    ".wmv": "video/x-ms-wmv",
+    ".flv": "video/x-flv",
     ".html": "text/html; charset=utf-8",
     ".htm": "text/html; charset=utf-8",
 }

@@ -9,9 +9,13 @@ from urllib.parse import urlsplit
 
 from woz_tui.core.driver import Rejected
 
-PICTURES = frozenset({".png", ".jpg", ".jpeg", ".gif", ".svg", ".webp", ".bmp"})
+#: Also what WoZ4U takes for pictures and videos; whether the tablet can show it, it says itself.
+PICTURES = frozenset({".png", ".jpg", ".jpeg", ".gif", ".svg", ".webp", ".bmp", ".ppm", ".pgm"})
 VIDEOS = frozenset(
-    {".mp4", ".m4v", ".webm", ".mkv", ".mov", ".avi", ".3gp", ".ogv", ".mpg", ".mpeg"}
+    {
+        *(".mp4", ".m4v", ".webm", ".mkv", ".mov", ".avi"),
+        *(".3gp", ".ogv", ".mpg", ".mpeg", ".wmv", ".flv"),
+    }
 )
 PAGES = frozenset({".html", ".htm"})
 

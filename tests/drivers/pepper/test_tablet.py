@@ -12,6 +12,7 @@ from typing import Any
 import pytest
 from woz_drivers.pepper.settings import Tablet
 from woz_drivers.pepper.tablet import Screen
+from woz_drivers.pepper.tablet_page import Kind, kind
 
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
@@ -314,3 +315,19 @@ async def test_a_video_ends_with_the_session(folder: Path, robot: StandIn) -> No
         await _shows(robot, "video")
     assert len(await robot.trace("ALTabletService.stopVideo")) == 1
     assert [one for one in asyncio.all_tasks() if "pepper" in one.get_name()] == []
+
+
+@pytest.mark.woz4u("tablet_items")
+@pytest.mark.parametrize("place", ["", "http://a.example/films/", "https://a.example/"])
+@pytest.mark.parametrize(
+    ("what", "suffixes"),
+    [
+        # By which WoZ4U's program tells them apart (its utils.py).
+        (Kind.VIDEO, "mp4 m4v mkv webm mov avi wmv mpg flv"),
+        (Kind.PICTURE, "jpeg jpg gif bmp png ppm pgm webp svg"),
+    ],
+)
+async def test_what_woz4u_takes_for_a_picture_or_a_video_is_one(
+    what: Kind, suffixes: str, place: str
+) -> None:
+    assert {kind(f"{place}item.{suffix}") for suffix in suffixes.split()} == {what}

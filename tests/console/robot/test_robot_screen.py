@@ -54,13 +54,13 @@ async def test_a_difference_and_a_conflict_are_words(size: tuple[int, int], glyp
     ("conflicts", "told"),
     [
         (("One.",), "One."),
-        (("One.", "Two.", "Three."), "and 2 more"),
+        (("One.", "Two.", "Three.", "Four."), "and 2 more"),
         (("This one is told at length. " * 20,), "at length"),
     ],
 )
 async def test_nothing_jumps_when_values_change(conflicts: tuple[str, ...], told: str) -> None:
     async with opened() as seat:
-        labels = ("Autonomous life", "Volume", "Battery")
+        labels = ("Autonomous life", "Engagement", "Battery")
         before = [at(seat, label) for label in labels]
         await seat.tell(pepper.shown({"volume": 0.2, "state": "disabled"}, conflicts))
         assert told in seat.drawn()
@@ -204,7 +204,7 @@ async def test_a_painting_may_come_at_any_moment_of_its_opening() -> None:
         assert "Motors on" in seat.drawn() or "Another address" in seat.drawn()
 
 
-@pytest.mark.parametrize(("size", "rows"), [((80, 24), 2), ((100, 36), 4)])
+@pytest.mark.parametrize(("size", "rows"), [((80, 24), 3), ((100, 36), 4)])
 async def test_there_is_room_for_conflicts(size: tuple[int, int], rows: int) -> None:
     told = ("One.", "Two.", "Three.", "Four.", "Five.")
     async with opened(pepper.shown(None, told[:rows]), size=size) as seat:

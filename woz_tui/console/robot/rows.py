@@ -20,7 +20,7 @@ TALL = 26
 #: From this width on the columns are wider.
 WIDE = 90
 #: Rows for the conflicts and for what is known of the chosen line, in a low and in a tall frame.
-_LOW, _HIGH = (2, 2), (4, 3)
+_LOW, _HIGH = (3, 2), (4, 3)
 #: Look of a swatch: this, and the colour behind it.
 SWATCH = "swatch "
 

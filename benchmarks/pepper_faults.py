@@ -21,7 +21,6 @@ import argparse
 import asyncio
 import importlib.util
 import random
-import sys
 import tempfile
 import time
 from collections.abc import AsyncIterator
@@ -35,6 +34,7 @@ from benchmarks.figures import Spread, machine, table, verdict
 from tests.drivers.pepper.connected import Outcome, Stand, stand
 from tests.fakes.dropping_proxy import DroppingProxy, dropping_proxy
 from tests.fakes.naoqi import StandIn, stand_in
+from woz_tui.core.leaving import leave
 
 FAULTS = ("killed", "frozen", "cut")
 GOAL_S = 2.0
@@ -183,4 +183,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    leave(main())

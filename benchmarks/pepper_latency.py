@@ -41,6 +41,7 @@ os.environ["QI_LOG_LEVEL"] = "0"
 
 from benchmarks.figures import Spread, machine, table, verdict
 from woz_tui.cli.launch import Launch
+from woz_tui.core.leaving import leave, leave_at_once
 
 PROGRAMS = Path(__file__).parent / "programs"
 #: Seconds between two calls.
@@ -113,6 +114,7 @@ def session(address: str) -> Any:
     """A bare session of the package `qi`."""
     import qi  # noqa: PLC0415 - after the variable that keeps it silent
 
+    leave_at_once("libqi")
     made = qi.Session()
     made.connect(address)
     return made
@@ -289,3 +291,4 @@ def main() -> None:
 
 if __name__ == "__main__":
     main()
+    leave(0)

@@ -110,7 +110,7 @@ def test_the_wheel_registers_command_and_drivers(packages: tuple[list[str], Path
         [name] = [name for name in wheel.namelist() if name.endswith("/entry_points.txt")]
         points = configparser.ConfigParser()
         points.read_string(wheel.read(name).decode())
-    assert dict(points["console_scripts"]) == {"woz": "woz_tui.cli:main"}
+    assert dict(points["console_scripts"]) == {"woz": "woz_tui.cli:program"}
     assert dict(points["woz_tui.drivers"]) == PROJECT["project"]["entry-points"]["woz_tui.drivers"]
 
 

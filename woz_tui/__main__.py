@@ -1,7 +1,5 @@
 """`python -m woz_tui` is `woz`."""
 
-import sys
+from woz_tui.cli import program
 
-from woz_tui.cli import main
-
-sys.exit(main())
+program()

@@ -6,8 +6,10 @@ import argparse
 import importlib
 import sys
 from collections.abc import Sequence
+from typing import NoReturn
 
 from woz_tui import __version__
+from woz_tui.core.leaving import leave
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its options
 #: and sets `run`, a function from the parsed arguments to the exit code.
@@ -59,3 +61,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stderr.close()
         return 141
     return code
+
+
+def program() -> NoReturn:
+    """The command `woz`: `main`, and the end of the process."""
+    leave(main())

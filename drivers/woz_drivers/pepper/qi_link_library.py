@@ -8,6 +8,8 @@ from importlib.util import find_spec
 from types import ModuleType
 from typing import Any
 
+from woz_tui.core.leaving import leave_at_once
+
 
 def installed() -> bool:
     """Whether the package is there."""
@@ -34,6 +36,8 @@ def library() -> ModuleType:
     import qi.logging  # noqa: PLC0415
 
     qi.logging.setLevel(qi.logging.SILENT)
+    # Its threads end in an abort now and then, when the process does.
+    leave_at_once("libqi")
     loaded: ModuleType = qi
     return loaded
 

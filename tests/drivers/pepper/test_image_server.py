@@ -7,10 +7,12 @@ import http.client
 import os
 import socket
 import threading
+import time
 import urllib.request
 from collections.abc import Callable, Iterator
 from http import HTTPStatus
 from pathlib import Path
+from types import SimpleNamespace
 from urllib.parse import urlsplit
 
 import pytest
@@ -334,6 +336,23 @@ def test_a_client_that_says_a_letter_now_and_then_is_shown_out_too() -> None:
         server.close()
 
 
+def test_a_long_film_is_sent_to_its_end(
+    server: ImageServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    path = tmp_path / "long.mp4"
+    path.write_bytes(bytes(32 << 20))  # more than lies between two sockets
+    split = urlsplit(server.list_file(path))
+    line = http.client.HTTPConnection(HOST, server.port, timeout=PATIENCE_S)
+    line.request("GET", split.path)
+    answer = line.getresponse()
+    later = SimpleNamespace(monotonic=lambda: time.monotonic() + 3600)
+    monkeypatch.setattr("woz_drivers.pepper.image_server.time", later)
+    assert ask(server.list_page("page"))[2] == b"page"  # then it looks for those that are too slow
+    assert ask(server.list_page("page"))[2] == b"page"
+    assert len(answer.read()) == 32 << 20
+    line.close()
+
+
 def test_more_clients_than_places_are_sent_away_and_places_come_back(
     server: ImageServer, film: Path
 ) -> None:
@@ -357,7 +376,7 @@ def test_more_clients_than_places_are_sent_away_and_places_come_back(
 def test_closing_hangs_up_and_leaves_no_thread(
     film: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    server = ImageServer(HOST, 0, pytest.fail)
+    server = ImageServer(HOST, 0, pytest.fail, patience=3600.0)
     ask(server.list_file(film))
     with socket.create_connection((HOST, server.port), timeout=PATIENCE_S) as idle:
         until(lambda: "pepper tablet client" in threads())

@@ -12,7 +12,7 @@ _PROGRAM = """
 import atexit, ctypes, sys
 from woz_tui.core.leaving import leave, leave_at_once
 libc = ctypes.CDLL(None)
-libc.atexit(ctypes.cast(libc.abort, ctypes.c_void_p))
+libc["__cxa_atexit"](ctypes.cast(libc.abort, ctypes.c_void_p), None, None)
 atexit.register(print, "tidied up")
 print("said")
 {named}

@@ -205,6 +205,16 @@ async def test_the_robot_is_chosen() -> None:
         ]
 
 
+async def test_a_password_in_an_address_is_sent_nowhere() -> None:
+    async with opened(size=(160, 50)) as seat:
+        await choose(seat, "Another address")
+        await seat.press("enter")
+        await type_in(seat, "tcps://nao:secret@10.0.0.9")
+        await seat.press("enter")
+        assert "No password here" in seat.drawn()
+        assert verbs(seat) == []
+
+
 async def test_a_connection_that_failed_is_forgotten_with_the_next_try() -> None:
     async with opened(size=(160, 50)) as seat:
         seat.feed.answers[r.AskVerb] = lambda request, ref: r.Reply(

@@ -10,6 +10,7 @@ from woz_tui.console.glyphs import Glyphs
 from woz_tui.core.messages import Json
 from woz_tui.core.robots import Setting
 
+_PASSWORD = re.compile(r"//[^/@]*:[^/]*@")
 _COLOR = re.compile("#[0-9a-fA-F]{6}")
 #: Units that stand right behind their figure.
 _CLOSE = frozenset("%°")
@@ -63,8 +64,11 @@ def typed_value(setting: Setting, typed: str) -> Json:
     """What was typed as a value of this setting.
 
     Raises:
-        WrongValue: A number was expected, or another one.
+        WrongValue: A number was expected, or another one; or there is a password in an address,
+            which would stand in the log.
     """
+    if setting.verb == "connect" and _PASSWORD.search(typed):
+        raise WrongValue("No password here: it would be in the log. See docs/pepper.md.")
     if setting.kind != "number":
         return typed
     bare = typed.removesuffix(setting.unit).strip().replace(",", ".")

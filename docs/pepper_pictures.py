@@ -27,9 +27,9 @@ from woz_tui.core.requests import Welcome
 EXPERIMENT = Path(__file__).parents[1] / "experiments" / "pepper.yaml"
 #: Seconds from the beginning, and what the wizard asks for then.
 COURSE: tuple[tuple[float, dict[str, Any]], ...] = (
-    (3.0, {"kind": "script", "play": True}),  # wake up
-    (7.5, {"kind": "script", "play": True}),
-    (9.5, {"kind": "action", "action": "Green"}),
+    (5.0, {"kind": "script", "play": True}),  # wake up, once it is connected
+    (8.0, {"kind": "script", "play": True}),
+    (9.8, {"kind": "action", "action": "Green"}),
     (10.0, {"kind": "script", "play": True}),
     (15.0, {"kind": "script", "play": True}),
     (15.2, {"kind": "verb", "verb": "naoqi",

@@ -11,6 +11,7 @@ import pytest
 from woz_drivers.wav import parse
 
 from tests.drivers.naoqi.hands import Said, Wired
+from tests.fakes.naoqi import PATIENCE_S
 
 BEEP = "/home/nao/sounds/beep.wav"
 FLAGS = [1, 1, 1, 1]
@@ -23,7 +24,11 @@ FILES = {
 
 
 class Pages(BaseHTTPRequestHandler):
+    #: While it is not set, everybody waits.
+    answers = threading.Event()
+
     def do_GET(self) -> None:
+        self.answers.wait(PATIENCE_S)
         kind, content = FILES.get(self.path, ("", b""))
         self.send_response(200 if kind else 404)
         self.send_header("Content-Type", kind)
@@ -38,6 +43,7 @@ class Pages(BaseHTTPRequestHandler):
 @pytest.fixture
 def site() -> Iterator[str]:
     """An address below which there are FILES."""
+    Pages.answers.set()
     server = ThreadingHTTPServer(("127.0.0.1", 0), Pages)
     thread = threading.Thread(target=server.serve_forever, args=(0.01,))
     thread.start()
@@ -117,8 +123,10 @@ async def test_a_stopped_video_does_not_finish(wired: Wired, site: str) -> None:
 async def test_a_video_that_is_hidden_while_it_loads_never_starts(wired: Wired, site: str) -> None:
     started = await wired.hear("ALTabletService", "videoStarted")
     loaded = await wired.hear("ALTabletService", "onPageFinished")
+    Pages.answers.clear()
     await wired.call("ALTabletService.playVideo", f"{site}/film.mp4")
     await wired.call("ALTabletService.hideWebview")
+    Pages.answers.set()
     await loaded(1)
     await wired.call("ALSystem.robotName")
     assert await started(0) == []

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import socket
+import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
+from woz_drivers.pepper import links_socket
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.link import Gone, Link, Missing, Said, Unanswered, binary
 from woz_drivers.pepper.links import chosen_client, open_link
@@ -232,6 +235,27 @@ async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None
     async with asyncio.timeout(WITHIN_S):
         while threads_now() > threads or len(asyncio.all_tasks()) > tasks:  # noqa: ASYNC110
             await asyncio.sleep(0.01)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such option")
+async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(
+    desk: Desk, client: str
+) -> None:
+    place = ("127.0.0.1", parse(desk.host).port)
+
+    def limits() -> dict[tuple[str, int, str, int], int]:
+        """How long each connection to the robot waits for a confirmation, in milliseconds."""
+        option = socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT
+        return {name: held.getsockopt(*option) for held, name in links_socket._connected({place})}
+
+    with socket.create_connection(place) as other:
+        foreign = {(*other.getsockname(), *place): 0}
+        async with opened(desk, client) as link:
+            await link.call("Desk", "echo", 1, within=WITHIN_S)
+            ours = limits().keys() - foreign.keys()
+            assert ours
+            assert limits() == foreign | dict.fromkeys(ours, links_socket.UNCONFIRMED_MS)
+        assert limits() == foreign
 
 
 @pytest.mark.parametrize(

@@ -16,7 +16,7 @@ from woz_drivers.pepper.audio_client import Block, SoundFile, block
 from woz_drivers.pepper.microphones import Microphones
 from woz_drivers.pepper.microphones_listening import SERVICE
 
-from tests.drivers.heard import until
+from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.core.driver import DriverError, Rejected, Scope
@@ -60,7 +60,10 @@ async def test_off_ends_what_an_earlier_program_began(tmp_path: Path, robot: Sta
         assert str((await it.do("record_sound", on=True))["file"]).endswith(".wav")
 
 
-async def test_the_end_of_the_session_ends_the_recording(tmp_path: Path, robot: StandIn) -> None:
+async def test_the_end_of_the_session_ends_the_recording(
+    tmp_path: Path, robot: StandIn, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.microphones._FAREWELL_S", PATIENCE_S)
     async with wired(Microphones, tmp_path, robot) as it:
         await it.do("record_sound", on=True)
     assert await robot.get("recording") == ""

@@ -116,14 +116,12 @@ def test_what_is_cancelled_in_the_moment_of_the_answer_is_not_sent(turns: int) -
 
 def test_who_answers_everything_but_the_question_is_alive() -> None:
     async def scene() -> None:
-        end = FarEnd(freezes=0.0)
-        beating = pulse(end)
+        beating = pulse(FarEnd(freezes=0.0), heartbeat=0.5)
         watching = asyncio.create_task(beating.until_dead())
-        for _ in range(100):
-            await asyncio.sleep(0.13)
+        for _ in range(20):
+            await asyncio.sleep(0.7)
             beating.heard()  # an answer to a call
         assert not watching.done()
-        assert len(end.asked) < 30
         watching.cancel()
 
     run_virtual(scene())

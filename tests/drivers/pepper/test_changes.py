@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import gc
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +12,14 @@ import pytest
 from woz_drivers.naoqi.passing import PacedTime
 from woz_drivers.naoqi.pepper import Pepper as Standing
 from woz_drivers.naoqi.process import start
+from woz_drivers.naoqi.table import Method, Service
 from woz_drivers.naoqi.world import Options, World
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.settings import PepperSettings
 
-from tests.drivers.heard import Heard
+from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import stand
 from tests.drivers.pepper.played import played
 from tests.fakes.naoqi import stand_in, stand_in_here
@@ -126,6 +128,36 @@ async def test_a_robot_that_wakes_takes_connections_again(client: str) -> None:
         link = await open_link(parse(robot.address), settings, within=20.0)
         assert "ALMotion" in await link.services(20.0)
         await link.close()
+
+
+async def test_what_begins_behind_the_stop_that_overtook_it_is_ended_too(tmp_path: Path) -> None:
+    pepper = Standing(World(PacedTime(1.0), Options(visitors=False)))
+    entered, asked, overtaken = pepper.world.desk.enter, asyncio.Event(), asyncio.Event()
+
+    async def enter(service: Service, method: Method, args: Sequence[Any]) -> Any:
+        if method.name == "goToPosture":
+            asked.set()
+            await overtaken.wait()
+        value = await entered(service, method, args)
+        if method.name == "killAll":
+            overtaken.set()
+        return value
+
+    pepper.world.desk.enter = enter  # type: ignore[method-assign]
+    host, address = await start(pepper, "own", "127.0.0.1", 0)
+    heard = Heard(tmp_path)
+    driver = Pepper("it", PepperSettings(robots=(address,), client="own"), heard.outlet)
+    await driver.open()
+    await heard.first(DriverConnected)
+    going = asyncio.create_task(driver.perform(Ordered("posture", {"name": "Crouch"})))
+    await asked.wait()
+    report = await driver.stop(Scope.ALL)
+    assert report is not None
+    assert "motion" in report.confirmed
+    with pytest.raises(DriverError, match="not reached"):
+        await asyncio.wait_for(going, 20.0)
+    await driver.close()
+    await host.close()
 
 
 async def test_a_robot_without_a_player_confirms_its_stop(

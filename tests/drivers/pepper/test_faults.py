@@ -23,6 +23,11 @@ MARK = ("ALMemory", "insertData", "Test/Mark")
 
 LAST = 1000
 SILENCE = {"ALTextToSpeech.stopAll", "ALMotion.stopMove", "ALMotion.killAll"}
+#: What ends something and is sent to a robot that is silent.
+ENDS = (
+    *("ALMotion.killAll", "ALMotion.killMove", "ALTextToSpeech.stopAll", "ALAudioPlayer.stopAll"),
+    *("ALBehaviorManager.stopAllBehaviors", "ALTabletService.stopVideo", "ALRobotPosture.stopMove"),
+)
 
 
 async def marks(robot: StandIn) -> dict[int, Call]:
@@ -180,9 +185,11 @@ async def test_a_silent_robot_is_asked_to_stop_even_so(client: str, tmp_path: Pa
         robot.freeze()
         await it.until(lambda: not it.connection.there)
         stopping = it.begin("ALMotion", "stopMove")
+        ending = [it.begin(*what.split(".")) for what in ENDS]
         moving = it.begin("ALMotion", "moveTo", 1.0, 0.0, 0.0)
         assert "nothing was sent" in str((await moving).error)
         assert not stopping.done()
         robot.thaw()
         assert (await stopping).error is None
+        assert [(await one).error for one in ending] == [None] * len(ENDS)
         assert not await robot.trace("ALMotion.moveTo")

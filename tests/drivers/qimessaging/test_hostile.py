@@ -52,6 +52,29 @@ async def test_a_broken_greeting_is_a_protocol_error() -> None:
             await Client.open("127.0.0.1", robot)
 
 
+async def test_an_answer_that_comes_twice_counts_once() -> None:
+    async with bench() as (_, port):
+
+        async def twice(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            answers, calls = await asyncio.open_connection("127.0.0.1", port)
+
+            async def ask() -> None:
+                async for frame in frames(reader):
+                    calls.write(frame.encoded())
+                calls.close()
+
+            asking = asyncio.create_task(ask())
+            async for frame in frames(answers):
+                writer.write(2 * frame.encoded())
+            await asking
+
+        async with script(twice) as robot:
+            client = await Client.open("127.0.0.1", robot)
+            for text in ("x", "y"):
+                assert await client.call("Thing", "say", text, within=10) == f"one {text}"
+            await client.close()
+
+
 @given(st.lists(st.binary(max_size=80), min_size=1, max_size=4), st.booleans())
 @settings(max_examples=25)
 def test_garbage_from_a_server_is_one_of_our_errors(pieces: list[bytes], framed: bool) -> None:

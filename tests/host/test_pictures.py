@@ -112,7 +112,25 @@ async def test_the_camera_hears_what_all_who_watch_want(host: Served) -> None:
     await asked(one, width=600, rate=2.0)
     await asked(other, width=100, rate=8.0)
     assert (wish(host).width, wish(host).rate) == (600, 8.0)
+    await asked(one, width=600, rate=2.0)
+    assert (wish(host).width, wish(host).rate) == (600, 8.0)
     assert before + 2_000_000 < wish(host).until_us <= host.session.clock.now_us() + 2_500_000
+
+
+async def test_who_watches_no_longer_wants_nothing(
+    host: Served, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_tui.host.pictures.WATCHED_S", 0.02)
+    give(host)
+    one, other = await host.connect(), await host.connect()
+    await one.hello("wizard")
+    await other.hello("watcher")
+    await asked(one, width=600, rate=8.0)
+    until_us = wish(host).until_us
+    while host.session.clock.now_us() <= until_us:  # noqa: ASYNC110 - nobody tells
+        await asyncio.sleep(0.005)
+    await asked(other, width=100, rate=2.0)
+    assert (wish(host).width, wish(host).rate) == (100, 2.0)
 
 
 @pytest.mark.parametrize(

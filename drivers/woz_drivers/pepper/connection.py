@@ -320,7 +320,8 @@ class Connection:
                 "compare what is shown, and set again what is missing",
             )
         except DriverError as error:
-            self._outlet.notice("warning", f"{line.shown}: {error.what}", error.remedy)
+            if not line.leaving:  # else the wizard has just said so
+                self._outlet.notice("warning", f"{line.shown}: {error.what}", error.remedy)
         detail = f"{line.shown} by {line.link.client}"
         absent = ", ".join(sorted(self._absent[address]))
         self._outlet.health(Health.CONNECTED, f"{detail}; without {absent}" if absent else detail)

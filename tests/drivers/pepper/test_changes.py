@@ -17,14 +17,14 @@ from woz_drivers.naoqi.world import Options, World
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.links import open_link
-from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.settings import Autonomy, PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import stand
 from tests.drivers.pepper.played import played
 from tests.fakes.naoqi import stand_in, stand_in_here
 from woz_tui.core.driver import DriverError, Health, Lost, Rejected, Scope
-from woz_tui.core.messages import DriverConnected
+from woz_tui.core.messages import DriverConnected, Notice
 
 
 @pytest.mark.parametrize("turns", range(8))
@@ -92,6 +92,20 @@ async def test_a_robot_that_is_let_go_without_confirming_is_told_of(tmp_path: Pa
         it.robot.freeze()
         await it.do("disconnect")
         assert [text for text in it.notices if "did not confirm its stop: driving" in text]
+
+
+async def test_letting_go_while_settings_are_applied_is_no_trouble(tmp_path: Path) -> None:
+    async with stand_in() as robot:
+        heard = Heard(tmp_path)
+        one_by_one = Autonomy(awareness=True, blinking=True, head_breathing=True)
+        settings = PepperSettings(robots=(robot.address,), autonomy=one_by_one)
+        driver = Pepper("it", settings, heard.outlet)
+        await robot.fault("slow:100")
+        await driver.open()
+        await robot.called("ALBasicAwareness.setEnabled")
+        await driver.perform(Ordered("disconnect", {}))
+        await driver.close()
+        assert not [notice for notice in heard.all(Notice) if "let go;" in notice.text]
 
 
 async def test_a_change_that_a_stop_ends_at_once_leaves_the_robot_playable(tmp_path: Path) -> None:

@@ -193,7 +193,7 @@ def main() -> None:
     arguments = parser.parse_args()
     seconds, settle = arguments.minutes * 60, SETTLE_S
     if arguments.quick:
-        seconds, settle = 4.0, 0.3
+        seconds, settle = 2.0, 0.2
     found, share = measure(seconds, settle)
     met = verdict(found[0].p99, GOAL_MS)
     table(

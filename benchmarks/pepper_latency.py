@@ -276,7 +276,7 @@ def main() -> None:
     parser.add_argument("--calls", type=int, default=400, help="on each road, in each scene")
     parser.add_argument("--quick", action="store_true", help="a few calls")
     arguments = parser.parse_args()
-    calls, settle_s = (5, 0.2) if arguments.quick else (arguments.calls, SETTLE_S)
+    calls, settle_s = (3, 0.1) if arguments.quick else (arguments.calls, SETTLE_S)
     table(
         "Action sent to method entered, ms (goal: below the Flask route, at p50 and p99)",
         ("", "calls", "p50", "p99", "worst", "p50 / Flask", "p99 / Flask", "lost"),

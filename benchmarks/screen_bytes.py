@@ -106,9 +106,9 @@ def main() -> None:
     """Measure and print."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
     parser.add_argument("--seconds", type=float, default=12.0, help="of each scene and size")
-    parser.add_argument("--quick", action="store_true", help="half a second of each, small only")
+    parser.add_argument("--quick", action="store_true", help="a moment of each, small only")
     arguments = parser.parse_args()
-    seconds, warm = (0.5, 0.2) if arguments.quick else (arguments.seconds, WARM_S)
+    seconds, warm = (0.2, 0.1) if arguments.quick else (arguments.seconds, WARM_S)
     rows = []
     for name in PRESSED:
         goal = GOAL_CALM if name in QUIET else GOAL_BUSY

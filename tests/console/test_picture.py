@@ -218,6 +218,27 @@ def test_readings_age_and_come_back() -> None:
     assert picture.is_stale(sensor, NOW)
 
 
+def test_sensors_that_go_and_come_with_their_driver_are_no_events_of_their_own() -> None:
+    picture = begun(
+        scenes.reading(NOW, "distance", 1.5, driver="range"), m.DriverConnected(driver="range", t=1)
+    )
+
+    def turns(state: str, at: int) -> list[str]:
+        was = "stale" if state == "ok" else "ok"
+        before = [*picture.events]
+        picture.take([m.SensorChanged(sensor="distance", state=state, was=was, t=at)], 0)
+        return [event.text for event in picture.events if event not in before]
+
+    assert turns("stale", NOW) == ["distance stale"], "its driver is there"
+    assert turns("ok", NOW + 1) == ["distance ok"]
+    picture.take([m.DriverLost(driver="range", t=NOW + 2)], 0)
+    assert turns("stale", NOW + 3) == []
+    picture.take([m.DriverConnected(driver="range", t=NOW + 4)], 0)
+    assert turns("ok", NOW + 5) == []
+    assert turns("stale", NOW + 6) == ["distance stale"]
+    assert turns("ok", NOW + 4_000_000) == ["distance ok"], "long after its driver"
+
+
 def test_the_last_run_and_its_mistake() -> None:
     picture = begun(*scenes.played("a1", "Hello", NOW, 1), *scenes.played("a2", "Map", NOW, 1))
     assert picture.last_run is not None

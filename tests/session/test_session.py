@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import json
 from collections.abc import Awaitable, Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
@@ -10,7 +11,9 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage
 from woz_tui.core import messages as m
+from woz_tui.core.driver import Finding
 from woz_tui.experiment import template
+from woz_tui.experiment.shape import Place, Problem
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.runner import Origin
@@ -195,6 +198,25 @@ def test_a_driver_that_cannot_open_fails_alone(tmp_path: Path) -> None:
         assert findings["robot"].level == "ok"
 
     on_stage(tmp_path, scenario, drivers=("robot", "broken"))
+
+
+def test_the_preflight_tells_what_is_odd_in_the_file(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        assert "experiment" not in {one.subject for one in await preflight(stage.session)}
+        odd = [
+            Problem(Place("made.yaml", line, 1), "panels[0]", "p plays Plan instead", warning=True)
+            for line in (7, 9)
+        ]
+        stage.session.experiment = replace(stage.session.experiment, warnings=tuple(odd))
+        findings = {finding.subject: finding for finding in await preflight(stage.session)}
+        assert findings["experiment"] == Finding(
+            "warning",
+            "experiment",
+            "line 7, panels[0]: p plays Plan instead; and 1 more",
+            "woz check made.yaml",
+        )
+
+    on_stage(tmp_path, scenario)
 
 
 def test_the_end_rests_closes_and_signs_the_log(tmp_path: Path) -> None:

@@ -30,6 +30,8 @@ _SOURCES = {
 #: What happened to a visitor in the store.
 _VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
 
+#: What comes back so soon behind its driver comes back with it, in microseconds.
+_BACK_US = 3_000_000
 #: Verbs that move something by one step: pressed in a row, they are one line.
 _STEPPING = frozenset({"control", "nudge"})
 
@@ -185,8 +187,21 @@ def _lane_recovered(message: m.LaneRecovered, picture: Picture) -> Event:
 def _sensor(message: m.SensorChanged, picture: Picture) -> Event | None:
     if message.state != "stale" and message.was != "stale":
         return None  # speaking and quiet are on the meter
+    if _with_its_driver(message, picture):
+        return None
     mark = "warning" if message.state == "stale" else "done"
     return Event(message.t, mark, f"{message.sensor} {message.state}", message.why)
+
+
+def _with_its_driver(message: m.SensorChanged, picture: Picture) -> bool:
+    """Whether the sensor went or came only because its driver did: that is one event, not ten."""
+    sensor = picture.sensors.get(message.sensor)
+    driver = picture.drivers.get(sensor.driver) if sensor is not None else None
+    if driver is None:
+        return False
+    if message.state == "stale":
+        return driver.health == "lost"
+    return driver.health == "connected" and message.t - driver.t < _BACK_US
 
 
 def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:

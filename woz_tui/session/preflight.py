@@ -23,6 +23,7 @@ async def preflight(session: Session) -> list[Finding]:
         storage.free_space(session.recorder.path.parent),
         timekeeping.calendar(session.clock.wall()),
         _identity(session),
+        *_file(session),
         _stop(session),
     ]
     for finding in findings:
@@ -39,6 +40,18 @@ async def preflight(session: Session) -> list[Finding]:
         m.Marker(text=f"preflight: {len(findings)} checks, {worst} failed", source="preflight")
     )
     return findings
+
+
+def _file(session: Session) -> list[Finding]:
+    """What is odd in the experiment file, which nobody may have read when the session began."""
+    odd = session.experiment.warnings
+    if not odd:
+        return []
+    first = f"line {odd[0].place.line}, {odd[0].path}: {odd[0].message}"
+    more = f"; and {len(odd) - 1} more" if len(odd) > 1 else ""
+    return [
+        Finding("warning", "experiment", first + more, f"woz check {session.experiment.path.name}")
+    ]
 
 
 def _drivers(session: Session) -> list[Finding]:

@@ -21,22 +21,25 @@ def conflicts(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
         values: Settings as the robot has them; what is missing is unknown and no conflict.
         used: Verbs that were performed so far.
     """
-    said = [*_life(values), *_head(values, used), *_arms(values, used), *_eyes(values, used)]
-    said += _distances(values)
-    return said
+    # What may hurt somebody or keeps the robot from obeying comes first: a console with little room
+    # shows the first ones.
+    said = [*_distances(values), *_asleep(values), *_head(values, used), *_arms(values, used)]
+    return [*said, *_eyes(values, used), *_life(values)]
 
 
 def _life(values: Mapping[str, Json]) -> list[str]:
-    state, awake = values.get("state"), values.get("awake")
+    state = values.get("state")
     if state in BUSY:
         return [f"autonomous life is {state}: the robot moves and talks by itself"]
     if state == "safeguard":
         return ["autonomous life is safeguard: the robot protects itself and may not obey"]
-    if state == "disabled" and awake is False:
-        return ["autonomous life is disabled and the motors are off: nothing moves until torque"]
-    if awake is False:
-        return ["the motors are off: nothing moves until torque"]
     return []
+
+
+def _asleep(values: Mapping[str, Json]) -> list[str]:
+    if values.get("awake") is not False or values.get("state") in (*BUSY, "safeguard"):
+        return []
+    return ["the motors are off: nothing moves until the robot is woken up (torque: on)"]
 
 
 def _head(values: Mapping[str, Json], used: Collection[str]) -> list[str]:

@@ -61,6 +61,10 @@ class Pepper:
         #: Whether it was there and went without being asked to: nobody knows what it does now.
         self._astray = False
         self._present = False
+        #: While the settings are being applied after a connection, verbs wait: what the wizard
+        #: wants must not be undone by what the file wants.
+        self._settled = asyncio.Event()
+        self._settled.set()
         self._closed = False
         self._stops: set[asyncio.Task[tuple[str, ...]]] = set()
 
@@ -108,6 +112,7 @@ class Pepper:
         part = self._by_verb.get(job.verb)
         if part is None:
             raise Rejected(f"Pepper cannot {job.verb!r}")
+        await self._settled.wait()
         try:
             sent = await part.perform(job)
         except (Rejected, Lost):
@@ -225,9 +230,13 @@ class Pepper:
         """The robot is there, for the first time or again."""
         self._present, self._astray = True, False
         self._reading.begin()
-        done = await asyncio.gather(
-            *(part.connected() for part in self._parts), return_exceptions=True
-        )
+        self._settled.clear()
+        try:
+            done = await asyncio.gather(
+                *(part.connected() for part in self._parts), return_exceptions=True
+            )
+        finally:
+            self._settled.set()
         self._reading.soon()
         for part, error in zip(self._parts, done, strict=True):
             if isinstance(error, DriverError) and not isinstance(error, Lost):

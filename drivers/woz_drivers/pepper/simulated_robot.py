@@ -14,6 +14,11 @@ from woz_tui.core.driver import DriverError, Lost, Rejected
 
 #: Until it must have said where it listens, in seconds: Python starts slowly on a busy machine.
 _STARTS_WITHIN_S = 20.0
+#: One that runs, but cannot be reached for so long, is started anew, in seconds. Whoever rehearses
+#: a frozen robot has this much time.
+_HOPELESS_S = 20.0
+#: Attempts that lie farther apart than this belong to different losses, in seconds.
+_APART_S = 10.0
 _REMEDY = "start `python -m woz_drivers.naoqi` yourself to see what is wrong"
 
 
@@ -25,12 +30,17 @@ class SimulatedRobot:
         self._folder = folder
         self._child: Child | None = None
         self._address = Address()
+        #: Loop time of the first and of the last attempt to reach it since it was there.
+        self._first = self._last = 0.0
 
     async def address(self) -> Address:
-        """Where it listens. Raises `Lost` if it does not start."""
-        if self._child is not None and self._child.running:
+        """Where it listens; asked before each attempt to connect. Raises `Lost` if it does not
+        start.
+        """
+        if self._child is not None and self._child.running and not self._hopeless():
             return self._address
         await self.close()
+        self._first = self._last = asyncio.get_running_loop().time()
         line: asyncio.Future[bytes] = asyncio.get_running_loop().create_future()
         running = await self._start(line)
         self._child = running
@@ -40,6 +50,14 @@ class SimulatedRobot:
             await self.close()
             raise
         return self._address
+
+    def _hopeless(self) -> bool:
+        """Whether attempt follows attempt for so long that it will not come back by itself."""
+        now = asyncio.get_running_loop().time()
+        if now - self._last > _APART_S:
+            self._first = now
+        self._last = now
+        return now - self._first > _HOPELESS_S
 
     async def close(self) -> None:
         """End it and what it started."""

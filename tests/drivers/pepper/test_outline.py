@@ -211,7 +211,7 @@ def test_life_wakes_the_robot_and_puts_it_to_rest_so_torque_is_not_wanted_any_mo
     [
         ({"state": "solitary"}, (), "moves and talks by itself"),
         ({"state": "safeguard"}, (), "may not obey"),
-        ({"state": "disabled", "awake": False}, (), "nothing moves until torque"),
+        ({"state": "disabled", "awake": False}, (), "nothing moves until the robot is woken up"),
         ({"awareness": True}, ("nudge",), "awareness turns the head away"),
         ({"body_breathing": True}, ("gaze",), "the head breathes"),
         ({"arms_breathing": True}, ("play",), "the arms breathe"),

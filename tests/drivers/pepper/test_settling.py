@@ -1,0 +1,67 @@
+"""The first moments with a robot: settings of the file, wishes of the wizard, robots of our own."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from pathlib import Path
+
+import pytest
+from woz_drivers.pepper.driver import Pepper
+from woz_drivers.pepper.settings import Autonomy, PepperSettings
+from woz_drivers.pepper.simulated_robot import SimulatedRobot
+
+from tests.drivers.heard import Heard, Ordered
+from tests.drivers.pepper.played import PACE, QUIET, Played
+from tests.fakes.naoqi import stand_in
+from woz_tui.core.driver import Lost
+from woz_tui.core.messages import DriverConnected
+
+
+async def test_what_the_wizard_wants_first_is_not_undone_by_the_file(tmp_path: Path) -> None:
+    """`state: disabled` lets the robot sleep; a wizard who wakes it up meanwhile wants it awake."""
+    async with stand_in(pace=PACE, life="solitary") as robot:
+        settings = PepperSettings(
+            robots=(robot.address,), senses=QUIET, autonomy=Autonomy(state="disabled")
+        )
+        heard = Heard(tmp_path)
+        it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+        await it.driver.open()
+        woken = asyncio.create_task(_as_soon_as_possible(it.driver))
+        await heard.first(DriverConnected)
+        await woken
+        calls = await robot.trace("ALAutonomousLife.setState", "ALMotion.wakeUp")
+        assert [call.method for call in calls] == ["setState", "wakeUp"]
+        await it.shows(awake=True)
+        await it.close()
+
+
+async def _as_soon_as_possible(driver: Pepper) -> None:
+    async with asyncio.timeout(20):
+        while True:
+            with contextlib.suppress(Lost):
+                await driver.perform(Ordered("torque", {"on": True}))
+                return
+            await asyncio.sleep(0)
+
+
+async def test_a_simulated_robot_that_cannot_be_reached_is_started_anew(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    robot = SimulatedRobot(PACE, tmp_path)
+    first = await robot.address()
+    assert await robot.address() == first, "it may come back by itself"
+    monkeypatch.setattr("woz_drivers.pepper.simulated_robot._HOPELESS_S", 0.0)
+    second = await robot.address()
+    assert second != first
+    await robot.close()
+
+
+async def test_attempts_of_different_losses_are_not_added_up(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.simulated_robot._HOPELESS_S", 0.0)
+    monkeypatch.setattr("woz_drivers.pepper.simulated_robot._APART_S", 0.0)
+    robot = SimulatedRobot(PACE, tmp_path)
+    assert await robot.address() == await robot.address()
+    await robot.close()

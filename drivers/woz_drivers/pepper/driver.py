@@ -3,17 +3,20 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from collections.abc import Mapping, Sequence
 from typing import ClassVar
 
 from woz_drivers.pepper import doctor, outline, verbs
+from woz_drivers.pepper.autonomy import Autonomy
 from woz_drivers.pepper.base import Base
 from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.body_joints import JOINTS
 from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.driver_reading import Reading
 from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.senses import Senses
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import Screen
@@ -65,6 +68,10 @@ class Pepper:
         #: wants must not be undone by what the file wants.
         self._settled = asyncio.Event()
         self._settled.set()
+        #: While the stop is pressed no robot is told to live by itself: what was to be applied to
+        #: one that was found meanwhile waits for the release.
+        self._stopped = self._waits = False
+        self._later = Background("applying the settings", outlet)
         self._closed = False
         self._stops: set[asyncio.Task[tuple[str, ...]]] = set()
 
@@ -129,6 +136,7 @@ class Pepper:
 
         A robot that was lost cannot confirm anything. Nothing is stopped where none was connected.
         """
+        self._stopped = self._stopped or scope is Scope.ALL
         parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, Base)]
         if not self._present:
             moving = [part.name for part in parts if isinstance(part, Base | Body)]
@@ -167,6 +175,17 @@ class Pepper:
             stop.add_done_callback(lambda over: over.cancelled() or over.exception())
         return stops
 
+    async def resume(self) -> None:
+        """The stop was released: what could not be applied while it was pressed is applied now."""
+        self._stopped = False
+        if self._waits and self._present:
+            self._waits = False
+            self._later.start(self._live())
+
+    async def _live(self) -> None:
+        with contextlib.suppress(Lost):  # then the next connection does it
+            await self._apply([part for part in self._parts if isinstance(part, Autonomy)])
+
     async def rest(self) -> None:
         """Take the posture of the robot file, otherwise rest; autonomous life stays as it is."""
         if self._present:
@@ -177,6 +196,7 @@ class Pepper:
     async def close(self) -> None:
         """End everything of this driver; the robot itself is left as it is."""
         self._closed = True
+        await self._later.close()
         await self._reading.close()
         for stop in list(self._stops):
             stop.cancel()
@@ -230,15 +250,22 @@ class Pepper:
         """The robot is there, for the first time or again."""
         self._present, self._astray = True, False
         self._reading.begin()
+        self._waits = self._stopped
+        await self._apply(
+            [part for part in self._parts if not (self._stopped and isinstance(part, Autonomy))]
+        )
+
+    async def _apply(self, parts: Sequence[Part]) -> None:
+        """Let these parts set what the file says, or the wizard since."""
         self._settled.clear()
         try:
             done = await asyncio.gather(
-                *(part.connected() for part in self._parts), return_exceptions=True
+                *(part.connected() for part in parts), return_exceptions=True
             )
         finally:
             self._settled.set()
         self._reading.soon()
-        for part, error in zip(self._parts, done, strict=True):
+        for part, error in zip(parts, done, strict=True):
             if isinstance(error, DriverError) and not isinstance(error, Lost):
                 self._outlet.notice("warning", f"{part.name}: {error.what}", error.remedy)
             elif isinstance(error, BaseException):

@@ -14,7 +14,7 @@ from woz_drivers.pepper.simulated_robot import SimulatedRobot
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
 from tests.fakes.naoqi import stand_in
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import Lost, Scope
 from woz_tui.core.messages import DriverConnected
 
 
@@ -34,6 +34,25 @@ async def test_what_the_wizard_wants_first_is_not_undone_by_the_file(tmp_path: P
         assert [call.method for call in calls] == ["setState", "wakeUp"]
         await it.shows(awake=True)
         await it.close()
+
+
+async def test_a_robot_that_comes_back_while_the_stop_is_pressed_is_not_brought_to_life(
+    tmp_path: Path,
+) -> None:
+    async with stand_in(pace=PACE, life="disabled") as robot:
+        settings = PepperSettings(robots=(robot.address,), senses=QUIET, connect=False,
+                                  autonomy=Autonomy(state="solitary"))  # fmt: skip
+        heard = Heard(tmp_path)
+        it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+        await it.driver.open()
+        await it.driver.stop(Scope.ALL)
+        await it.driver.perform(Ordered("connect", {}))
+        await heard.first(DriverConnected)
+        await it.shows(state="disabled")
+        assert await robot.trace("ALAutonomousLife.setState") == []
+        await it.driver.resume()
+        await it.shows(state="solitary")
+        await it.driver.close()
 
 
 async def _as_soon_as_possible(driver: Pepper) -> None:

@@ -29,6 +29,8 @@ class DroppingProxy:
         self._listening = socket.create_server(("127.0.0.1", 0))
         self._listening.setblocking(False)
         self._joined: set[asyncio.Task[None]] = set()
+        #: Connections of drivers on which the robot has said something.
+        self._answered: set[socket.socket] = set()
         self._accepting = asyncio.create_task(self._accept())
 
     @property
@@ -92,9 +94,14 @@ class DroppingProxy:
             for way in ways:
                 way.cancel()
             await asyncio.gather(*ways, return_exceptions=True)
-            for end in (driver, robot):
-                end.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
-                end.close()
+            driver.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
+            driver.close()
+            if driver in self._answered:
+                # A robot hosted by libqi 3.1.5 accepts nobody any more once a connection that it
+                # had not accepted yet was reset.
+                robot.setsockopt(socket.SOL_SOCKET, socket.SO_LINGER, _AT_ONCE)
+            robot.close()
+            self._answered.discard(driver)
 
     async def _forward(self, one: socket.socket, other: socket.socket, *, inward: bool) -> None:
         """One direction, until its sender says goodbye. Raises `OSError` if either end is gone."""
@@ -112,7 +119,10 @@ class DroppingProxy:
             if self.delay_s:
                 await asyncio.sleep(self.delay_s)
             await loop.sock_sendall(other, data)
-            self.to_robot += len(data) if inward else 0
+            if inward:
+                self.to_robot += len(data)
+            else:
+                self._answered.add(other)
 
 
 async def _readable(end: socket.socket) -> None:

@@ -62,9 +62,13 @@ class Stand:
 
     async def until(self, holds: Callable[[], bool]) -> None:
         """Return when this is true; for what no message tells."""
-        async with asyncio.timeout(WITHIN_S):
-            while not holds():  # noqa: ASYNC110 - see above
-                await asyncio.sleep(0.005)
+        try:
+            async with asyncio.timeout(WITHIN_S):
+                while not holds():  # noqa: ASYNC110 - see above
+                    await asyncio.sleep(0.005)
+        except TimeoutError:
+            told = [f"{type(one).__name__} {one.detail}" for one in self.heard.all(DriverHealth)]
+            raise AssertionError(f"never; told last: {told[-8:]}") from None
 
     async def call(self, service: str, method: str, *args: Any, within: float = 10.0) -> Outcome:
         """Make a call and write down how it ends; raises nothing of the robot's."""

@@ -62,6 +62,8 @@ class Troubled:
                     went = self.it.went
                     self.network.cut()
                     await self.it.until(lambda went=went: self.it.went > went)  # type: ignore[misc]
+                    # A busy system brings the driver's reset to the other end a moment later.
+                    await asyncio.sleep(0.1)
                     self.network.heal()
                 case "slow":
                     self.network.delay_s = self.dice.uniform(0.0, 0.03)

@@ -134,6 +134,11 @@ class Connection:
         """Whether it is connected and answers."""
         return self._line is not None and not self._line.pulse.silent
 
+    def alert(self) -> None:
+        """The wizard plays: what comes next shall not have to wait for a sign of life."""
+        if self._line is not None:
+            self._line.pulse.alert()
+
     @property
     def local_host(self) -> str:
         """This machine's address as the robot reaches it; empty while not connected."""

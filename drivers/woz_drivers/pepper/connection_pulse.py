@@ -12,6 +12,9 @@ from woz_tui.core.driver import Lost
 #: A call is sent only if the robot was heard so lately, else it is asked first, in seconds: calls
 #: made together ask once. What is sent in this time after a robot froze runs when it wakes.
 FRESH_S = 0.02
+#: For so long after something the wizard did the robot is asked this often, in seconds: what comes
+#: next need not wait for an answer first.
+ALERT_S, ALERT_BEAT_S = 2.0, 0.012
 #: A question open for longer means: silent, nothing is sent, in seconds.
 SILENT_S = 0.25
 #: A question open for so long means: gone, in seconds; less with a lazy heartbeat, so that both
@@ -41,6 +44,7 @@ class Pulse:
         self._heard = self._loop.time()
         self._question: asyncio.Task[None] | None = None
         self._asked = 0.0
+        self._alert_until = 0.0
         #: Since when nothing was heard with a question open.
         self._unanswered: float | None = None
 
@@ -55,13 +59,23 @@ class Pulse:
         self._heard = self._loop.time()
         self._unanswered = None if self._question is None else self._heard
 
+    def alert(self) -> None:
+        """The wizard plays: be ready for the next key."""
+        self._alert_until = self._loop.time() + ALERT_S
+
+    @property
+    def _beat(self) -> float:
+        """How long the robot may be silent now before it is asked."""
+        alert = self._loop.time() < self._alert_until
+        return min(ALERT_BEAT_S, self._heartbeat) if alert else self._heartbeat
+
     async def until_dead(self) -> str:
         """Watch; returns why the robot counts as gone."""
         limit, overslept = self._heartbeat + self._patience, False
         while True:
             quiet = self._loop.time() - self._heard
-            if quiet < self._heartbeat:
-                await asyncio.sleep(self._heartbeat - quiet)
+            if (left := self._beat - quiet) > 0:
+                await asyncio.sleep(left)
                 continue
             try:
                 # Less where it has answered something else since it was asked before.

@@ -120,6 +120,7 @@ class Pepper:
         if part is None:
             raise Rejected(f"Pepper cannot {job.verb!r}")
         await self._settled.wait()
+        self._connection.alert()
         try:
             sent = await part.perform(job)
         except (Rejected, Lost):

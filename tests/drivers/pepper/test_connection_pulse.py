@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.connection_pulse import ANSWER_S, FRESH_S, SILENT_S, Pulse
+from woz_drivers.pepper.connection_pulse import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Pulse
 from woz_drivers.pepper.link import Gone, Unanswered
 
 from tests.fakes.virtual_time import run_virtual
@@ -72,6 +72,33 @@ def test_a_robot_that_freezes_between_two_answers_is_known_in_time(
         return took
 
     assert run_virtual(scene()) <= KNOWN_S + 0.001
+
+
+def test_while_the_wizard_plays_calls_need_not_wait_for_an_answer() -> None:
+    async def scene() -> None:
+        loop = asyncio.get_running_loop()
+        beating = pulse(FarEnd(takes=0.002))
+        watching = asyncio.create_task(beating.until_dead())
+
+        async def waits(moments: int) -> list[float]:
+            took = []
+            for _ in range(moments):
+                await asyncio.sleep(0.0137)  # at every phase of the beat
+                began = loop.time()
+                await beating.fresh()
+                took.append(loop.time() - began)
+            return took
+
+        await asyncio.sleep(0.6)
+        assert max(await waits(20)) > 0, "a robot that nobody plays is asked now and then"
+        beating.alert()
+        await asyncio.sleep(0.5)
+        assert max(await waits(50)) == 0
+        await asyncio.sleep(ALERT_S)
+        assert max(await waits(20)) > 0
+        watching.cancel()
+
+    run_virtual(scene())
 
 
 def test_with_a_question_open_another_answer_starts_the_silence_anew() -> None:

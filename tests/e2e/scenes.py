@@ -47,6 +47,7 @@ robot:
         tilt: {{id: 12, min: -20, max: 30, speed: 120, rest: 15}}
         roll: {{id: 13, min: -20, max: 20, speed: 90}}
       rest_speed: 120
+      watchdog: {watchdog}
       moves:
         nod: [{{tilt: 14, seconds: 0.3}}, {{tilt: 0, seconds: 0.3}}]
 {more}
@@ -68,6 +69,6 @@ panels:
 JOINTS = {11: (-60.0, 60.0, 120.0), 12: (-20.0, 30.0, 120.0), 13: (-20.0, 20.0, 90.0)}
 
 
-def head(port: Path, more: str = "", *, abandon: float = 60) -> str:
-    """The experiment `HEAD`."""
-    return HEAD.format(port=port, more=more.rstrip(), abandon=abandon)
+def head(port: Path, more: str = "", *, abandon: float = 60, watchdog: int = 500) -> str:
+    """The experiment `HEAD`; `watchdog` in milliseconds, as the servos' driver has it."""
+    return HEAD.format(port=port, more=more.rstrip(), abandon=abandon, watchdog=watchdog)

@@ -48,7 +48,10 @@ def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
 
 def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)
-    host = lab.host(lab.file("bench.yaml", scenes.head(servos.port, abandon=5)))
+    # On a machine that stands still for half a second the servos' own watchdog would bite, and
+    # servos that have stopped by themselves are rightly not moved any more.
+    file = lab.file("bench.yaml", scenes.head(servos.port, abandon=5, watchdog=2500))
+    host = lab.host(file)
     log = lab.log
     log.wait("driver.connected")
     with Program(lab.socket()) as program:

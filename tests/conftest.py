@@ -13,7 +13,9 @@ settings.register_profile(
     "shared", deadline=None, suppress_health_check=[HealthCheck.too_slow], print_blob=True
 )
 # The same examples in every run, so that a change is judged by what it changed.
-settings.register_profile("repeatable", settings.get_profile("shared"), derandomize=True)
+settings.register_profile(
+    "repeatable", settings.get_profile("shared"), derandomize=True, max_examples=50
+)
 # `make fuzz`: other examples each time, and many more.
 settings.register_profile("fuzz", settings.get_profile("shared"), max_examples=1000)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))

@@ -64,7 +64,7 @@ def state_at(items: list[Item], t_us: int) -> State:
 
 
 @settings(
-    max_examples=150, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+    max_examples=75, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
 )
 @given(WOUNDS, WOUNDS, st.sampled_from(BLOCKS), st.integers(-1, LINES * 12))
 @example([], [], 700, LINES * 5)

@@ -12,7 +12,7 @@ from tests.e2e.servos import TORQUE, Servos
 
 def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)
-    terminal = lab.run(lab.file("bench.yaml", scenes.head(servos.port)), columns=120)
+    terminal = lab.run(lab.file("bench.yaml", scenes.head(servos.port, watchdog=2000)), columns=120)
     log = lab.log
     log.wait("driver.connected")
     terminal.send("\x1b[20~")

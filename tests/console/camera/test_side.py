@@ -86,7 +86,7 @@ def test_a_terminal_that_never_answers_has_what_it_has_taken(seat: Seat) -> None
     until = time.monotonic() + 20.0
     while (
         seat.side.waiting and time.monotonic() < until
-    ):  # the writing thread counts it a bit later
+    ):  # it is counted a bit later
         time.sleep(0.005)
     assert seat.side.arrived_us(written) == written
 

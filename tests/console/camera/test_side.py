@@ -84,9 +84,7 @@ def test_a_terminal_that_never_answers_has_what_it_has_taken(seat: Seat) -> None
     while taken < 200_000:
         taken += len(os.read(seat.master, 65536))
     until = time.monotonic() + 20.0
-    while (
-        seat.side.waiting and time.monotonic() < until
-    ):  # it is counted a bit later
+    while seat.side.waiting and time.monotonic() < until:  # it is counted a bit later
         time.sleep(0.005)
     assert seat.side.arrived_us(written) == written
 

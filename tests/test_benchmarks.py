@@ -37,7 +37,14 @@ if importlib.util.find_spec("qi"):
     TABLES["pepper_latency.py"] += ("idle: Flask route", "polling: woz, client qi", "bare qi")
 
 
-@pytest.mark.parametrize("script", TABLES)
+#: Longer than all others together: `make test ARGS="-m benchmarks"` runs them, quickly, too.
+LONG = {"key_latency.py", "screen_bytes.py", "start_up.py", "stop_latency.py"}
+
+
+@pytest.mark.parametrize(
+    "script",
+    [pytest.param(name, marks=[pytest.mark.benchmarks] if name in LONG else []) for name in TABLES],
+)
 def test_a_quick_run_prints_its_tables(script: str) -> None:
     done = subprocess.run(
         [sys.executable, f"benchmarks/{script}", "--quick"],

@@ -98,7 +98,10 @@ class Autonomy:
 
     async def connected(self) -> None:
         """Apply what the robot file says, or the wizard since; what the robot refuses is told."""
-        for name, error in (await self._set(self._asked)).items():
+        wanted = dict(self._asked)
+        if "state" in wanted and await self._state() == wanted["state"]:
+            del wanted["state"]  # said again, `disabled` sends a robot to rest that was woken since
+        for name, error in (await self._set(wanted)).items():
             self._outlet.notice("warning", f"{name} could not be set: {error.what}", error.remedy)
 
     def lost(self) -> None:
@@ -125,6 +128,16 @@ class Autonomy:
 
     async def close(self) -> None:
         """Nothing to let go."""
+
+    async def _state(self) -> Json:
+        """Of autonomous life; None: it does not say. Raises `Lost`."""
+        try:
+            state: Json = await self._robot.call(LIFE, "getState", within=LOOK_S)
+        except Lost:
+            raise
+        except DriverError:
+            return None
+        return state
 
     async def _set(self, wanted: Mapping[str, Json]) -> dict[str, DriverError]:
         """Set these in an order that works; returns what the robot refused, and why.

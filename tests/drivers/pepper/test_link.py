@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import socket
-import sys
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
 from typing import Any
@@ -237,7 +236,6 @@ async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None
             await asyncio.sleep(0.01)
 
 
-@pytest.mark.skipif(sys.platform != "linux", reason="other systems have no such option")
 async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(
     desk: Desk, client: str
 ) -> None:

@@ -55,6 +55,23 @@ async def test_a_robot_that_comes_back_while_the_stop_is_pressed_is_not_brought_
         await it.driver.close()
 
 
+async def test_a_robot_that_was_woken_stays_awake_when_the_line_comes_back(tmp_path: Path) -> None:
+    async with stand_in(pace=PACE, life="disabled") as robot:
+        settings = PepperSettings(
+            robots=(robot.address,), senses=QUIET, autonomy=Autonomy(state="disabled")
+        )
+        heard = Heard(tmp_path)
+        it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+        await it.driver.open()
+        await heard.first(DriverConnected)
+        await it.driver.perform(Ordered("torque", {"on": True}))
+        await it.driver.perform(Ordered("disconnect", {}))
+        await it.driver.perform(Ordered("connect", {}))
+        assert await robot.trace("ALAutonomousLife.setState") == []
+        await it.shows(awake=True)
+        await it.driver.close()
+
+
 async def _as_soon_as_possible(driver: Pepper) -> None:
     async with asyncio.timeout(20):
         while True:

@@ -233,6 +233,7 @@ def test_sensors_that_go_and_come_with_their_driver_are_no_events_of_their_own()
     assert turns("ok", NOW + 1) == ["distance ok"]
     picture.take([m.DriverLost(driver="range", t=NOW + 2)], 0)
     assert turns("stale", NOW + 3) == []
+    assert turns("ok", NOW + 3) == [], "a moment before its driver"
     picture.take([m.DriverConnected(driver="range", t=NOW + 4)], 0)
     assert turns("ok", NOW + 5) == []
     assert turns("stale", NOW + 6) == ["distance stale"]

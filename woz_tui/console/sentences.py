@@ -201,7 +201,8 @@ def _with_its_driver(message: m.SensorChanged, picture: Picture) -> bool:
         return False
     if message.state == "stale":
         return driver.health == "lost"
-    return driver.health == "connected" and message.t - driver.t < _BACK_US
+    # A driver may hear its sensors before it calls itself connected.
+    return driver.health != "connected" or message.t - driver.t < _BACK_US
 
 
 def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:

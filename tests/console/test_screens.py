@@ -1,8 +1,11 @@
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import msgspec
 import pytest
 from textual.events import Key
+from textual.widget import Widget
 
 from tests.console import scenes
 from tests.console.dialogs import (
@@ -19,6 +22,7 @@ from tests.console.driving import sitting
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
 from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.screens.drivers import DriversDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
 from woz_tui.console.screens.start import wrong_code, wrong_trial
@@ -130,6 +134,22 @@ async def test_driver_details_follow_what_happens() -> None:
         await seat.tell(m.DriverLost(driver="head", detail="unplugged", remedy="plug in the U2D2"))
         assert "head  lost" in seat.drawn()
         assert "plug in the U2D2" in seat.drawn()
+
+
+async def test_what_changes_while_a_dialog_is_made_is_not_missed() -> None:
+    class Slow(DriversDialog):
+        """Something is told and painted between its making and its mounting."""
+
+        def body(self) -> Iterable[Widget]:
+            yield from super().body()
+            lost = m.DriverLost(driver="head", detail="unplugged", remedy="plug in the U2D2")
+            self.picture.take([lost], NOW)
+            self.console_app.paint()
+
+    async with sitting() as seat:
+        seat.console.open_dialog(Slow())
+        await seat.settle()
+        assert "head  lost" in seat.drawn()
 
 
 async def test_help_lists_every_key_with_reserves_and_reasons() -> None:

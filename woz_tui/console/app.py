@@ -251,7 +251,7 @@ class Console(App[str]):
         line = Line(self.feed.line_ok, self.feed.round_trip_us, self._key("failures"))
         frame = functools.partial(self._frame, now)
         self._surface.paint(self.picture, frame, line, bar, self.size)
-        if self.dialog is not None:
+        if self.dialog is not None and self.dialog.is_mounted:
             self.dialog.refreshed()
 
     def _frame(self, now: int, widget: Cells) -> Frame:

@@ -93,6 +93,10 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
             box.border_subtitle = self.glyphs.plain(self.hint)
             yield from self.body()
 
+    def on_mount(self) -> None:
+        """What has changed since the body was made is shown now."""
+        self.call_after_refresh(self.refreshed)
+
     def body(self) -> Iterable[Widget]:
         """What stands inside the frame."""
         raise NotImplementedError

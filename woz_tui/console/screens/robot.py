@@ -63,7 +63,6 @@ class RobotDialog(Drawing):
             self._only_look()
         self._line = self._first_line()
         give_keys(app.keyboard, app.dialog)
-        super().on_mount()
 
     @cached_property
     def _hand(self) -> Hand:

@@ -10,6 +10,7 @@ import json
 import logging
 import os
 import signal
+import sys
 import threading
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -38,6 +39,8 @@ if TYPE_CHECKING:  # most sessions are neither, and begin without loading them
 
 #: Collections of young objects are cheap; the long ones must not fall into a wizard's key press.
 GC_THRESHOLDS = (50_000, 20, 100)
+#: A thread of a driver or of the recorder keeps the interpreter so long at most while a key waits.
+SWITCH_S = 0.0005
 #: How long the end of a session may take at most, and what is left of the process after it.
 CLOSE_LIMIT_S = 30.0
 EXIT_LIMIT_S = 3.0
@@ -171,6 +174,7 @@ async def _serve(
         gc.collect()
         gc.freeze()
         gc.set_threshold(*GC_THRESHOLDS)
+        sys.setswitchinterval(SWITCH_S)
         if rerun is not None:
             rerun.begin_when_ready()
         reason = await host.serve()

@@ -21,6 +21,8 @@ from woz_drivers.naoqi.table import Service
 from woz_drivers.naoqi.world import Clients, Options, World
 
 SERVERS = ("auto", "qi", "own")
+#: The package `qi` calls from threads of its own; a real robot has no interpreter to wait for.
+SWITCH_S = 0.0005
 
 EPILOG = """\
 The first line on standard output says where it listens: {"address": "tcp://127.0.0.1:PORT"}.
@@ -94,6 +96,7 @@ def main(arguments: list[str] | None = None) -> int:
     given = parser().parse_args(arguments)
     out = _own_output()
     try:
+        sys.setswitchinterval(SWITCH_S)
         asyncio.run(_serve(given, out))
     except (OSError, ValueError) as error:
         sys.stderr.write(f"{error}\n")

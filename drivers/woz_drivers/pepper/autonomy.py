@@ -10,8 +10,8 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from woz_drivers.pepper.autonomy_settings import ABILITIES, CHAINS, DISTANCES, FLAGS
-from woz_drivers.pepper.parts import Robot
-from woz_drivers.pepper.parts_calls import LOOK_S, Call, answers
+from woz_drivers.pepper.parts import LOOK_S, Robot
+from woz_drivers.pepper.parts_calls import Call, answers
 from woz_drivers.pepper.settings import ENGAGEMENT_MODES, STATES, PepperSettings
 from woz_drivers.simulated.values import number
 from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
@@ -109,17 +109,17 @@ class Autonomy:
 
     async def read(self) -> Mapping[str, Json]:
         """All of it as the robot has it now."""
-        ask = self._robot.call
+        ask = self._robot.ask
         calls = {
-            "state": ask(LIFE, "getState", within=LOOK_S),
-            "engagement": ask(AWARENESS, "getEngagementMode", within=LOOK_S),
+            "state": ask(LIFE, "getState"),
+            "engagement": ask(AWARENESS, "getEngagementMode"),
         }
         for name, service in ABILITIES.items():
-            calls[name] = ask(service, "isEnabled", within=LOOK_S)
+            calls[name] = ask(service, "isEnabled")
         for name, chain in CHAINS.items():
-            calls[name] = ask(MOTION, "getBreathEnabled", chain, within=LOOK_S)
+            calls[name] = ask(MOTION, "getBreathEnabled", chain)
         for name, (_, which) in DISTANCES.items():
-            calls[name] = ask(MOTION, f"get{which}SecurityDistance", within=LOOK_S)
+            calls[name] = ask(MOTION, f"get{which}SecurityDistance")
         values = await answers(calls)
         return {
             name: round(float(value), 3) if name in DISTANCES else value

@@ -7,8 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
-from woz_drivers.pepper.parts import Robot
-from woz_drivers.pepper.parts_calls import LOOK_S, Endings, answers
+from woz_drivers.pepper.parts import LOOK_S, Robot
+from woz_drivers.pepper.parts_calls import Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
 from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb

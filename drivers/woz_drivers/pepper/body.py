@@ -8,7 +8,7 @@ from typing import ClassVar
 
 from woz_drivers.pepper.body_joints import checked, limb, native
 from woz_drivers.pepper.parts import Robot
-from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Call, Endings, answers
+from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import positive, text
 from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
@@ -120,11 +120,11 @@ class Body:
 
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""
-        call = self._robot.call
+        ask = self._robot.ask
         return await answers(
             {
-                "awake": call(MOTION, "robotIsWakeUp", within=LOOK_S),
-                "posture": call(POSTURE, "getPosture", within=LOOK_S),
+                "awake": ask(MOTION, "robotIsWakeUp"),
+                "posture": ask(POSTURE, "getPosture"),
             }
         )
 

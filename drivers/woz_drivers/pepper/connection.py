@@ -33,7 +33,7 @@ from woz_drivers.pepper.connection_line import HALTS, Line, silence, until_servi
 from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Unsubscribe
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.links_trouble import Refused
-from woz_drivers.pepper.parts import WITHIN_S, Absent
+from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, Absent
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
 from woz_tui.core.driver import DriverError, Health, Lost, Outlet, Rejected
@@ -43,6 +43,9 @@ _FIRST_PAUSE_S = 0.1
 _LONGEST_PAUSE_S = 2.0
 #: How long the parts may take to apply what the settings say, in seconds.
 _APPLIED_WITHIN_S = 10.0
+#: From one question about a setting to the next: twenty at once would keep the robot, and this
+#: machine, from a command for several milliseconds.
+SPACING_S = 0.004
 _T = TypeVar("_T")
 
 
@@ -75,6 +78,8 @@ class Connection:
         self._met: set[Address] = set()
         self._absent: dict[Address, frozenset[str]] = {}
         self._why = Lost("no robot is connected", "take one with `connect`")
+        #: When a question about a setting was asked last, or is going to be.
+        self._turn = float("-inf")
 
     # -- for the driver ------------------------------------------------------------------------
 
@@ -155,6 +160,14 @@ class Connection:
             value = await line.link.call(service, method, *args, within=within)
         line.pulse.heard()
         return value
+
+    async def ask(self, service: str, method: str, *args: Any) -> Any:
+        """A question about a setting, in its turn: `SPACING_S` after the one before."""
+        now = asyncio.get_running_loop().time()
+        self._turn = max(now, self._turn + SPACING_S)
+        if self._turn > now:
+            await asyncio.sleep(self._turn - now)
+        return await self.call(service, method, *args, within=LOOK_S)
 
     async def probe(self) -> None:
         """Return when the robot has answered a question asked now. Raises `Lost`."""

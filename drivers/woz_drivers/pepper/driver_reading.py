@@ -19,6 +19,9 @@ from woz_tui.core.messages import Json, SettingsShown
 
 #: At most so long from one reading to the next.
 EVERY_S = 0.9
+#: After a verb so long passes before its settings are read: in a burst of keys they are read once,
+#: and the next key does not wait behind the questions that the last one raised.
+LULL_S = 0.1
 
 log = logging.getLogger(__name__)
 
@@ -81,6 +84,7 @@ class Reading:
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(EVERY_S):
                     await self._soon.wait()
+                    await asyncio.sleep(LULL_S)
 
     async def _values(self) -> dict[str, Json]:
         values: dict[str, Json] = {"robot": self._robot()}

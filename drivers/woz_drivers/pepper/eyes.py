@@ -14,7 +14,7 @@ from typing import ClassVar
 
 from woz_drivers.pepper.eyes_color import BLACK, WHITE, Color
 from woz_drivers.pepper.parts import Robot
-from woz_drivers.pepper.parts_calls import LOOK_S, Endings
+from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import color as color_of
 from woz_drivers.simulated.values import number, positive, word
@@ -145,9 +145,7 @@ class Eyes:
         """
         if self._shown is not None and (self._loop or self._animated):
             return {"eyes": self._shown.text, "eyes_brightness": round(self._level, 3)}
-        seen = Color.read_back(
-            await self._robot.call(LEDS, "getIntensity", ONE_LIGHT, within=LOOK_S)
-        )
+        seen = Color.read_back(await self._robot.ask(LEDS, "getIntensity", ONE_LIGHT))
         if seen is None:
             return {}
         if self._shown is not None and seen.close_to(self._shown.dimmed(self._level)):

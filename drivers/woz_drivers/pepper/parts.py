@@ -17,6 +17,8 @@ from woz_tui.core.messages import Json
 
 #: Seconds that an ordinary call may take; what takes its time (speech, a move) says so itself.
 WITHIN_S = 2.0
+#: A question about the robot's settings may take so long.
+LOOK_S = 0.9
 
 
 class Absent(DriverError):  # noqa: N818 - read as `except Absent`
@@ -33,6 +35,10 @@ class Robot(Protocol):
 
     async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
         """Call a method of a service of the robot."""
+        ...
+
+    async def ask(self, service: str, method: str, *args: Any) -> Any:
+        """A question about a setting: not in a hurry, and never in the way of a command."""
         ...
 
     async def probe(self) -> None:

@@ -15,8 +15,6 @@ from woz_tui.core.driver import DriverError, Lost, Outlet
 LONG_S = 3600.0
 #: What a job's end still has to say may take so long when the session is over.
 FAREWELL_S = 0.5
-#: A question about the robot's settings may take so long.
-LOOK_S = 0.9
 
 Call = Coroutine[Any, Any, Any]
 

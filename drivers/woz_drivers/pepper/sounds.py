@@ -8,7 +8,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from woz_drivers.pepper.parts import Absent, Robot
-from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Endings
+from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number, text
 from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
@@ -86,7 +86,7 @@ class Sounds:
 
     async def read(self) -> Mapping[str, Json]:
         """The file being played, empty if none. What the robot has unloaded is loaded anew."""
-        there = await self._robot.call(PLAYER, "getLoadedFilesIds", within=LOOK_S)
+        there = await self._robot.ask(PLAYER, "getLoadedFilesIds")
         if isinstance(there, list | tuple):
             # `loadFile` gives a number, this gives the same numbers as text.
             held = {str(one) for one in there}

@@ -13,7 +13,7 @@ from typing import ClassVar
 
 from woz_drivers.pepper import speech_text
 from woz_drivers.pepper.parts import Robot
-from woz_drivers.pepper.parts_calls import LONG_S, LOOK_S, Call, Endings, answers, apply
+from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers, apply
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems
 from woz_drivers.simulated.values import number, text
@@ -111,12 +111,12 @@ class Voice:
 
     async def read(self) -> Mapping[str, Json]:
         """Volume (0 to 1), speed (per cent) and pitch as the robot has them."""
-        call, before = self._robot.call, self._speed
+        ask, before = self._robot.ask, self._speed
         values = await answers(
             {
-                "volume": call(TTS, "getVolume", within=LOOK_S),
-                "speech_speed": call(TTS, "getParameter", "speed", within=LOOK_S),
-                "speech_pitch": call(TTS, "getParameter", "pitchShift", within=LOOK_S),
+                "volume": ask(TTS, "getVolume"),
+                "speech_speed": ask(TTS, "getParameter", "speed"),
+                "speech_pitch": ask(TTS, "getParameter", "pitchShift"),
             }
         )
         read = {name: round(float(value), 3) for name, value in values.items()}

@@ -89,6 +89,9 @@ class Fingers:
     async def call(self, service: str, method: str, *args: Any, within: float = 2.0) -> Any:
         raise DriverError(f"{service}.{method}: not for fingers")
 
+    async def ask(self, service: str, method: str, *args: Any) -> Any:
+        raise DriverError(f"{service}.{method}: not for fingers")
+
     async def serve(self, name: str, methods: Methods) -> Unsubscribe:
         raise DriverError(f"{name}: not for fingers")
 

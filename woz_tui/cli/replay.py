@@ -20,9 +20,6 @@ if TYPE_CHECKING:
     from woz_tui.replay.feed import ReplayFeed
     from woz_tui.replay.origin import Origin
 
-#: Lines of a difference that are shown at most; the rest is counted.
-DIFFERENCE = 200
-
 
 def add(parser: argparse.ArgumentParser) -> None:
     """Declare the command's options."""
@@ -44,11 +41,6 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="leave out what is longer of stretches in which nothing happens",
     )
     screen.add_argument("--paused", action="store_true", help="begin standing still")
-    screen.add_argument(
-        "--reveal",
-        action="store_true",
-        help="show also what was kept from the wizard: blind conditions, hidden meters",
-    )
     robot = parser.add_argument_group("on the robot")
     robot.add_argument("--robot", action="store_true", help="run its commands on the robot again")
     robot.add_argument(
@@ -56,6 +48,11 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     robot.add_argument("--yes", action="store_true", help="with --robot: do not ask")
     robot.add_argument("--headless", action="store_true", help="with --robot: without a console")
+    parser.add_argument(
+        "--reveal",
+        action="store_true",
+        help="show also what was kept from the wizard: blind conditions, hidden meters",
+    )
     parser.add_argument(
         "--changed", action="store_true", help="also if the experiment has changed since"
     )
@@ -158,6 +155,7 @@ def _experiment(
 
     An experiment that is not there any more stands against nothing: the log has what is needed.
     """
+    from woz_tui.cli.replay_changed import changed, wrong  # noqa: PLC0415
     from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
     from woz_tui.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import origin  # noqa: PLC0415
@@ -171,18 +169,11 @@ def _experiment(
         return _bundled_plan(told, catalogue), []
     except ExperimentError as error:
         return None, [
-            *map(str, error.problems),
+            *wrong(told, error, reveal=arguments.reveal),
             f"woz: {told.name} has errors now, so it is not what the session was played with",
         ]
-    changed = origin.differences(told, experiment)
-    if not changed:
-        return _plan(experiment, catalogue), []
-    more = len(changed) - DIFFERENCE
-    return None, [
-        f"woz: {experiment.path} has changed since the session was played:",
-        *changed[:DIFFERENCE],
-        *([f"... {more} more lines"] if more > 0 else []),
-    ]
+    against = changed(told, experiment, reveal=arguments.reveal)
+    return (None, against) if against else (_plan(experiment, catalogue), [])
 
 
 def _bundled_plan(told: Origin, catalogue: Catalogue) -> SessionPlan | None:

@@ -15,7 +15,9 @@ from woz_tui.cli.failure import explained
 from woz_tui.cli.launch import Launch, host_arguments
 from woz_tui.cli.opening import open_both
 from woz_tui.cli.options import next_session
-from woz_tui.experiment.shape import Experiment
+from woz_tui.cli.replay_changed import changed, veil, wrong
+from woz_tui.console.study.blind import Blind
+from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.replay.plan import Plan
 
 _YES = "yes"
@@ -23,14 +25,16 @@ _YES = "yes"
 
 @dataclass(frozen=True, slots=True)
 class _Prepared:
-    """What is to be run: the log, the experiment of now, the plan for its robot, and what has
-    changed since.
+    """What is to be run: the log, the experiment of now, the plan for its robot, the same as its
+    wizard may see it, and what has changed since.
     """
 
     log: Path
     experiment: Experiment
     plan: Plan
+    shown: Plan
     changed: list[str]
+    blind: Blind
 
 
 def play(arguments: argparse.Namespace) -> int:
@@ -51,7 +55,7 @@ def play(arguments: argparse.Namespace) -> int:
 
 
 def _play(arguments: argparse.Namespace) -> int:
-    prepared = _prepare(arguments.file, arguments.experiment)
+    prepared = _prepare(arguments)
     if prepared is None:
         return 1
     if arguments.dry_run:
@@ -62,43 +66,59 @@ def _play(arguments: argparse.Namespace) -> int:
     if arguments.headless:
         from woz_tui.cli import rerun_headless  # noqa: PLC0415
 
-        return rerun_headless.watch(Launch([*words, "--headless"]), _streams(prepared))
+        launch = Launch([*words, "--headless"])
+        return rerun_headless.watch(launch, _streams(prepared), prepared.blind)
     return _in_console(words)
 
 
 def _admitted(prepared: _Prepared, arguments: argparse.Namespace) -> bool:
     """Whether nothing stands against it; says what does, and else what will be run."""
     if prepared.changed and not arguments.changed:
-        print(*table.diff(prepared.changed, prepared.experiment.path), sep="\n", file=sys.stderr)
+        print(*prepared.changed, sep="\n", file=sys.stderr)
         print("woz: it is run all the same with --changed", file=sys.stderr)
         return False
     if not prepared.plan.sent:
-        print(*table.table(prepared.plan), sep="\n")
+        print(*table.table(prepared.shown), sep="\n")
         print("woz: there is no command in it that can be sent again", file=sys.stderr)
         return False
-    told = table.summary(prepared.plan, prepared.experiment, headless=arguments.headless)
+    told = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
     print(*told, sep="\n")
     return True
 
 
-def _prepare(file: Path, given: Path | None) -> _Prepared | None:
+def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
     """Everything that has to be known before; None after saying why it cannot be."""
-    from woz_tui.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import origin  # noqa: PLC0415
     from woz_tui.replay.fitting import fitted  # noqa: PLC0415
     from woz_tui.replay.opened import LogError, chosen  # noqa: PLC0415
     from woz_tui.replay.plan import plan_of  # noqa: PLC0415
 
     try:
-        log = chosen(file)
+        log = chosen(arguments.file)
         plan = plan_of(log)
-        place = given or _bundled(log, plan.origin.name)
-        experiment = origin.find(log, plan.origin, installed(), place)
+        place = arguments.experiment or _bundled(log, plan.origin.name)
+        experiment = _found(log, plan, place, reveal=arguments.reveal)
     except (ValueError, LogError, origin.OriginError) as error:
         print(f"woz: {error}", file=sys.stderr)
         return None
-    changed = origin.differences(plan.origin, experiment)
-    return _Prepared(log, experiment, fitted(plan, experiment), changed)
+    if experiment is None:
+        return None
+    against = changed(plan.origin, experiment, reveal=arguments.reveal)
+    blind = veil(plan.origin, experiment, reveal=arguments.reveal)
+    plan = fitted(plan, experiment)
+    return _Prepared(log, experiment, plan, table.veiled(plan, blind), against, blind)
+
+
+def _found(log: Path, plan: Plan, place: Path | None, *, reveal: bool) -> Experiment | None:
+    """The experiment of now; None after saying what is wrong with it."""
+    from woz_tui.plugins import installed  # noqa: PLC0415
+    from woz_tui.replay import origin  # noqa: PLC0415
+
+    try:
+        return origin.find(log, plan.origin, installed(), place)
+    except ExperimentError as error:
+        print(*wrong(plan.origin, error, reveal=reveal), sep="\n", file=sys.stderr)
+        return None
 
 
 def _bundled(log: Path, name: str) -> Path | None:
@@ -114,10 +134,8 @@ def _dry_run(prepared: _Prepared, arguments: argparse.Namespace) -> int:
     """Moves nothing, needs no robot. 1 if something of it could not be sent."""
     from woz_tui.replay.fitting import unfit  # noqa: PLC0415
 
-    print(*table.summary(prepared.plan, prepared.experiment, headless=arguments.headless), sep="\n")
-    print(*table.table(prepared.plan), sep="\n")
-    if prepared.changed:
-        print(*table.diff(prepared.changed, prepared.experiment.path), sep="\n")
+    shown = table.summary(prepared.shown, prepared.experiment, headless=arguments.headless)
+    print(*shown, *table.table(prepared.shown), *prepared.changed, sep="\n")
     print(table.verdict(prepared.plan))
     refused = bool(prepared.changed) and not arguments.changed
     return int(refused or bool(unfit(prepared.plan)) or not prepared.plan.sent)

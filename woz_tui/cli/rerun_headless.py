@@ -16,6 +16,7 @@ from pathlib import Path
 
 from woz_tui.cli.launch import Launch, LaunchError, RobotProcess
 from woz_tui.cli.rerun_table import clock, plain
+from woz_tui.console.study.blind import Blind
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.requests import AskStop, Hello, Request
@@ -31,10 +32,12 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 class Progress:
     """What has been heard of a re-run; `take` returns the lines that are worth printing.
 
-    `streams`: driver and verb of setpoints that get no line each.
+    `streams`: driver and verb of setpoints that get no line each. `blind`: hides what the wizard of
+    then was not to know.
     """
 
     streams: frozenset[tuple[str, str]] = frozenset()
+    blind: Blind = field(default_factory=Blind)
     commands: dict[str, m.Command] = field(default_factory=dict)
     began: int = 0
     failed: int = 0
@@ -42,6 +45,10 @@ class Progress:
 
     def take(self, message: object) -> Iterator[str]:
         """Lines for `message`; usually one or none."""
+        if isinstance(message, m.Message):
+            yield from self._lines(self.blind.message(message))
+
+    def _lines(self, message: m.Message) -> Iterator[str]:
         match message:
             case m.RerunStarted():
                 self.began = message.t
@@ -84,14 +91,14 @@ class Progress:
         return f"{clock(t - self.began):>10}"
 
 
-def watch(launch: Launch, streams: frozenset[tuple[str, str]]) -> int:
+def watch(launch: Launch, streams: frozenset[tuple[str, str]], blind: Blind) -> int:
     """Until the re-run is over: 0 if all was done, 130 after a stop from here, else 1."""
     try:
         robot = launch.wait()
     except LaunchError as error:
         print(error, file=sys.stderr)
         return 1
-    progress = Progress(streams)
+    progress = Progress(streams, blind)
     try:
         stopped = _watch(robot, progress)
     except BaseException:

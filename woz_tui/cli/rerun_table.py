@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Iterator, Sequence
-from pathlib import Path
+from collections.abc import Iterator
+from dataclasses import replace
 
+from woz_tui.console.study.blind import Blind
 from woz_tui.experiment.shape import Experiment
 from woz_tui.replay.fitting import unfit
 from woz_tui.replay.plan import Plan, Step
@@ -15,8 +16,19 @@ from woz_tui.replay.plan import Plan, Step
 ARGS = 56
 #: Different reasons for leaving something out that the summary tells.
 REASONS = 8
-#: Lines of a difference that are shown at most; the rest is counted.
-DIFFERENCE = 200
+
+
+def veiled(plan: Plan, blind: Blind) -> Plan:
+    """The plan as a wizard may see it who was blind to the condition."""
+    if not blind:
+        return plan
+    return replace(
+        plan,
+        steps=tuple(
+            replace(step, command=blind.message(step.command), skip=blind.text(step.skip))
+            for step in plan.steps
+        ),
+    )
 
 
 def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
@@ -103,11 +115,3 @@ def clock(us: int) -> str:
 def plain(text: str) -> str:
     """Without what would move a terminal's cursor: a log may come from anywhere."""
     return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)
-
-
-def diff(lines: Sequence[str], file: Path) -> Iterator[str]:
-    """The difference between the experiment of then and of now."""
-    yield f"{file} has changed since the session was played:"
-    yield from (plain(line) for line in lines[:DIFFERENCE])
-    if len(lines) > DIFFERENCE:
-        yield f"... {len(lines) - DIFFERENCE} more lines"

@@ -12,6 +12,7 @@ from woz_tui.record.log import Line
 from woz_tui.record.names import FileName
 from woz_tui.replay.origin import Origin
 from woz_tui.replay.reel import Reel
+from woz_tui.replay.studied import blind_study
 
 
 class LogError(Exception):
@@ -89,7 +90,7 @@ def has_beginning(index: LogIndex) -> bool:
 
 def origin_of(lines: Iterable[object]) -> Origin:
     """What a log says about its experiment."""
-    name, hashes, files = "", [], None
+    name, hashes, files, study = "", [], None, None
     for line in lines:
         match line:
             case m.SessionStart(experiment=name, experiment_sha256=sha256):
@@ -98,7 +99,9 @@ def origin_of(lines: Iterable[object]) -> Origin:
                 hashes.append(sha256)
             case m.ExperimentFiles():
                 files = line
-    return Origin(name, tuple(hashes), files)
+            case m.SessionPlan():
+                study = blind_study(line) or study or {}
+    return Origin(name, tuple(hashes), files, study)
 
 
 def notes_of(index: LogIndex, reel: Reel) -> tuple[str, ...]:

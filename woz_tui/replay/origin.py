@@ -7,13 +7,14 @@ their text (`experiment.files`), so that what has been changed since can be show
 from __future__ import annotations
 
 import difflib
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Driver
 from woz_tui.experiment.decode import load
+from woz_tui.experiment.design import BLIND
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.session.beginning import name_beside, without_home
 
@@ -38,15 +39,27 @@ class Origin:
         name: The experiment file's name, without a folder.
         hashes: SHA-256 of the experiment's files, at the beginning and after each reload.
         files: Their text as it was last; None in logs of a version that did not keep it.
+        study: The study as consoles were told of it, by the last plan in the log whose wizard was
+            blind to the condition; empty if none was; None if the log has no plan.
     """
 
     name: str
     hashes: tuple[str, ...]
     files: m.ExperimentFiles | None = None
+    study: Mapping[str, m.Json] | None = None
 
     def made_with(self, experiment: Experiment) -> bool:
         """Whether the session was played, or ended, with just these files."""
         return bool(self.hashes) and experiment.sha256 in (self.hashes[0], self.hashes[-1])
+
+    @property
+    def blind(self) -> bool:
+        """Whether the wizard was blind to the condition, or may have been: in a log without a plan
+        the word in one of the files is enough.
+        """
+        if self.study is None and self.files is not None:
+            return any(BLIND in text for text in self.files.files.values())
+        return bool(self.study)
 
 
 def places(log: Path, name: str) -> list[Path]:
@@ -91,10 +104,16 @@ def find(
     return next((one for one in read if origin.made_with(one)), read[0])
 
 
-def differences(origin: Origin, experiment: Experiment) -> list[str]:
+def blind(origin: Origin, experiment: Experiment) -> bool:
+    """Whether a wizard of this study is blind to the condition: in the log, or by now."""
+    return origin.blind or bool(experiment.study.design and experiment.study.design.blind)
+
+
+def differences(origin: Origin, experiment: Experiment, *, places: bool = False) -> list[str]:
     """What has changed since the session, as the lines of a unified diff; empty: nothing has.
 
-    Where the log does not hold the files' text, one line says so.
+    With `places` only where: names of files and numbers of lines, no word of any text. Where the
+    log does not hold the files' text, one line says so.
     """
     if origin.made_with(experiment):
         return []
@@ -105,7 +124,8 @@ def differences(origin: Origin, experiment: Experiment) -> list[str]:
             f" (its hash was {was}, now it is {experiment.sha256[:12]});"
             " the log does not hold its text, so nobody can say what has changed"
         ]
-    return _diff(origin.files.files, now_of(experiment), origin.files.left_out)
+    compared = _places if places else _unified
+    return _diff(compared, origin.files.files, now_of(experiment), origin.files.left_out)
 
 
 def now_of(experiment: Experiment) -> dict[str, str]:
@@ -117,20 +137,51 @@ def now_of(experiment: Experiment) -> dict[str, str]:
     }
 
 
-def _diff(then: Mapping[str, str], now: Mapping[str, str], left_out: Sequence[str]) -> list[str]:
+#: Says in lines how the two texts of the file of this name differ; None: there is none.
+_Compared = Callable[[str, str | None, str | None], Iterable[str]]
+
+
+def _diff(
+    compared: _Compared,
+    then: Mapping[str, str],
+    now: Mapping[str, str],
+    left_out: Sequence[str],
+) -> list[str]:
     lines: list[str] = []
     for name in dict.fromkeys([*then, *now]):
-        if name in left_out:
-            continue
-        before, after = then.get(name, "").splitlines(), now.get(name, "").splitlines()
-        lines += difflib.unified_diff(
-            before,
-            after,
-            f"{name} (in the log)" if name in then else "/dev/null",
-            f"{name} (now)" if name in now else "/dev/null",
-            lineterm="",
-        )
+        if name not in left_out:
+            lines += compared(name, then.get(name), now.get(name))
     if not lines:
         kept = f" ({', '.join(left_out)} is not kept in the log)" if left_out else ""
         lines.append(f"the hash of the experiment's files is another one{kept}")
     return lines
+
+
+def _unified(name: str, then: str | None, now: str | None) -> Iterable[str]:
+    return difflib.unified_diff(
+        (then or "").splitlines(),
+        (now or "").splitlines(),
+        "/dev/null" if then is None else f"{name} (in the log)",
+        "/dev/null" if now is None else f"{name} (now)",
+        lineterm="",
+    )
+
+
+def _places(name: str, then: str | None, now: str | None) -> Iterator[str]:
+    """`small.yaml: line 6 in the log, lines 6 to 8 now`, a line for each place."""
+    if then is None or now is None:
+        yield f"{name}: {'not in the log, and there now' if then is None else 'is gone'}"
+        return
+    matcher = difflib.SequenceMatcher(None, then.splitlines(), now.splitlines())
+    for what, i1, i2, j1, j2 in matcher.get_opcodes():
+        if what == "replace":
+            yield f"{name}: {_lines(i1, i2)} in the log, {_lines(j1, j2)} now"
+        elif what == "delete":
+            yield f"{name}: {_lines(i1, i2)} in the log, gone now"
+        elif what == "insert":
+            yield f"{name}: {_lines(j1, j2)} now, not in the log"
+
+
+def _lines(first: int, end: int) -> str:
+    """`line 6` or `lines 6 to 8` of the lines `first` <= n < `end`, counted from 0."""
+    return f"line {end}" if end - first == 1 else f"lines {first + 1} to {end}"

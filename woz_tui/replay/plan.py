@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -22,6 +22,7 @@ from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
 from woz_tui.record.log import Damage, files_of, read
 from woz_tui.replay.marks import steady
 from woz_tui.replay.origin import Origin
+from woz_tui.replay.studied import blind_study
 
 #: Whose commands they are, in the log of the re-run.
 REPLAY = "replay"
@@ -40,6 +41,7 @@ _TELLING = (
     | m.End
     | m.Marker
     | m.StopPressed
+    | m.SessionPlan
 )
 #: Markers that the session itself puts: the preflight's, and those of the verb `mark`.
 _OWN_MARKS = frozenset({"preflight", "action"})
@@ -145,6 +147,7 @@ class _Reader:
     start: m.SessionStart | None = None
     hashes: list[str] = field(default_factory=list)
     files: m.ExperimentFiles | None = None
+    study: Mapping[str, m.Json] | None = None
     lives: dict[str, _Life] = field(default_factory=dict)
     marks: list[m.Marker] = field(default_factory=list)
     stops: list[int] = field(default_factory=list)
@@ -177,6 +180,8 @@ class _Reader:
                 self.hashes.append(message.experiment_sha256)
             case m.ExperimentFiles():
                 self.files = message
+            case m.SessionPlan():
+                self.study = blind_study(message) or self.study or {}
 
     def _life(self, command: str) -> _Life:
         return self.lives.setdefault(command, _Life())
@@ -204,7 +209,9 @@ def plan_of(path: Path) -> Plan:
     start = reader.start
     return Plan(
         name=files_of(path).stem,
-        origin=Origin(start.experiment if start else "", tuple(reader.hashes), reader.files),
+        origin=Origin(
+            start.experiment if start else "", tuple(reader.hashes), reader.files, reader.study
+        ),
         session=start.session if start else "",
         seed=start.seed if start else 0,
         sha256=digest.hexdigest(),

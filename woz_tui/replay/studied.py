@@ -47,6 +47,11 @@ def study_at(plan: m.SessionPlan, messages: Iterable[m.AnyMessage]) -> dict[str,
     return standing(progress)
 
 
+def blind_study(plan: m.SessionPlan) -> dict[str, Json]:
+    """What a plan says of the study, if its wizard is blind to the condition; else nothing."""
+    return study_of(plan) if labels_of(plan) else {}
+
+
 def labels_of(plan: m.SessionPlan) -> dict[str, str]:
     """Condition -> what a wizard is told instead who is blind to it."""
     blind = study_of(plan).get("blind")

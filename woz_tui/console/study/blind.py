@@ -101,7 +101,7 @@ class Blind:
             return {name: self.plain(one) for name, one in told.items()}
         return told
 
-    def message(self, told: m.Message) -> m.Message:
+    def message(self, told: Told) -> Told:
         """A message of the session as the wizard may know it."""
         return told if not self or isinstance(told, _WORDLESS) else self._struct(told)
 

@@ -1,0 +1,55 @@
+"""What is said of an experiment that is not any more what a session was played with.
+
+Wizards may look at their own sessions while a study still runs. Where they are blind to the
+condition, they are told the places that have changed and no text, because the file says which text
+is whose; `--reveal` shows everything, as it does on the screen.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+from woz_tui.cli.rerun_table import plain
+from woz_tui.console.study.blind import Blind, blind_of
+from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.replay import origin
+from woz_tui.replay.origin import Origin
+from woz_tui.session.study_view import study_settings
+
+#: Lines of a difference that are shown at most; the rest is counted.
+DIFFERENCE = 200
+_KEPT = "the wizards of this study are blind to the condition: --reveal shows the texts"
+
+
+def changed(told: Origin, experiment: Experiment, *, reveal: bool) -> list[str]:
+    """The difference between then and now in lines for the terminal; empty: there is none."""
+    kept = origin.blind(told, experiment) and not reveal
+    lines = origin.differences(told, experiment, places=kept)
+    if not lines:
+        return []
+    more = len(lines) - DIFFERENCE
+    return [
+        f"woz: {experiment.path} has changed since the session was played:",
+        *map(plain, lines[:DIFFERENCE]),
+        *([f"... {more} more lines"] if more > 0 else []),
+        *([f"woz: {_KEPT}"] if kept else []),
+    ]
+
+
+def wrong(told: Origin, error: ExperimentError, *, reveal: bool) -> Iterator[str]:
+    """The errors that the experiment has now. They quote the file, so a blind wizard is told only
+    where they are.
+    """
+    if not told.blind or reveal:
+        yield from map(str, error.problems)
+        return
+    for problem in error.problems:
+        yield f"{problem.place}: {'warning' if problem.warning else 'an error'}"
+    yield f"woz: {_KEPT}"
+
+
+def veil(told: Origin, experiment: Experiment, *, reveal: bool) -> Blind:
+    """Hides from the commands of a log what its wizard was not to know."""
+    if reveal:
+        return Blind()
+    return blind_of(told.study or study_settings(experiment))

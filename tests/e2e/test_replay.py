@@ -6,6 +6,7 @@ import psutil
 
 from tests.e2e import scenes
 from tests.e2e.lab import Lab, end_session, until
+from tests.fakes.terminal import WAIT_S
 
 
 def test_a_session_is_seen_again(lab: Lab) -> None:
@@ -21,26 +22,26 @@ def test_a_session_is_seen_again(lab: Lab) -> None:
     wizard.send("\x12")
     log.wait("stop.released")
     end_session(wizard)
-    assert wizard.process.wait(20) == 0
+    assert wizard.process.wait(WAIT_S) == 0
     until(lambda: not lab.processes(), "the end of the robot process")
     before = log.path.read_bytes()
 
     viewer = lab.terminal(["replay", str(log.path), "--paused"])
-    viewer.wait_text("REPLAY")
-    viewer.wait_text("┃┃")
-    first, last = viewer.text.splitlines()[0], viewer.text.splitlines()[23]
-    assert "Long way" in first
-    assert "P01" in first
-    assert "log complete" in first
-    assert "■" in last
-    assert "UTC" in last
+    viewer.wait_for(
+        lambda screen: (
+            all(
+                words in screen.split("\n")[0]
+                for words in ("REPLAY", "Long way", "P01", "log complete")
+            )
+            and all(words in screen.split("\n")[23] for words in ("┃┃", "■", "UTC"))
+        )
+    )
     (process,) = (each for each in lab.processes() if "replay" in each.cmdline())
     assert not lab.sockets()  # no robot process, and nobody who could be one
     assert not [each for each in process.net_connections() if each.status == psutil.CONN_LISTEN]
 
     viewer.send("\x1b[6~")  # page down: the marker
-    viewer.wait_text("◆ Marker")
-    assert "✓ Nod" in viewer.text
+    viewer.wait_for(lambda screen: "◆ Marker" in screen and "✓ Nod" in screen)
     viewer.send("\x1b[6~")
     viewer.wait_text("STOPPED by key")
     viewer.send("\x1b")
@@ -60,7 +61,7 @@ def test_a_session_is_seen_again(lab: Lab) -> None:
     viewer.wait_text("Session ended")
     viewer.wait_text("■  00:")
     viewer.send("\x11")
-    assert viewer.process.wait(20) == 0
+    assert viewer.process.wait(WAIT_S) == 0
     assert log.path.read_bytes() == before
     assert len(list(lab.recordings.glob("*.jsonl"))) == 2
 
@@ -69,7 +70,7 @@ def test_what_cannot_be_shown_is_said_on_the_terminal(lab: Lab) -> None:
     file = lab.file("guide.yaml", scenes.guide())
     missing = lab.terminal(["replay", str(lab.folder / "nothing.jsonl")])
     missing.wait_text("there is no such log")
-    assert missing.process.wait(20) == 1
+    assert missing.process.wait(WAIT_S) == 1
     wrong = lab.terminal(["replay", str(file)])
     wrong.wait_text("the name of a log")
-    assert wrong.process.wait(20) == 1
+    assert wrong.process.wait(WAIT_S) == 1

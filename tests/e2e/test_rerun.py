@@ -26,8 +26,6 @@ POSES = (
     {"pan": 10.0, "tilt": 5.0, "roll": -15.0},
 )
 PAN = 11
-#: On a crowded machine an answer takes longer than on any wire, and none may be missed here.
-PATIENT = "rest_speed: 240\n      reply_timeout: 200"
 #: Where a move is cut short depends on the tick in which the order comes, and those before it.
 CUT_DEGREES = 6.0
 SENT_DEGREES = 0.2
@@ -50,7 +48,7 @@ def original(lab: Lab, servos: Servos) -> Log:
     """A session: torque, three poses, a move that is replaced on its way, a nod; and back to where
     the next one begins.
     """
-    text = scenes.head(servos.port, watchdog=2000).replace("rest_speed: 120", PATIENT)
+    text = scenes.head(servos.port).replace("rest_speed: 120", "rest_speed: 240")
     host = lab.host(lab.file("bench.yaml", text))
     log = lab.log
     log.wait("driver.connected")

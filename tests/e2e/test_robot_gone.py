@@ -12,7 +12,7 @@ from tests.e2e.servos import TORQUE, Servos
 
 def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)
-    terminal = lab.run(lab.file("bench.yaml", scenes.head(servos.port, watchdog=2000)), columns=120)
+    terminal = lab.run(lab.file("bench.yaml", scenes.head(servos.port)), columns=120)
     log = lab.log
     log.wait("driver.connected")
     terminal.send("\x1b[20~")
@@ -48,9 +48,7 @@ def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
 
 def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)
-    # On a machine that stands still for half a second the servos' own watchdog would bite, and
-    # servos that have stopped by themselves are rightly not moved any more.
-    file = lab.file("bench.yaml", scenes.head(servos.port, abandon=5, watchdog=2500))
+    file = lab.file("bench.yaml", scenes.head(servos.port, abandon=5))
     host = lab.host(file)
     log = lab.log
     log.wait("driver.connected")

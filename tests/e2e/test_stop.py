@@ -65,7 +65,7 @@ def test_half_a_sentence_is_kept(terminal: FakeTerminal, stopping: Stopping) -> 
     terminal.send("half a sen")
     terminal.wait_text("half a sen")
     stopping.back()
-    assert "half a sen" not in terminal.text
+    terminal.wait_for(lambda text: "half a sen" not in text)
     stopping.release()
     stopping.open("/")
     terminal.wait_text("half a sen")

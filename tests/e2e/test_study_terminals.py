@@ -52,8 +52,9 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     log.wait("questionnaire.started", questionnaire="quick")
 
     guest.wait_text("3 questions.")
-    for keys in ("\r", "6"):
-        guest.send(keys)
+    guest.send("\r")
+    guest.wait_text("How pleasant was it?")
+    guest.send("6")
     assert log.wait("questionnaire.answered").fields["value"] == 6
     wizard.wait_text("asked 1/3")
     for chord in ("h", CTRL_R, "\x1a", "."):  # nothing of the wizard's
@@ -66,6 +67,7 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     log.wait("stop.released")
     wizard.send("h")
     log.wait("action.done", action="Hello")
+    guest.wait_text("How likely will you come again?")
     for keys in ("1", "0", "\r"):
         guest.send(keys)
     guest.wait_text("Anything else?")

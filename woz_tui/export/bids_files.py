@@ -23,6 +23,9 @@ _KINDS = {
     "break": "a break between trials",
     "stop": "the emergency stop, from its being pressed to its release",
     "questionnaire": "a questionnaire was put to the participant",
+    "difference": "a robot's setting was other than asked for; the text is what it had and what "
+    "was wanted",
+    "conflict": "settings of a robot that worked against each other, or against the wizard",
     "marker": "a moment that the wizard marked",
     "note": "a sentence that the wizard typed",
     "mistake": "the wizard labelled an action a mistake",

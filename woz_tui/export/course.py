@@ -21,8 +21,9 @@ class Event:
         seq: Number of the line with which it began; orders what happened at the same time.
         begin: When it began, on the session's axis.
         end: When it ended; None: it was a moment.
-        kind: action, command, engagement, trial, break, stop, speech, questionnaire; for moments
-            the kind of the line (marker, note, mistake, sensor.changed ...).
+        kind: action, command, engagement, trial, break, stop, speech, questionnaire, difference (a
+            robot's setting was other than asked for), conflict (of settings); for moments the kind
+            of the line (marker, note, mistake, sensor.changed ...).
         label: What of its kind it is: an action's name, a state, a trial's number.
         text: What was said, typed or recognised.
         participant, condition, trial: To whom and what it belongs; trial None: to none.
@@ -87,6 +88,28 @@ class Answer:
     skipped: bool = False
 
 
+@dataclass(slots=True, kw_only=True)
+class Setting:
+    """A robot's setting `name` from a change of it, or of whose time it is, to the next one.
+
+    `differs` is None while it is unknown: the robot is lost, or does not tell it any more. `wanted`
+    counts where it differs; else the robot had what was asked for, or nobody had asked.
+    """
+
+    seq: int
+    begin: int
+    end: int
+    driver: str
+    name: str
+    value: Json = None
+    wanted: Json = None
+    differs: bool | None = None
+    changed: bool = True
+    participant: str = ""
+    condition: str = ""
+    trial: int | None = None
+
+
 @dataclass(frozen=True, slots=True)
 class Clip:
     """Recorded sound of the visitor, and where on the session's axis it begins."""
@@ -105,6 +128,7 @@ class Session:
         start: What the first line says; None if that line is lost.
         events: By time of beginning.
         answers: By time; the last one to each item.
+        settings: What robots had set, by time.
         clips: Recorded sound that is there still.
         duration: Time of the last line.
         end_reason: What the last line says; empty if it is lost.
@@ -118,6 +142,7 @@ class Session:
     start: SessionStart | None = None
     events: list[Event] = field(default_factory=list)
     answers: list[Answer] = field(default_factory=list)
+    settings: list[Setting] = field(default_factory=list)
     clips: list[Clip] = field(default_factory=list)
     duration: int = 0
     end_reason: str = ""

@@ -17,7 +17,16 @@ from woz_tui.export.options import Options, Told
 from woz_tui.export.readme import readme
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.export.sources import Source, nameless
-from woz_tui.export.tables import ANSWERS, ENGAGEMENT, EVENTS, SAMPLES, SESSIONS, Cell, Table
+from woz_tui.export.tables import (
+    ANSWERS,
+    ENGAGEMENT,
+    EVENTS,
+    SAMPLES,
+    SESSIONS,
+    SETTINGS,
+    Cell,
+    Table,
+)
 from woz_tui.export.text import guarded, visible
 from woz_tui.record.log import Damage
 
@@ -31,6 +40,7 @@ _ABOUT = f"""## Files
 - `events.csv`: everything that happened, one row each; the table to begin with
 - `engagement.csv`: episodes of the engagement machine
 - `questionnaires.csv`: answers
+- `settings.csv`: what robots had set, and where it was other than asked for
 - `sessions.csv`: the sessions, and what is wrong with their logs
 - `samples.csv`: values of the sensors (only with `--samples`)
 - `datapackage.json`: what each column means, its type and unit
@@ -46,7 +56,7 @@ class CsvExporter:
         self._folder = folder
         self._options = options
         self._files = ExitStack()
-        self._tables: list[Table[Any]] = [EVENTS, ENGAGEMENT, ANSWERS, SESSIONS]
+        self._tables: list[Table[Any]] = [EVENTS, ENGAGEMENT, ANSWERS, SETTINGS, SESSIONS]
         if options.samples:
             self._tables.append(SAMPLES)
         self._writers = {table.name: self._begun(table) for table in self._tables}
@@ -61,6 +71,7 @@ class CsvExporter:
         self._writers["events"].write(session, session.events)
         self._writers["engagement"].write(session, engagement)
         self._writers["questionnaires"].write(session, session.answers)
+        self._writers["settings"].write(session, session.settings)
         self._writers["sessions"].write(session, [None])
         if not self._options.samples:
             return []

@@ -13,6 +13,7 @@ from typing import Any
 from woz_tui.core import messages as m
 from woz_tui.export.course import OPEN, Answer, Clip, Event, Session
 from woz_tui.export.moments import NO_EVENTS, details, moment
+from woz_tui.export.settings import Place, Settings
 from woz_tui.export.trials import Trials
 from woz_tui.record.log import Line
 
@@ -34,6 +35,7 @@ class Extractor:
         self._actions: dict[str, Event] = {}
         self._speech: dict[tuple[str, int], Event] = {}
         self._questions = Questions(session)
+        self._settings = Settings(session)
 
     def take(self, line: Line) -> None:
         """One line that is no sample."""
@@ -41,11 +43,18 @@ class Extractor:
         self.session.lines += 1
         message = line.message
         taken = message is not None and self._lasting(message, line)
-        if taken or line.kind in NO_EVENTS:
-            return
-        self._add(moment(line.seq, line.t, line.kind, line.fields))
+        if not taken and line.kind not in NO_EVENTS:
+            self._add(moment(line.seq, line.t, line.kind, line.fields))
+            if message is not None:
+                self._noted(message)
         if message is not None:
-            self._noted(message)
+            self._settings.take(message, line.t, line.seq)
+            self._settings.move(self._place, line.t)
+
+    @property
+    def _place(self) -> Place:
+        """Whose time it is."""
+        return self._participant, self._condition, self._trials.number
 
     def finish(self) -> None:
         """Close what is open, put everything in order."""
@@ -55,6 +64,7 @@ class Extractor:
         self.session.duration = max(
             [self.session.duration, *(event.end or event.begin for event in self.session.events)]
         )
+        self._settings.finish(self.session.duration)
         self.session.events.sort(key=lambda event: (event.begin, event.seq))
         self.session.answers.extend(self._questions.answers())
         self._name_the_first()
@@ -275,8 +285,7 @@ class Extractor:
         self.session.events.append(self._context(event))
 
     def _context(self, event: Event) -> Event:
-        event.participant, event.condition = self._participant, self._condition
-        event.trial = self._trials.number
+        event.participant, event.condition, event.trial = self._place
         return event
 
     def _noted(self, message: m.AnyMessage) -> None:
@@ -304,6 +313,8 @@ class Extractor:
             event.participant = event.participant or first
         for answer in self.session.answers:
             answer.participant = answer.participant or first
+        for setting in self.session.settings:
+            setting.participant = setting.participant or first
 
 
 class Questions:

@@ -8,17 +8,25 @@ writes them anew; a test keeps them fresh.
 from __future__ import annotations
 
 import sys
-from collections.abc import Iterator
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 from typing import Any
 
 from woz_tui.export import redaction
-from woz_tui.export.tables import ANSWERS, ENGAGEMENT, EVENTS, SAMPLES, SESSIONS, Table
+from woz_tui.export.tables import (
+    ANSWERS,
+    ENGAGEMENT,
+    EVENTS,
+    SAMPLES,
+    SESSIONS,
+    SETTINGS,
+    Table,
+)
 
 
 def columns() -> str:
     """All columns of all CSV tables."""
-    tables: list[Table[Any]] = [EVENTS, ENGAGEMENT, ANSWERS, SESSIONS, SAMPLES]
+    tables: list[Table[Any]] = [EVENTS, ENGAGEMENT, ANSWERS, SETTINGS, SESSIONS, SAMPLES]
     return "\n\n".join("\n".join(_table(table)) for table in tables)
 
 
@@ -48,8 +56,15 @@ def kept() -> str:
             "Within objects: " + ", ".join(inside) + ".",
             "",
             "`was` in " + ", ".join(sorted(redaction.KEPT_IN)) + ".",
+            "",
+            *(_words(kind, fields) for kind, fields in sorted(redaction.WORDS_INSIDE.items())),
         ]
     )
+
+
+def _words(kind: str, fields: Mapping[str, Collection[str]]) -> str:
+    names = [f"`{field}.{name}`" for field, inside in fields.items() for name in sorted(inside)]
+    return f"A lone word or a colour, in {kind}: " + ", ".join(names) + "."
 
 
 PARTS = {"columns": columns, "kept": kept}

@@ -7,8 +7,8 @@ from typing import Any
 
 from woz_tui.export.course import Event
 
-#: Kinds of line that are no events: about the log itself, parts of something longer, or state that
-#: is told so often that it belongs to the samples.
+#: Kinds of line that are no events by themselves: about the log, parts of something longer (see
+#: `settings`), or state that is told so often that it belongs to the samples.
 NO_EVENTS = frozenset(
     {
         *("session.start", "session.end", "clock", "checkpoint", "segment", "recorder.state"),

@@ -46,6 +46,14 @@ KEPT_INSIDE: Mapping[str, frozenset[str]] = {
     "panels": frozenset({"title", "name", "key", "verbs"}),
     "signs": frozenset({"filter"}),
 }
+#: Texts within objects that stay in these kinds only, if they are a lone word or a colour: what a
+#: robot had set. Any other, such as its address, goes; numbers and truth values stay anyway.
+WORDS_INSIDE: Mapping[str, Mapping[str, frozenset[str]]] = {
+    "settings.shown": dict.fromkeys(
+        ("values", "wanted"), frozenset({"state", "engagement", "eyes"})
+    ),
+}
+_WORD = re.compile(r"[A-Za-z]{1,20}|#[0-9a-f]{6}|", re.ASCII)
 #: Objects that stay as they are: names of drivers and of what they can do.
 VOCABULARY = frozenset({"verbs"})
 #: Fields with a visitor's code. Visitors can get a name instead, so only given codes stay.
@@ -58,9 +66,25 @@ _NAME = re.compile(r"[a-z][a-z0-9_]{0,39}", re.ASCII)
 def redacted(fields: Mapping[str, Any]) -> dict[str, Any]:
     """A line's fields without anybody's words, in the same JSON types, and without `ts`."""
     kind = fields.get("kind")
-    kept = KEPT | KEPT_IN.get(kind, frozenset()) if isinstance(kind, str) else KEPT
+    known = kind if isinstance(kind, str) else ""
+    kept = KEPT | KEPT_IN.get(known, frozenset())
+    words = WORDS_INSIDE.get(known, {})
     return {
-        _name(name): _field(name, value, kept) for name, value in fields.items() if name != "ts"
+        _name(name): _settings(value, words[name])
+        if name in words and isinstance(value, dict)
+        else _field(name, value, kept)
+        for name, value in fields.items()
+        if name != "ts"
+    }
+
+
+def _settings(values: Mapping[str, Any], kept: frozenset[str]) -> dict[str, Json]:
+    """Settings by name; of their texts only words of the `kept` ones."""
+    return {
+        _name(name): value
+        if name in kept and isinstance(value, str) and _WORD.fullmatch(value)
+        else _without_words(value, frozenset())
+        for name, value in values.items()
     }
 
 

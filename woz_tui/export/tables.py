@@ -11,8 +11,9 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
-from woz_tui.core.messages import Reading
-from woz_tui.export.course import OPEN, Answer, Event, Session
+from woz_tui.analysis.known import worded
+from woz_tui.core.messages import Json, Reading
+from woz_tui.export.course import OPEN, Answer, Event, Session, Setting
 from woz_tui.export.text import seconds
 
 Row = TypeVar("Row")
@@ -49,6 +50,11 @@ class Table(Generic[Row]):
 
 def _s(us: int | None) -> Cell:
     return None if us is None else seconds(us)
+
+
+def _value(value: Json) -> Cell:
+    """Numbers stay numbers, so that no guard stands before a negative one."""
+    return value if isinstance(value, int | float) else worded(value)
 
 
 def _json(value: Mapping[str, object]) -> Cell:
@@ -95,14 +101,15 @@ EVENTS: Table[Event] = Table(
             "kind",
             "string",
             "action, command, engagement, speech (the visitor's), trial, break, stop, "
-            "questionnaire; of moments, the kind of the log's line: marker, note, sensor.changed "
-            "...",
+            "questionnaire; difference: a robot's setting was other than asked for; conflict: of "
+            "settings; of moments, the kind of the log's line: marker, note, sensor.changed ...",
             lambda _, e: e.kind,
         ),
         Column(
             "label",
             "string",
-            "which one of its kind: the action's name, the command's verb, the state, the trial",
+            "which one of its kind: the action's name, the command's verb, the state, the trial, "
+            "the setting",
             lambda _, e: e.label or None,
         ),
         Column("panel", "string", "title of the action's panel", lambda _, e: e.panel or None),
@@ -120,7 +127,8 @@ EVENTS: Table[Event] = Table(
             "outcome",
             "string",
             "of actions and commands: done, failed, stopped, refused, timed_out, superseded; of "
-            "states the transition that led to them; open: the log ended first",
+            "states the transition that led to them; of settings lost: from then on it was "
+            "unknown; open: the log ended first",
             lambda _, e: e.outcome or None,
         ),
         Column(
@@ -136,7 +144,12 @@ EVENTS: Table[Event] = Table(
             "of actions: the wizard labelled it a mistake",
             lambda _, e: e.mistake if e.kind == "action" else None,
         ),
-        Column("text", "string", "said, typed or recognised", lambda _, e: e.text or None),
+        Column(
+            "text",
+            "string",
+            "said, typed or recognised; of a difference what the robot had and what was wanted",
+            lambda _, e: e.text or None,
+        ),
         Column("reason", "string", "why it ended so, in words", lambda _, e: e.reason or None),
         Column(
             "run", "string", "ties an action, its commands and mistakes", lambda _, e: e.run or None
@@ -228,6 +241,58 @@ ANSWERS: Table[Answer] = Table(
         Column("question", "string", "the item's words", lambda _, a: a.question or None),
     ),
     key=("log", "questionnaire", "round", "item"),
+)
+
+SETTINGS: Table[Setting] = Table(
+    "settings",
+    "What robots had set, as it was read back from them: one row for each change of one setting, "
+    "and one more wherever participant, condition or trial change, so that times add up by trial. "
+    "Only robots that tell their settings are in it.",
+    (
+        *_WHOSE,
+        Column(
+            "onset_s",
+            "number",
+            "when it was read so, from the session's start",
+            lambda _, each: _s(each.begin),
+            "s",
+        ),
+        Column(
+            "duration_s",
+            "number",
+            "until the next row of this setting, or the session's end",
+            lambda _, each: _s(each.end - each.begin),
+            "s",
+        ),
+        Column("driver", "string", "name of the driver", lambda _, each: each.driver or None),
+        Column("setting", "string", "name of the setting", lambda _, each: each.name),
+        Column(
+            "value",
+            "string",
+            "what the robot had: true, false, a number, a text, or JSON; empty: an empty text, or "
+            "unknown",
+            lambda _, each: None if each.differs is None else _value(each.value),
+        ),
+        Column(
+            "wanted",
+            "string",
+            "what was asked for, by the robot file or a command, where it differs",
+            lambda _, each: _value(each.wanted) if each.differs else None,
+        ),
+        Column(
+            "differs",
+            "boolean",
+            "it was other than asked for; empty: unknown, since the robot was lost or did not tell",
+            lambda _, each: each.differs,
+        ),
+        Column(
+            "changed",
+            "boolean",
+            "the setting changed; false: only participant, condition or trial did",
+            lambda _, each: each.changed,
+        ),
+        Column("seq", "integer", "number of the line in the log", lambda _, each: each.seq),
+    ),
 )
 
 SAMPLES: Table[tuple[Reading, str]] = Table(

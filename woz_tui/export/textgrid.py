@@ -27,9 +27,10 @@ same name runs along with the session (silence where nobody was recorded); open 
 Interval tiers: `trials`, `breaks`, `engagement` (the state), `visitor speech` (as it was
 understood), `robot speech` (from the moment when it began to speak), `panel ...` (the actions of
 each panel, from the request to the end; the outcome in brackets unless it was done), `stops`,
-`questionnaires`. Point tiers: `markers`, `notes`, `mistakes`, `cues`, `drivers`, `settings`. What
-overlaps is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to that. Line ends and
-tabs in texts are shown as ␊ and ␉."""
+`questionnaires`, `settings that differ` (what a robot had, and what was wanted), `conflicts` (of a
+robot's settings). Point tiers: `markers`, `notes`, `mistakes`, `cues`, `drivers`, `settings` (of
+the session). What overlaps is on a tier `...-2`. Intervals shorter than 1 ms were prolonged to
+that. Line ends and tabs in texts are shown as ␊ and ␉."""
 
 
 class TextGridExporter:

@@ -62,6 +62,8 @@ _AFTER: _Sorts = (
     ("cues", True, lambda event: event.kind in ("cue.given", "cue.answered")),
     ("drivers", True, lambda event: event.kind.startswith(("driver.", "lane."))),
     ("settings", True, lambda event: event.kind in _SETTINGS),
+    ("settings that differ", False, lambda event: event.kind == "difference"),
+    ("conflicts", False, lambda event: event.kind == "conflict"),
 )
 #: Where actions without a panel are.
 NO_PANEL = "actions"
@@ -106,6 +108,10 @@ def _words(event: Event) -> str:
             parts = [event.label, _marks(event)]
         case "trial":
             parts = [event.label, _marks(event), event.text]
+        case "difference":
+            parts = [event.driver, event.label, event.text]
+        case "conflict":
+            parts = [event.driver, event.text]
         case "stop":
             parts = [event.label, f"({event.source})"]
         case "mistake":

@@ -152,10 +152,15 @@ class Body:
         on = job.args.get("on")
         if not isinstance(on, bool):
             raise Rejected(f"the motors are switched on or off, not {on!r}")
-        await self._moving(
+        done = await self._moving(
             self._robot.call(MOTION, "wakeUp" if on else "rest", within=LONG_S),
             lambda: self._robot.call(MOTION, "killAll"),
         )
+        if done is False:  # where NAOqi answers at all; older ones return nothing
+            raise DriverError(
+                f"the robot did not {'wake up' if on else 'go to rest'}",
+                "release its emergency stop, close its charging flap, give it room; then try again",
+            )
         return {"on": on}
 
     async def _moving(self, call: Call, end: Callable[[], Call]) -> object:

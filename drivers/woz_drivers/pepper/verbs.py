@@ -12,7 +12,7 @@ from woz_drivers.pepper.camera import Camera
 from woz_drivers.pepper.eyes import Eyes
 from woz_drivers.pepper.head import Head
 from woz_drivers.pepper.microphones import Microphones
-from woz_drivers.pepper.naoqi_call import LANE, NaoqiCall
+from woz_drivers.pepper.naoqi_call import NaoqiCall
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.senses import Senses
 from woz_drivers.pepper.settings import PepperSettings
@@ -28,6 +28,8 @@ PARTS: tuple[type[Part], ...] = (
 )
 #: A robot that has just been switched on takes its time before it answers.
 CONNECT_LIMIT_S = 180.0
+#: Of `connect` and `disconnect` alone: nothing that waits for the robot stands before them.
+LANE = "line"
 
 LINE = (
     Verb(

@@ -6,9 +6,14 @@ import math
 from pathlib import Path
 
 import pytest
+from woz_drivers.naoqi.motion import Joints
+from woz_drivers.naoqi.table import offers
+from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.body_joints import JOINTS, limb
 
-from tests.drivers.pepper.played import Played, played
+from tests.drivers.pepper.played import QUIET, Played, played
+from tests.drivers.pepper.wired import wired
+from tests.fakes.naoqi import stand_in_here
 from woz_tui.core.driver import DriverError, Rejected
 from woz_tui.core.messages import Json
 
@@ -73,7 +78,7 @@ async def test_postures_are_taken_and_home_is_upright(it: Played) -> None:
 
 
 async def test_a_posture_that_is_not_reached_is_a_failure_with_a_remedy(it: Played) -> None:
-    await it.robot.fault("says-no", 5)
+    await it.robot.fault("says-no")
     with pytest.raises(DriverError, match="Stand was not reached") as told:
         await it.do("posture", name="Stand")
     assert "torque" in told.value.remedy
@@ -189,3 +194,20 @@ async def test_left_alone_it_takes_the_files_posture(tmp_path: Path) -> None:
 
 async def _plays(it: Played) -> bool:
     return "animation" in await moves(it)
+
+
+async def test_motors_that_stay_as_they_are_are_told(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def refuses(_: Joints) -> bool:
+        return False
+
+    monkeypatch.setattr(Joints, "wake_up", offers("wakeUp()b")(refuses))
+    async with (
+        stand_in_here() as robot,
+        wired(Body, tmp_path, robot, senses=QUIET) as it,
+    ):
+        with pytest.raises(DriverError, match="did not wake up") as told:
+            await it.do("torque", on=True)
+        assert "emergency stop" in told.value.remedy
+        assert await it.do("torque", on=False) == {"on": False}

@@ -11,12 +11,23 @@ from woz_drivers.pepper import Pepper
 from woz_drivers.pepper.parts import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings, Voice
 
-from tests.drivers.heard import Heard, Ordered
+from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.drivers.pepper.played import QUIET, joined, played
-from tests.fakes.naoqi import stand_in
+from tests.fakes.naoqi import stand_in, stand_in_here
+from woz_tui.bus.bus import Bus
 from woz_tui.core.conformance import check
 from woz_tui.core.driver import DriverError, Lost, Rejected
-from woz_tui.core.messages import DriverConnected, DriverLost, SettingsShown
+from woz_tui.core.hub import Hub
+from woz_tui.core.messages import (
+    Command,
+    Done,
+    DriverConnected,
+    DriverLost,
+    End,
+    Failed,
+    Json,
+    SettingsShown,
+)
 from woz_tui.core.robots import RobotOutline
 from woz_tui.plugins import installed
 
@@ -83,7 +94,10 @@ async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path, cli
             await it.do("say", text="Nobody hears this.")
 
 
-async def test_a_robot_is_not_left_driving_or_speaking(tmp_path: Path) -> None:
+async def test_a_robot_is_not_left_driving_or_speaking(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
     async with played(tmp_path, pace=2) as it:
         driving = it.begin("drive", x=5.0)
         saying = it.begin("say", text="A long story. " * 100)
@@ -103,7 +117,7 @@ async def test_what_the_end_of_the_session_cuts_short_ends_on_the_robot(tmp_path
         await it.robot.called("ALMotion.moveTo")
         await it.cancel(job)
         await it.driver.close()
-        assert await it.calls("ALMotion.stopMove")
+        await it.robot.called("ALMotion.stopMove")
         assert not any(await it.robot.get("velocity"))
 
 
@@ -140,8 +154,8 @@ async def test_a_robot_that_comes_back_gets_the_files_settings_again(tmp_path: P
         await it.tells(lambda shown: set(shown.values) == {"robot"})
         async with stand_in(port=port):
             await it.heard.first(DriverConnected, after=1)
-            await it.shows(volume=0.4, eyes="#ff0000", awareness=False)
-            assert it.shown.wanted == {}
+            asked = {"volume": 0.4, "eyes": "#ff0000", "awareness": False}
+            await it.tells(lambda shown: asked.items() <= shown.values.items() and not shown.wanted)
             await it.close()
 
 
@@ -156,6 +170,40 @@ async def test_all_settings_are_read_from_a_simulated_robot_of_its_own(tmp_path:
     await asyncio.wait_for(driver.perform(Ordered("say", {"text": "Hello"})), 20)
     await driver.rest()
     await driver.close()
+
+
+@pytest.mark.parametrize(
+    ("verb", "why"), [("disconnect", "disconnected by the wizard"), ("connect", "is being taken")]
+)
+async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_the_robot(
+    tmp_path: Path, verb: str, why: str
+) -> None:
+    async with stand_in_here() as robot:
+        heard = Heard(tmp_path)
+        settings = PepperSettings(robots=(robot.address,), senses=QUIET, client="own")
+        driver = Pepper("it", settings, heard.outlet)
+        hub = Hub(heard.clock, lambda message, line: None)
+        bus = Bus(hub, {"it": driver}, {"it": Pepper.verbs(settings)})
+
+        def send(name: str, **args: Json) -> asyncio.Future[End]:
+            end: asyncio.Future[End] = asyncio.get_running_loop().create_future()
+            command = Command(command=name, verb=name, args=args, driver="it", source="key")
+            bus.submit(command, end.set_result)
+            return end
+
+        await driver.open()
+        await heard.first(DriverConnected)
+        await send("volume", level=0.5)  # now the settings have been applied
+        await robot.fault("deaf")
+        hanging = send("naoqi", call="ALTextToSpeech.getAvailableLanguages")
+        await robot.called("ALTextToSpeech.getAvailableLanguages")
+        changing = send(verb)
+        ended = await asyncio.wait_for(hanging, PATIENCE_S)
+        assert isinstance(ended, Failed)
+        assert ended.reason.endswith(why)
+        await robot.clear()
+        assert isinstance(await asyncio.wait_for(changing, PATIENCE_S), Done)
+        await driver.close()
 
 
 # -- any call ------------------------------------------------------------------------------------

@@ -13,7 +13,8 @@ from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
-from tests.fakes.naoqi import StandIn
+from tests.drivers.pepper.connected import patient
+from tests.fakes.naoqi import StandIn, StandInHere
 from woz_tui.core.driver import DriverError
 from woz_tui.core.messages import Json, Notice, Reading
 
@@ -24,7 +25,7 @@ class Wired(Generic[P]):
     """`part` with what it tells, and the robot it is connected to."""
 
     def __init__(
-        self, kind: type[P], folder: Path, settings: PepperSettings, robot: StandIn
+        self, kind: type[P], folder: Path, settings: PepperSettings, robot: StandIn | StandInHere
     ) -> None:
         self.robot = robot
         self.heard = Heard(folder)
@@ -88,14 +89,20 @@ class Wired(Generic[P]):
 
 @asynccontextmanager
 async def wired(
-    kind: type[P], folder: Path, robot: StandIn, *, client: str = "own", **settings: Any
+    kind: type[P],
+    folder: Path,
+    robot: StandIn | StandInHere,
+    *,
+    client: str = "own",
+    **settings: Any,
 ) -> AsyncIterator[Wired[P]]:
     """Connect a part; yield it when it is there."""
     given = PepperSettings(robots=(robot.address,), client=client, **settings)
     it = Wired(kind, folder, given, robot)
-    it.connection.start()
-    try:
-        await it.connected()
-        yield it
-    finally:
-        await it.close()
+    with patient():
+        it.connection.start()
+        try:
+            await it.connected()
+            yield it
+        finally:
+            await it.close()

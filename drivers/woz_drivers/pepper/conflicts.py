@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping
+import contextlib
+from collections import Counter
+from collections.abc import Collection, Iterator, Mapping
 
+from woz_tui.core.clock import Clock
+from woz_tui.core.driver import Lost, Rejected
 from woz_tui.core.messages import Json
 
 #: Closer than this the robot touches what it passes, in metres; 0.1 is what NAOqi begins with.
@@ -12,6 +16,42 @@ NEAR_M = 0.1
 BUSY = ("solitary", "interactive")
 STEERS_HEAD = ("gaze", "nudge")
 GESTURES = ("play", "pose")
+#: What the wizard did longer ago than this, in seconds, nothing works against any more.
+RECENT_S = 60.0
+
+
+class Uses:
+    """Which verbs the wizard uses: those under way, and those that ended within `RECENT_S`.
+
+    So a sentence about a verb, once told, stays for a minute at least, and goes only after a minute
+    without that verb: what a wizard does again and again leaves the status line alone.
+    """
+
+    def __init__(self, clock: Clock) -> None:
+        self._clock = clock
+        self._going: Counter[str] = Counter()
+        self._ended_us: dict[str, int] = {}
+
+    @contextlib.contextmanager
+    def of(self, verb: str) -> Iterator[None]:
+        """While it is carried out. What was refused, or found no robot, was not used."""
+        self._going[verb] += 1
+        used = True
+        try:
+            yield
+        except (Rejected, Lost):
+            used = False
+            raise
+        finally:
+            self._going[verb] -= 1
+            if used:
+                self._ended_us[verb] = self._clock.now_us()
+
+    def now(self) -> frozenset[str]:
+        """The verbs that count at this moment."""
+        since = self._clock.now_us() - round(RECENT_S * 1_000_000)
+        recent = (verb for verb, ended in self._ended_us.items() if ended > since)
+        return frozenset((*(+self._going), *recent))
 
 
 def conflicts(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
@@ -19,7 +59,8 @@ def conflicts(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
 
     Args:
         values: Settings as the robot has them; what is missing is unknown and no conflict.
-        used: Verbs that were performed so far.
+        used: Verbs that the wizard uses (`Uses.now`). What may hurt somebody, or keeps the robot
+            from obeying, does not depend on them.
     """
     # What may hurt somebody or keeps the robot from obeying comes first: a console with little room
     # shows the first ones.

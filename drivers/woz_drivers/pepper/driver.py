@@ -122,7 +122,8 @@ class Pepper:
         await self._settled.wait()
         self._connection.alert()
         try:
-            sent = await part.perform(job)
+            with self._reading.using(job.verb):
+                sent = await part.perform(job)
         except (Rejected, Lost):
             raise
         except DriverError:

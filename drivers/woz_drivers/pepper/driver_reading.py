@@ -8,7 +8,7 @@ import logging
 from collections.abc import Mapping, Sequence
 
 from woz_drivers.pepper.address import parse
-from woz_drivers.pepper.conflicts import conflicts
+from woz_drivers.pepper.conflicts import Uses, conflicts
 from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.outline import lines
 from woz_drivers.pepper.parts import Part
@@ -41,7 +41,7 @@ class Reading:
         self._outlet = outlet
         self._wanted = Wanted(settings, lines(settings))
         self._names = _names(settings)
-        self._used: set[str] = set()
+        self._uses = Uses(outlet.clock)
         self._soon = asyncio.Event()
         self._loop: asyncio.Task[None] | None = None
         self._told: SettingsShown | None = None
@@ -63,9 +63,12 @@ class Reading:
         """Something has just changed: read at once."""
         self._soon.set()
 
+    def using(self, verb: str) -> contextlib.AbstractContextManager[None]:
+        """While a verb is performed: it counts for what may be in conflict, and a while longer."""
+        return self._uses.of(verb)
+
     def noticed(self, job: Job) -> None:
         """A verb was performed: what it set is wanted, and looked at soon."""
-        self._used.add(job.verb)
         self._wanted.note(job.verb, job.args)
         self._soon.set()
 
@@ -80,7 +83,7 @@ class Reading:
         while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
-            self._tell(values, self._wanted.differing(values), conflicts(values, self._used))
+            self._tell(values, self._wanted.differing(values), conflicts(values, self._uses.now()))
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(EVERY_S):
                     await self._soon.wait()

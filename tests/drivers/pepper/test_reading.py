@@ -3,13 +3,15 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import itertools
-from collections.abc import Mapping
+from collections.abc import Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import cast
 
 from hypothesis import given
 from hypothesis import strategies as st
+from woz_drivers.pepper.conflicts import RECENT_S
 from woz_drivers.pepper.connection import SPACING_S, Connection
 from woz_drivers.pepper.driver_reading import EVERY_S, LULL_S, Reading
 from woz_drivers.pepper.parts import Part
@@ -17,8 +19,8 @@ from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.driver import Lost
-from woz_tui.core.messages import Json
+from woz_tui.core.driver import Lost, Rejected
+from woz_tui.core.messages import Json, SettingsShown
 
 NOWHERE = PepperSettings(robots=(), connect=False)
 
@@ -59,16 +61,17 @@ def test_questions_keep_their_distance_and_wait_for_nothing_else(pauses: list[fl
 
 
 class Clerk:
-    """A part that notes when its settings were asked for."""
+    """A part that notes when its settings were asked for; these are `values`."""
 
     name = "clerk"
 
-    def __init__(self) -> None:
+    def __init__(self, **values: Json) -> None:
         self.asked: list[float] = []
+        self._values = values
 
     async def read(self) -> Mapping[str, Json]:
         self.asked.append(asyncio.get_running_loop().time())
-        return {}
+        return self._values
 
 
 def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then() -> None:
@@ -93,3 +96,86 @@ def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then
     assert 1 <= len(during) <= (over - begun) / LULL_S + 1
     assert any(over <= at <= over + LULL_S + 0.001 for at in asked)
     assert all(later - at <= EVERY_S + 0.001 for at, later in itertools.pairwise(asked))
+
+
+# -- conflicts with what the wizard does, and how long they count ----------------------------------
+
+Scene = Callable[[Reading], Awaitable[None]]
+
+
+def conflicts_told(scene: Scene, **values: Json) -> list[tuple[float, int]]:
+    """Seconds and number of the conflicts, whenever the wizard was told of other ones."""
+
+    async def played() -> list[tuple[float, int]]:
+        heard = Heard(Path("unused"), LoopClock(asyncio.get_running_loop()))
+        clerk = cast(Part, Clerk(**values))
+        reading = Reading(_connection(heard), [clerk], NOWHERE, heard.outlet)
+        reading.begin()
+        await asyncio.sleep(5.0)
+        await scene(reading)
+        await reading.close()
+        return [(one.t / 1e6, len(one.conflicts)) for one in heard.all(SettingsShown)]
+
+    return run_virtual(played())
+
+
+async def use(reading: Reading, verb: str, seconds: float = 0.0) -> None:
+    """A verb as the driver performs it."""
+    with reading.using(verb):
+        await asyncio.sleep(seconds)
+    reading.noticed(Ordered(verb))
+
+
+def test_a_conflict_with_a_verb_ages_out_once_and_comes_back_with_it() -> None:
+    async def scene(reading: Reading) -> None:
+        await use(reading, "nudge")
+        await asyncio.sleep(RECENT_S + 35.0)  # it is 100 s
+        await use(reading, "gaze")
+        await asyncio.sleep(1.0)
+
+    told = conflicts_told(scene, awareness=True)
+    assert [count for _, count in told] == [0, 1, 0, 1]
+    begun, aged, again = (at for at, _ in told[1:])
+    assert 5.0 <= begun <= 5.0 + LULL_S + 0.01
+    assert 5.0 + RECENT_S <= aged <= 5.0 + RECENT_S + EVERY_S + 0.01
+    assert 100.0 <= again <= 100.0 + LULL_S + 0.01
+
+
+def test_what_the_wizard_does_again_and_again_leaves_the_status_line_alone() -> None:
+    async def scene(reading: Reading) -> None:
+        for _ in range(30):
+            await use(reading, "say", seconds=4.0)
+            await asyncio.sleep(RECENT_S - 2 * EVERY_S)
+
+    told = conflicts_told(scene, speaking_movement=True)
+    assert [count for _, count in told] == [0, 1]
+
+
+def test_what_takes_longer_than_a_minute_counts_from_its_beginning_to_a_minute_after() -> None:
+    async def scene(reading: Reading) -> None:
+        await use(reading, "play", seconds=200.0)
+        await asyncio.sleep(RECENT_S + 2.0)
+
+    told = conflicts_told(scene, arms_breathing=True)
+    assert [count for _, count in told] == [0, 1, 0]
+    assert told[1][0] <= 5.0 + EVERY_S + 0.01
+    assert told[2][0] >= 205.0 + RECENT_S
+
+
+def test_dangers_never_age() -> None:
+    async def scene(reading: Reading) -> None:
+        await asyncio.sleep(20 * RECENT_S)
+
+    told = conflicts_told(scene, tangential=0.02, state="solitary", awareness=True)
+    assert [count for _, count in told] == [2]
+
+
+def test_what_was_refused_was_not_done() -> None:
+    async def scene(reading: Reading) -> None:
+        for error in (Rejected("nonsense"), Lost("gone")):
+            with contextlib.suppress(Rejected, Lost), reading.using("eyes"):
+                raise error
+        reading.soon()
+        await asyncio.sleep(2.0)
+
+    assert [count for _, count in conflicts_told(scene, blinking=True)] == [0]

@@ -1,6 +1,10 @@
 """The animations of this robot: the paths of those that Pepper comes with.
 
 How long each takes is a round figure of ours by its folder, not a measurement.
+
+Not shared with the driver's table (`woz_drivers.pepper.animations_known`), on purpose: this is the
+far end of the wire, which knows nothing of who calls. Two lists, typed apart, find each other's
+mistakes.
 """
 
 from __future__ import annotations

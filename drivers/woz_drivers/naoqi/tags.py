@@ -1,4 +1,8 @@
-"""What a text for ALAnimatedSpeech says and does: words, pauses, animations, tags of the voice."""
+"""What a text for ALAnimatedSpeech says and does: words, pauses, animations, tags of the voice.
+
+Not shared with what the driver knows of tags (`woz_drivers.pepper.tags`), on purpose: this is the
+far end of the wire, and takes what a Pepper takes, whatever the driver lets through.
+"""
 
 from __future__ import annotations
 

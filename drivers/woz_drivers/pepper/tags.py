@@ -3,6 +3,9 @@ r"""Tags in an utterance: which there are, and sentences about those that the ro
 Two families: `\rspd=80\` changes the voice from there on, `^run(animations/...)` moves the body
 meanwhile. A tag that is wrong is told and still sent as it was written: whoever wrote it decides.
 Ranges as the manufacturer documents them for ALTextToSpeech and ALAnimatedSpeech.
+
+The simulated robot (`woz_drivers.naoqi.tags`) reads tags by rules of its own, on purpose: it is the
+far end, and would otherwise take whatever is let through here, right or wrong.
 """
 
 from __future__ import annotations

@@ -5,13 +5,16 @@ from __future__ import annotations
 import asyncio
 import threading
 import time
-from collections.abc import AsyncIterator, Callable
-from contextlib import asynccontextmanager
+from collections.abc import AsyncIterator, Callable, Iterator
+from contextlib import asynccontextmanager, contextmanager
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+import pytest
+from woz_drivers.pepper import connection, connection_pulse
 from woz_drivers.pepper.connection import Connection
+from woz_drivers.pepper.parts import LOOK_S
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard
@@ -20,6 +23,26 @@ from woz_tui.core.messages import DriverHealth
 
 WITHIN_S = 20.0
 SETTINGS = PepperSettings(robots=())
+
+
+#: How long the driver waits for an answer, and how long it does so in `patience`.
+LIMITS = {
+    (connection_pulse, "SILENT_S"): (connection_pulse.SILENT_S, WITHIN_S),
+    (connection_pulse, "ANSWER_S"): (connection_pulse.ANSWER_S, WITHIN_S),
+    (connection_pulse, "KNOWN_S"): (connection_pulse.KNOWN_S, 2 * WITHIN_S),
+    (connection, "LOOK_S"): (LOOK_S, WITHIN_S),
+}
+
+
+@contextmanager
+def patience(*, hurried: bool = False) -> Iterator[None]:
+    """A robot on a busy machine takes its time; that a silent one is soon known is shown by those
+    tests that are about it: `hurried`, also inside of another patience.
+    """
+    with pytest.MonkeyPatch.context() as patch:
+        for (module, name), (short, long) in LIMITS.items():
+            patch.setattr(module, name, short if hurried else long)
+        yield
 
 
 @dataclass

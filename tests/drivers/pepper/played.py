@@ -13,6 +13,7 @@ from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.settings import PepperSettings, Senses
 
 from tests.drivers.heard import Heard, Ordered
+from tests.drivers.pepper.connected import patience
 from tests.fakes.naoqi import Call, StandIn, stand_in
 from woz_tui.core.driver import Scope, StopReport
 from woz_tui.core.messages import DriverConnected, Json, Notice, SettingsShown
@@ -115,16 +116,21 @@ async def played(
     pace: float = PACE,
     life: str = "solitary",
     options: tuple[str, ...] = (),
+    hurried: bool = False,
     **settings: Any,
 ) -> AsyncIterator[Played]:
-    """Start a robot and a driver that plays it; yield when they are connected."""
-    async with stand_in(pace=pace, life=life, options=options) as robot:
-        given = PepperSettings(robots=(robot.address,), client=client, senses=QUIET)
-        it = await joined(robot, folder, dataclasses.replace(given, **settings))
-        try:
-            yield it
-        finally:
-            await it.close()
+    """Start a robot and a driver that plays it; yield when they are connected.
+
+    `hurried`: a robot that is silent is noticed as soon as in a session.
+    """
+    with patience(hurried=hurried):
+        async with stand_in(pace=pace, life=life, options=options) as robot:
+            given = PepperSettings(robots=(robot.address,), client=client, senses=QUIET)
+            it = await joined(robot, folder, dataclasses.replace(given, **settings))
+            try:
+                yield it
+            finally:
+                await it.close()
 
 
 async def joined(robot: StandIn, folder: Path, settings: PepperSettings) -> Played:

@@ -110,7 +110,7 @@ async def test_to_nowhere_is_refused(it: Played) -> None:
 
 
 async def test_a_silent_robot_is_not_sent_a_drive(tmp_path: Path) -> None:
-    async with played(tmp_path) as it:
+    async with played(tmp_path, hurried=True) as it:
         it.robot.freeze()
         with pytest.raises(Lost):
             await it.do("drive", x=1.0)

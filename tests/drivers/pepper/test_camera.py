@@ -87,8 +87,8 @@ async def test_no_more_pictures_than_wanted_and_each_after_the_last(
         [call] = await robot.trace("ALVideoDevice.subscribe")
         assert call.args[3] == 5
         await robot.fault("slow:100")
-        begun = len(await robot.trace("ALVideoDevice.getImageRemote"))
         had = _came(it)
+        begun = len(await robot.trace("ALVideoDevice.getImageRemote"))
         _watch(it, rate=30)
         await until(lambda: _came(it) >= had + 2)
         assert len(await robot.trace("ALVideoDevice.getImageRemote")) - begun <= _came(it) - had + 1
@@ -190,9 +190,12 @@ async def test_a_picture_that_is_cut_short_lets_the_camera_go(
 ) -> None:
     async with wired(Camera, tmp_path, robot) as it:
         await robot.fault("slow:200")
-        taking = asyncio.create_task(it.do("picture"))
-        await robot.called("ALVideoDevice.getImageRemote")
-        taking.cancel()
-        await asyncio.wait([taking])
+        for tried in range(1, 20):  # on a busy machine the picture may be there first
+            taking = asyncio.create_task(it.do("picture"))
+            await robot.called("ALVideoDevice.getImageRemote", tried)
+            taking.cancel()
+            await asyncio.wait([taking])
+            if taking.cancelled():
+                break
         assert taking.cancelled()
         await _let_go(robot)

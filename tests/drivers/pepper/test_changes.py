@@ -198,7 +198,7 @@ async def test_a_robot_without_a_player_confirms_its_stop(
 async def test_a_stop_that_is_answered_too_late_leaves_nothing_unread(tmp_path: Path) -> None:
     unread: list[dict[str, Any]] = []
     asyncio.get_running_loop().set_exception_handler(lambda _, what: unread.append(what))
-    async with played(tmp_path) as it:
+    async with played(tmp_path, hurried=True) as it:
         it.robot.freeze()
         report = await it.stop()
         assert {"driving", "motion", "sounds", "speech"} <= set(report.missing)

@@ -12,7 +12,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.pepper.connection_pulse import FRESH_S
 
-from tests.drivers.pepper.connected import Outcome, Stand, is_lost, stand
+from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand
 from tests.fakes.dropping_proxy import dropping_proxy
 from tests.fakes.naoqi import Call, StandIn, stand_in
 from woz_tui.core.driver import Health, Lost
@@ -90,7 +90,8 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(client: str, tmp_path:
         outcomes = [await one for one in sent]
         assert all(is_lost(one) for one in outcomes)
         # Only what was sent before anybody could notice lies in the robot's own memory.
-        blind_ns = froze + (FRESH_S + 0.05) * 1e9
+        # An answer of before may be heard late on a busy machine.
+        blind_ns = froze + (FRESH_S + 0.5) * 1e9
         for number, one in enumerate(outcomes, start=1):
             assert number not in arrived or one.begun_ns < blind_ns
         assert outcomes[-1].begun_ns > blind_ns, "the test has not tried anything in the silence"
@@ -113,6 +114,7 @@ async def test_what_was_sent_into_a_cut_cable_never_arrives(client: str, tmp_pat
         assert is_lost(await saying)
         await it.is_so(Health.LOST, "has not answered")
         await asyncio.gather(*sent)
+        await it.until(lambda: it.went == 1)  # what was sent has been thrown away by then
         network.heal()
         await it.is_so(Health.CONNECTED)
         await it.connection.call(*MARK, LAST)
@@ -179,7 +181,12 @@ async def test_a_robot_that_does_not_answer_one_call_is_not_lost(
         assert it.went == 0
 
 
-async def test_a_silent_robot_is_asked_to_stop_even_so(client: str, tmp_path: Path) -> None:
+async def test_a_silent_robot_is_asked_to_stop_even_so(
+    client: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    # It is silent, and does not count as gone before the test has looked.
+    monkeypatch.setattr("woz_drivers.pepper.connection_pulse.ANSWER_S", WITHIN_S)
+    monkeypatch.setattr("woz_drivers.pepper.connection_pulse.KNOWN_S", 2 * WITHIN_S)
     async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
         await it.is_so(Health.CONNECTED)
         robot.freeze()

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from collections.abc import AsyncIterator
 
@@ -26,8 +25,11 @@ async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Play
 
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A busy machine takes its time; that a stop waits no longer is another test's."""
+    """A busy machine takes its time; that a stop waits no longer is another test's. Steps belong
+    together even so.
+    """
     monkeypatch.setattr("woz_drivers.pepper.driver.STOP_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.pepper.head.RECENT_US", PATIENCE_S * 1e6)
 
 
 async def angle(it: Played, joint: str) -> float:
@@ -132,7 +134,7 @@ async def test_a_burst_of_steps_is_quick_and_leaves_nothing_out(it: Played) -> N
 
 async def test_after_a_stop_a_step_begins_where_the_head_stands(it: Played) -> None:
     await it.do("gaze", yaw=0, pitch=0)
-    await asyncio.wait_for(reaches(it, "HeadYaw", 0), 10)
+    await reaches(it, "HeadYaw", 0)
     await it.do("gaze", yaw=100, pitch=0)
     report = await it.stop()
     assert "motion" in report.confirmed

@@ -65,6 +65,14 @@ def ask(
         line.close()
 
 
+def had(url: str) -> bytes:
+    """What an address gives; nothing where the server hangs up."""
+    try:
+        return ask(url)[2]
+    except (http.client.HTTPException, ConnectionError):
+        return b""
+
+
 def raw(port: int, request: bytes) -> bytes:
     """Bytes in, bytes out, until the server hangs up."""
     with socket.create_connection((HOST, port), timeout=PATIENCE_S) as line:
@@ -310,7 +318,7 @@ def test_a_client_that_says_nothing_is_shown_out(film: Path, troubles: list[str]
         with socket.create_connection((HOST, server.port), timeout=PATIENCE_S) as slow:
             slow.sendall(b"GET / HT")
             assert slow.recv(100) == b""
-        assert ask(server.list_file(film))[2] == BODY
+        until(lambda: had(server.list_file(film)) == BODY)
     finally:
         server.close()
     assert troubles == []
@@ -364,13 +372,7 @@ def test_more_clients_than_places_are_sent_away_and_places_come_back(
     for one in held:
         one.close()
 
-    def answered() -> bool:
-        try:
-            return ask(url)[2] == BODY
-        except (http.client.HTTPException, ConnectionError):
-            return False
-
-    until(answered)
+    until(lambda: had(url) == BODY)
 
 
 def test_closing_hangs_up_and_leaves_no_thread(
@@ -382,7 +384,7 @@ def test_closing_hangs_up_and_leaves_no_thread(
         until(lambda: "pepper tablet client" in threads())
         server.close()
         assert idle.recv(10) == b""
-    assert threads() == set()
+    until(lambda: threads() == set())
     with pytest.raises(OSError) as refused:
         socket.create_connection((HOST, server.port), timeout=1).close()
     assert refused.value.errno == errno.ECONNREFUSED

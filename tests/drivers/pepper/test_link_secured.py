@@ -48,7 +48,7 @@ class Guarded:
 
     async def open(self, **settings: str) -> Link:
         given = PepperSettings(robots=(), password="ROBOT_PASSWORD", **settings)  # type: ignore[arg-type]
-        return await open_link(parse(self.address), given)
+        return await open_link(parse(self.address), given, within=WITHIN_S)
 
 
 @pytest.fixture

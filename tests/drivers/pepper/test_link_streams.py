@@ -22,11 +22,11 @@ from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import Lost
 
 async def trouble(address):
-    link = await open_link(parse(address), PepperSettings(robots=(), client="qi"))
+    link = await open_link(parse(address), PepperSettings(robots=(), client="qi"), within=20)
     calls = [
-        link.call("ALMotion", "moveTo", "x", within=5),
-        link.call("ALNothing", "say", within=5),
-        link.call("ALMotion", "nothing", within=5),
+        link.call("ALMotion", "moveTo", "x", within=20),
+        link.call("ALNothing", "say", within=20),
+        link.call("ALMotion", "nothing", within=20),
         link.listen("ALMotion", "nothing", print),
     ]
     for call in calls:

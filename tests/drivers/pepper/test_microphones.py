@@ -6,6 +6,7 @@ import asyncio
 import os
 import threading
 import wave
+from collections.abc import AsyncIterator
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +21,21 @@ from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.core.driver import DriverError, Rejected, Scope
+
+
+@pytest.fixture
+async def robot() -> AsyncIterator[StandIn]:
+    """Its time passes as ours does: a recording is made of as much sound as it lasted."""
+    async with stand_in(pace=1.0) as started:
+        yield started
+
+
+@pytest.fixture(autouse=True)
+def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
+    """On a busy machine sound comes late, and ends late."""
+    monkeypatch.setattr("woz_drivers.pepper.microphones_listening._PATIENCE_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.pepper.microphones_listening._FAREWELL_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.pepper.microphones._FAREWELL_S", PATIENCE_S)
 
 
 @pytest.mark.naoqi(
@@ -60,10 +76,7 @@ async def test_off_ends_what_an_earlier_program_began(tmp_path: Path, robot: Sta
         assert str((await it.do("record_sound", on=True))["file"]).endswith(".wav")
 
 
-async def test_the_end_of_the_session_ends_the_recording(
-    tmp_path: Path, robot: StandIn, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.microphones._FAREWELL_S", PATIENCE_S)
+async def test_the_end_of_the_session_ends_the_recording(tmp_path: Path, robot: StandIn) -> None:
     async with wired(Microphones, tmp_path, robot) as it:
         await it.do("record_sound", on=True)
     assert await robot.get("recording") == ""

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 from pathlib import Path
 
 import pytest
@@ -37,12 +36,10 @@ async def test_texts_arrive_unharmed_by_either_way(it: Played) -> None:
 @pytest.mark.naoqi("ALTextToSpeech/TextDone")
 async def test_say_ends_when_the_robot_has_finished_speaking(it: Played) -> None:
     text = "This is a sentence that takes the robot a while to say. " * 3
-    job = it.begin("say", text=text)
-    await it.robot.called("ALAnimatedSpeech.say")
-    await it.robot.until(lambda: _speaking(it))
-    assert not job.done()
-    await job
+    await it.do("say", text=text)
     assert not await _speaking(it)
+    last = (await it.robot.get("said"))[-1]
+    assert (last["text"].strip(), last["whole"]) == (text.strip(), True)
     (expected,) = it.jobs[-1].announced
     assert expected == pytest.approx(len(text.strip()) / 14)
     done = await it.do("naoqi", call="ALMemory.getData", args='["ALTextToSpeech/TextDone"]')
@@ -60,7 +57,7 @@ async def test_a_cancelled_sentence_ends_on_the_robot_and_spares_the_next_one(it
     job = it.begin("say", text="A very long story. " * 100)
     await it.robot.until(lambda: _says(it, "A very long story"))
     await it.cancel(job)
-    await asyncio.wait_for(it.do("say", text="Something else."), 10)
+    await it.do("say", text="Something else.")
     cut, whole = (await it.robot.get("said"))[-2:]
     assert (cut["whole"], whole["whole"]) == (False, True)
     assert whole["text"].strip() == "Something else."
@@ -71,10 +68,11 @@ async def test_the_next_sentence_waits_until_the_end_of_the_last_one_has_arrived
 ) -> None:
     job = it.begin("say", text="A very long story. " * 100)
     await it.robot.until(lambda: _says(it, "A very long story"))
-    await it.robot.fault("slow:300", 2)
+    await it.robot.fault("slow:300")
     await it.cancel(job)
+    (ended,) = await it.robot.called("ALTextToSpeech.stopAll")
+    await it.robot.fault("none")
     await it.do("say", text="Later.")
-    (ended,) = await it.robot.trace("ALTextToSpeech.stopAll")
     begun = (await it.robot.trace("ALAnimatedSpeech.say"))[-1]
     # The answer to the end took 0.3 s, and only then was the next one sent.
     assert begun.at_ns - ended.at_ns > 250_000_000
@@ -136,13 +134,13 @@ async def test_a_file_is_read_out_paragraph_by_paragraph(it: Played) -> None:
 
 
 async def test_reading_can_be_cut_short_between_and_within_paragraphs(it: Played) -> None:
-    (it.folder / "long.txt").write_text("\n\n".join(["A long paragraph. " * 12] * 5))
+    (it.folder / "long.txt").write_text("\n\n".join(["A long paragraph. " * 12] * 20))
     job = it.begin("read", file="long.txt", plain=True)
     await it.robot.called("ALTextToSpeech.say", 2)
     await it.cancel(job)
     await it.robot.called("ALTextToSpeech.stopAll")
     await it.do("say", text="Done.")
-    assert len(await it.calls("ALTextToSpeech.say")) < 5
+    assert len(await it.calls("ALTextToSpeech.say")) < 20
     assert not await _speaking(it)
 
 
@@ -175,8 +173,8 @@ async def test_settings_of_the_voice_are_set_and_read_back(it: Played) -> None:
 @pytest.mark.woz4u("volume", "voice_speed", "voice_pitch")
 async def test_the_files_voice_is_set_on_connect(tmp_path: Path) -> None:
     async with played(tmp_path, voice=Voice(volume=0.2, speed=80, pitch=1.2)) as it:
-        await it.shows(volume=0.2, speech_speed=80, speech_pitch=1.2)
-        assert it.shown.wanted == {}
+        asked = {"volume": 0.2, "speech_speed": 80, "speech_pitch": 1.2}
+        await it.tells(lambda shown: asked.items() <= shown.values.items() and not shown.wanted)
 
 
 async def test_a_sentence_ends_as_lost_when_the_robot_dies(tmp_path: Path) -> None:

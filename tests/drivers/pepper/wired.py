@@ -13,7 +13,7 @@ from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
-from tests.drivers.pepper.connected import patient
+from tests.drivers.pepper.connected import patience
 from tests.fakes.naoqi import StandIn, StandInHere
 from woz_tui.core.driver import DriverError
 from woz_tui.core.messages import Json, Notice, Reading
@@ -99,7 +99,7 @@ async def wired(
     """Connect a part; yield it when it is there."""
     given = PepperSettings(robots=(robot.address,), client=client, **settings)
     it = Wired(kind, folder, given, robot)
-    with patient():
+    with patience():
         it.connection.start()
         try:
             await it.connected()

@@ -49,6 +49,7 @@ async def test_all_of_it_is_answered_by_keys(size: tuple[int, int]) -> None:
         await seat.press("enter")
         assert "It was kind" in seat.drawn()
         assert "finish" in seat.drawn()
+        await seat.pass_time(0.8)
         await seat.press("enter")
         ended = seat.feed.last(r.AskQuestionnaire)
         assert isinstance(ended, r.AskQuestionnaire)
@@ -97,6 +98,20 @@ async def test_a_held_digit_writes_nothing_into_a_text_behind_its_item() -> None
         await seat.pass_time(0.5)
         await seat.press("6", "enter")
         assert [answer.text for answer in answers(seat)] == ["", "ok6"]
+
+
+async def test_a_held_enter_leaves_out_one_text_and_says_nothing_of_it() -> None:
+    texts = [{**studied.SCALES[3], "name": name} for name in ("one", "two", "three")]
+    async with sitting(studied.welcome()) as seat:
+        await asking(seat, {**studied.ROBOT, "items": texts})
+        await seat.press("enter", "left", *["enter"] * 4)
+        assert [answer.item for answer in answers(seat)] == ["one"]
+        await seat.pass_time(0.5)
+        await seat.press("enter")
+        assert "press it again" in seat.drawn()
+        await seat.pass_time(0.8)
+        await seat.press("enter")
+        assert [answer.item for answer in answers(seat)] == ["one", "two"]
 
 
 async def test_pasted_digits_answer_nothing_on_a_scale() -> None:

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from tests.console import studied
 from woz_tui.console.study.questions import Answer, Asked, Item, Questionnaire, items_of
-from woz_tui.console.study.round import SETTLING_US, Page, Round
+from woz_tui.console.study.round import HELD_US, QUICK, SETTLING_US, Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
@@ -30,11 +30,19 @@ class Sitting:
         self.asked = Asked(Questionnaire("robot", "You", items=self.items), self.answers)
         self.taken = Round(self.asked, self.sent.append, lambda: self.now)
 
-    def press(self, *keys: str, apart: float = 0.5) -> None:
+    def press(self, *keys: str, apart: float = 0.8) -> None:
         """Press keys, `apart` seconds from each other."""
         for key in keys:
-            self.taken.key(key)
+            self.comes(key)
             self.now += round(apart * 1_000_000)
+
+    def comes(self, key: str) -> None:
+        """A key, as the sheet hands it on; a text is what has been answered before, or nothing."""
+        if not self.taken.writes or key != "enter":
+            self.taken.key(key)
+        elif not self.taken.settles(key):
+            answer = self.taken.answer
+            self.taken.write(answer.text if answer else "")
 
     def page(self) -> Page:
         return self.taken.page
@@ -117,12 +125,80 @@ def test_a_held_key_answers_one_item(rate: float) -> None:
     assert (len(seat.sent), seat.taken.position, seat.taken.complaint) == (1, 1, "")
 
 
-@pytest.mark.parametrize(("delay", "answered"), [(0.25, 1), (0.5, 2), (0.66, 2)])
-def test_repeats_never_answer_more_than_their_first_may(delay: float, answered: int) -> None:
+@pytest.mark.parametrize("delay", [0.25, 0.5, 0.66])
+def test_the_first_repeat_answers_nothing_however_long_the_keyboard_waits(delay: float) -> None:
     seat = many()
     seat.press("5", apart=delay)
     seat.press(*"5" * 90, apart=1 / 30)
-    assert len(seat.sent) == answered
+    assert (len(seat.sent), seat.taken.complaint) == (1, "")
+
+
+def test_who_presses_the_same_key_too_soon_is_told_and_may_press_again() -> None:
+    seat = many()
+    seat.press("5", "5", apart=0.5)
+    assert (len(seat.sent), seat.taken.complaint) == (1, QUICK)
+    seat.now += HELD_US
+    seat.press("5")
+    assert (len(seat.sent), seat.taken.complaint) == (2, "")
+
+
+def texts(count: int) -> tuple[Item, ...]:
+    return tuple(Item(f"text-{n}", "Why?", text=True, optional=True) for n in range(count))
+
+
+def test_a_held_enter_does_not_leave_out_what_comes_behind_the_introduction() -> None:
+    seat = Sitting(texts(2))
+    seat.press("enter", apart=0.5)
+    seat.press(*["enter"] * 60, apart=0.03)
+    assert (seat.taken.position, seat.sent) == (0, [])
+
+
+ITEMS = (
+    *(Item(f"scale-{n}", "How?", 1, 7, optional=n % 2 == 0) for n in range(3)),
+    *(Item(f"number-{n}", "How much?", 0, 100, optional=n % 2 == 0) for n in range(3)),
+    *texts(3),
+)
+#: What is done with one finger: a key, for how many seconds it is held, and the pause behind it.
+PRESSES = st.tuples(
+    st.sampled_from([*"123457", "enter", "enter", "tab", "down", "up", "left", "right"]),
+    st.one_of(st.floats(0.02, 0.2), st.floats(0.2, 2.5)),
+    st.floats(0.05, 2),
+)
+
+
+@settings(max_examples=80, deadline=None)
+@given(
+    items=st.permutations(ITEMS),
+    presses=st.lists(PRESSES, min_size=5, max_size=25),
+    delay=st.floats(0.2, 0.66),
+    rate=st.floats(10, 40),
+)
+def test_no_press_ever_answers_two_items(
+    items: list[Item], presses: list[tuple[str, float, float]], delay: float, rate: float
+) -> None:
+    seat = Sitting(tuple(items))
+    for key, held, pause in presses:
+        sent, began = len(seat.sent), seat.now
+        seat.comes(key)
+        repeats = range(int((held - delay) * rate) + 1) if held >= delay else ()
+        for repeat in repeats:
+            seat.now = began + round((delay + repeat / rate) * 1_000_000)
+            seat.comes(key)
+        assert len(seat.sent) <= sent + 1
+        seat.now = began + round((held + pause) * 1_000_000)
+
+
+@given(
+    presses=st.lists(
+        st.tuples(st.sampled_from("1234567"), st.floats(0.76, 5)), min_size=1, max_size=12
+    )
+)
+def test_every_deliberate_press_answers_its_item(presses: list[tuple[str, float]]) -> None:
+    seat = many(len(presses))
+    for digit, pause in presses:
+        seat.press(digit, apart=pause)
+    values = [sent.value for sent in seat.sent if isinstance(sent, AskAnswer)]
+    assert values == [float(digit) for digit, _ in presses]
 
 
 def test_a_fist_on_the_keys_answers_one_item() -> None:
@@ -131,10 +207,18 @@ def test_a_fist_on_the_keys_answers_one_item() -> None:
     assert (seat.value("item-0"), len(seat.sent), seat.taken.complaint) == (4, 1, "")
 
 
-@pytest.mark.parametrize("keys", ["55", "26"])
-def test_two_deliberate_presses_answer_two_items(keys: str) -> None:
+def test_of_two_keys_that_are_hit_at_once_the_held_one_answers_nothing() -> None:
     seat = many()
-    seat.press(*keys, apart=0.5)
+    seat.press("4", apart=0.02)
+    seat.press("6", apart=0.5)
+    seat.press(*"6" * 40, apart=0.03)
+    assert (seat.value("item-0"), len(seat.sent)) == (4, 1)
+
+
+@pytest.mark.parametrize(("keys", "apart"), [("55", 0.76), ("26", 0.4)])
+def test_two_deliberate_presses_answer_two_items(keys: str, apart: float) -> None:
+    seat = many()
+    seat.press(*keys, apart=apart)
     assert len(seat.sent) == 2
     assert seat.taken.position == 2
 
@@ -161,6 +245,12 @@ def test_a_held_key_does_not_finish_behind_the_last_item() -> None:
     seat = many(1)
     seat.press("5", "enter", apart=0.03)
     assert (seat.page(), len(seat.sent)) == (Page.SUMMARY, 1)
+
+
+def test_an_enter_too_soon_keeps_the_reason_that_was_told_before() -> None:
+    seat = many()
+    seat.press("enter", "enter", apart=0.5)
+    assert "from 1 to 7" in seat.taken.complaint
 
 
 def test_a_number_of_two_digits_may_be_typed_as_fast_as_one_likes() -> None:

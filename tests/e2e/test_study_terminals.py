@@ -75,6 +75,7 @@ def test_a_trial_and_what_is_asked_after_it(lab: Lab) -> None:
     guest.wait_text("h and more")
     guest.send("\r")
     guest.wait_text("finish")
+    guest.send(DOWN)  # so that the next enter cannot be the last one, held
     guest.send("\r")
     guest.wait_text("Thank you!")
     ended = log.wait("questionnaire.ended")

@@ -14,14 +14,20 @@ from woz_tui.core.requests import AskAnswer, AskQuestionnaire
 
 #: Steps of the page keys on a wide scale.
 _LEAP = 10
+#: Keys that answer or go on wherever they are taken; digits do on some items.
+_ANSWERING = frozenset({"enter", "tab"})
+#: Told when a key comes again so soon that it may be held.
+QUICK = "If that was meant, please press it again."
 #: Points from which a scale is drawn as a line instead of boxes.
 WIDE = 12
 #: Microseconds after an answer by digit in which digits and enter do nothing, and begin it anew:
-#: longer than a pause between two repeats of a held key (30 to 100 ms) or two fingers that hit the
-#: keys at once, shorter than anybody takes to read the next question. Where the first repeat comes
-#: later than this (many keyboards wait 500 ms), it cannot be told from a second press and answers a
-#: second item; no repeat behind it answers any.
+#: longer than two fingers need that hit the keys at once, shorter than anybody takes to read the
+#: next question.
 SETTLING_US = 300_000
+#: Microseconds in which a key that has just answered may come again because it is held: a terminal
+#: says of no key that it was let go. Longer than keyboards wait before the first repeat (250 to
+#: 660 ms; between the others 25 to 100 ms), shorter than it takes to read an item and answer it.
+HELD_US = 750_000
 
 
 class Page(enum.Enum):
@@ -64,6 +70,8 @@ class Round:
         self._to_summary = False
         self._shown_us = now_us()
         self._settled_us = self._shown_us
+        #: The key that may be held, and when it came last.
+        self._last, self._came_us = "", self._shown_us
         if asked.answers:
             self._show(asked.first_open())
 
@@ -115,8 +123,10 @@ class Round:
 
     def key(self, key: str) -> bool:
         """A key in Textual's name, or a character; whether it was one of ours."""
-        if self.settles(key):
-            return True
+        return self.settles(key) or self.go(key)
+
+    def go(self, key: str) -> bool:
+        """What a key does that is not the rest of another press; whether it was one of ours."""
         if key == "ctrl+d" and self.page is not Page.DECLINE:
             self.page, self.complaint = Page.DECLINE, ""
             return True
@@ -128,12 +138,27 @@ class Round:
         }[self.page](key)
 
     def settles(self, key: str) -> bool:
-        """Whether this is the rest of a held key, or of a fist on the keys: it is to do nothing."""
+        """Whether this may be the rest of a held key, or of a fist on the keys: it does nothing.
+
+        To be asked once for each key that comes, whoever it is for.
+        """
         now = self._now_us()
-        if now >= self._settled_us or not (key == "enter" or _is_digit(key)):
-            return False
-        self._settled_us = now + SETTLING_US
-        return True
+        pause = now - self._came_us
+        held = key == self._last and pause < HELD_US
+        early = now < self._settled_us and (key == "enter" or _is_digit(key))
+        if early:
+            self._settled_us = now + SETTLING_US
+        self._last, self._came_us = key if held or early or key in _ANSWERING else "", now
+        if held:
+            self._tell_quick(pause)
+        return held or early
+
+    def _tell_quick(self, pause: int) -> None:
+        """Who presses a key again soon has to know why it does nothing; who holds it need not."""
+        if pause < SETTLING_US and self.complaint == QUICK:
+            self.complaint = ""
+        elif pause >= SETTLING_US and not self.complaint:
+            self.complaint = QUICK
 
     def _begin(self, key: str) -> bool:
         if key not in ("enter", "down", "right", "space"):
@@ -238,7 +263,7 @@ class Round:
             self.complaint = f"A number from {item.low} to {item.high}, please."
         elif item.digits:
             self._take(item, Answer(int(typed)))
-            self._settled_us = self._now_us() + SETTLING_US
+            self._last, self._settled_us = digit, self._now_us() + SETTLING_US
         else:
             self._set_typed(item, typed)
 

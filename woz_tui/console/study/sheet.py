@@ -40,7 +40,7 @@ _FOOT = 3
 class Written(TextArea):
     """A field for a sentence or some. Enter goes on; the way back is over its first line.
 
-    `idle` tells of a key whether it is to do nothing at this moment.
+    `idle` is asked once for each key, whether it is to do nothing at this moment.
     """
 
     class Done(Message):
@@ -186,7 +186,10 @@ class Sheet(Vertical):
             self.draw()
 
     def _idle(self, key: str) -> bool:
-        return self._taken is not None and self._taken.settles(key)
+        idle = self._taken is not None and self._taken.settles(key)
+        if idle:
+            self.draw()  # it may say why
+        return idle
 
     def on_written_done(self, event: Written.Done) -> None:
         """A text was confirmed."""
@@ -200,7 +203,7 @@ class Sheet(Vertical):
         """A key that goes past the field."""
         event.stop()
         if self._taken is not None:
-            self._taken.key(event.key)
+            self._taken.go(event.key)
             self.draw()
 
     # -- drawing ------------------------------------------------------------------------------

@@ -20,6 +20,7 @@ from woz_drivers.qimessaging.endpoints import (
 from woz_drivers.qimessaging.errors import (
     ConnectionLost,
     LoginError,
+    ProtocolError,
     QiError,
     ServiceLost,
     TimedOut,
@@ -109,6 +110,8 @@ class Client:
         """Return what the directory knows. Raises as `RemoteObject.call`."""
         directory = await self.service(DIRECTORY)
         found = await directory.call("services", within=self._timeout)
+        if not isinstance(found, list | tuple):
+            raise ProtocolError("the directory's services are no list")
         return [ServiceInfo.of(each) for each in found]
 
     async def service(self, name: str) -> RemoteObject:
@@ -273,9 +276,13 @@ class Client:
         if not _result(task) and self._found.get(name) is task:
             del self._found[name]
 
-    def _removed(self, _service: int, name: str) -> None:
-        """Look a service up again that has left the directory; it may come back elsewhere."""
-        if name != DIRECTORY:
+    def _removed(self, *said: Any) -> None:
+        """Look a service up again that has left the directory; it may come back elsewhere.
+
+        `said`: its number and its name.
+        """
+        name = said[1] if len(said) == 2 else None
+        if isinstance(name, str) and name != DIRECTORY:
             self._found.pop(name, None)
 
     async def _service_within(self, name: str, within: float) -> tuple[RemoteObject, float]:

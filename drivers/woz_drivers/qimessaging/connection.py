@@ -7,6 +7,7 @@ answers that it serves nothing.
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import itertools
 from collections.abc import Callable, Mapping
 from typing import Any, Final, Protocol
@@ -76,6 +77,8 @@ class Connection(asyncio.Protocol):
                 self._take(frame)
         except ProtocolError as error:
             self.end(f"the other end does not keep to the protocol: {error}")
+        except ConnectionLost:
+            pass  # it ended while what came was answered; everybody has been told why
 
     def eof_received(self) -> None:
         """Tell everybody who waits, in this very turn of the loop."""
@@ -103,7 +106,10 @@ class Connection(asyncio.Protocol):
 
     def learn(self, capabilities: Mapping[Any, Any]) -> None:
         """Take what the other end can do."""
-        self._capabilities.update(capabilities)
+        # Nothing else is ever asked for, and a robot could tell new ones for ever.
+        self._capabilities |= {
+            name: told for name, told in capabilities.items() if name in CAPABILITIES
+        }
         self._told.set()
 
     async def capabilities_told(self) -> None:
@@ -183,7 +189,8 @@ class Connection(asyncio.Protocol):
     def _cancel(self, call: Frame) -> None:
         if self.may("RemoteCancelableCalls") and not self.lost.done():
             number = encode("I", call.id)
-            self.send(Frame(Kind.CANCEL, self._number(), call.service, call.object, 0, number))
+            with contextlib.suppress(ConnectionLost):  # then it is cancelled in any case
+                self.send(Frame(Kind.CANCEL, self._number(), call.service, call.object, 0, number))
 
     def _take(self, frame: Frame) -> None:
         if frame.kind in _ANSWERS:

@@ -13,8 +13,14 @@ from typing import Any, Final
 from woz_drivers.qimessaging.errors import ProtocolError
 from woz_drivers.qimessaging.signature import Type, parse
 
-#: How many values one message may hold, lists' elements included.
-MOST_VALUES: Final = 1_000_000
+#: How many values one message may hold, lists' elements included: reading them takes a part of a
+#: second, in which nothing else runs.
+MOST_VALUES: Final = 250_000
+#: How many values a message of so many bytes may hold: some have no bytes, and a few bytes could
+#: announce any number of those. A number in a list of numbers counts less, for it is read at once.
+_VALUES_A_BYTE: Final = 8
+_VALUES_AT_LEAST: Final = 256
+_NUMBERS_A_VALUE: Final = 8
 #: How deeply values may nest; a dynamic value may hold another, so a signature does not limit it.
 DEEPEST: Final = 64
 
@@ -37,7 +43,7 @@ class Decoder:
         """
         self._data = data
         self._at = 0
-        self._left = MOST_VALUES
+        self._left = min(MOST_VALUES, _VALUES_AT_LEAST + _VALUES_A_BYTE * len(data))
         self._depth = 0
         self._make_object = make_object
 
@@ -82,7 +88,7 @@ class Decoder:
     def _spend(self, count: int) -> None:
         self._left -= count
         if self._left < 0:
-            raise ProtocolError(f"more than {MOST_VALUES} values in one message")
+            raise ProtocolError("more values than a message of that length may hold")
 
     def _bool(self, _kind: Type) -> bool:
         return self._take(1) != b"\0"
@@ -105,13 +111,13 @@ class Decoder:
     def _list(self, kind: Type) -> list[Any]:
         count = self._count()
         element = kind.inner[0]
-        if count > self._left:
-            raise ProtocolError(f"a list of {count} values is announced")
         number = _NUMBERS.get(element.kind)
         if number is not None:  # sound and coordinates come as long lists of numbers
-            self._spend(count)
+            self._spend(count // _NUMBERS_A_VALUE)
             packed = self._take(count * number.size)
             return [found[0] for found in number.iter_unpack(packed)]
+        if count > self._left:
+            raise ProtocolError(f"a list of {count} values is announced")
         return [self.value(element) for _ in range(count)]
 
     def _map(self, kind: Type) -> dict[Any, Any]:
@@ -135,6 +141,7 @@ class Decoder:
         signature = self._string()
         if isinstance(signature, bytes):
             raise ProtocolError("a signature is not text")
+        self._spend(len(signature))  # to read it takes time, too
         return self.value(signature) if signature else None
 
     def _optional(self, kind: Type) -> Any:

@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import ipaddress
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from typing import Any, Final
 from urllib.parse import urlsplit
 
+from woz_drivers.qimessaging.errors import ProtocolError
+
 DIRECTORY: Final = "ServiceDirectory"
+#: Addresses of a service that are looked at; a robot has a handful.
+_MOST_ENDPOINTS: Final = 32
 #: What a directory of today adds to services which its own socket serves.
 _SAME_SOCKET: Final = f"qi:{DIRECTORY}"
 
@@ -43,17 +47,25 @@ class ServiceInfo:
     identity: str | bytes = ""
 
     @classmethod
-    def of(cls, members: Sequence[Any]) -> ServiceInfo:
-        """Take what was decoded, of today's form or of the older without identity."""
+    def of(cls, members: Any) -> ServiceInfo:
+        """Take what was decoded, of today's form or of the older without identity.
+
+        Raises `ProtocolError` for anything else.
+        """
+        if not isinstance(members, tuple | list) or len(members) not in (6, 7):
+            raise ProtocolError("the directory does not describe a service as it should")
         name, service, machine, process, endpoints, session, *rest = members
+        if not isinstance(endpoints, tuple | list):
+            raise ProtocolError("a service's addresses are no list")
+        identity = rest[0] if rest else ""
         return cls(
             _name(name),
-            service,
+            _number(service),
             _name(machine),
-            process,
-            tuple(_name(each) for each in endpoints),
+            _number(process),
+            tuple(_name(each) for each in endpoints[:_MOST_ENDPOINTS]),
             _name(session),
-            rest[0] if rest else "",
+            identity if isinstance(identity, str | bytes) else "",
         )
 
     def numbered(self, service: int) -> ServiceInfo:
@@ -77,8 +89,18 @@ class ServiceInfo:
         )
 
 
-def _name(value: str | bytes) -> str:
-    return value if isinstance(value, str) else value.decode(errors="replace")
+def _name(value: Any) -> str:
+    if isinstance(value, bytes):
+        return value.decode(errors="replace")
+    if not isinstance(value, str):
+        raise ProtocolError("what the directory calls a service is not text")
+    return value
+
+
+def _number(value: Any) -> int:
+    if not isinstance(value, int) or not 0 <= value < 1 << 32:
+        raise ProtocolError("the directory gives a service no number")
+    return value
 
 
 def shares_socket(service: ServiceInfo, directory: ServiceInfo) -> bool:

@@ -16,6 +16,8 @@ from woz_drivers.qimessaging.signature import Type, parse, parse_members
 
 #: Numbers below belong to libqi's own methods.
 FIRST_UID: Final = 100
+#: Registrations of one signal, of all clients together.
+_MOST_HEARERS: Final = 1000
 
 _BUILT_IN: Final = (
     MetaMethod(0, "registerEvent", "(IIL)", "L"),
@@ -153,7 +155,10 @@ class Hosted:
         """Send a signal's events to a connection from now on. Raises `Refused`."""
         if uid not in self._kinds:
             raise Refused("No such signal")
-        self._hearing.setdefault(uid, {})[connection, link] = None
+        hearing = self._hearing.setdefault(uid, {})
+        if len(hearing) >= _MOST_HEARERS:
+            raise Refused("too many registrations")
+        hearing[connection, link] = None
 
     def relay(self, frame: Frame) -> bool:
         """Emit a signal of ours which a client sets off; tell whether it is one."""
@@ -161,7 +166,10 @@ class Hosted:
         if meta is None:
             return False
         wanted = "m" if frame.flags & DYNAMIC_PAYLOAD else meta.signature
-        self.emit(meta.name, *Decoder(frame.payload).value(wanted))
+        values = Decoder(frame.payload).value(wanted)
+        if not isinstance(values, tuple | list):
+            raise ProtocolError("the values of a signal are no tuple")
+        self.emit(meta.name, *values)
         return True
 
     def unregister(self, connection: Connection, link: int | None = None) -> bool:

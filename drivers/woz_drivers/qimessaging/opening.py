@@ -62,6 +62,8 @@ class WayIn:
             raise ConnectionLost(f"no TLS with {endpoint}: {error.reason or error}") from error
         except OSError as error:
             raise ConnectionLost(f"cannot connect to {endpoint}: {_told(error)}") from error
+        except ValueError as error:  # a name that no machine can have; UnicodeError is one, too
+            raise ConnectionLost(f"cannot connect to {endpoint.host!r}: {error}") from error
         return connection
 
     async def _enter(self, connection: Connection, within: float) -> Connection:

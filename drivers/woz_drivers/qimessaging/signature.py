@@ -13,6 +13,8 @@ from woz_drivers.qimessaging.errors import ProtocolError
 
 #: The longest signature that is read. That of a meta object, the longest in use, has 287.
 LONGEST = 8192
+#: Longer ones are not kept in memory: a robot could send new ones for ever.
+_REMEMBERED = 512
 #: How deeply lists, maps, tuples and optionals may nest in one signature.
 DEEPEST = 32
 
@@ -38,15 +40,24 @@ class Type:
     text: str = ""
 
 
-@lru_cache(maxsize=512)
+_PLAIN = {letter: Type(letter, text=letter) for letter in _LETTERS}
+
+
 def parse(text: str) -> Type:
     """Read the signature of exactly one value. Raises `ProtocolError`."""
     if len(text) > LONGEST:
         raise ProtocolError(f"a signature of {len(text)} characters; at most {LONGEST} are read")
+    return _known(text) if len(text) <= _REMEMBERED else _whole(text)
+
+
+def _whole(text: str) -> Type:
     found, end = _one(text, 0, 0)
     if end != len(text):
         raise ProtocolError(f"{_short(text)} is more than one signature")
     return found
+
+
+_known = lru_cache(maxsize=512)(_whole)
 
 
 def parse_members(text: str) -> tuple[Type, ...]:
@@ -65,7 +76,7 @@ def _one(text: str, at: int, depth: int) -> tuple[Type, int]:
     letter = text[at]
     if letter in _LETTERS:
         end = _skip_annotation(text, at + 1)
-        return Type(letter, text=text[at:end]), end
+        return _PLAIN[letter] if end == at + 1 else Type(letter, text=text[at:end]), end
     if letter == "[":
         element, end = _one(text, at + 1, depth + 1)
         end = _skip_annotation(text, _expect(text, end, "]"))

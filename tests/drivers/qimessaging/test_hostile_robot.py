@@ -1,0 +1,181 @@
+"""A robot that means harm: little work and memory for each byte, one of our errors for all."""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+import struct
+from collections.abc import AsyncIterator
+from typing import Any
+
+import pytest
+from woz_drivers.qimessaging import Client, ConnectionLost, ProtocolError, Refused
+from woz_drivers.qimessaging.connection import Connection
+from woz_drivers.qimessaging.decoding import MOST_VALUES, Decoder, decode
+from woz_drivers.qimessaging.encoding import encode
+from woz_drivers.qimessaging.endpoints import Endpoint, ServiceInfo
+from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, Frame, FrameReader, Kind
+from woz_drivers.qimessaging.hosting import Hosted, Signal
+from woz_drivers.qimessaging.opening import WayIn
+from woz_drivers.qimessaging.signature import parse
+
+from tests.drivers.qimessaging.desk import bench, frames, script
+
+WHOLE = ("Thing", 2, "pepper", 7, ["tcp://10.0.0.5:9559"], "x", b"id")
+#: `service` and `services` of the directory.
+_SERVICE, _SERVICES = 100, 101
+
+
+@pytest.mark.parametrize(
+    ("signature", "raw"),
+    [
+        ("[v]", struct.pack("<I", 5000)),
+        ("[(vvvv)]", struct.pack("<I", 2000)),
+        ("{v(vv)}", struct.pack("<I", 2000)),
+        ("[[()]]", struct.pack("<I", 20) + struct.pack("<I", 200) * 20),
+    ],
+)
+def test_a_few_bytes_hold_no_thousands_of_values(signature: str, raw: bytes) -> None:
+    with pytest.raises(ProtocolError, match=r"values"):
+        decode(signature, raw)
+
+
+def test_a_long_list_of_numbers_is_a_short_matter() -> None:
+    numbers = 2 * MOST_VALUES
+    assert decode("[c]", struct.pack("<I", numbers) + bytes(numbers)) == [0] * numbers
+
+
+def test_signatures_that_take_long_to_read_are_few_in_a_message() -> None:
+    longs = b"".join(
+        encode("s", f"({'b' * (8000 + one)})") + bytes(8000 + one) for one in range(50)
+    )
+    with pytest.raises(ProtocolError, match="more values"):
+        Decoder(struct.pack("<I", 50) + longs).value("[m]")
+
+
+def test_long_signatures_are_not_kept() -> None:
+    assert parse("(sif)") is parse("(sif)")
+    assert parse("(" + "i" * 4000 + ")") is not parse("(" + "i" * 4000 + ")")
+
+
+@pytest.mark.parametrize(
+    "members",
+    [
+        *(None, 5, "Thing", b"", [], {}, WHOLE[:5], (*WHOLE, 1)),
+        *((*WHOLE[:at], wrong, *WHOLE[at + 1 :]) for at in range(6) for wrong in (None, [1])),
+        *((*WHOLE[:1], wrong, *WHOLE[2:]) for wrong in (-1, 1 << 40, "2")),
+        (*WHOLE[:4], [5], *WHOLE[5:]),
+    ],
+)  # fmt: skip
+def test_what_describes_no_service_is_a_protocol_error(members: Any) -> None:
+    with pytest.raises(ProtocolError):
+        ServiceInfo.of(members)
+
+
+def test_of_many_addresses_a_few_are_looked_at() -> None:
+    many = (*WHOLE[:4], [f"tcp://10.0.0.5:{port}" for port in range(1, 5000)], *WHOLE[5:])
+    assert len(ServiceInfo.of(many).endpoints) < 100
+
+
+@contextlib.asynccontextmanager
+async def _liar(says: dict[int, Any]) -> AsyncIterator[int]:
+    """A bench whose directory answers what `says` has by its actions; its port."""
+    async with bench() as (_, port):
+
+        async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+            answers, calls = await asyncio.open_connection("127.0.0.1", port)
+
+            async def ask() -> None:
+                async for frame in frames(reader):
+                    calls.write(frame.encoded())
+                calls.close()
+
+            asking = asyncio.create_task(ask())
+            async for frame in frames(answers):
+                told = frame
+                if frame.service == 1 and frame.kind == Kind.REPLY and frame.action in says:
+                    lie = encode("m", says[frame.action])
+                    told = frame.answer(Kind.REPLY, lie, DYNAMIC_PAYLOAD)
+                writer.write(told.encoded())
+            await asking
+
+        async with script(play) as robot:
+            yield robot
+
+
+async def test_a_directory_that_lies_is_one_of_our_errors() -> None:
+    says: dict[int, Any] = {_SERVICE: 7}
+    async with _liar(says) as robot:
+        with pytest.raises(ProtocolError):
+            await Client.open("127.0.0.1", robot)
+        del says[_SERVICE]
+        client = await Client.open("127.0.0.1", robot)
+        lies: tuple[Any, ...] = (7, "text", [7], {})
+        for lie in lies:
+            says |= {_SERVICE: lie, _SERVICES: lie if lie else 3}
+            with pytest.raises(ProtocolError):
+                await client.services()
+            with pytest.raises(ProtocolError):
+                await client.call("Thing", "say", "x", within=10)
+        says.clear()
+        assert await client.call("Thing", "say", "x", within=10) == "one x"
+        await client.close()
+
+
+async def test_a_removal_that_is_none_breaks_nothing() -> None:
+    troubles: list[Any] = []
+    asyncio.get_running_loop().set_exception_handler(lambda _, found: troubles.append(found))
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        [hearing] = ours.server._directory.hosted._hearing.values()
+        for values in ((), (5,), (5, [1]), ("a", "b", "c")):
+            payload = encode("m", values)
+            removed = 107
+            for connection, _ in hearing:
+                connection.send(Frame(Kind.EVENT, 0, 1, 1, removed, payload, DYNAMIC_PAYLOAD))
+        assert await client.call("Thing", "say", "x", within=10) == "one x"
+        await client.close()
+    assert troubles == []
+
+
+@pytest.mark.parametrize("host", ["a" * 300, "a..b", "\udcff.local", "a\0b"])
+async def test_a_name_that_no_machine_has_is_told(host: str) -> None:
+    with pytest.raises(ConnectionLost, match="cannot connect"):
+        await WayIn().connect(Endpoint(host, 9559, False), 5.0)
+
+
+async def test_what_the_other_end_can_do_is_not_kept_without_end() -> None:
+    connection = Connection()
+    for one in range(50):
+        told = encode("{sm}", {f"k{one}": "x", "MessageFlags": True})
+        connection.data_received(Frame(Kind.CAPABILITY, 0, 0, 0, 0, told).encoded())
+    assert connection.may("MessageFlags")
+    assert len(connection._capabilities) == 1
+
+
+async def test_calls_that_come_while_a_connection_closes_are_let_be() -> None:
+    async with bench() as (_, port):
+        loop = asyncio.get_running_loop()
+        _, connection = await loop.create_connection(Connection, "127.0.0.1", port)
+        connection.hang_up("enough")
+        connection.data_received(Frame(Kind.CALL, 1, 2, 1, 100).encoded())
+        assert await connection.lost == "enough"
+
+
+async def test_registrations_have_an_end() -> None:
+    hosted, connection = Hosted([Signal("fired", "(s)")]), Connection()
+    with pytest.raises(Refused, match="too many"):
+        for link in range(100_000):
+            hosted.register(connection, 100, link)
+    assert hosted.hearers("fired") < 10_000
+
+
+async def test_a_signal_set_off_without_values_leaves_the_line_up() -> None:
+    async with bench() as (ours, port):
+        uid = next(each.uid for each in ours.service.meta.signals.values())
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        writer.write(Frame(Kind.POST, 1, 2, 1, uid, encode("m", 5), DYNAMIC_PAYLOAD).encoded())
+        writer.write(Frame(Kind.CALL, 2, 2, 1, 2, encode("I", 1)).encoded())
+        [answer] = FrameReader().feed(await asyncio.wait_for(reader.read(1 << 16), 20))
+        assert (answer.kind, answer.id) == (Kind.REPLY, 2)
+        writer.close()

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import ClassVar
 
 from woz_drivers.pepper.animations_known import path_of
+from woz_drivers.pepper.memory import flag
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
@@ -96,7 +97,14 @@ class Animations:
             raise
         except DriverError:
             # Perhaps because it has ended already, by the cancelled call or by the end of motion.
-            while await self._robot.call(BEHAVIORS, "isBehaviorRunning", path):  # noqa: ASYNC110
+            while await self._runs(path):  # noqa: ASYNC110
                 await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
         if self._playing == path:
             self._playing = ""
+
+    async def _runs(self, path: str) -> bool:
+        """Raises `DriverError` if the robot does not say it: then nobody knows."""
+        runs = flag(await self._robot.call(BEHAVIORS, "isBehaviorRunning", path))
+        if runs is None:
+            raise DriverError(f"the robot does not say whether {path} has ended", "look at it")
+        return runs

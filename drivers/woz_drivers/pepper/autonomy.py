@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import ClassVar
 
+from woz_drivers.pepper import memory
 from woz_drivers.pepper.autonomy_settings import ABILITIES, CHAINS, DISTANCES, FLAGS
 from woz_drivers.pepper.parts import LOOK_S, Robot
 from woz_drivers.pepper.parts_calls import Call, answers
@@ -121,10 +122,8 @@ class Autonomy:
         for name, (_, which) in DISTANCES.items():
             calls[name] = ask(MOTION, f"get{which}SecurityDistance")
         values = await answers(calls)
-        return {
-            name: round(float(value), 3) if name in DISTANCES else value
-            for name, value in values.items()
-        }
+        read = {name: _read_back(name, value) for name, value in values.items()}
+        return {name: value for name, value in read.items() if value is not None}
 
     async def close(self) -> None:
         """Nothing to let go."""
@@ -132,12 +131,11 @@ class Autonomy:
     async def _state(self) -> Json:
         """Of autonomous life; None: it does not say. Raises `Lost`."""
         try:
-            state: Json = await self._robot.call(LIFE, "getState", within=LOOK_S)
+            return memory.word(await self._robot.call(LIFE, "getState", within=LOOK_S))
         except Lost:
             raise
         except DriverError:
             return None
-        return state
 
     async def _set(self, wanted: Mapping[str, Json]) -> dict[str, DriverError]:
         """Set these in an order that works; returns what the robot refused, and why.
@@ -170,6 +168,14 @@ class Autonomy:
         if name in CHAINS:
             return call(MOTION, "setBreathEnabled", CHAINS[name], value)
         return call(MOTION, f"set{DISTANCES[name][1]}SecurityDistance", float(str(value)))
+
+
+def _read_back(name: str, value: object) -> Json:
+    """A setting as the robot says it; None for what makes no sense."""
+    if name in DISTANCES:
+        metres = memory.number(value)
+        return None if metres is None else round(metres, 3)
+    return memory.word(value) if name in ("state", "engagement") else memory.flag(value)
 
 
 def asked_for(settings: object) -> dict[str, Json]:

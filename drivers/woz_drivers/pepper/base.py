@@ -7,6 +7,8 @@ import math
 from collections.abc import Mapping
 from typing import ClassVar
 
+from woz_drivers.pepper.memory import items
+from woz_drivers.pepper.memory import number as number_of
 from woz_drivers.pepper.parts import LOOK_S, Robot
 from woz_drivers.pepper.parts_calls import Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
@@ -107,7 +109,12 @@ class Base:
                 "beside": call(MOTION, "getTangentialSecurityDistance", within=LOOK_S),
             }
         )
-        distances = " and ".join(f"{metres:.2f} m {where}" for where, metres in kept.items())
+        metres = {where: number_of(distance) for where, distance in kept.items()}
+        distances = " and ".join(
+            f"{distance:.2f} m {where}"
+            for where, distance in metres.items()
+            if distance is not None
+        )
         within = f" (it keeps {distances})" if distances else ""
         return (
             f"the robot did not arrive: something is within its security distance{within},"
@@ -117,6 +124,9 @@ class Base:
 
 
 def _still(velocity: object) -> bool:
-    if not isinstance(velocity, list | tuple):
-        return True
-    return all(abs(float(speed)) < STILL for speed in velocity)
+    """Whether it stands. Raises `DriverError` if the robot does not say it: then nobody knows."""
+    speeds = [number_of(speed) for speed in items(velocity)]
+    known = [speed for speed in speeds if speed is not None]
+    if not known or len(known) < len(speeds):
+        raise DriverError("the robot does not say how fast it drives", "look whether it stands")
+    return all(abs(speed) < STILL for speed in known)

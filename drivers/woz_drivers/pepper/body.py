@@ -6,6 +6,7 @@ import asyncio
 from collections.abc import Callable, Mapping
 from typing import ClassVar
 
+from woz_drivers.pepper import memory
 from woz_drivers.pepper.body_joints import checked, limb, native
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers
@@ -121,12 +122,17 @@ class Body:
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""
         ask = self._robot.ask
-        return await answers(
+        said = await answers(
             {
                 "awake": ask(MOTION, "robotIsWakeUp"),
                 "posture": ask(POSTURE, "getPosture"),
             }
         )
+        told = {
+            "awake": memory.flag(said.get("awake")),
+            "posture": memory.word(said.get("posture")),
+        }
+        return {name: value for name, value in told.items() if value is not None}
 
     async def close(self) -> None:
         """End what is on its way."""
@@ -185,10 +191,16 @@ async def hold(robot: Robot, names: list[str]) -> None:
     """Switch on the motors of those limbs that are slack: they would not follow.
 
     Raises `DriverError` for hip and knee: a Pepper's lower part is stiff while it is awake, and
-    its stiffness alone cannot be set.
+    its stiffness alone cannot be set; and where the robot does not say how stiff they are.
     """
-    now = await robot.call(MOTION, "getStiffnesses", names)
-    slack = [name for name, stiffness in zip(names, now, strict=False) if stiffness < SLACK]
+    told = memory.items(await robot.call(MOTION, "getStiffnesses", names))
+    now = [stiffness for one in told if (stiffness := memory.number(one)) is not None]
+    if len(now) != len(names) or len(told) != len(names):
+        raise DriverError(
+            f"the robot does not say whether {', '.join(names)} are stiff",
+            "wake it: `torque: true`; else restart it",
+        )
+    slack = [name for name, stiffness in zip(names, now, strict=True) if stiffness < SLACK]
     limbs = [limb(name) for name in slack]
     if None in limbs:
         raise DriverError("the robot is at rest: hip and knee are slack", "wake it: `torque: true`")

@@ -45,7 +45,10 @@ def frame(said: Any) -> Frame | str:
     wide, high = int(width), int(height)
     space = item(said, 3)
     if item(said, 2) != 3 or space not in (RGB, _BGR):
-        return f"the camera's picture is of an unknown kind ({space!r})"
+        which = number(space)
+        return (
+            f"the camera's picture is of an unknown kind{'' if which is None else f' ({which:g})'}"
+        )
     try:
         pixels = binary(item(said, 6))
     except (Said, UnicodeEncodeError):

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
+from woz_drivers.pepper.memory import items, number
+
 #: Two readings of one colour may differ so much in a part: LEDs have 256 steps, some fewer.
 CLOSE = 3 / 255
 
@@ -25,9 +27,11 @@ class Color:
     @classmethod
     def read_back(cls, intensities: object) -> Color | None:
         """From what `ALLeds.getIntensity` says of a light: blue, green, red. None: unreadable."""
-        if not isinstance(intensities, list | tuple) or len(intensities) != 3:
+        told = [number(part) for part in items(intensities)]
+        parts = [min(max(part, 0.0), 1.0) for part in told if part is not None]
+        if len(parts) != 3 or len(told) != 3:
             return None
-        blue, green, red = (min(max(float(part), 0.0), 1.0) for part in intensities)
+        blue, green, red = parts
         return cls(red, green, blue)
 
     @property

@@ -13,11 +13,12 @@ from typing import ClassVar
 
 from woz_drivers.pepper.body import MOTION, hold
 from woz_drivers.pepper.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
+from woz_drivers.pepper.memory import item, within
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
 from woz_tui.core.clock import Clock
-from woz_tui.core.driver import Argument, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -26,6 +27,8 @@ HEAD_SPEED, HIP_SPEED = 0.2, 0.1
 #: A step that comes so soon after the last one goes on from its goal; later ones from where the
 #: robot looks then: it may have been moved by something else. The motors are asked as seldom.
 RECENT_US = 1_500_000
+#: What an angle that makes sense lies between, in radians.
+_TURN = (-2 * math.pi, 2 * math.pi)
 _DEGREES = Range(-180, 180, "degrees")
 _STEP = Range(-90, 90, "degrees")
 
@@ -53,7 +56,13 @@ class Pair:
         if not self._recent():
             await hold(self.robot, list(self.joints))
             now = await self.robot.call(MOTION, "getAngles", list(self.joints), False)
-            self.goal = math.degrees(now[0]), math.degrees(now[1])
+            first_now, second_now = (within(item(now, place), *_TURN) for place in (0, 1))
+            if first_now is None or second_now is None:
+                raise DriverError(
+                    f"the robot does not say where {' and '.join(self.joints)} are",
+                    "look into a direction with `gaze`; else restart the robot",
+                )
+            self.goal = math.degrees(first_now), math.degrees(second_now)
         return await self._send(*self.nearest(self.goal[0] + first, self.goal[1] + second))
 
     def forget(self) -> None:

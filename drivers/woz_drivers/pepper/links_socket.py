@@ -17,6 +17,7 @@ import struct
 import sys
 from collections.abc import Iterable, Iterator
 from functools import cache
+from itertools import islice
 from pathlib import Path
 from typing import ClassVar
 
@@ -26,7 +27,9 @@ UNCONFIRMED_MS = 1500
 #: IP address and port; those of both ends.
 _Place = tuple[str, int]
 _Name = tuple[str, int, str, int]
-_TCP_END = re.compile(r"tcps?://\[?([^\]]+)\]?:(\d+)")
+_TCP_END = re.compile(r"tcps?://\[?([^\]]{1,255})\]?:(\d{1,5})", re.ASCII)
+#: Other ends that a robot may name; it has a dozen processes.
+_MOST_PEERS = 256
 #: SO_LINGER: on, for 0 s.
 _AT_ONCE = struct.pack("ii", 1, 0)
 #: To "connect" to the address family AF_UNSPEC ends a TCP connection: connect(2), tcp(7).
@@ -52,7 +55,7 @@ class Sockets:
 
     def expect(self, peers: Iterable[_Place]) -> None:
         """The link may connect to these, too: other processes of the robot."""
-        new = set(peers) - self._peers
+        new = set(islice(set(peers) - self._peers, max(0, _MOST_PEERS - len(self._peers))))
         self._foreign |= {name for _, name in _connected(new)}
         self._peers |= new
 

@@ -10,6 +10,8 @@ from woz_tui.core.driver import Lost
 
 #: Reasons that mean: nobody is there.
 _NOBODY = frozenset({errno.EHOSTUNREACH, errno.ENETUNREACH, errno.EHOSTDOWN, errno.ETIMEDOUT})
+#: Nobody reads more of what a robot says, in characters.
+_READABLE = 300
 
 
 class Refused(Lost):
@@ -20,7 +22,9 @@ class Refused(Lost):
 
 def words(text: str) -> str:
     """What a robot says of an error, in one line, without the listing of its program."""
-    return " ".join(text.partition("\n\nAt:")[0].split())
+    line = " ".join(text.partition("\n\nAt:")[0][: 4 * _READABLE].split())
+    shown = "".join(sign if sign.isprintable() else "�" for sign in line)
+    return shown if len(shown) <= _READABLE else f"{shown[:_READABLE]}…"
 
 
 def unreachable(address: Address, number: int | None, text: str) -> Lost:
@@ -35,7 +39,7 @@ def unreachable(address: Address, number: int | None, text: str) -> Lost:
         return silent(address)
     if "not found" in text.lower() or "not known" in text.lower() or "resolution" in text.lower():
         return unknown(address)
-    reason = text.strip() or (os.strerror(number) if number else "no reason given")
+    reason = words(text) or (os.strerror(number) if number else "no reason given")
     return Lost(f"{where} cannot be reached: {reason}", "see `woz doctor`")
 
 

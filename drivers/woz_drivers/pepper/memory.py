@@ -15,6 +15,8 @@ SONAR = "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value"
 BATTERY = "Device/SubDeviceList/Battery/Charge/Sensor/Value"
 SOUND = "ALSoundLocalization/SoundLocated"
 
+#: Of what a robot calls its states and postures, in characters.
+_LONGEST_WORD = 100
 #: Metres beyond which no sonar of a Pepper measures; its own reach is 0.3 to 5 m.
 SONAR_REACH_M = 10.0
 #: Largest microphone energy: the root of the mean square of 16-bit samples, averaged over the last
@@ -53,6 +55,20 @@ def within(value: Any, low: float, high: float) -> float | None:
     """A number from `low` to `high`."""
     found = number(value)
     return found if found is not None and low <= found <= high else None
+
+
+def flag(value: Any) -> bool | None:
+    """True or false, also as 1 or 0."""
+    if isinstance(value, bool):
+        return value
+    found = number(value)
+    return bool(found) if found in (0.0, 1.0) else None
+
+
+def word(value: Any) -> str | None:
+    """A name or a state: a short text that can be shown."""
+    readable = isinstance(value, str) and len(value) <= _LONGEST_WORD and value.isprintable()
+    return value if readable else None
 
 
 def sonar(value: Any) -> float | None:

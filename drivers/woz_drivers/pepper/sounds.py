@@ -7,6 +7,7 @@ import contextlib
 from collections.abc import Mapping
 from typing import ClassVar
 
+from woz_drivers.pepper.memory import within
 from woz_drivers.pepper.parts import Absent, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
@@ -18,6 +19,8 @@ from woz_tui.core.messages import Json
 PLAYER = "ALAudioPlayer"
 #: Reading a long file takes the robot a moment.
 LOAD_S = 15.0
+#: What no sound lasts longer than, in seconds, and the largest number of a file.
+_LONGEST_S, _LARGEST_ID = 86_400.0, 2**31 - 1
 
 
 class Sounds:
@@ -52,7 +55,11 @@ class Sounds:
         await self._endings.settled()
         sound = await self._loaded(path)
         with contextlib.suppress(DriverError):  # how long it is is only for the countdown
-            job.expects(float(await self._robot.call(PLAYER, "getFileLength", sound)))
+            seconds = within(
+                await self._robot.call(PLAYER, "getFileLength", sound), 0.0, _LONGEST_S
+            )
+            if seconds is not None:
+                job.expects(seconds)
         await self._robot.call(PLAYER, "setVolume", sound, volume)
         self._playing = path
         try:
@@ -114,5 +121,11 @@ class Sounds:
                     f"the robot could not load {path}: {error.what}",
                     "the file must be on the robot: copy it there, and give its whole path",
                 ) from error
-            self._ids[path] = int(sound)
+            number = within(sound, 0, _LARGEST_ID)
+            if number is None:
+                raise DriverError(
+                    f"the robot has not said under which number it has loaded {path}",
+                    "play it again; else restart the robot",
+                )
+            self._ids[path] = int(number)
         return self._ids[path]

@@ -11,7 +11,7 @@ import asyncio
 from collections.abc import Mapping
 from typing import ClassVar
 
-from woz_drivers.pepper import speech_text
+from woz_drivers.pepper import memory, speech_text
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers, apply
 from woz_drivers.pepper.settings import PepperSettings
@@ -119,9 +119,10 @@ class Voice:
                 "speech_pitch": ask(TTS, "getParameter", "pitchShift"),
             }
         )
-        read = {name: round(float(value), 3) for name, value in values.items()}
-        if self._speed == before:  # else it was set while the robot was asked
-            self._speed = read.get("speech_speed", before)
+        told = {name: memory.number(value) for name, value in values.items()}
+        read = {name: round(value, 3) for name, value in told.items() if value is not None}
+        if self._speed == before and SPEED.contains(read.get("speech_speed", 0.0)):
+            self._speed = read["speech_speed"]  # else it was set while the robot was asked
         return dict(read)
 
     async def close(self) -> None:

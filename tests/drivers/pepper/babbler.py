@@ -1,0 +1,86 @@
+"""A robot on the wire that has every service and answers with whatever a test says."""
+
+from __future__ import annotations
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+from dataclasses import dataclass, field, replace
+from pathlib import Path
+from typing import Any
+
+from woz_drivers.pepper.connection import Connection
+from woz_drivers.pepper.connection_line import WANTED
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.qimessaging import Method, Server
+
+from tests.drivers.heard import Heard
+from woz_tui.core.messages import DriverConnected
+
+SETTINGS = PepperSettings(robots=(), client="own")
+#: Signatures of the methods that are asked, by service.
+_ASKED = {
+    "ALMotion": (
+        *(("stopMove", "()"), ("killAll", "()"), ("getRobotVelocity", "()")),
+        *(("getStiffnesses", "([s])"), ("getAngles", "([s]b)"), ("robotIsWakeUp", "()")),
+        *(("moveTo", "(fff)"), ("setAngles", "([s][f]f)"), ("getBreathEnabled", "(s)")),
+        *(("getTangentialSecurityDistance", "()"), ("getOrthogonalSecurityDistance", "()")),
+    ),
+    "ALTextToSpeech": (("stopAll", "()"), ("getVolume", "()"), ("getParameter", "(s)")),
+    "ALAudioPlayer": (
+        *(("stopAll", "()"), ("loadFile", "(s)"), ("getFileLength", "(i)"), ("play", "(i)")),
+        *(("setVolume", "(if)"), ("getLoadedFilesIds", "()")),
+    ),
+    "ALLeds": (("getIntensity", "(s)"),),
+    "ALAutonomousLife": (("getState", "()"),),
+    "ALBasicAwareness": (("isEnabled", "()"), ("getEngagementMode", "()")),
+    "ALRobotPosture": (("getPosture", "()"),),
+    "ALBehaviorManager": (("stopBehavior", "(s)"), ("isBehaviorRunning", "(s)")),
+    "ALAnimationPlayer": (("run", "(s)"),),
+}
+
+
+@dataclass
+class Babbler:
+    """`says` by method, such as `ALMotion.getAngles`; nothing for what is not in it."""
+
+    connection: Connection
+    heard: Heard
+    says: dict[str, Any] = field(default_factory=dict)
+    #: What it was called with, by method.
+    called: dict[str, list[tuple[Any, ...]]] = field(default_factory=dict)
+
+
+@asynccontextmanager
+async def babbler(folder: Path, **settings: Any) -> AsyncIterator[Babbler]:
+    """Such a robot, and a connection to it."""
+    says: dict[str, Any] = {}
+    called: dict[str, list[tuple[Any, ...]]] = {}
+
+    def method(name: str, takes: str) -> Method:
+        def answer(*args: Any) -> Any:
+            called.setdefault(name, []).append(args)
+            said = says.get(name)
+            if isinstance(said, Exception):
+                raise said
+            return said
+
+        return Method(name.partition(".")[2], takes, "m", answer)
+
+    async def connected() -> None:
+        """Nothing is set."""
+
+    server = Server()
+    for service in sorted(WANTED | _ASKED.keys()):
+        asked = _ASKED.get(service, ())
+        server.add(service, methods=[method(f"{service}.{one}", takes) for one, takes in asked])
+    end = await server.listen("127.0.0.1")
+    heard = Heard(folder)
+    given = replace(SETTINGS, robots=(f"127.0.0.1:{end.port}",), **settings)
+    connection = Connection(given, heard.outlet, on_connected=connected, on_lost=lambda: None)
+    connection.start()
+    try:
+        await heard.first(DriverConnected)
+        yield Babbler(connection, heard, says, called)
+    finally:
+        await connection.close()
+        await server.close()

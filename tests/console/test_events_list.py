@@ -2,7 +2,7 @@ from __future__ import annotations
 
 from tests.console import scenes
 from woz_tui.console.columns import plan
-from woz_tui.console.events import event_row
+from woz_tui.console.events import chosen, event_row
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.panels import Board, panel_rows
 from woz_tui.console.parts import State
@@ -51,8 +51,8 @@ def test_an_arrow_that_is_held_down_is_one_line() -> None:
         )
     picture.take([m.Command(command="d", verb="nudge", args={"yaw": 5}, source="key", t=NOW)], 0)
     first, second = list(picture.events)[before:]
-    assert (first.text, first.times, first.run, first.mark) == ("nudge pitch -5", 5, "c4", "done")
-    assert (second.text, second.times) == ("nudge yaw 5", 1)
+    assert (first.text, first.times, first.run, first.mark) == ("head 5° up", 5, "c4", "done")
+    assert (second.text, second.times) == ("head 5° left", 1)
 
 
 def test_utterances_and_failures_keep_a_line_each() -> None:
@@ -118,3 +118,16 @@ def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
     assert "after mode" in "".join(text for row in rows for text, _ in row)
     picture.take(scenes.played("r2", "up", ended.t, 0.1), 0)
     assert picture.events[-1].mark == "done"
+
+
+def test_failures_that_nobody_has_seen_leave_room_for_what_happens() -> None:
+    picture = welcomed()
+    for number in range(10):
+        picture.take([*scenes.played(f"f{number}", "Hello", NOW, 1, how="failed", reason="no")], 0)
+    for number in range(10):
+        picture.take([m.Marker(text=f"{number}", t=NOW + number)], 0)
+    lines = [(event.text, event.detail) for event in chosen(picture, 6)]
+    assert [detail for text, detail in lines if text == "Marker"] == ["9", "8", "7"]
+    assert [text for text, _ in lines[3:]] == ["Hello"] * 3
+    assert len(chosen(picture, 1)) == 1
+    assert chosen(picture, 1)[0].detail == "9"

@@ -1,6 +1,7 @@
 from __future__ import annotations
 
 import msgspec
+import pytest
 
 from tests.console import scenes
 from tests.console.scripted import raw
@@ -238,6 +239,45 @@ def test_sensors_that_go_and_come_with_their_driver_are_no_events_of_their_own()
     assert turns("ok", NOW + 5) == []
     assert turns("stale", NOW + 6) == ["distance stale"]
     assert turns("ok", NOW + 4_000_000) == ["distance ok"], "long after its driver"
+
+
+@pytest.mark.parametrize("health", [m.DriverLost, m.DriverConnecting])
+def test_why_sensors_fell_silent_takes_the_place_of_their_lines(
+    health: type[m.DriverHealth],
+) -> None:
+    """A robot freezes: its sensors are late before it is known. Or another one is taken."""
+    picture = begun(
+        scenes.reading(NOW, "battery", 0.5, driver="pepper"),
+        scenes.reading(NOW, "noise", 0.5, driver="usb"),
+        m.DriverConnected(driver="pepper", t=1),
+        m.DriverConnected(driver="usb", t=1),
+    )
+    for sensor in ("battery", "noise", "touch.x"):  # nobody has touched it: whose is it?
+        picture.take([m.SensorChanged(sensor=sensor, state="stale", was="ok", t=NOW)], 0)
+    assert [event.text for event in picture.events][-3:] == [
+        "battery stale",
+        "noise stale",
+        "touch.x stale",
+    ]
+    picture.take([health(driver="pepper", t=NOW + 1_100_000)], 0)
+    texts = [event.text for event in picture.events]
+    assert "battery stale" not in texts
+    assert "touch.x stale" not in texts
+    assert "noise stale" in texts, "another driver's"
+    before = len(picture.events)
+    changed = m.SensorChanged(sensor="touch.x", state="ok", was="stale", t=NOW + 2_000_000)
+    picture.take([changed], 0)
+    assert len(picture.events) == before, "it comes back with the robot"
+
+
+def test_a_silence_long_before_a_loss_keeps_its_line() -> None:
+    picture = begun(
+        scenes.reading(NOW, "battery", 0.5, driver="pepper"),
+        m.DriverConnected(driver="pepper", t=1),
+    )
+    picture.take([m.SensorChanged(sensor="battery", state="stale", was="ok", t=NOW)], 0)
+    picture.take([m.DriverLost(driver="pepper", t=NOW + 10_000_000)], 0)
+    assert "battery stale" in [event.text for event in picture.events]
 
 
 def test_the_last_run_and_its_mistake() -> None:

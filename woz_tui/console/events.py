@@ -41,11 +41,14 @@ LOOK = {
 
 
 def chosen(picture: Picture, height: int) -> list[Event]:
-    """The newest events, newest first; failures that nobody has seen stay among them."""
+    """The newest events, newest first; failures that nobody has seen stay among them, in half of
+    the rows at most: the status line counts all of them, and what happens now is to be seen.
+    """
     events = list(picture.events)
     unseen = {failure.run for failure in picture.unseen()}
     older = events[: max(0, len(events) - height)]
-    pinned = [event for event in older if event.run and event.run in unseen][-height:]
+    pins = [event for event in older if event.run and event.run in unseen]
+    pinned = pins[max(0, len(pins) - max(0, height) // 2) :]
     newest = events[len(older) + len(pinned) :]
     return [*reversed(newest), *reversed(pinned)]
 

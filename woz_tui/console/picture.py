@@ -35,7 +35,7 @@ from woz_tui.console.reducers import reduce
 from woz_tui.console.replay.standing import ReplayPicture, following
 from woz_tui.console.robot.outlines import robots_of
 from woz_tui.console.runs import Failure, Run, Runs
-from woz_tui.console.sentences import Event, event_of
+from woz_tui.console.sentences import Event, event_of, explained
 from woz_tui.console.study.blind import Blind, blind_of
 from woz_tui.console.study.perceived import Perception, eyeless, kind_of, perception_of
 from woz_tui.console.study.picture import Study
@@ -265,6 +265,9 @@ class Picture:
                     event.end(outcome)
                     event.text = done_words(message) or event.text
                     return
+        if isinstance(message, m.DriverLost | m.DriverConnecting):
+            kept = [event for event in self.events if not explained(event, message, self)]
+            self.events = deque(kept, maxlen=EVENTS)
         told = event_of(message, self)
         if told is not None and not (self.events and self.events[-1].again(told)):
             self.events.append(told)

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from dataclasses import dataclass, field, replace
 
-from woz_tui.console.engagement.orders import is_order, order_words
+from woz_tui.console.wording import words
 from woz_tui.core import messages as m
 
 #: More runs than this are never under way; the oldest are forgotten if ends never come.
@@ -116,22 +116,6 @@ class Run:
         left = max(0, until - now)
         whole = max(1, until - begun)
         return left, min(1.0, max(0.0, 1 - left / whole))
-
-
-def words(command: m.Command) -> str:
-    """A command in a few words: what is said, or the verb with what it is given."""
-    text = command.args.get("text")
-    if isinstance(text, str) and text:
-        return f"“{text}”"
-    if is_order(command):
-        return order_words(command.verb, command.args)
-    parts = [command.verb]
-    for name, value in command.args.items():
-        if isinstance(value, str):
-            parts.append(value)
-        elif isinstance(value, int | float) and value:
-            parts.append(f"{name} {value:g}")
-    return " ".join(part for part in parts if part)
 
 
 def outcome_of(message: m.Message) -> Outcome | None:

@@ -9,8 +9,9 @@ from typing import TYPE_CHECKING, Any
 from woz_tui.console.engagement.seen import texts
 from woz_tui.console.engagement.words import why
 from woz_tui.console.robot.stopping import missing_words
-from woz_tui.console.runs import Outcome, words
+from woz_tui.console.runs import Outcome
 from woz_tui.console.study.telling import TELLERS, line_of
+from woz_tui.console.wording import words
 from woz_tui.core import messages as m
 
 if TYPE_CHECKING:
@@ -55,6 +56,8 @@ class Event:
     times: int = 1
     #: An action whose verbs move something by one step.
     stepping: bool = False
+    #: The sensor whose line it is.
+    sensor: str = ""
 
     def again(self, other: Event) -> bool:
         """Take in the same step made once more, so that a held or repeated key is one line."""
@@ -190,19 +193,40 @@ def _sensor(message: m.SensorChanged, picture: Picture) -> Event | None:
     if _with_its_driver(message, picture):
         return None
     mark = "warning" if message.state == "stale" else "done"
-    return Event(message.t, mark, f"{message.sensor} {message.state}", message.why)
+    text = f"{message.sensor} {message.state}"
+    return Event(message.t, mark, text, message.why, sensor=message.sensor)
 
 
 def _with_its_driver(message: m.SensorChanged, picture: Picture) -> bool:
-    """Whether the sensor went or came only because its driver did: that is one event, not ten."""
-    sensor = picture.sensors.get(message.sensor)
-    driver = picture.drivers.get(sensor.driver) if sensor is not None else None
-    if driver is None:
-        return False
+    """Whether the sensor went or came only because its driver did: that is one event, not ten.
+
+    Whose a sensor is that has never given a reading, such as a tablet that nobody has touched, is
+    not known: then any driver will do.
+    """
+    name = _driver_of(message.sensor, picture)
+    drivers = [driver for driver in picture.drivers.values() if name in ("", driver.name)]
     if message.state == "stale":
-        return driver.health == "lost"
+        return any(driver.health == "lost" for driver in drivers)
     # A driver may hear its sensors before it calls itself connected.
-    return driver.health != "connected" or message.t - driver.t < _BACK_US
+    return any(
+        driver.health != "connected" or message.t - driver.t < _BACK_US for driver in drivers
+    )
+
+
+def _driver_of(sensor: str, picture: Picture) -> str:
+    """The driver of a sensor that has given a reading, or nothing."""
+    known = picture.sensors.get(sensor)
+    return known.driver if known is not None else ""
+
+
+def explained(event: Event, message: m.DriverHealth, picture: Picture) -> bool:
+    """Whether `message` tells why a sensor fell silent: its driver was lost, or takes another
+    robot, a moment after. The sensor's own line then says nothing any more.
+    """
+    if not event.sensor or event.mark != "warning":
+        return False
+    whose = _driver_of(event.sensor, picture)
+    return whose in ("", message.driver) and 0 <= message.t - event.t < _BACK_US
 
 
 def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:

@@ -99,6 +99,18 @@ async def test_a_lost_robots_values_are_old() -> None:
         assert line(seat, "Motors on") == "Motors on on"
 
 
+async def test_why_a_robot_is_not_there_is_told_whole() -> None:
+    why = "127.0.0.1:9562 is there, but nothing listens on port 9562: NAOqi is still starting?"
+    async with opened() as seat:
+        await seat.tell(
+            m.DriverLost(driver="pepper", detail=why, remedy="wait a minute", t=pepper.NOW)
+        )
+        place = seat.console.screen.query_one("#drawing").region
+        rows = [row[place.x : place.right].strip() for row in seat.drawn().splitlines()]
+        assert why in " ".join(rows)
+        assert "wait a minute" in " ".join(rows)
+
+
 async def test_tab_shows_the_next_robot_and_each_gets_its_own() -> None:
     first = pepper.welcome(
         pepper.shown(driver="left", volume=0.1),
@@ -226,7 +238,9 @@ async def test_it_opens_where_there_is_something_to_do() -> None:
         assert await reopened(seat) == "192.168.1.20", "where a robot is taken"
         await seat.tell(m.DriverConnected(driver="pepper", detail="NAOqi", t=pepper.NOW))
         await seat.tell(pepper.shown())
-        assert await reopened(seat) == "192.168.1.20", "the line of before"
+        assert await reopened(seat) == "Autonomous life", "the line of before"
+        await choose(seat, "Disconnect")
+        assert await reopened(seat) == "Autonomous life", "where enter lets go of no robot"
 
 
 async def reopened(seat: Sitting) -> str:

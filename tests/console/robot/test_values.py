@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from woz_tui.console.glyphs import ASCII, UNICODE
-from woz_tui.console.robot.lines import host_of
+from woz_tui.console.robot.lines import place_of
 from woz_tui.console.robot.values import (
     WrongValue,
     about,
@@ -159,13 +159,16 @@ def test_what_may_be_set_in_words() -> None:
 
 
 @pytest.mark.parametrize(
-    ("address", "host"),
+    ("address", "place"),
     [
         ("tcp://10.0.0.7:9559", "10.0.0.7"),
+        ("tcps://nao@10.0.0.7:9503/", "10.0.0.7"),
         ("10.0.0.7", "10.0.0.7"),
         ("Pepper.local:9503", "pepper.local"),
+        ("127.0.0.1:9561", "127.0.0.1:9561"),
         ("fe80::1", "fe80::1"),
+        ("[fe80::1]:9559", "[fe80::1]"),
     ],
 )
-def test_the_host_of_an_address(address: str, host: str) -> None:
-    assert host_of(address) == host
+def test_where_an_address_leads(address: str, place: str) -> None:
+    assert place_of(address) == place

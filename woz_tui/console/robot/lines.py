@@ -10,6 +10,8 @@ from woz_tui.console.robot.steps import steps_offered
 from woz_tui.core.robots import RobotOutline, Setting
 
 CONNECTION = "Connection"
+#: Where NAOqi listens, plain and secured; drivers leave them out where they name a robot.
+_USUAL_PORTS = ("9559", "9503")
 _ADDRESSES = "a host name, tcp://HOST:PORT or tcps://USER@HOST:PORT"
 
 
@@ -86,9 +88,12 @@ def _link(name: str, label: str, verb: str, argument: str = "", hint: str = "") 
     )
 
 
-def host_of(address: str) -> str:
-    """An address without scheme and port: `tcp://10.0.0.7:9559` -> `10.0.0.7`."""
-    bare = address.strip().rpartition("://")[2]
+def place_of(address: str) -> str:
+    """Where an address leads to, without scheme, user and one of NAOqi's usual ports:
+    `tcps://nao@10.0.0.7:9503` -> `10.0.0.7`, `127.0.0.1:9561` as it is. Two robots behind one host
+    differ by their ports.
+    """
+    bare = address.strip().rpartition("://")[2].rpartition("@")[2].removesuffix("/").casefold()
     host, colon, port = bare.rpartition(":")
-    has_port = colon and port.isdigit() and (":" not in host or host.endswith("]"))
-    return (host if has_port else bare).casefold()
+    usual = colon and port in _USUAL_PORTS and (":" not in host or host.endswith("]"))
+    return host if usual else bare

@@ -10,7 +10,7 @@ from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.parts import RobotPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.robot.hand import Hand
-from woz_tui.console.robot.lines import CONNECTION, Line, What, host_of, lines_of
+from woz_tui.console.robot.lines import CONNECTION, Line, What, lines_of, place_of
 from woz_tui.console.robot.steps import ArrowSteps
 from woz_tui.console.robot.trouble import is_stale, trouble_words
 from woz_tui.console.robot.values import about, color_of, value_text
@@ -36,7 +36,9 @@ class LineView:
 
 @dataclass(frozen=True, slots=True)
 class RobotView:
-    """One robot: how it is (`state`), what is wrong with its settings, its lines."""
+    """One robot: how it is (`state`), how much is wrong with its settings (`count`), conflicts
+    between them or else why it is not there, its lines.
+    """
 
     driver: str
     state: Piece
@@ -79,8 +81,8 @@ class Viewer:
         stale = is_stale(self._picture, driver)
         lines = tuple(self._line(driver, line, stale) for line in self.lines(driver, outline))
         count = "" if stale else trouble_words(robot)
-        conflicts = () if stale else robot.conflicts
-        return RobotView(driver, self._state(driver, now), count, conflicts, lines)
+        sentences = self._why(driver) if stale else robot.conflicts
+        return RobotView(driver, self._state(driver, now), count, sentences, lines)
 
     def _robot(self, driver: str) -> RobotPicture:
         return self._picture.robots.get(driver) or RobotPicture()
@@ -94,10 +96,17 @@ class Viewer:
             return f"{self._glyphs.no} not heard of yet", "muted"
         if health == "connected":
             return f"{self._glyphs.yes} {known.detail or 'connected'}", "good"
-        why = f": {known.detail}" if known.detail else ""
         if health == "lost":
-            return f"{self._glyphs.error} lost {age(now - known.t)} ago{why}", "bad"
+            return f"{self._glyphs.error} lost {age(now - known.t)} ago", "bad"
+        why = f": {known.detail}" if known.detail and health == "faulted" else ""
         return f"{self._glyphs.warning} {health}{why}", "warn"
+
+    def _why(self, driver: str) -> tuple[str, ...]:
+        """Why a robot is not there and what to do, whole: the reason of a loss takes a line."""
+        known = self._picture.drivers.get(driver)
+        if self._picture.lost or known is None:
+            return ()
+        return tuple(text for text in (known.detail, known.remedy) if text)
 
     def _line(self, driver: str, line: Line, stale: bool) -> LineView:
         setting, glyphs = line.setting, self._glyphs
@@ -124,7 +133,7 @@ class Viewer:
 
     def _here(self, driver: str, address: str) -> str:
         told = self._robot(driver).values.get("robot")
-        here = isinstance(told, str) and host_of(told) == host_of(address)
+        here = isinstance(told, str) and place_of(told) == place_of(address)
         return f"{self._glyphs.yes} this one" if here else ""
 
     def _signs(self, driver: str, line: Line, stale: bool) -> list[Piece]:

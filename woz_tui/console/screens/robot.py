@@ -18,7 +18,7 @@ from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.parts import RobotPicture
 from woz_tui.console.robot.hand import Hand
-from woz_tui.console.robot.lines import Line, What
+from woz_tui.console.robot.lines import CONNECTION, Line, What
 from woz_tui.console.robot.rows import Place, list_room, scrolled, settings_rows
 from woz_tui.console.robot.swatch import Swatches
 from woz_tui.console.robot.trouble import is_stale
@@ -97,10 +97,13 @@ class RobotDialog(Drawing):
             box.border_subtitle = self.glyphs.plain(_REPLAY_HINT)
 
     def closing(self) -> None:
-        """What is refused from now on is told on the main screen; the line is remembered."""
+        """What is refused from now on is told on the main screen; the line is remembered, but not
+        one where the next enter, in a hurry, would let go of the robot.
+        """
         self._open = False
-        if self.count():
-            self.desk.drafts[_LAST] = self._lines()[self._line].id
+        line = self._lines()[self._line] if self.count() else None
+        if line is not None and line.setting.section != CONNECTION:
+            self.desk.drafts[_LAST] = line.id
 
     def body(self) -> Iterable[Widget]:
         """Cells that can show a colour."""

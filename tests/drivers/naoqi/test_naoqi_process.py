@@ -25,6 +25,7 @@ BOTH = [
     pytest.param(("qi", "own"), marks=QI),
 ]
 HEY = "animations/Stand/Gestures/Hey_1"
+LONG = "animations/Stand/Waiting/ShowSky_1"
 
 
 @pytest.fixture
@@ -175,11 +176,11 @@ async def _came(robot: StandIn, heard: list[Any]) -> None:
 
 @QI
 @pytest.mark.parametrize("server", ["own", "qi"])
-async def test_the_package_qi_cancels_an_animation_and_not_speech(robot: StandIn) -> None:
-    async with qi_session(robot.address) as session:
+async def test_the_package_qi_cancels_an_animation_and_not_speech(server: str) -> None:
+    async with stand_in(server, pace=2.0) as robot, qi_session(robot.address) as session:
         player = await asyncio.to_thread(session.service, "ALAnimationPlayer")
         voice = await asyncio.to_thread(session.service, "ALTextToSpeech")
-        running = player.run(HEY, _async=True)
+        running = player.run(LONG, _async=True)
         await robot.called("ALAnimationPlayer.run")
         running.cancel()
 
@@ -188,7 +189,7 @@ async def test_the_package_qi_cancels_an_animation_and_not_speech(robot: StandIn
 
         await robot.until(over)
         assert await robot.get("animations") == []
-        speaking = voice.say("a" * 60, _async=True)
+        speaking = voice.say("a" * 20, _async=True)
         await robot.called("ALTextToSpeech.say")
         speaking.cancel()
         await robot.until(over)

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import math
+from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+import pytest_asyncio
 from woz_drivers.pepper import base as base_module
 
 from tests.drivers.heard import PATIENCE_S
@@ -13,6 +15,13 @@ from tests.drivers.pepper.played import Played, played
 from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
+
+
+@pytest_asyncio.fixture(scope="module", loop_scope="module")
+async def shared(tmp_path_factory: pytest.TempPathFactory) -> AsyncIterator[Played]:
+    """It drives so slowly that it is still on its way when a busy machine looks."""
+    async with played(tmp_path_factory.mktemp("experiment"), pace=5.0) as made:
+        yield made
 
 
 @pytest.fixture(autouse=True)

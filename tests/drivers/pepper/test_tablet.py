@@ -86,7 +86,7 @@ async def test_a_video_plays_to_its_end_and_the_default_comes_back(
 ) -> None:
     # The tablet is never asked, so that its signal alone can tell.
     monkeypatch.setattr("woz_drivers.pepper.tablet_video._LOOK_S", 1000.0)
-    await robot.set("tablet.video_seconds", 10)
+    await robot.set("tablet.video_seconds", 40)  # long enough to be seen
     assert await it.do("screen", file="film.mp4") == {"shown": "film.mp4"}
     await _shows(robot, "video")
     assert await it.part.read() == {"tablet": "film.mp4"}
@@ -101,7 +101,7 @@ async def test_the_end_of_a_video_is_found_out_where_no_signal_tells_it(
     it: Wired[Screen], robot: StandIn, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.tablet_video._LOOK_S", 0.05)
-    await robot.set("tablet.video_seconds", 10)
+    await robot.set("tablet.video_seconds", 40)  # long enough to be seen
     for end in it.part._signals:
         await end()
     it.part._signals = []

@@ -10,7 +10,7 @@ from tests.bus.rig import Rig
 from tests.fakes.virtual_time import run_virtual
 from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.core import messages as m
-from woz_tui.core.driver import DriverError, Job, StopReport
+from woz_tui.core.driver import Argument, DriverError, Job, StopReport, Verb
 from woz_tui.core.messages import Command, Json
 
 
@@ -36,6 +36,20 @@ def test_a_command_is_recorded_then_dispatched_then_done() -> None:
     assert isinstance(done, m.Done)
     assert done.sent == {"seconds": 1.5}
     assert done.duration_us == pytest.approx(1_500_000, abs=10)
+
+
+def test_what_an_argument_hides_is_neither_recorded_nor_carried_out() -> None:
+    secret = Argument("does", "text", hide=lambda text: text.replace("1234", "***"))
+
+    async def scenario(rig: Rig) -> None:
+        rig.bus.offer("head", (Verb("say", "", (secret,)),))
+        rig.send("say", "pin 1234")
+        command = Command(command="c9", verb="say", args={"x": "1234"}, driver="head", source="key")
+        rig.bus.refuse(command, "stale", "too old")
+
+    rig = in_rig(scenario)
+    asked = [line.args for line in rig.lines if isinstance(line, m.Command)]
+    assert asked == [{"does": "pin ***", "seconds": 0.0}, {"x": "***"}]
 
 
 def test_one_lane_is_in_order_and_lanes_do_not_wait_for_each_other() -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import json
-from collections.abc import AsyncIterator, Callable
+from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -13,6 +13,7 @@ from typing import Any
 from tests.session.rig import Puppet, experiment
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
+from woz_tui.core.driver import Driver
 from woz_tui.experiment.shape import Experiment, SessionSettings
 from woz_tui.host.desk import Desk
 from woz_tui.host.place import bind
@@ -110,6 +111,8 @@ async def served(
     load: Callable[[], Experiment] | None = None,
     path: Path | None = None,
     made: Experiment | None = None,
+    *,
+    catalogue: Mapping[str, type[Driver]] | None = None,
 ) -> AsyncIterator[Served]:
     """A host that serves until the block ends."""
     clock = RealClock()
@@ -118,7 +121,7 @@ async def served(
     made = replace(made, session=settings) if settings else made
     session = Session(
         made,
-        {"puppet": Puppet},
+        catalogue or {"puppet": Puppet},
         Identity(participant="P07", condition="warm"),
         recorder,
         clock,

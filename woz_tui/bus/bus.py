@@ -12,12 +12,15 @@ import functools
 import logging
 from collections.abc import Callable, Coroutine, Iterable, Mapping
 
+import msgspec
+
 from woz_tui.bus.arguments import ArgumentError, checked
 from woz_tui.bus.guard import guarded
 from woz_tui.bus.lane import Lane, Ticket
 from woz_tui.core.driver import Performer, Scope, StopReport, Verb
+from woz_tui.core.hiding import hidden
 from woz_tui.core.hub import Hub
-from woz_tui.core.messages import Command, End, StopConfirmed, StopPressed, StopReleased
+from woz_tui.core.messages import Command, End, Json, StopConfirmed, StopPressed, StopReleased
 
 #: Commands that may wait in one lane.
 CAPACITY = 16
@@ -80,6 +83,7 @@ class Bus:
         `on_end` is called once, in the loop, with how it ended; possibly before this returns.
         """
         verb = self._verbs.get(command.driver, {}).get(command.verb)
+        command = _shown(verb, command)
         recorded = self._hub.publish(command)
         ticket = Ticket(
             recorded,
@@ -111,9 +115,16 @@ class Bus:
         on_end: Callable[[End], None] | None = None,
     ) -> Command:
         """Record `command` and that it is refused, without looking at it any further."""
-        recorded = self._hub.publish(command)
+        verb = self._verbs.get(command.driver, {}).get(command.verb)
+        recorded = self._hub.publish(_shown(verb, command))
         Ticket(recorded, Verb(command.verb, ""), self._hub, on_end).refuse(code, reason)
         return recorded
+
+    def hidden(self, verb: str, args: Mapping[str, Json]) -> dict[str, Json]:
+        """`args` without what any driver's `verb` hides, for whoever looks at them earlier."""
+        for offered in self._verbs.values():
+            args = hidden(offered.get(verb), args)
+        return dict(args)
 
     def _unknown(self, command: Command) -> str:
         if command.driver not in self._drivers:
@@ -255,6 +266,12 @@ class Bus:
             _, pending = await asyncio.wait(waits, timeout=seconds)
             for wait in pending:
                 wait.cancel()
+
+
+def _shown(verb: Verb | None, command: Command) -> Command:
+    """The command as it may be recorded, and no other is carried out."""
+    args = hidden(verb, command.args)
+    return command if args == command.args else msgspec.structs.replace(command, args=args)
 
 
 def _told(stop: Stop) -> StopReport | None:

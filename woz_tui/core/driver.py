@@ -53,7 +53,12 @@ class Scope(enum.Enum):
 
 @dataclass(frozen=True, slots=True)
 class Argument:
-    """One argument of a verb."""
+    """One argument of a verb.
+
+    `hide`: gives a text back without what nobody may see of it, such as the password in an address.
+    What it leaves is all that is recorded, told and given to the driver; an experiment file that
+    holds more is refused. Twice is as once.
+    """
 
     name: str
     kind: str
@@ -62,6 +67,7 @@ class Argument:
     default: Json = None
     range: Range | None = None
     choices: tuple[str, ...] = ()
+    hide: Callable[[str], str] | None = None
 
 
 @dataclass(frozen=True, slots=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 from collections.abc import Iterable
 
+from woz_tui.core.hiding import without_passwords
 from woz_tui.experiment.shape import ExperimentError, Place, Problem
 from woz_tui.experiment.source import Source
 
@@ -68,7 +69,7 @@ class Report:
 
     def warning(self, place: Place, path: str, message: str) -> None:
         """Something that works but is probably not meant."""
-        problem = Problem(place, _on_one_line(path) or "file", _on_one_line(message), warning=True)
+        problem = Problem(place, _shown(path) or "file", _shown(message), warning=True)
         self._add(problem)
 
     @property
@@ -122,7 +123,7 @@ class Report:
             raise ExperimentError(errors)
 
     def _add_error(self, place: Place, path: str, message: str) -> Problem:
-        problem = Problem(place, _on_one_line(path) or "file", _on_one_line(message))
+        problem = Problem(place, _shown(path) or "file", _shown(message))
         self._add(problem)
         return problem
 
@@ -137,8 +138,9 @@ class Report:
         return sorted((p for p in self._problems if p.warning is warning), key=rank)
 
 
-def _on_one_line(text: str) -> str:
-    """Names in a file may hold anything; a line of a report may not."""
+def _shown(text: str) -> str:
+    """Names in a file may hold anything; a line of a report may not. It is read by others, too."""
+    text = without_passwords(text)
     if text.isprintable():
         return text
     return "".join(
@@ -173,6 +175,7 @@ def listed(words: Iterable[str]) -> str:
 
 
 def quoted(text: str, limit: int = 40) -> str:
-    """`text` in quotes and on one line, shortened."""
+    """`text` in quotes and on one line, shortened. A password goes while it is still whole."""
+    text = without_passwords(text)
     shown = text if len(text) <= limit else text[: limit - 3] + "..."
     return repr(shown)

@@ -181,7 +181,8 @@ class Desk:
     def _verb(self, client: Client, request: AskVerb) -> str:
         """Send it with its variables filled in, as in the experiment file."""
         stale = self._stale(request.age_us, request.stale)
-        args = request.args
+        # First of all: a sentence about a variable would quote what stands between braces.
+        args = self._session.bus.hidden(request.verb, request.args)
         if not stale:
             try:
                 args = _filled(args, self._session.values())

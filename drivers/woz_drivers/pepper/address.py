@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import contextlib
 import re
 from dataclasses import dataclass
 
-from woz_drivers.pepper.settings import SIMULATED
 from woz_tui.core.driver import Rejected
+from woz_tui.core.hiding import HIDDEN
 
+#: `robots:` entry for which the driver starts a robot of its own on this machine.
+SIMULATED = "simulated"
 #: Where NAOqi listens: up to 2.8, and from 2.9 on, where the line is secured.
 PORT = 9559
 SECURE_PORT = 9503
@@ -79,6 +82,32 @@ def parse(text: str) -> Address:
         )
     host, port = _host_and_port(place, SECURE_PORT if secure else PORT)
     return Address(host, port, secure, (user or USER) if secure else "")
+
+
+def seen(text: str) -> str:
+    """What everybody may see of `text`, which was given as an address: no password, and nothing
+    that may be one because it stands where no port can. An address stays as it is.
+    """
+    with contextlib.suppress(Rejected):
+        parse(text)
+        return text
+    found = _SCHEME.fullmatch(text.strip())
+    head, rest = (f"{found[1]}://", found[2]) if found else ("", text.strip())
+    before, at, place = rest.rpartition("@")
+    if not at:
+        name, colon, _ = rest.partition(":")
+        return f"{head}{name}:{HIDDEN}" if colon else text
+    user, colon, _ = before.partition(":")
+    known = user if colon and _USER.fullmatch(user) else HIDDEN
+    return f"{head}{known}:{HIDDEN}@{_place_seen(place)}"
+
+
+def _place_seen(place: str) -> str:
+    try:
+        _host_and_port(place, PORT)
+    except Rejected:
+        return HIDDEN
+    return place
 
 
 def _split(text: str) -> tuple[str, str]:

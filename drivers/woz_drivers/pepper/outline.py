@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from woz_drivers.pepper import tags
+from woz_drivers.pepper.address import SIMULATED
 from woz_drivers.pepper.animations_known import MOVES
 from woz_drivers.pepper.autonomy_settings import FLAGS
-from woz_drivers.pepper.settings import ENGAGEMENT_MODES, SIMULATED, STATES, PepperSettings
+from woz_drivers.pepper.settings import ENGAGEMENT_MODES, STATES, PepperSettings
 from woz_tui.core.messages import Json
 from woz_tui.core.robots import RobotOutline, Setting
 

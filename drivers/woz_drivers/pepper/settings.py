@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated
 
+from woz_drivers.pepper.address import parse, seen
 from woz_drivers.simulated.values import color
 from woz_tui.core.driver import Rejected
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds
 
-#: `robots:` entry for which the driver starts a robot of its own on this machine.
-SIMULATED = "simulated"
 CLIENTS = ("auto", "qi", "own")
 STATES = ("", "solitary", "interactive", "safeguard", "disabled")
 ENGAGEMENT_MODES = ("", "Unengaged", "FullyEngaged", "SemiEngaged")
@@ -110,7 +110,7 @@ class PepperSettings:
 
     def problems(self) -> list[tuple[str, str]]:
         """What no robot takes, by the setting's path."""
-        found = []
+        found = [*self._passwords()]
         if self.eyes:
             try:
                 color({"color": self.eyes}, "color")
@@ -119,3 +119,15 @@ class PepperSettings:
         if self.voice.pitch is not None and 0 < self.voice.pitch < 1:
             found.append(("voice.pitch", "is 0 for its own voice, or 1 to 4 times that"))
         return found
+
+    def _passwords(self) -> Iterator[tuple[str, str]]:
+        """Addresses with something in them that may be a password: the file goes into every log.
+        Others that are none are told of when they are connected to.
+        """
+        for index, robot in enumerate(self.robots):
+            if seen(robot) == robot:
+                continue
+            try:
+                parse(robot)
+            except Rejected as error:
+                yield f"robots[{index}]", f"{error.what}; {error.remedy}"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
+from woz_drivers.pepper import address
 from woz_drivers.pepper.animations import Animations
 from woz_drivers.pepper.autonomy import Autonomy
 from woz_drivers.pepper.base import Base
@@ -35,7 +36,15 @@ LINE = (
     Verb(
         "connect",
         "take a robot",
-        (Argument("robot", "text", "an address or a host name; empty: the first", default=""),),
+        (
+            Argument(
+                "robot",
+                "text",
+                "an address or a host name; empty: the first",
+                default="",
+                hide=address.seen,
+            ),
+        ),
         lane=LANE,
         limit_s=CONNECT_LIMIT_S,
     ),

@@ -5,8 +5,9 @@ from __future__ import annotations
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.address import Address, parse
+from woz_drivers.pepper.address import Address, parse, seen
 from woz_drivers.pepper.secrets import Secret, password
+from woz_drivers.pepper.settings import PepperSettings
 
 from woz_tui.core.driver import Rejected
 
@@ -60,23 +61,51 @@ def test_what_is_refused_says_what_to_write(text: str, what: str, remedy: str) -
     assert remedy in refused.value.remedy
 
 
-@pytest.mark.parametrize(
-    "text",
-    [
-        "tcps://nao:Hush!42@pepper:9503",
-        "tcp://nao:Hush!42@pepper",
-        "nao:Hush!42@pepper",
-        "tcps://nao:Hush!42",
-        "nao:Hush!42",
-        "nao:Hush!42:9503",
-        "http://nao:Hush!42@pepper",
-        "tcps://nao@pepper:Hush!42",
-    ],
+#: With a password, whatever else is wrong, and what may be seen of it.
+TELLING = (
+    ("tcps://nao:Hush!42@pepper:9503", "tcps://nao:***@pepper:9503"),
+    ("tcp://nao:Hush!42@pepper", "tcp://nao:***@pepper"),
+    (" nao:Hush!42@pepper ", "nao:***@pepper"),
+    ("tcps://nao:Hush!42", "tcps://nao:***"),
+    ("nao:Hush!42", "nao:***"),
+    ("nao:Hush!42:9503", "nao:***"),
+    ("http://nao:Hush!42@pepper", "http://nao:***@pepper"),
+    ("tcps://nao@pepper:Hush!42", "tcps://***:***@***"),
+    ("tcps://nao:H@sh:Hush!42/@pepper", "tcps://nao:***@pepper"),
+    ("tcps://nao:H@Hush!42", "tcps://nao:***@***"),
+    ("tcps:/nao:Hush!42@pepper", "tcps:***@pepper"),
+    ("tcps://nao{Hush}:{Hush}@pepper", "tcps://***:***@pepper"),
 )
-def test_a_password_in_an_address_is_refused_and_not_repeated(text: str) -> None:
+
+
+@pytest.mark.parametrize(("text", "seen_of_it"), TELLING)
+def test_a_password_in_an_address_is_refused_and_not_repeated(text: str, seen_of_it: str) -> None:
     with pytest.raises(Rejected) as refused:
         parse(text)
     assert "Hush" not in refused.value.what + refused.value.remedy + repr(refused.value)
+    assert seen(text) == seen_of_it
+    with pytest.raises(Rejected):  # nobody connects to what is left
+        parse(seen_of_it)
+
+
+@given(st.one_of(st.text(max_size=40), st.text("tcpsnao:@/[]*.1", max_size=40)))
+def test_what_may_be_seen_is_all_of_an_address_and_the_same_seen_twice(text: str) -> None:
+    once = seen(text)
+    assert seen(once) == once
+    try:
+        parse(text)
+    except Rejected:
+        assert ":" not in text or "***" in once
+    else:
+        assert once == text
+
+
+def test_a_file_with_a_password_is_told_where_without_it() -> None:
+    wrong = PepperSettings(robots=("10.0.0.1", *(text for text, _ in TELLING)))
+    told = wrong.problems()
+    assert [path for path, _ in told] == [f"robots[{n + 1}]" for n in range(len(TELLING))]
+    assert "Hush" not in str(told)
+    assert PepperSettings(robots=("no such/name", "tcps://nao@10.0.0.1")).problems() == []
 
 
 def test_a_user_with_a_password_is_told_where_that_belongs() -> None:

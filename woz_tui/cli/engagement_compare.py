@@ -11,6 +11,7 @@ from rich.console import Console
 from rich.table import Table
 
 from woz_tui.cli.engagement_log import Recount, line_of
+from woz_tui.cli.engagement_off import Off
 from woz_tui.core.messages import Json
 from woz_tui.sensing.machine import ENGAGED, State
 from woz_tui.sensing.model import Change
@@ -82,20 +83,29 @@ def _alike(one: Change, other: Change, before: int | None) -> bool:
     return same and near and apart <= MOVED_US
 
 
-def engaged_share(path: Sequence[Change], end: int) -> float:
-    """Share of the time from the start to `end` in which somebody was engaged, 0 to 1."""
+def engaged_share(path: Sequence[Change], end: int, off: Off) -> float | None:
+    """Share of the time from the start to `end` in which somebody was engaged, 0 to 1.
+
+    Time in which the model was `off` counts neither as engaged nor as anything else; None: it
+    always was.
+    """
+    on = end - off.us
+    if on <= 0:
+        return None
+    anew = [(t, State.WAIT.value) for t in off.beginnings()]
+    steps = sorted([*anew, *((change.t, change.now) for change in path)], key=lambda step: step[0])
     total, since, state = 0, 0, State.WAIT.value
-    for change in [*path, None]:
-        until = end if change is None else change.t
+    for t, now in [*steps, (end, state)]:
         if state in ENGAGED:
-            total += until - since
-        if change is not None:
-            since, state = change.t, change.now
-    return total / end if end > 0 else 0.0
+            total += t - since - off.within(since, t)
+        since, state = t, now
+    return total / on
 
 
 def summary(recount: Recount, pairs: Sequence[Pair]) -> dict[str, Json]:
-    """Figures of both paths; `first_difference` in seconds, or null where there is none."""
+    """Figures of both paths; `first_difference` in seconds, or null where there is none. `off_` are
+    seconds, and `engaged_` shares of the rest; null where there is no rest.
+    """
     different = next((pair for pair in pairs if pair.sign != SAME), None)
     return {
         "seconds": recount.end / SECOND,
@@ -103,10 +113,17 @@ def summary(recount: Recount, pairs: Sequence[Pair]) -> dict[str, Json]:
         "computed": len(recount.computed),
         "alike": sum(pair.sign == SAME for pair in pairs),
         "moved": sum(pair.sign == MOVED for pair in pairs),
-        "engaged_recorded": round(engaged_share(recount.recorded, recount.end), 4),
-        "engaged_computed": round(engaged_share(recount.computed, recount.end), 4),
+        "engaged_recorded": _share(recount.recorded, recount.end, recount.recorded_off),
+        "engaged_computed": _share(recount.computed, recount.end, recount.computed_off),
+        "off_recorded": recount.recorded_off.us / SECOND,
+        "off_computed": recount.computed_off.us / SECOND,
         "first_difference": None if different is None else different.t / SECOND,
     }
+
+
+def _share(path: Sequence[Change], end: int, off: Off) -> float | None:
+    share = engaged_share(path, end, off)
+    return None if share is None else round(share, 4)
 
 
 def show(recount: Recount, *, as_json: bool) -> None:
@@ -174,6 +191,12 @@ def _sentences(figures: dict[str, Json]) -> Iterator[str]:
         f"engaged: {_per_cent(figures['engaged_recorded'])} of the time as it was,"
         f" {_per_cent(figures['engaged_computed'])} as it would be"
     )
+    off = figures["off_recorded"], figures["off_computed"]
+    if any(off):
+        yield (
+            f"off, or no model there: {off[0]:.1f} s as it was, {off[1]:.1f} s as it would be"
+            " (counted in no state)"
+        )
     first = figures["first_difference"]
     if isinstance(first, float):
         yield f"first difference: at {_clock(round(first * SECOND))}"

@@ -15,6 +15,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from woz_tui.cli.engagement_again import Above, Again
+from woz_tui.cli.engagement_off import OFF, Off, Recorded
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.record.log import Damage, Line, read
@@ -34,7 +35,8 @@ class Recount:
 
     `recorded` are the transitions that the session has logged, `computed` those of now. `end` is
     the last line's time, `sensors` what of the model's signs was ever sensed, `reloads` when the
-    section of the experiment was changed while the session ran.
+    section of the experiment was changed while the session ran. `recorded_off` and `computed_off`:
+    when the model of then, and that of now, was switched off or not there.
     """
 
     recorded: list[Change] = field(default_factory=list)
@@ -44,6 +46,8 @@ class Recount:
     reloads: list[int] = field(default_factory=list)
     start: m.SessionStart | None = None
     again: Again | None = None
+    recorded_off: Off = field(default_factory=Off)
+    computed_off: Off = field(default_factory=Off)
 
 
 def run(arguments: argparse.Namespace, settings: EngagementSettings) -> int:
@@ -81,6 +85,9 @@ def recounted(
     """
     again = Again(settings, above or (Above.always(settings) if settings else Above()))
     recount = Recount()
+    then = Recorded(there=settings is not None, on=settings is None or settings.start != OFF)
+    recount.recorded_off = then.off
+    _switched(recount.computed_off, again, 0)
 
     def follow(changes: Sequence[Change]) -> None:
         recount.computed += changes
@@ -97,10 +104,19 @@ def recounted(
         message = message_of(line)
         if message is not None:
             _noted(recount, message)
+            then.take(message)
             follow(again.take(message))
+            _switched(recount.computed_off, again, message.t)
     follow(again.until(recount.end))
+    for off in (recount.recorded_off, recount.computed_off):
+        off.close(recount.end)
     recount.again = again
     return recount
+
+
+def _switched(off: Off, again: Again, t: int) -> None:
+    follower = again.follower
+    off.see(t, there=follower is not None, on=follower is not None and follower.model.run != OFF)
 
 
 def message_of(line: Line) -> m.AnyMessage | None:

@@ -1,0 +1,140 @@
+"""Time in which a model is switched off, or is not there, in a comparison: it is in no state."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.analysis.told import Told, in_time
+from tests.replay.again import written
+from tests.replay.test_plan import LOG, START
+from woz_tui import cli
+from woz_tui.analysis.gather import figures_of
+from woz_tui.cli.engagement_compare import engaged_share
+from woz_tui.cli.engagement_log import recounted
+from woz_tui.cli.engagement_off import Recorded
+from woz_tui.core import messages as m
+from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.engagement_plain import plain
+from woz_tui.record.log import Damage
+from woz_tui.sensing.model import Change
+
+Timed = tuple[float, m.AnyMessage]
+ADOPTED = m.EngagementAdopted(settings=plain(EngagementSettings()))
+GONE = m.EngagementAdopted(settings={})
+
+
+def switched(at: float, run: str) -> list[Timed]:
+    name = f"c{at}"
+    asked = m.Command(
+        command=name, verb="engagement", args={"run": run}, driver="engagement", source="key"
+    )
+    done = m.Done(command=name, driver="engagement", sent={"run": run}, latency_us=0, duration_us=0)
+    return [(at, asked), (at, done)]
+
+
+def moved(at: float, was: str, now: str) -> Timed:
+    return at, m.EngagementChanged(was=was, now=now, outcome="x", why="", verdicts={})
+
+
+def visit(*more: Timed) -> list[Timed]:
+    """Engaged from 20 to 70 of 100 seconds, as the log says."""
+    course = [
+        moved(20, "Wait", "EngagedWithUnknown"),
+        *more,
+        moved(70, "EngagedWithUnknown", "Wait"),
+        (100, m.SessionEnd(reason="wizard")),
+    ]
+    return sorted(course, key=lambda each: each[0])
+
+
+def compared(
+    folder: Path, capsys: pytest.CaptureFixture[str], *messages: Timed
+) -> tuple[dict[str, m.Json], str]:
+    path = written(folder / LOG, [(0, START), *messages])
+    assert cli.main(["engagement", str(path), "--compare"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    figures = recounted(path, None, Damage())
+    assert figures.end == 100_000_000
+    assert cli.main(["engagement", str(path), "--compare", "--json"]) == 0
+    return json.loads(capsys.readouterr().out)["summary"], text
+
+
+def test_time_off_is_counted_apart(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    off = [*switched(40, "off"), *switched(60, "run")]
+    figures, text = compared(tmp_path, capsys, (0, ADOPTED), *visit(*off))
+    assert figures["engaged_recorded"] == 30 / 80
+    assert (figures["off_recorded"], figures["off_computed"]) == (20.0, 20.0)
+    assert "off, or no model there: 20.0 s as it was, 20.0 s as it would be" in text
+    assert "37.5% of the time as it was" in text
+
+
+def test_nothing_is_said_of_a_model_that_was_never_off(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    figures, text = compared(tmp_path, capsys, (0, ADOPTED), *visit())
+    assert (figures["engaged_recorded"], figures["off_recorded"]) == (0.5, 0.0)
+    assert "no model there" not in text
+
+
+def test_one_that_is_gone_begins_anew(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    course = [
+        (0.0, ADOPTED),
+        moved(20, "Wait", "EngagedWithUnknown"),
+        (40.0, GONE),
+        (50.0, ADOPTED),
+        (100.0, m.SessionEnd(reason="wizard")),
+    ]
+    figures, _ = compared(tmp_path, capsys, *course)
+    assert (figures["engaged_recorded"], figures["off_recorded"]) == (round(20 / 90, 4), 10.0)
+
+
+def test_one_that_is_never_on_has_no_share(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    start = m.EngagementAdopted(settings=plain(EngagementSettings(start="off")))
+    figures, text = compared(tmp_path, capsys, (0, start), (100, m.SessionEnd(reason="wizard")))
+    assert figures["engaged_recorded"] is None
+    assert figures["engaged_computed"] is None
+    assert "engaged: ? of the time" in text
+
+
+STATES = st.sampled_from(["Wait", "PersonDetected", "EngagedWithUnknown", "UserSpeaks"])
+STEPS = st.one_of(
+    STATES,
+    st.sampled_from([ADOPTED, GONE, m.EngagementAdopted(settings={"start": "off"})]),
+    st.sampled_from(["run", "hold", "off"]).map(lambda run: switched(0, run)[1][1]),
+)
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.lists(st.tuples(st.integers(1, 20), STEPS), max_size=12))
+def test_the_share_is_the_reports(steps: list[tuple[int, str | m.AnyMessage]]) -> None:
+    """Whatever a log tells, both rooms read it alike."""
+    it = Told().add(0, ADOPTED)
+    at, state = 0, "Wait"
+    for pause, what in steps:
+        at += pause
+        if not isinstance(what, str):
+            it.add(at, what)
+            if isinstance(what, m.EngagementAdopted):
+                state = state if what.settings and state else "Wait" if what.settings else ""
+        elif state:  # where no model is, nothing moves
+            it.state(at, state, what)
+            state = what
+    messages = in_time(it.end(at + 5))
+    then = Recorded(there=False, on=True)
+    path: list[Change] = []
+    for message in messages:
+        then.take(message)
+        if isinstance(message, m.EngagementChanged):
+            path.append(Change(message.t, message.was, message.now, "", "", {}, "", False))
+    end = messages[-1].t
+    then.off.close(end)
+    share = engaged_share(path, end, then.off)
+    expected = figures_of(messages).whole.engagement.share
+    assert share == pytest.approx(expected)

@@ -100,6 +100,8 @@ async def stand(
             if ready:
                 await heard.until(lambda: bool(found(heard)))
             yield it
+        except TimeoutError:
+            raise AssertionError(f"never; told last: {heard.all(DriverHealth)[-4:]}") from None
         finally:
             await driver.close()
 

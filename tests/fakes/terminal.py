@@ -78,6 +78,7 @@ class FakeTerminal:
         self._changed = threading.Condition()
         self._thawed = threading.Event()
         self._thawed.set()
+        self._resting = threading.Event()
         self._screen = _Screen(columns, rows, self._reply)
         self._stream = pyte.ByteStream(self._screen)
         self._held = b""
@@ -131,11 +132,15 @@ class FakeTerminal:
         fcntl.ioctl(self.master, termios.TIOCSWINSZ, struct.pack("HHHH", rows, columns, 0, 0))
 
     def freeze(self) -> None:
-        """Take no more output, as a frozen ssh client; keys still work."""
+        """Take no more output, as a frozen ssh client; keys still work. Nothing is read any more
+        when this returns.
+        """
         self._thawed.clear()
+        assert self._resting.wait(WAIT_S), "its reader has ended"
 
     def thaw(self) -> None:
         """Take output again."""
+        self._resting.clear()
         self._thawed.set()
 
     def close(self) -> None:
@@ -188,7 +193,9 @@ class FakeTerminal:
         poll = select.poll()
         poll.register(self.master, select.POLLIN)
         while True:
-            self._thawed.wait()
+            if not self._thawed.is_set():
+                self._resting.set()
+                self._thawed.wait()
             # Nobody may be inside a read when the window is closed: it would stay open.
             if not self._closed and not poll.poll(20):
                 continue

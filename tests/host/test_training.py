@@ -65,13 +65,13 @@ async def test_another_wizard_goes_on_with_it(tmp_path: Path) -> None:
 async def test_a_session_that_ends_before_it_begins_gives_no_cue(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(training, "WARNING_S", 0.5)
+    monkeypatch.setattr(training, "WARNING_S", 1.0)
     async with served(tmp_path) as it:
         session = TrainingSession(it.host, (APPROACH,))
         wizard = await it.connect()
         await wizard.hello("wizard")
         session.end()
-        await asyncio.sleep(0.6)
+        await asyncio.sleep(1.1)
         assert not [line for line in it.lines if isinstance(line, m.Reading | m.CueGiven)]
 
 

@@ -37,6 +37,7 @@ ACTIONS = st.sampled_from(["Hello", "Nod"])
 STATES = st.sampled_from(["Wait", "PersonDetected", "EngagedWithKnown", "RobotThinks", "Odd"])
 SOURCES = st.sampled_from(["key", "engagement"])
 EMPTY: st.SearchStrategy[dict[str, Any]] = st.just({})
+SETTINGS: st.SearchStrategy[dict[str, Any]] = st.sampled_from([{}, {"volume": 1}, {"eyes": "x"}])
 STARTS = st.sampled_from([{}, {"start": "off"}, {"start": "run"}])
 WOUNDS = st.tuples(st.integers(0, 10**6), st.sampled_from(["flip", "cut", "nul", "twice", "drop"]))
 #: Lines of a session that make sense more often than not.
@@ -58,6 +59,8 @@ LIKELY: st.SearchStrategy[m.AnyMessage] = st.one_of(
         verdicts=st.just({}),
     ),
     st.builds(m.EngagementAdopted, settings=STARTS),
+    st.builds(m.SettingsShown, driver=st.just("robot"), values=SETTINGS, wanted=SETTINGS),
+    st.builds(m.DriverLost, driver=st.just("robot")),
     st.builds(
         m.Done, command=RUNS, driver=st.sampled_from(["engagement", "robot"]),
         sent=st.sampled_from([{"run": "off"}, {"run": "run"}, {}]), latency_us=st.just(0),
@@ -121,6 +124,8 @@ def test_the_parts_add_up_to_the_whole(course: list[tuple[m.AnyMessage, int]]) -
     assert engagement.on_us == sum(state.us for state in engagement.states.values())
     assert 0 <= engagement.engaged_us <= engagement.on_us <= whole.us - engagement.off_us
     assert engagement.episodes.total == engagement.engaged_us
+    assert 0 <= whole.differing_us <= whole.settings_us <= whole.us
+    assert whole.differing_us == sum(part.differing_us for part in parts)
     requests = sum(isinstance(message, m.ActionRequested) for message, _ in course)
     assert whole.actions == whole.outcomes.total == requests
 

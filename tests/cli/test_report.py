@@ -93,6 +93,29 @@ def test_one_session_on_a_page_of_80_columns(here: Path) -> None:
     golden("report_session.txt", out)
 
 
+def test_settings_that_differed_are_on_the_page_and_nothing_of_those_that_did_not(
+    here: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    it = session().add(2, m.SettingsShown(driver="head", values={"volume": 0.8}))
+    it.messages = in_time(it)
+    _, quiet, _ = told(capsys, "report", it.written(here))
+    assert "settings" not in quiet
+    it.add(20, m.SettingsShown(driver="head", values={"volume": 0.8}, wanted={"volume": 0.6}))
+    it.messages = in_time(it)
+    _, out, _ = told(capsys, "report", it.written(here))
+    assert max(map(len, lines(out))) <= 80
+    rows = [" ".join(line.split()) for line in lines(out)]
+    assert "robot's settings differed 37.0 s 14.0 s 23.0 s" in rows
+    # Trial 1 until 0:29, trial 2 from 0:34; from 0:52 to 0:55 the robot was lost.
+    table = rows.index("Robot's settings that were other than asked for")
+    assert rows[table + 2 : table + 6] == [
+        "volume 0.8 0.6 1 warm 0:20 9.00",
+        "volume 0.8 0.6 - warm 0:29 5.00",
+        "volume 0.8 0.6 2 cold 0:34 20.0",
+        "volume 0.8 0.6 - cold 0:57 3.00",
+    ]
+
+
 def test_many_sessions_on_a_page_of_80_columns(here: Path) -> None:
     study(here)
     code, out, err = woz("report", here)

@@ -16,6 +16,7 @@ from woz_tui.analysis.rows import (
     Answer,
     ConsoleChange,
     Cue,
+    Difference,
     Mark,
     PanelOffer,
     Restriction,
@@ -39,6 +40,7 @@ __all__ = [
     "Answer",
     "ConsoleChange",
     "Cue",
+    "Difference",
     "Engagement",
     "Mark",
     "Outcomes",
@@ -183,6 +185,8 @@ class Part:
         reactions: By sort of cue; `all` leaves echoes out.
         mistakes: Acts that the wizard called a mistake.
         held: How long actions were held back by shaping.
+        settings_us: How long settings of a robot were known, and `differing_us` of that how long
+            at least one was other than asked for.
         counted: It is somebody's who took part, so that totals over sessions contain it.
     """
 
@@ -205,6 +209,8 @@ class Part:
     stops: int
     speech: Series
     held: Series
+    settings_us: int = 0
+    differing_us: int = 0
     counted: bool = True
 
     @property
@@ -231,6 +237,11 @@ class Part:
     def per_minute(self) -> float | None:
         """Acts by hand a minute; None without time."""
         return self.acts / (self.us / 60e6) if self.us else None
+
+    @property
+    def differing_share(self) -> float | None:
+        """Share of the time in which settings were known; None if they never were."""
+        return self.differing_us / self.settings_us if self.settings_us else None
 
     def by(self, name: str) -> dict[str, Outcomes]:
         """Actions by `action`, `panel` or `source`, the most frequent first."""
@@ -329,6 +340,7 @@ class SessionFigures:
     profiles: tuple[str, ...]
     consoles: tuple[ConsoleChange, ...]
     lost_drivers: tuple[Span, ...]
+    differences: tuple[Difference, ...]
     drivers: tuple[str, ...]
     restrictions: tuple[Restriction, ...]
     shaping: tuple[Shaping, ...]

@@ -11,6 +11,7 @@ from woz_tui.analysis.around import Hardware, Marks, Setting, Stops
 from woz_tui.analysis.asked import Asked
 from woz_tui.analysis.course import Course, Handlers
 from woz_tui.analysis.cues import WAITING, WINDOW_US, Cues
+from woz_tui.analysis.differences import Differences
 from woz_tui.analysis.engaged import Engaged
 from woz_tui.analysis.figures import Cue, Part, SessionFigures, Trial, Wholeness
 from woz_tui.analysis.people import taking_part
@@ -53,6 +54,7 @@ class Gatherer:
         self._stops = Stops(self._course)
         self._marks = Marks(self._course)
         self._hardware = Hardware(self._course)
+        self._differences = Differences(self._course)
         self._setting = Setting(self._course)
         self._handlers = _joined(
             self._course.handlers(),
@@ -64,6 +66,7 @@ class Gatherer:
             self._stops.handlers(),
             self._marks.handlers(),
             self._hardware.handlers(),
+            self._differences.handlers(),
         )
         self._finished = False
 
@@ -119,6 +122,7 @@ class Gatherer:
             profiles=tuple(setting.profiles),
             consoles=tuple(self._hardware.consoles),
             lost_drivers=tuple(self._hardware.lost),
+            differences=self._differences.rows(course.counts, people),
             drivers=tuple(self._hardware.drivers),
             restrictions=tuple(setting.restrictions),
             shaping=tuple(setting.shaping),
@@ -138,6 +142,7 @@ class Gatherer:
         self._cues.finish()
         self._engaged.finish()
         self._hardware.finish()
+        self._differences.finish()
 
     def _part(self, tallies: list[Tally], trials: list[Trial], people: set[str]) -> Part:
         return part(

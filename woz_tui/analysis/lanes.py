@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from woz_tui.analysis.acts import ACTION_ENDS
+from woz_tui.analysis.known import TELLING, Known, Stretch, worded
 from woz_tui.analysis.series import LONGEST
 from woz_tui.analysis.timeline import LANES, Curve, Instant, Interval, Lane, Timeline
 from woz_tui.core import messages as m
@@ -55,6 +56,7 @@ class Drawing:
         self._curves: dict[str, _Thinned] = {}
         #: First command of a run -> the run.
         self._first: dict[str, str] = {}
+        self._settings: Known[None] = Known(None, lambda each: bool(each.differs))
         self._handlers: dict[type[Any], Callable[..., None]] = {
             m.SessionPlan: self._plan,
             m.ActionRequested: self._requested,
@@ -86,6 +88,8 @@ class Drawing:
         """The next message."""
         if self._t < message.t < LONGEST:
             self._t = message.t
+        if isinstance(message, TELLING):
+            self._settings.take(message, self._t, message.seq)
         handle = self._handlers.get(type(message))
         if handle is not None:
             handle(message)
@@ -94,6 +98,10 @@ class Drawing:
         """All lanes; what has no end lasts to the log's last moment."""
         for each in list(self._open):
             self._close(each, cut=True)
+        self._settings.finish(self._t)
+        if self._settings.over:
+            lane = self._intervals.setdefault(("setting", "settings differ"), [])
+            lane += map(_differing, self._settings.over)
         keys = {**dict.fromkeys(self._intervals), **dict.fromkeys(self._instants)}
         order = {title: place for place, title in enumerate(self._panels)}
         keys_in_order = sorted(
@@ -257,6 +265,19 @@ class Drawing:
             found = self._curves[message.sensor] = _Thinned(message.unit)
         if message.value is not None:
             found.add(self._t, message.value)
+
+
+def _differing(each: Stretch[None]) -> Interval:
+    assert each.state is not None
+    facts = (("had", worded(each.state.value)), ("wanted", worded(each.state.wanted)))
+    return Interval(
+        each.begin,
+        each.end,
+        each.name,
+        "differing",
+        cut=each.cut,
+        facts=(("driver", each.driver), *facts),
+    )
 
 
 def told(args: Mapping[str, m.Json]) -> str:

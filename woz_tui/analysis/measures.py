@@ -182,6 +182,17 @@ MEASURES: tuple[Measure, ...] = (
             lambda part: sum(sum(row.values()) for row in part.engagement.transitions.values())),
     Measure("transitions_forced", "", "those of them that the wizard forced", "forced",
             lambda part: part.engagement.forced),
+    Measure(
+        "settings_known_s", "s", "time in which a robot that tells its settings (`settings.shown`) "
+        "was not lost", "settings", lambda part: part.settings_us / 1e6,
+    ),
+    Measure(
+        "settings_differ_s", "s", "time of it in which at least one setting was other than asked "
+        "for (`wanted`); empty if none were known", "differ",
+        lambda part: part.differing_us / 1e6 if part.settings_us else None,
+    ),
+    Measure("settings_differ_share", "share", "`settings_differ_s` / `settings_known_s`",
+            "differ %", lambda part: part.differing_share),
     Measure("utterances", "", "lines `speech.ended`: stretches of a visitor's speech", "speech",
             lambda part: part.speech.n),
     Measure("speech_s", "s", "their lengths together, pre-roll and trailing silence included",

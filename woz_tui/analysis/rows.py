@@ -120,6 +120,35 @@ class Visit:
 
 
 @dataclass(frozen=True, slots=True)
+class Difference:
+    """A robot's setting was other than asked for, within one trial and condition.
+
+    Attributes:
+        setting: Its name.
+        value: What the robot had, in words.
+        wanted: What was asked for.
+        begin: When it was read so.
+        end: When it was read otherwise, the robot was lost, or the trial or condition changed.
+        changed: It began then; else it goes on from before a change of trial or condition.
+        cut: It lasted when the log ended.
+        trial: Number of the trial, -1 outside.
+    """
+
+    driver: str
+    setting: str
+    value: str
+    wanted: str
+    begin: int
+    end: int
+    changed: bool = True
+    cut: bool = False
+    participant: str = ""
+    condition: str = ""
+    trial: int = -1
+    counted: bool = True
+
+
+@dataclass(frozen=True, slots=True)
 class Answer:
     """The last answer to an item in one round of a questionnaire.
 

@@ -12,6 +12,7 @@ from woz_tui.analysis.figures import (
     ActionCount,
     Answer,
     Cue,
+    Difference,
     Part,
     SessionFigures,
     Training,
@@ -104,8 +105,9 @@ def _of(name: str, unit: str, meaning: str) -> Column:
 _TRIAL = Column("trial", "", "number of the trial; empty outside of trials", _trial)
 
 
-def _parts(session: SessionFigures) -> Iterator[Entry]:
-    yield from (Entry(session, part) for part in session.parts)
+def _each(name: str) -> Callable[[SessionFigures], Iterator[Entry]]:
+    """A row for each of a session's so called."""
+    return lambda session: (Entry(session, each) for each in getattr(session, name))
 
 
 def _measure(measure: Any) -> Column:
@@ -145,7 +147,7 @@ SESSIONS = Sheet(
         ),
         *(_measure(measure) for measure in MEASURES),
     ),
-    _parts,
+    _each("parts"),
 )
 
 
@@ -179,10 +181,6 @@ ACTIONS = Sheet(
 )
 
 
-def _cues(session: SessionFigures) -> Iterator[Entry]:
-    yield from (Entry(session, cue) for cue in session.cues)
-
-
 def _reaction(entry: Entry) -> Value:
     cue: Cue = entry.row
     return seconds(cue.reaction_us)
@@ -210,17 +208,20 @@ REACTIONS = Sheet(
         _of("judged", "", "of trained cues: right, wrong or missed"),
         _of("counted", "", "somebody took part, and in no trial that was aborted or excluded"),
     ),
-    _cues,
+    _each("cues"),
 )
 
 
-def _visits(session: SessionFigures) -> Iterator[Entry]:
-    yield from (Entry(session, visit) for visit in session.visits)
-
-
 def _length(entry: Entry) -> Value:
-    visit: Visit = entry.row
-    return (visit.end - visit.begin) / 1e6
+    lasted: Visit | Difference = entry.row
+    return (lasted.end - lasted.begin) / 1e6
+
+
+_LASTED = (
+    Column("begin_s", "s", "from the session's start", lambda it: it.row.begin / 1e6),
+    Column("end_s", "s", "from the session's start", lambda it: it.row.end / 1e6),
+    Column("length_s", "s", "`end_s` - `begin_s`", _length),
+)
 
 
 EPISODES = Sheet(
@@ -231,14 +232,12 @@ EPISODES = Sheet(
         *_who(_row),
         _TRIAL,
         _of("state", "", "name of the state; `engaged`: an unbroken engagement"),
-        Column("begin_s", "s", "from the session's start", lambda it: it.row.begin / 1e6),
-        Column("end_s", "s", "from the session's start", lambda it: it.row.end / 1e6),
-        Column("length_s", "s", "`end_s` - `begin_s`", _length),
+        *_LASTED,
         _of("outcome", "", "the transition that ended it"),
         _of("visitor", "", "the visitor's code"),
         _of("cut", "", "the log, or the model, ended before it did"),
     ),
-    _visits,
+    _each("visits"),
 )
 
 
@@ -289,10 +288,6 @@ LATENCIES = Sheet(
 )
 
 
-def _trials(session: SessionFigures) -> Iterator[Entry]:
-    yield from (Entry(session, trial) for trial in session.trials)
-
-
 def _trial_length(entry: Entry) -> Value:
     trial: Trial = entry.row
     return None if trial.end is None else (trial.end - trial.begin) / 1e6
@@ -312,17 +307,34 @@ TRIALS = Sheet(
         _of("counted", "", "its data count: neither aborted nor excluded"),
         _of("actions", "", "actions that were asked for in it"),
     ),
-    _trials,
+    _each("trials"),
 )
-
-
-def _answers(session: SessionFigures) -> Iterator[Entry]:
-    yield from (Entry(session, answer) for answer in session.answers)
 
 
 def _answered(entry: Entry) -> Value:
     answer: Answer = entry.row
     return seconds(answer.answered_us)
+
+
+DIFFERENCES = Sheet(
+    "differences",
+    "one row for each time in which a setting of a robot was other than asked for, within one "
+    "trial and condition",
+    (
+        *_SESSION,
+        *_who(_row),
+        _TRIAL,
+        _of("driver", "", "name of the robot's driver"),
+        _of("setting", "", "name of the setting"),
+        _of("value", "", "what the robot had"),
+        _of("wanted", "", "what was asked for"),
+        *_LASTED,
+        _of("changed", "", "it began then; false: only trial or condition did"),
+        _of("cut", "", "the log ended before it did"),
+        _of("counted", "", "somebody took part, and in no trial that was aborted or excluded"),
+    ),
+    _each("differences"),
+)
 
 
 QUESTIONNAIRES = Sheet(
@@ -343,7 +355,7 @@ QUESTIONNAIRES = Sheet(
         _of("low", "", "lower end of the scale"),
         _of("high", "", "upper end of the scale"),
     ),
-    _answers,
+    _each("answers"),
 )
 
 
@@ -377,4 +389,7 @@ TRAININGS = Sheet(
     _trainings,
 )
 
-SHEETS = (SESSIONS, ACTIONS, REACTIONS, EPISODES, LATENCIES, TRIALS, QUESTIONNAIRES, TRAININGS)
+SHEETS = (
+    *(SESSIONS, ACTIONS, REACTIONS, EPISODES, LATENCIES, TRIALS, DIFFERENCES, QUESTIONNAIRES),
+    TRAININGS,
+)

@@ -66,6 +66,8 @@ class Tally:
     off_us: int = 0
     engaged_us: int = 0
     episodes: Series = field(default_factory=Series)
+    settings_us: int = 0
+    differing_us: int = 0
     state_us: Counter[str] = field(default_factory=Counter)
     lengths: dict[str, Series] = field(default_factory=dict)
     transitions: Counter[tuple[str, str]] = field(default_factory=Counter)
@@ -102,7 +104,7 @@ class Tally:
 
 _SUMS = (
     *("us", "by_hand", "direct", "mistakes", "markers", "notes", "stops"),
-    *("on_us", "off_us", "engaged_us", "forced"),
+    *("on_us", "off_us", "engaged_us", "forced", "settings_us", "differing_us"),
 )
 _SERIES = ("press", "took", "gaps", "speech", "held", "episodes")
 _COUNTERS = ("counts", "state_us", "transitions")
@@ -144,6 +146,8 @@ def part(
         stops=total.stops,
         speech=total.speech,
         held=total.held,
+        settings_us=total.settings_us,
+        differing_us=total.differing_us,
     )
 
 

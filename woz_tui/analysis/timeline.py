@@ -8,7 +8,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 
 #: Sorts of lanes, in the order in which they are drawn.
-LANES = ("trial", "engagement", "speech", "panel", "stop", "driver", "mark")
+LANES = ("trial", "engagement", "speech", "panel", "stop", "driver", "setting", "mark")
 
 
 @dataclass(frozen=True, slots=True)
@@ -19,7 +19,7 @@ class Interval:
         begin: When it began.
         end: When it ended; the log's last moment if its end is not in the log (`cut`).
         label: Action, state, trial, driver.
-        sort: action, state, trial, break, speech, stop or lost.
+        sort: action, state, trial, break, speech, stop, lost or differing (a robot's setting).
         outcome: Of actions one of `figures.ENDS`; of trials as in the log; otherwise empty.
         source: Of actions: key, script ...; of stops where they came from.
         detail: What else there is to say: a reason, a sentence that was understood.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from woz_tui.analysis.differences import by_trial
 from woz_tui.analysis.figures import SessionFigures, Stop
 from woz_tui.cli.report_page import NONE, Page, clock, in_unit, more, ms, s, some, table
 
@@ -11,6 +12,7 @@ from woz_tui.cli.report_page import NONE, Page, clock, in_unit, more, ms, s, som
 def around(page: Page, figures: SessionFigures, top: int) -> None:
     """Print it; what there was none of is left out."""
     _trials(page, figures)
+    _settings(page, figures, top)
     _stops(page, figures)
     _training(page, figures)
     _questionnaires(page, figures)
@@ -38,6 +40,27 @@ def _trials(page: Page, figures: SessionFigures) -> None:
     if figures.breaks:
         lengths = [each.end - each.begin for each in figures.breaks if each.end is not None]
         page.say(f"{some(len(figures.breaks), 'break')}, {clock(sum(lengths))} together")
+
+
+def _settings(page: Page, figures: SessionFigures, top: int) -> None:
+    """Where a robot had other settings than were asked for: a threat to what its trial says."""
+    found = by_trial(figures.differences)
+    if not found:
+        return
+    page.head("Robot's settings that were other than asked for")
+    made = table("setting", "robot had", "asked for", "trial", "condition", "from", "for s", left=5)
+    for each in found[:top]:
+        trial = NONE if each.trial < 0 else str(each.trial)
+        made.add_row(
+            *(each.name, each.values, each.wanted),
+            trial if each.counted else f"({trial})",
+            *(each.condition, clock(each.first), s(each.us)),
+        )
+    page.console.print(made)
+    for line in more(page, len(found) - top, "row"):
+        page.console.print(line)
+    if not all(each.counted for each in found):
+        page.say("(in brackets: not counted)")
 
 
 def _stops(page: Page, figures: SessionFigures) -> None:

@@ -43,6 +43,7 @@ _MAIN = (
     ("actions_failed", "actions_stopped", "actions_refused", "actions_open", "direct_commands"),
     ("gap_median_s", "press_median_ms", "press_p95_ms", "press_max_ms"),
     ("cues", "cues_answered", "cues_missed", "reaction_median_s", "reaction_p95_s"),
+    ("settings_differ_s", "settings_differ_share"),
     ("engaged_share", "episodes", "episode_median_s", "utterances", "speech_s"),
     ("mistakes", "mistake_rate", "stops", "markers", "notes", "actions_held", "held_median_s"),
 )
@@ -58,6 +59,8 @@ _WORDS = {
     "reaction_p95_s": "reaction, p95",
     "engaged_share": "engaged",
     "episode_median_s": "episode, median",
+    "settings_differ_s": "robot's settings differed",
+    "settings_differ_share": "of the time known",
     "speech_s": "speech of the visitor",
     "held_median_s": "held back, median",
     "mistake_rate": "mistakes by acts",

@@ -112,6 +112,8 @@ def _row(lane: Lane, scale: Scale, signs: Signs) -> Text:
             _filled(lane, scale, cells, signs.stop, "bold red")
         case "driver":
             _filled(lane, scale, cells, signs.lost, "red")
+        case "setting":
+            _filled(lane, scale, cells, signs.lost, "yellow")
     _marks(lane, scale, signs, cells)
     return cells.text()
 

@@ -189,6 +189,8 @@ def ordinary(
     it.tell(92 + shift, m.StopReleased(source="wizard"))
     it.tell(95, m.DriverLost(driver="head", detail="unplugged"))
     it.tell(101, m.DriverConnected(driver="head"))
+    it.tell(102, m.SettingsShown(driver="head", values={"volume": 0.8}, wanted={"volume": 0.6}))
+    it.tell(112, m.SettingsShown(driver="head", values={"volume": 0.6}))
     it.tell(115, m.TrialEnded(trial=2, outcome="aborted", text="the phone rang"))
     _ask(it, 116)
     for place in range(240):
@@ -232,6 +234,8 @@ def hostile() -> Story:
             m.TrialStarted(trial=place, condition=text),
             m.PerceptionChanged(hidden=[text], blurred=[text]),
         )
+        wicked: dict[str, m.Json] = {text: text}
+        it.tell(at, m.SettingsShown(driver=text, values=wicked, wanted=wicked, conflicts=[text]))
         it.tell(at + 0.7, m.TrialEnded(trial=place, outcome=text, text=text))
     it.tell(20, m.reading("distance", 1.0, driver=HOSTILE[0], unit=HOSTILE[2]))
     it.tell(21, m.SessionEnd(reason=HOSTILE[1], sha256=""))

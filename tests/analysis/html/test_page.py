@@ -133,6 +133,19 @@ def test_every_sort_has_a_colour(text: str) -> None:
     ] == []
 
 
+def test_settings_that_differed_are_told_and_drawn(text: str, tmp_path: Path) -> None:
+    lanes = {lane["title"]: lane for lane in data(text, 1)["lanes"]}
+    [volume] = lanes["settings differ"]["items"]
+    assert volume[:4] == [102.0, 112.0, "volume", "differing"]
+    assert volume[4] == [["driver", "head"], ["had", "0.8"], ["wanted", "0.6"]]
+    assert text.count("<caption>Robot&#x27;s settings that were other than asked for") == 3
+    quiet = ordinary()
+    quiet.told = [each for each in quiet.told if not isinstance(each[1], m.SettingsShown)]
+    page = render([quiet.report(tmp_path)])
+    assert "settings differ" not in page
+    assert "settings that were" not in page
+
+
 def test_data_name_everything_that_happened(text: str) -> None:
     lanes = {lane["title"]: lane for lane in data(text, 1)["lanes"]}
     assert list(lanes)[-2:] == ["distance", "loudness"]

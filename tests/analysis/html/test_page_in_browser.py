@@ -128,9 +128,9 @@ def test_it_can_be_read_without_javascript(page: Page, single: Path) -> None:
         page.driver.get("about:blank")
         page.driver.get(single.as_uri())
         assert page.visible(".static svg.lanes") == 1
-        assert page.visible(".static .legend span") == 16
+        assert page.visible(".static .legend span") == 17
         assert page.all(".tools, .plot") == []
-        assert page.visible(".events tbody tr") == 23
+        assert page.visible(".events tbody tr") == 24
         body = page.one("body").text
         assert "Hello, I am the guide." in body
         assert "It was friendly." in body
@@ -145,11 +145,11 @@ def test_without_javascript_long_lists_say_what_they_leave_out(
     with without_script(page):
         page.driver.get((tmp_path / "report.html").as_uri())
         listed = page.visible(".events tbody tr")
-        assert 5 < listed < 23
-        words = f"Without JavaScript only {listed} of 23 are listed."
+        assert 5 < listed < 24
+        words = f"Without JavaScript only {listed} of 24 are listed."
         assert words in page.one(".list").text
     page.open(tmp_path / "report.html")
-    assert page.visible(".events tbody tr") == 23
+    assert page.visible(".events tbody tr") == 24
     row = next(row for row in page.all(".events tbody tr") if "Hello" in row.text)
     assert "Hello, I am the guide." in row.text
     row.click()
@@ -262,7 +262,7 @@ def test_on_paper_there_is_everything_but_the_buttons(page: Page, single: Path) 
         assert page.run("return document.scrollingElement.scrollWidth") <= 700
         assert page.visible(".tools, .help, .minimap") == 0
         assert page.visible("svg.lanes") == 1
-        assert page.visible(".chip") == 16
+        assert page.visible(".chip") == 17
         whole = "const it = document.querySelector('.scroll'); return it.scrollHeight"
         assert page.run(whole) == page.run(whole.replace("scrollHeight", "clientHeight"))
     page.size(1400, 900)

@@ -248,7 +248,7 @@ def test_search_dims_what_does_not_fit_and_enter_goes_through_the_finds(
 ) -> None:
     page.open(single)
     page.one("input[type=search]").send_keys("WHALE")
-    assert page.text(".count") == "3 of 23"
+    assert page.text(".count") == "3 of 24"
     assert page.visible(".events tbody tr") == 3
     assert len(page.all(".item:not(.dim)")) == 3
     page.keys(Keys.ENTER)
@@ -256,7 +256,7 @@ def test_search_dims_what_does_not_fit_and_enter_goes_through_the_finds(
     page.keys(Keys.ENTER)
     assert "18 metres" in page.text("[role=status]")
     page.keys(*[Keys.BACKSPACE] * 5)
-    assert page.visible(".events tbody tr") == 23
+    assert page.visible(".events tbody tr") == 24
     assert not page.all(".item.dim")
 
 

@@ -22,6 +22,7 @@ _MEASURES: dict[str, tuple[str, str]] = {
     "mistakes": ("Mistakes", "mistakes"),
     "engaged": ("Engaged", "engaged_share"),
     "episodes": ("Episodes", "episodes"),
+    "differing": ("Settings differed", "settings_differ_s"),
     "stops": ("Stops", "stops"),
     "trials": ("Trials", "trials"),
 }

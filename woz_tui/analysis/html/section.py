@@ -21,6 +21,7 @@ from woz_tui.analysis.timeline import Timeline
 NOTABLE = frozenset({"failed", "stopped", "refused", "open", "trial", "left-out", "break"}) | {
     "stop",
     "lost",
+    "differing",
     "marker",
     "note",
     "mistake",
@@ -142,6 +143,9 @@ def _tiles(figures: SessionFigures) -> Iterator[Markup]:
         episodes = whole.engagement.episodes
         more = f"{counted(episodes.n, 'episode')}, median {duration(episodes.median)}"
         yield _tile("engaged", percent(whole.engagement.share), more)
+    if whole.differing_us:
+        more = f"of a robot: {percent(whole.differing_share)} of the time in which they were known"
+        yield _tile("differing", duration(whole.differing_us), more)
     yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of acts")
     ends = whole.outcomes
     more = f"actions failed: {ends.failed}, refused: {ends.refused}"
@@ -256,6 +260,7 @@ def _distributions(figures: SessionFigures) -> Markup | None:
 
 def _tables(figures: SessionFigures) -> Iterator[Markup | None]:
     yield tables.trials(figures)
+    yield tables.settings(figures)
     yield tables.cues(figures)
     yield tables.actions(figures)
     yield tables.verbs(figures)

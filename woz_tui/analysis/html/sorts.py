@@ -38,6 +38,7 @@ SORTS: dict[str, Look] = {
     "speech": Look("visitor speaks"),
     "stop": Look("stop", "M-2.4-5.6H2.4L5.6-2.4V2.4L2.4 5.6H-2.4L-5.6 2.4V-2.4Z"),
     "lost": Look("driver lost", "M1-6L-4 1H-0.5L-1 6L4-1.4H0.5Z"),
+    "differing": Look("setting differs", "M-5-3.5H5V-1H-5ZM-5 1H5V3.5H-5Z"),
     "marker": Look("marker", "M-5-5H5L0 5Z"),
     "note": Look("note", "M-5-5H5V3H0L-3 6V3H-5Z"),
     "mistake": Look("mistake", f"M-6-6H6V6H-6Z{_CROSS}"),

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
+from woz_tui.analysis.differences import by_trial
 from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Answer, Part, SessionFigures
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
@@ -167,6 +168,27 @@ def trials(figures: SessionFigures) -> Markup | None:
         for trial in figures.trials
     ]
     return table("Trials", heads, rows)
+
+
+def settings(figures: SessionFigures) -> Markup | None:
+    """Where robots had other settings than were asked for."""
+    heads = ["Setting", "Robot had", "Asked for", "Participant", "Condition", "Trial"]
+    rows = [
+        [
+            said(each.name),
+            said(each.values),
+            said(each.wanted),
+            said(called(each.participant, counted=each.counted)),
+            said(each.condition),
+            ("" if each.counted else "not counted: ")
+            + (DASH if each.trial < 0 else str(each.trial)),
+            clock(each.first, 3),
+            duration(each.us),
+        ]
+        for each in by_trial(figures.differences)
+    ]
+    caption = "Robot's settings that were other than asked for"
+    return table(caption, [*heads, "From", "For"], rows)
 
 
 def stops(figures: SessionFigures) -> Markup | None:

@@ -3,7 +3,11 @@
 from __future__ import annotations
 
 import argparse
+import io
+import os
+import sys
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -167,3 +171,66 @@ def test_the_command_tells_in_a_sentence(
     arguments = parser.parse_args([str(tmp_path / "x.yaml")])
     assert arguments.run(arguments) == 1
     assert capsys.readouterr().err.startswith("woz convert: ")
+
+
+def test_a_name_that_is_no_text(folder: Path) -> None:
+    config, ours = folder / "a" / "new\nline \udcff.yaml", folder / "a" / "ours.yaml"
+    config.write_text(TEXT, encoding="utf-8")
+    assert converted(str(config), "-o", str(ours)) == 0
+    assert ours.read_text(encoding="utf-8").startswith("# new line .yaml of WoZ4U, as")
+    assert read(ours).title == read(config).title == "WoZ4U: new line .yaml"
+
+
+def test_a_path_that_is_no_text_is_told(folder: Path) -> None:
+    (folder / "\udcff").mkdir()
+    config, ours = folder / "\udcff" / "config.yaml", folder / "ours.yaml"
+    config.write_text(TEXT, encoding="utf-8")
+    assert "there is no U+DCFF in utf-8" in refused(str(config), "-o", str(ours))
+    assert [entry.name for entry in folder.iterdir() if entry.is_file()] == []
+
+
+@pytest.mark.parametrize("make", [os.mkfifo, os.mkdir])
+def test_what_is_no_file_is_not_written_to(folder: Path, make: Any) -> None:
+    ours = folder / "ours.yaml"
+    make(ours)
+    assert "is no file" in refused(str(folder / "a" / "config.yaml"), "-o", str(ours), "--force")
+
+
+def test_a_disk_that_takes_no_more_leaves_what_was_there(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    def fsync(_: int) -> None:
+        raise OSError(28, "No space left on device")
+
+    config, ours, link = folder / "a" / "config.yaml", folder / "ours.yaml", folder / "link.yaml"
+    ours.write_text("mine", encoding="utf-8")
+    link.symlink_to(ours)
+    monkeypatch.setattr(os, "fsync", fsync)
+    assert refused(str(config), "-o", str(link), "--force").endswith("No space left on device")
+    monkeypatch.undo()
+    assert ours.read_text(encoding="utf-8") == "mine"
+    assert converted(str(config), "-o", str(link), "--force") == 0
+    assert link.is_symlink()
+    assert ours.read_text(encoding="utf-8") != "mine"
+
+
+class _Full(io.StringIO):
+    def write(self, text: str) -> int:
+        raise OSError(28, "No space left on device")
+
+
+@pytest.mark.parametrize(
+    ("stream", "sentence"),
+    [
+        (
+            io.TextIOWrapper(io.BytesIO(), encoding="ascii"),
+            "(there is no U+00FC in ascii); give -o",
+        ),
+        (_Full(), "standard output: No space left on device"),
+    ],
+)
+def test_a_terminal_that_cannot_show_it(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, stream: Any, sentence: str
+) -> None:
+    monkeypatch.setattr(sys, "stdout", stream)
+    assert refused(str(folder / "a" / "config.yaml")).endswith(sentence)

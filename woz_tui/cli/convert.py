@@ -10,12 +10,14 @@ from pathlib import Path, PurePosixPath
 
 from woz_tui import plugins
 from woz_tui.core.driver import Driver
+from woz_tui.core.replacing import replace
 from woz_tui.experiment import woz4u
 from woz_tui.experiment.decode import TOP_LEVEL, load
 from woz_tui.experiment.nodes import Table, tree
 from woz_tui.experiment.report import Report
 from woz_tui.experiment.shape import ExperimentError
 from woz_tui.experiment.source import Source, SourceError, read
+from woz_tui.experiment.woz4u.texts import one_line
 from woz_tui.experiment.woz4u.written import written
 
 _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
@@ -60,18 +62,34 @@ def convert(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]
     opened = woz4u.opened(source, TOP_LEVEL, _move(arguments.file, output))
     table = opened.root.node
     assert isinstance(table, Table)  # it was one when it was recognised
-    text = written(table, opened.remarks, _HEAD.format(name=arguments.file.name))
+    text = written(table, opened.remarks, _HEAD.format(name=one_line(arguments.file.name)))
     for warning in experiment.warnings:
         print(warning, file=sys.stderr)
     if output is None:
-        print(text, end="")
+        _print(text)
         return 0
     try:
-        output.write_text(text, encoding="utf-8")
+        replace(output.resolve(), text)  # what was there stays until all of it is on the disk
     except OSError as error:
         raise ConvertError(f"{output} cannot be written: {error.strerror or error}") from error
     print(f"{output}: written; woz check {output} shows it", file=sys.stderr)
     return 0
+
+
+def _print(text: str) -> None:
+    try:
+        print(text, end="", flush=True)
+    except UnicodeEncodeError as error:
+        raise ConvertError(f"this terminal cannot show it ({_no_text(error)}); give -o") from error
+    except OSError as error:
+        if isinstance(error, BrokenPipeError):
+            raise
+        raise ConvertError(f"standard output: {error.strerror or error}") from error
+
+
+def _no_text(error: UnicodeEncodeError) -> str:
+    sign = error.object[error.start]
+    return f"there is no U+{ord(sign):04X} in {error.encoding}"
 
 
 def _source(file: Path) -> Source:
@@ -104,6 +122,8 @@ def _free(output: Path, original: Path, *, force: bool) -> None:
             raise ConvertError(f"{output} is the WoZ4U file itself; write to another file")
         if output.exists() and not force:
             raise ConvertError(f"{output} is there already; --force replaces it")
+        if output.exists() and not output.is_file():
+            raise ConvertError(f"{output} is no file; without -o it goes to standard output")
     except OSError as error:
         raise ConvertError(f"{output}: {error.strerror or error}") from error
 
@@ -114,7 +134,10 @@ def _move(original: Path, output: Path | None) -> woz4u.Move:
         return str
     try:
         way = os.path.relpath(original.resolve().parent, output.resolve().parent)
-    except (OSError, ValueError) as error:
+        way.encode()
+    except UnicodeEncodeError as error:
+        raise ConvertError(f"{way!r} cannot stand in a file: {_no_text(error)}") from error
+    except (OSError, RuntimeError, ValueError) as error:
         raise ConvertError(f"{output}: {error}") from error
     return str if way == "." else lambda path: _joined(way, path)
 

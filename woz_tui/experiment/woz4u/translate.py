@@ -23,6 +23,7 @@ from woz_tui.experiment.woz4u.buttons import (
 from woz_tui.experiment.woz4u.keyed import Wish, grant, layout_of
 from woz_tui.experiment.woz4u.known import OLDER, TOP_LEVEL
 from woz_tui.experiment.woz4u.panels import Panel
+from woz_tui.experiment.woz4u.texts import one_line
 
 #: What the translation writes itself, and so is not taken over from the file.
 _MADE = ("robot", "robots", "steps", "panels")
@@ -66,7 +67,8 @@ def translated(root: Spot, own: Collection[str], move: Move) -> Translation:
 
 
 def _title(start: Place) -> Node:
-    return made.said(f"WoZ4U: {Path(start.file).name}", start)
+    name = one_line(Path(start.file).name) or "config"  # a name may hold bytes that are no text
+    return made.said(f"WoZ4U: {name}", start)
 
 
 def _unknown(table: Mapping[str, Spot], own: Collection[str]) -> None:

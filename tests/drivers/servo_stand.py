@@ -17,7 +17,7 @@ from tests.fakes.servos import ServoBus
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
 
 #: On a crowded test machine an answer may take far longer than on any wire.
-PATIENT_MS = 200.0
+PATIENT_MS = 500.0
 #: And a tick may come so late that servos would stop by themselves.
 PATIENT_WATCHDOG_MS = 2000
 HEAD = {

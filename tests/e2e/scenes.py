@@ -49,7 +49,7 @@ robot:
         tilt: {{id: 12, min: -20, max: 30, speed: 120, rest: 15}}
         roll: {{id: 13, min: -20, max: 20, speed: 90}}
       rest_speed: 120
-      reply_timeout: 300
+      reply_timeout: 500
       watchdog: 2500
       moves:
         nod: [{{tilt: 14, seconds: 0.3}}, {{tilt: 0, seconds: 0.3}}]

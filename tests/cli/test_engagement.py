@@ -302,7 +302,9 @@ def test_a_reader_who_leaves_ends_it_quietly(piped: subprocess.Popen[bytes]) -> 
     assert piped.stderr.read() == b""
 
 
-def test_a_log_through_a_pipe_is_refused(piped: subprocess.Popen[bytes]) -> None:
-    out, err = piped.communicate(b'{"kind": "session.start"}\n', 30)
-    assert (piped.returncode, out) == (2, b"")
-    assert b"name the log" in err
+def test_a_log_through_a_pipe_is_read_to_its_end(piped: subprocess.Popen[bytes]) -> None:
+    recordings = Path(__file__).parents[2] / "recordings"
+    both = (recordings / "sample.jsonl", recordings / "sample.samples.jsonl")
+    out, err = piped.communicate(b"".join(each.read_bytes() for each in both), 30)
+    assert (piped.returncode, err) == (0, b"")
+    assert json.loads(out.splitlines()[0])["state"] == "PersonDetected"

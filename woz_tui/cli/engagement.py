@@ -153,19 +153,27 @@ def _run(arguments: argparse.Namespace) -> int:
     with _opened(arguments.file) as file:
         first = file.readline(LONGEST)
         if _is_log(arguments.file, file, first):
-            if arguments.file == "-":
-                raise UsageError("a session's log is two files: name the log instead of -")
-            from woz_tui.cli import engagement_log  # noqa: PLC0415
-
-            try:
-                return engagement_log.run(arguments, settings)
-            except ValueError as error:  # it only looked like one
-                raise UnreadableError(str(error)) from error
+            return _log(arguments, settings, file, first)
         if arguments.compare or arguments.trials:
             option = "--compare" if arguments.compare else "--trials"
             raise UsageError(f"{option} needs a session's log: lines of samples say no verdicts")
         _rows(_Lines(arguments.file, file, first), settings, _live(file))
     return 0
+
+
+def _log(
+    arguments: argparse.Namespace, settings: EngagementSettings, file: BinaryIO, first: bytes
+) -> int:
+    from woz_tui.cli import engagement_log, piped  # noqa: PLC0415
+
+    try:
+        if arguments.file != piped.NAME:
+            return engagement_log.run(arguments, settings)
+        with piped.kept(file, first) as path:
+            words = {**vars(arguments), "file": str(path)}
+            return engagement_log.run(argparse.Namespace(**words), settings)
+    except (ValueError, piped.PipedError) as error:  # it may only look like a log
+        raise UnreadableError(str(error)) from error
 
 
 def _together(arguments: argparse.Namespace) -> None:

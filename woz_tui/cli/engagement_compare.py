@@ -19,6 +19,8 @@ from woz_tui.sensing.passing import SECOND
 
 #: The same transition within this time is the same; later or earlier by up to the second, moved.
 SAME_US, MOVED_US = 200_000, 2 * SECOND
+#: Seconds without a model that are worth a sentence: a log begins some milliseconds before it.
+_TOLD = 0.05
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80
 #: What stands between the two paths.
@@ -192,7 +194,7 @@ def _sentences(figures: dict[str, Json]) -> Iterator[str]:
         f" {_per_cent(figures['engaged_computed'])} as it would be"
     )
     off = figures["off_recorded"], figures["off_computed"]
-    if any(off):
+    if any(isinstance(each, float) and each >= _TOLD for each in off):
         yield (
             f"off, or no model there: {off[0]:.1f} s as it was, {off[1]:.1f} s as it would be"
             " (counted in no state)"

@@ -17,6 +17,12 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the sentences; what no log can know, and what could not be read, goes to stderr."""
+    from woz_tui.cli import piped  # noqa: PLC0415
+
+    return piped.with_logs(arguments, _run, "woz methods")
+
+
+def _run(arguments: argparse.Namespace) -> int:
     from woz_tui.analysis.methods import BY_HAND, paragraphs  # noqa: PLC0415
     from woz_tui.analysis.session import FIGURES  # noqa: PLC0415
     from woz_tui.analysis.study import Studies  # noqa: PLC0415

@@ -40,7 +40,10 @@ def add(parser: argparse.ArgumentParser) -> None:
 def add_sessions(parser: argparse.ArgumentParser) -> None:
     """Options that say which sessions are meant and what counts."""
     parser.add_argument(
-        "logs", nargs="+", metavar="FILE", help="a session's log, a folder of them, or a pattern"
+        "logs",
+        nargs="+",
+        metavar="FILE",
+        help="a session's log, a folder of them, or a pattern; - is a log from standard input",
     )
     parser.add_argument(
         "--window",
@@ -65,6 +68,12 @@ def add_sessions(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the figures; 1 if anything that was named could not be read."""
+    from woz_tui.cli import piped  # noqa: PLC0415
+
+    return piped.with_logs(arguments, _report, "woz report")
+
+
+def _report(arguments: argparse.Namespace) -> int:
     from woz_tui.analysis.groups import Grouped  # noqa: PLC0415
     from woz_tui.analysis.tidy import Folder  # noqa: PLC0415
 

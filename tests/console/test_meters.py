@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from tests.console import scenes
 from woz_tui.console.cells import Row, length
 from woz_tui.console.events import chosen, event_rows
-from woz_tui.console.figures import decibels, elapsed, seconds
+from woz_tui.console.figures import decibels, elapsed, left, seconds
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
 from woz_tui.console.meters import meter_rows
 from woz_tui.console.picture import Picture
@@ -343,6 +343,19 @@ def test_elapsed(us: int, shown: str) -> None:
 def test_figures() -> None:
     assert seconds(2_140_000) == "2.1 s"
     assert seconds(123_000_000) == "123 s"
+    assert [left(us) for us in (7_440_000, 99_900_000, 99_960_000, 371_300_000)] == [
+        "7.4",
+        "99.9",
+        "1:40",
+        "6:11",
+    ]
+
+
+@pytest.mark.parametrize(
+    ("value", "unit", "shown"), [(0.874, "", "87%"), (77, "%", "77 %"), (12.6, "V", "12.6 V")]
+)
+def test_a_batterys_charge_is_told_in_percent(value: float, unit: str, shown: str) -> None:
+    assert shown in meters(scenes.reading(NOW, "battery", value, unit=unit))
     assert decibels(1.0) == 0.0
     assert decibels(0.0) == decibels(float("nan")) == -60.0
 

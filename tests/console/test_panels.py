@@ -137,7 +137,7 @@ def test_reserve_keys_carry_a_star() -> None:
         ("h", "h"),
         ("f1", "F1"),
         ("ctrl+a", "^A"),
-        ("alt+up", "M-↑"),
+        ("alt+up", "A-↑"),
         ("c r", "c r"),
         ("space", "Space"),
         ("+", "+"),

@@ -243,7 +243,7 @@ def test_sensors_that_go_and_come_with_their_driver_are_no_events_of_their_own()
 
 @pytest.mark.parametrize("health", [m.DriverLost, m.DriverConnecting])
 def test_why_sensors_fell_silent_takes_the_place_of_their_lines(
-    health: type[m.DriverHealth],
+    health: type[m.DriverLost | m.DriverConnecting],
 ) -> None:
     """A robot freezes: its sensors are late before it is known. Or another one is taken."""
     picture = begun(

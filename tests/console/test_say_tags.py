@@ -30,7 +30,7 @@ async def test_tags_with_their_help_and_tab() -> None:
         await type_in(seat, "Hi \\")
         drawn = seat.drawn()
         assert "\\rspd=100\\  speed in percent" in drawn
-        assert "\\pau=500\\  pause in ms" in drawn
+        assert "\\pau=500\\   pause in ms" in drawn, "in a column"
         await type_in(seat, "rs")
         assert "pause in ms" not in seat.drawn()
         await seat.press("tab")
@@ -40,6 +40,16 @@ async def test_tags_with_their_help_and_tab() -> None:
         asked = seat.feed.last(r.AskVerb)
         assert isinstance(asked, r.AskVerb)
         assert asked.args == {"text": "Hi \\rspd=100\\ you"}
+
+
+async def test_digits_behind_tab_are_the_number() -> None:
+    async with saying(pepper.welcome()) as seat:
+        await type_in(seat, "Hi \\rs")
+        await seat.press("tab")
+        await type_in(seat, "80\\")
+        assert entry(seat).value == "Hi \\rspd=80\\"
+        await type_in(seat, " you 2")
+        assert entry(seat).value == "Hi \\rspd=80\\ you 2"
 
 
 async def test_animations_by_name() -> None:

@@ -160,6 +160,7 @@ async def test_help_lists_every_key_with_reserves_and_reasons() -> None:
             assert part in drawn
         assert seat.console.caps["Call staff"].why[:20] in drawn
         assert "instead of ^1" in drawn
+        assert "^ is ctrl, A- alt, S- shift" in drawn
 
 
 async def test_the_keys_list_only_arrows_that_move_something() -> None:

@@ -24,7 +24,7 @@ from woz_tui.console.look import SIXTEEN, THEMES, Look
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Dialog, give_keys
 from woz_tui.console.status import Line
-from woz_tui.console.stopbar import HINTS, Bar, News
+from woz_tui.console.stopbar import Bar, News, hints
 from woz_tui.console.surface import Surface
 from woz_tui.console.thrift import ThriftyScreen, tight
 from woz_tui.core.clock import Clock, RealClock
@@ -258,7 +258,8 @@ class Console(App[str]):
         return Frame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _hints(self) -> tuple[tuple[str, str], ...]:
-        return tuple((self._key(name), word) for name, word in HINTS if self._key(name))
+        named = ((self._key(name), word) for name, word in hints(self.picture))
+        return tuple((key, word) for key, word in named if key)
 
     def _key(self, name: str) -> str:
         """The key of one of the console's own, as a cap shows it."""

@@ -20,7 +20,7 @@ _NAMES = {
     "pagedown": "PgDn",
     "escape": "Esc",
 }
-_MODIFIERS = {"ctrl": "^", "alt": "M-", "shift": "S-"}
+_MODIFIERS = {"ctrl": "^", "alt": "A-", "shift": "S-"}
 
 
 @dataclass(frozen=True, slots=True)

@@ -52,6 +52,9 @@ _CLEAN |= dict.fromkeys(range(0x202A, 0x202F), " ") | dict.fromkeys(range(0x2066
 #: Texts all of whose characters take one cell each: Latin letters, lines, blocks, dots.
 _SINGLE = re.compile("[\\x20-\\x7e\\xa0-\\u02ff\\u2500-\\u25ff\\u2800-\\u28ff]*")
 
+#: A word with the blanks before it, or the blanks at the end.
+_WORD = re.compile(r"\s*\S+|\s+")
+
 #: Unchanged cells between two changed ones that are cheaper to paint again than to jump over.
 NEAR = 8
 
@@ -109,6 +112,27 @@ def spread(left: Row, right: Row, width: int, ellipsis: str = "…") -> Row:
     if room < 1:
         return cut(right, width, ellipsis)
     return cut(left, room, ellipsis) + right
+
+
+def hung(row: Row, indent: int, width: int) -> list[Row]:
+    """A row that is too long as several ones, broken between words, all but the first indented.
+
+    A word that is wider than the row stays whole: whoever draws it folds it.
+    """
+    if length(row) <= width or 2 * indent >= width:
+        return [row]
+    rows: list[Row] = []
+    line: list[Piece] = []
+    used = 0
+    for text, look in row:
+        for part in _WORD.findall(text):
+            word = part
+            if used + cell_len(word) > width and used > indent:
+                rows.append(tuple(line))
+                line, used, word = [(" " * indent, "plain")], indent, part.lstrip()
+            line.append((word, look))
+            used += cell_len(word)
+    return [*rows, tuple(line)]
 
 
 def heading(title: str, frame: Frame) -> Row:

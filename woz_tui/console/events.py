@@ -8,7 +8,7 @@ from itertools import zip_longest
 from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, heading
-from woz_tui.console.figures import elapsed, seconds
+from woz_tui.console.figures import elapsed, left, seconds
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
 from woz_tui.console.sentences import Event
@@ -19,6 +19,9 @@ BURST_ROWS, ROWS_S = 400, 100
 
 #: What takes less has no length worth a figure, in microseconds.
 BRIEF_US = 50_000
+
+#: From here on what is left is told in minutes, in microseconds.
+_MINUTES_US = 99_950_000
 
 #: Colour and glyph of each kind of line; the glyph alone tells them apart.
 LOOK = {
@@ -93,8 +96,10 @@ def _under_way(event: Event, picture: Picture, frame: Frame) -> Piece:
         return (f" waits {seconds(held[0])} ", "wait")
     if not run.running:
         return (" queued ", "wait")
-    left, _ = run.timing(frame.now)
-    shown = seconds(frame.now - event.t) if left is None else f"{seconds(left)} left"
+    to_go, _ = run.timing(frame.now)
+    shown = seconds(frame.now - event.t)
+    if to_go is not None:
+        shown = f"{seconds(to_go)} left" if to_go < _MINUTES_US else f"{left(to_go)} left"
     return (f" {shown} ", "run")
 
 

@@ -11,6 +11,7 @@ from textual import events
 from woz_tui.console.caps import Cap, caption
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, fit
 from woz_tui.console.columns import GUTTER, Plan, Slot, plan
+from woz_tui.console.figures import left
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import Standing, State
 from woz_tui.console.picture import Picture
@@ -114,6 +115,8 @@ def _title(picture: Picture, slot: Slot, frame: Frame, chosen: bool) -> Row:
     glyphs, width = frame.glyphs, frame.width
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
     note = " locked" if picture.is_locked(panel) else " continued" if slot.again else ""
+    if slot.again and cell_len(clean(panel.title)) > width - 3 - len(note):
+        note = note.replace("continued", glyphs.ellipsis)  # rather than half a title
     title = fit_most(panel.title, width - 2 - len(note) - 1, glyphs.ellipsis)
     used = 2 + cell_len(title) + len(note)
     rule = glyphs.rule * max(0, width - used - 1)
@@ -158,9 +161,9 @@ def _word(standing: Standing) -> str:
         case State.READY | State.DONE:
             return ""
         case State.RUNNING:
-            return "" if standing.left_us is None else f"{standing.left_us / 1e6:.1f}"
+            return "" if standing.left_us is None else left(standing.left_us)
         case State.HELD:
-            return f"waits {(standing.left_us or 0) / 1e6:.1f}"
+            return f"waits {left(standing.left_us or 0)}"
         case State.WAITS:
             return "after mode"
         case State.UNREACHABLE:

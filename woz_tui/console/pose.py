@@ -8,6 +8,7 @@ from collections.abc import Sequence
 from rich.cells import cell_len
 
 from woz_tui.console.cells import Piece, Row, clean, fit, length
+from woz_tui.console.figures import is_share
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
@@ -190,6 +191,8 @@ def figure(sensor: SensorPicture, glyphs: Glyphs) -> str:
     """A sensor's value with its unit, always equally many digits behind the point."""
     if sensor.value is None:
         return "" if sensor.text else glyphs.dash
+    if is_share(sensor.name, sensor.value, sensor.unit):
+        return f"{sensor.value:.0%}"
     digits = _DIGITS.get(sensor.unit)
     shown = f"{sensor.value:.4g}" if digits is None else f"{sensor.value:.{digits}f}"
     if shown.startswith("-") and not shown.strip("-0."):

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from tests.console.robot import pepper
 from woz_tui.console.robot.names import begin_with, holding
-from woz_tui.console.robot.tags import begun_tag, completed, offers
+from woz_tui.console.robot.tags import Begun, Numbered, begun_tag, completed, offers
 from woz_tui.core.robots import RobotOutline, Tag
 
 OUTLINE = pepper.OUTLINE
@@ -115,6 +115,48 @@ def test_tab_changes_only_the_tag(text: str, caret: int) -> None:
         after, at = completed(text, found, offer)
         assert after[: found.start] == text[: found.start]
         assert after[at:] == text[found.end :]
+
+
+@pytest.mark.parametrize(
+    ("typed", "after"),
+    [
+        (["1", "5", "0"], "Hi \\rspd=150\\| you"),
+        (["150"], "Hi \\rspd=150\\| you"),  # in one go
+        (["150\\"], "Hi \\rspd=150\\| you"),
+        (["80", "\\", " 3"], "Hi \\rspd=80\\ 3| you"),
+        (["80\\", "3"], "Hi \\rspd=80\\3| you"),
+        ([" and", "3"], "Hi \\rspd=100\\ and3| you"),
+        (["\\"], "Hi \\rspd=100\\\\| you"),
+    ],
+)
+def test_digits_behind_a_tag_that_was_put_in_are_its_number(typed: list[str], after: str) -> None:
+    begun = begun_tag("Hi \\rs you", 6)
+    assert begun is not None
+    text, caret = completed("Hi \\rs you", begun, offers(begun, OUTLINE)[0])
+    tag = Numbered.put_in(text, begun, caret)
+    for more in typed:
+        text, caret = text[:caret] + more + text[caret:], caret + len(more)
+        tag = tag.goes_on(text) if tag is not None else None
+        if tag is not None:
+            text, caret = tag.text, tag.caret
+    assert f"{text[:caret]}|{text[caret:]}" == after
+
+
+@given(texts, st.sampled_from(["", "1", "15"]), texts)
+def test_any_other_change_leaves_the_tag_alone(before: str, digits: str, now: str) -> None:
+    text = f"{before}\\rspd=100\\ you"
+    begun = Begun(len(before), len(text) - 4, "\\rspd=100\\")
+    tag = Numbered.put_in(text, begun, len(text) - 4)
+    assert tag is not None
+    tag = tag.goes_on(f"{text[:-4]}{digits} you")
+    assert tag is not None
+    left = tag.goes_on(now)
+    assert left is None or left.text == now or now.startswith(before)
+
+
+def test_only_a_number_is_typed_over() -> None:
+    for text in ("^run(Hey)", "\\rst\\"):
+        assert Numbered.put_in(text, Begun(0, len(text), text), len(text)) is None
 
 
 def test_names_by_a_part_of_them() -> None:

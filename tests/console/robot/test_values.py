@@ -51,6 +51,8 @@ COLOR = Setting(name="eyes", section="Eyes", label="Colour", verb="eyes", kind="
         (TEXT, "…", "…"),
         (TEXT, 3, "3"),
         (Setting(name="b", section="", label="", kind="number"), 0.834, "0.83"),
+        (Setting(name="battery", section="", label="", kind="number"), 0.834, "83%"),
+        (Setting(name="battery", section="", label="", kind="number", unit="V"), 0.9, "0.90 V"),
         *((each, None, "-") for each in (VOLUME, STATE, FLAG, TEXT, COLOR)),
         (TEXT, "", "-"),
     ],

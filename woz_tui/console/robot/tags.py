@@ -13,6 +13,7 @@ _SLASH = "\\"
 #: A tag in the making, before the caret; and what belongs to it behind the caret.
 _VOICE = re.compile(r"\\[A-Za-z]*(?:=[^\s\\]*)?")
 _MOVE = re.compile(r"\^[A-Za-z]*(?:\([^\s()]*)?")
+_NUMBER = re.compile(r"\\[A-Za-z]+=([0-9]+)\\")
 _REST = re.compile(r"[A-Za-z0-9_=/.\-]*[\\)]?")
 
 
@@ -31,6 +32,42 @@ class Offer:
 
     text: str
     help: str
+
+
+@dataclass(frozen=True, slots=True)
+class Numbered:
+    r"""A tag with a number that tab has just put in, `\pau=500\`: digits typed right behind it are
+    meant for the number, and one more `\` behind them for its end.
+
+    `text` has its end at `caret`, the number begins at `start`; `typed` is what of it was typed, and
+    it is `over` behind its end.
+    """
+
+    text: str
+    start: int
+    caret: int
+    typed: str = ""
+    over: bool = False
+
+    @classmethod
+    def put_in(cls, text: str, begun: Begun, caret: int) -> Numbered | None:
+        """The tag between where it was begun and the caret, if it has a number."""
+        found = _NUMBER.fullmatch(text[begun.start : caret])
+        return cls(text, begun.start + found.start(1), caret) if found is not None else None
+
+    def goes_on(self, text: str) -> Numbered | None:
+        """What becomes of it with the text as it is now; None: it was left."""
+        front, behind = self.text[: self.caret], self.text[self.caret :]
+        if text == self.text:
+            return self
+        more = text[self.caret : len(text) - len(behind)]
+        digits = more.removesuffix(_SLASH)
+        known = digits.isascii() and (digits.isdigit() or bool(not digits and self.typed))
+        if self.over or not known or text != front + more + behind:
+            return None
+        number = self.typed + digits
+        front = f"{self.text[: self.start]}{number}{_SLASH}"
+        return Numbered(front + behind, self.start, len(front), number, over=digits != more)
 
 
 def begun_tag(text: str, caret: int) -> Begun | None:

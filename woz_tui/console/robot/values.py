@@ -6,6 +6,7 @@ import math
 import re
 from decimal import Decimal, InvalidOperation
 
+from woz_tui.console.figures import is_share
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.core.messages import Json
 from woz_tui.core.robots import Setting
@@ -29,6 +30,8 @@ def value_text(setting: Setting, value: Json, glyphs: Glyphs) -> str:
     if isinstance(value, bool):
         return "on" if value else "off"
     if isinstance(value, int | float) and setting.kind == "number":
+        if not setting.verb and is_share(setting.name, value, setting.unit):
+            return f"{value:.0%}"
         return glyphs.plain(figure(setting, value, measured=not setting.verb))
     return glyphs.plain(str(value))
 

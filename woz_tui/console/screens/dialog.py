@@ -13,11 +13,15 @@ from rich.console import RenderableType
 from textual.app import ComposeResult
 from textual.containers import Vertical, VerticalScroll
 from textual.content import Content
+from textual.css.styles import RulesMap
 from textual.screen import ModalScreen
+from textual.strip import Strip
+from textual.style import Style
+from textual.visual import RenderOptions, Visual
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import Row, clean
+from woz_tui.console.cells import Row, clean, hung
 from woz_tui.console.thrift import ThriftyScreen
 from woz_tui.core.requests import Reply
 
@@ -121,12 +125,44 @@ def give_keys(keyboard: Keyboard, top: Dialog | None) -> None:
     keyboard.free = top is None or top.plays
 
 
+class Hung(Visual):
+    """Rows as text that wraps; a row goes on `indent` cells to the right of its beginning."""
+
+    def __init__(self, rows: Iterable[Row], indent: int) -> None:
+        self._rows, self._indent = tuple(rows), indent
+        self._last: tuple[int, Content] | None = None
+
+    def _at(self, width: int) -> Content:
+        """The text for this width; asked for several times in a row."""
+        if self._last is None or self._last[0] != width:
+            rows = [part for row in self._rows for part in hung(row, self._indent, width)]
+            self._last = width, content(rows)
+        return self._last[1]
+
+    def render_strips(
+        self, width: int, height: int | None, style: Style, options: RenderOptions
+    ) -> list[Strip]:
+        """As `Content` does."""
+        return self._at(width).render_strips(width, height, style, options)
+
+    def get_optimal_width(self, rules: RulesMap, container_width: int) -> int:
+        """Each row on one line."""
+        return content(self._rows).get_optimal_width(rules, container_width)
+
+    def get_height(self, rules: RulesMap, width: int) -> int:
+        """Lines at this width."""
+        return self._at(width).get_height(rules, width)
+
+
 class Report(Dialog):
     """A dialog of text to read: rows, scrolled with the arrows."""
 
+    #: Where the lines go on that a long row takes beyond its first.
+    indent: ClassVar[int] = 0
+
     def body(self) -> Iterable[Widget]:
         """One text that scrolls."""
-        yield VerticalScroll(Static(content(self.lines()), id="report"))
+        yield VerticalScroll(Static(Hung(self.lines(), self.indent), id="report"))
 
     def lines(self) -> list[Row]:
         """What it says."""
@@ -135,7 +171,7 @@ class Report(Dialog):
     def renew(self) -> None:
         """Say it again after something has changed; before it is composed there is no need."""
         for report in self.query("#report").results(Static):
-            report.update(content(self.lines()))
+            report.update(Hung(self.lines(), self.indent))
 
 
 class Entry(Dialog):

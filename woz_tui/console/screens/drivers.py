@@ -15,6 +15,7 @@ class DriversDialog(Report):
     heading = "Drivers"
     hint = "arrows scroll · ctrl+q closes"
     wide = True
+    indent = 4
 
     def lines(self) -> list[Row]:
         """One paragraph for each driver."""

@@ -17,6 +17,7 @@ class FailuresDialog(Report):
     heading = "Failed"
     hint = "enter: seen, clear them · ctrl+q keeps them"
     wide = True
+    indent = 9
     BINDINGS: ClassVar[list[BindingType]] = [Binding("enter", "see", priority=True)]
 
     def lines(self) -> list[Row]:
@@ -30,9 +31,10 @@ class FailuresDialog(Report):
                     (f"{self.glyphs.failed} {name}", "bad"),
                 )
             )
-            rows.append((("         ", "plain"), (failure.reason or "no reason given", "plain")))
+            front = (" " * self.indent, "plain")
+            rows.append((front, (failure.reason or "no reason given", "plain")))
             if failure.remedy:
-                rows.append((("         ", "plain"), (failure.remedy, "run")))
+                rows.append((front, (failure.remedy, "run")))
         return rows
 
     def action_see(self) -> None:

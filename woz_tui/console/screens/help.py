@@ -9,6 +9,8 @@ from woz_tui.console.keyboard import ARROW_VERBS
 from woz_tui.console.screens.dialog import Report
 
 KEY = 8
+#: How key caps are read; an arrow or a letter follows.
+_SIGNS = "On keys ^ is ctrl, A- alt, S- shift; a star: it stands in for the key of the file."
 
 
 class HelpDialog(Report):
@@ -20,10 +22,11 @@ class HelpDialog(Report):
     heading = "Keys"
     hint = "arrows scroll · ctrl+q closes"
     wide = True
+    indent = KEY + 2
 
     def lines(self) -> list[Row]:
         """Key and meaning, one a line."""
-        rows: list[Row] = [(("Console", "title"),)]
+        rows: list[Row] = [((_SIGNS, "muted"),), (), (("Console", "title"),)]
         offered = {verb for verbs in self.picture.verbs.values() for verb in verbs}
         for item in self.console_app.builtins:
             if ARROW_VERBS.get(item.id, "") not in {"", *offered}:

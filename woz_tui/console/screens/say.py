@@ -5,15 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import ClassVar
 
+from rich.cells import cell_len
 from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.suggester import Suggester
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import Row, clean
+from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.picture import Picture
-from woz_tui.console.robot.tags import Begun, Offer, begun_tag, completed, offers
+from woz_tui.console.robot.tags import Begun, Numbered, Offer, begun_tag, completed, offers
 from woz_tui.console.screens.dialog import Entry, content
 from woz_tui.core.robots import RobotOutline
 
@@ -82,6 +83,7 @@ class SayDialog(Entry):
         self._back = 0
         self._voice = 0
         self._utterances: list[str] = []
+        self._numbered: Numbered | None = None
 
     def on_mount(self) -> None:
         """Utterances as they are now."""
@@ -130,9 +132,11 @@ class SayDialog(Entry):
         if begun is None:
             self._show_utterances(entry.value)
             return
+        shown = offered[:TAGS]
+        wide = max((cell_len(clean(offer.text)) for offer in shown), default=0)
         rows: list[Row] = [
-            ((f"  {clean(offer.text)}", "plain"), (f"  {clean(offer.help)}", "muted"))
-            for offer in offered[:TAGS]
+            ((f"  {fit(offer.text, wide)}", "plain"), (f"  {clean(offer.help)}", "muted"))
+            for offer in shown
         ]
         if len(offered) > TAGS:
             rows.append(((f"  {self.glyphs.ellipsis} {len(offered) - TAGS} more", "muted"),))
@@ -152,7 +156,15 @@ class SayDialog(Entry):
         """Show what matches."""
         event.stop()
         if self.there:
+            self._number()
             self._show_matches()
+
+    def _number(self) -> None:
+        """Digits behind a tag that tab has put in are its number."""
+        entry, before = self.entry, self._numbered
+        self._numbered = before.goes_on(entry.value) if before is not None else None
+        if self._numbered is not None and self._numbered.text != entry.value:
+            self._put(self._numbered.text, self._numbered.caret)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Say it; an empty line only closes."""
@@ -165,9 +177,11 @@ class SayDialog(Entry):
 
     def action_complete(self) -> None:
         """Take what is suggested."""
+        begun, _ = self._offers(self.entry.value, self.entry.cursor_position)
         whole, caret = self.completed(self.entry.value, self.entry.cursor_position)
         if whole is not None:
             self._put(whole, caret)
+            self._numbered = Numbered.put_in(whole, begun, caret) if begun is not None else None
 
     def completed(self, text: str, caret: int) -> tuple[str | None, int]:
         """What the text becomes by tab, and where the caret is then; None: it stays."""

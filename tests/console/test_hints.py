@@ -1,0 +1,44 @@
+"""The keys that the lowest line names: only those that do something in this session."""
+
+from __future__ import annotations
+
+import msgspec
+import pytest
+
+from tests.console import scenes
+from tests.console.driving import sitting
+from tests.console.robot import pepper
+from woz_tui.console.picture import Picture
+from woz_tui.console.stopbar import hints
+from woz_tui.core import requests as r
+
+
+def named(first: r.Welcome) -> list[str]:
+    picture = Picture()
+    picture.take([first], 0)
+    return [word for _, word in hints(picture)]
+
+
+def test_a_robots_keys_are_named_where_there_is_a_robot() -> None:
+    assert "robot" not in named(scenes.welcome())
+    told = named(pepper.welcome())
+    assert [word for word in told if word in ("robot", "gesture", "camera")] == [
+        "robot",
+        "gesture",
+        "camera",
+    ]
+
+
+def test_the_scripts_key_is_named_where_there_is_a_script() -> None:
+    assert "script" in named(scenes.welcome())
+    assert "script" not in named(msgspec.structs.replace(scenes.welcome(), script=[]))
+    assert "script" in [word for _, word in hints(Picture())], "nobody knows yet"
+
+
+@pytest.mark.parametrize("script", [True, False])
+async def test_the_robots_key_has_room_in_80_columns(script: bool) -> None:
+    first = pepper.welcome(pepper.shown())
+    if not script:
+        first = msgspec.structs.replace(first, script=[])
+    async with sitting(first) as seat:
+        assert "@ robot" in seat.drawn().splitlines()[-1]

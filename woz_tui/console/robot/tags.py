@@ -39,8 +39,8 @@ class Numbered:
     r"""A tag with a number that tab has just put in, `\pau=500\`: digits typed right behind it are
     meant for the number, and one more `\` behind them for its end.
 
-    `text` has its end at `caret`, the number begins at `start`; `typed` is what of it was typed, and
-    it is `over` behind its end.
+    `text` has its end at `caret`, the number begins at `start`; `typed` is what of it was typed,
+    and it is `over` behind its end.
     """
 
     text: str

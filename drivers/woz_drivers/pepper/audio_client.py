@@ -7,6 +7,7 @@ doc.aldebaran.com, "naoqi/audio/alaudiodevice": `processRemote(channels, samples
 from __future__ import annotations
 
 import asyncio
+import errno
 import os
 import queue
 import threading
@@ -21,6 +22,8 @@ from woz_drivers.pepper.memory import stamped, within
 
 #: Bytes of a sample.
 _WIDTH = 2
+#: Of one buffer: four microphones, and a second of 48 kHz. They bound what waits for a disk.
+_MOST_CHANNELS, _MOST_SAMPLES = 4, 48_000
 #: Buffers that may wait for a disk that does not answer: half a minute of sound.
 _WAITING = 200
 #: A WAV file's header has 32 bits for its length.
@@ -44,7 +47,7 @@ class Block:
 
 def block(channels: Any, samples: Any, stamp: Any, buffer: Any) -> Block | str:
     """What the robot sent, or why it is no sound. Never raises."""
-    some, many = within(channels, 1, 16), within(samples, 1, 1_000_000)
+    some, many = within(channels, 1, _MOST_CHANNELS), within(samples, 1, _MOST_SAMPLES)
     if some is None or many is None or some != int(some) or many != int(many):
         return f"{channels!r} channels of {samples!r} samples are no sound"
     try:
@@ -142,4 +145,14 @@ class SoundFile:
                     raise OverflowError("a WAV file cannot be longer; listen again for another one")
                 sound.writeframes(data)
                 file.flush()
+                self._still_there(file.fileno())
                 self._written.frames += len(data) // (_WIDTH * self.channels)
+
+    def _still_there(self, fd: int) -> None:
+        """What is written into a file that was removed is nowhere. Raises `OSError`."""
+        try:
+            same = os.path.samestat(self.path.stat(), os.fstat(fd))
+        except FileNotFoundError:
+            same = False
+        if not same:
+            raise OSError(errno.ENOENT, "the file was removed or moved")

@@ -6,6 +6,7 @@ import contextlib
 import errno
 import itertools
 import os
+import secrets
 from datetime import datetime
 from pathlib import Path
 
@@ -21,6 +22,8 @@ _REMEDIES = {
     errno.EACCES: "give your user the right to write there, or name another folder in `pictures`",
     errno.EPERM: "give your user the right to write there, or name another folder in `pictures`",
     errno.ENOTDIR: "a part of its path is a file; name another folder in `pictures`",
+    errno.EEXIST: "something that is no folder has its name; name another one in `pictures`",
+    errno.ENAMETOOLONG: "name a folder with a shorter path in `pictures`",
 }
 
 
@@ -46,7 +49,7 @@ def keep(folder: Path, name: str, picture: Picture) -> Path:
 
 
 def _written(folder: Path, name: str, content: bytes) -> Path:
-    part = folder / f".{name}.{os.getpid()}.part"
+    part = folder / f".{name}.{secrets.token_hex(4)}.part"
     try:
         with os.fdopen(os.open(part, _NEW, 0o600), "wb") as file:  # a person may be on it
             file.write(content)

@@ -24,10 +24,13 @@ from woz_tui.core.driver import DriverError
 MOST = 16
 #: A request has to be whole, and an answer to be taken up piece by piece, within this, in seconds.
 PATIENCE_S = 10.0
-_BACKLOG = 16
+#: Connections that wait to be let in: those beyond are asked for again a second later.
+_BACKLOG = 128
 _ENDS_WITHIN_S = 1.0
 #: How often those that are too slow are looked for, in seconds, while there are any connections.
 _LOOK_S = 1.0
+#: How long nobody is let in when the system has no place for another connection, in seconds.
+_SHUT_S = 0.2
 
 _BIND_TROUBLES = {
     errno.EADDRINUSE: "take another `tablet.port`, or 0 for any",
@@ -61,7 +64,7 @@ class ImageServer:
         self._clients: dict[socket.socket, float] = {}
         self._threads: set[threading.Thread] = set()
         self._lock = threading.Lock()
-        self._over = False
+        self._over = self._told_shut = False
         self._door = _listening(host, port)
         self.host = host
         self.port: int = self._door.getsockname()[1]
@@ -131,8 +134,11 @@ class ImageServer:
     def _let_in(self) -> None:
         try:
             client, _ = self._door.accept()
-        except OSError:
+        except (BlockingIOError, ConnectionError):
             return  # they went away again
+        except OSError as error:  # no more files: they go on knocking, and must not keep us busy
+            self._shut(error)
+            return
         with self._lock:
             full = len(self._clients) >= MOST
             if not full:
@@ -153,6 +159,13 @@ class ImageServer:
                 self._threads.discard(thread)
                 self._clients.pop(client, None)
             client.close()
+
+    def _shut(self, error: OSError) -> None:
+        """Nobody can be let in for now; told once."""
+        if not self._told_shut:
+            self._told_shut = True
+            self._troubled(f"the tablet gets no pictures for now: {error.strerror or error}")
+        time.sleep(_SHUT_S)
 
     def _show_out(self) -> None:
         """Whoever has not asked yet after all that time never will."""

@@ -84,3 +84,15 @@ def test_a_folder_that_is_a_file_is_told(tmp_path: Path) -> None:
 def test_a_moment_as_a_name_sorts_by_time() -> None:
     moment = datetime(2026, 3, 1, 10, 0, 0, 250_900, tzinfo=UTC)
     assert stamp(moment) == "20260301-100000-250"
+
+
+def test_what_has_the_folders_name_is_told(tmp_path: Path) -> None:
+    (tmp_path / "file").write_bytes(b"")
+    with pytest.raises(DriverError, match="File exists") as told:
+        keep(tmp_path / "file", "a", DOT)
+    assert "is no folder" in told.value.remedy
+
+
+def test_a_draft_that_was_left_behind_is_in_nobodys_way(tmp_path: Path) -> None:
+    (tmp_path / f".a.{os.getpid()}.part").write_bytes(b"of a program that was killed")
+    assert keep(tmp_path, "a", DOT).name == "a.png"

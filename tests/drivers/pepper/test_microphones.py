@@ -243,3 +243,23 @@ async def test_nothing_is_left_after_closing(tmp_path: Path, robot: StandIn) -> 
     left = [one for one in asyncio.all_tasks() if "pepper" in one.get_name()]
     assert left == []
     assert await robot.get("sound.subscribers") == []
+
+
+@pytest.mark.parametrize("moved", [False, True])
+async def test_a_file_that_is_not_there_any_more_is_told(tmp_path: Path, moved: bool) -> None:
+    failures: list[str] = []
+    path = tmp_path / "sound.wav"
+    sound = SoundFile(path, 16000, 1, failures.append)
+    sound.begin()
+    sound.put(b"\1\0" * 50)
+    await until(path.exists)
+    path.rename(tmp_path / "other.wav") if moved else path.unlink()
+    sound.put(b"\1\0" * 50)
+    assert (await sound.finish()).trouble == "the file was removed or moved"
+    assert failures == ["the file was removed or moved"]
+
+
+def test_a_buffer_is_not_longer_than_a_second() -> None:
+    assert isinstance(block(4, 48_000, None, bytes(384_000)), Block)
+    assert isinstance(block(4, 48_001, None, bytes(384_008)), str)
+    assert isinstance(block(5, 100, None, bytes(1000)), str)

@@ -1,0 +1,44 @@
+"""The tablet's server on a system that has no place for another connection."""
+
+from __future__ import annotations
+
+import errno
+import socket
+import threading
+import time
+import urllib.request
+from types import SimpleNamespace
+
+import pytest
+from woz_drivers.pepper.image_server import ImageServer
+
+HOST, PATIENCE_S = "127.0.0.1", 20.0
+
+
+def test_it_is_told_and_keeps_nothing_busy(monkeypatch: pytest.MonkeyPatch) -> None:
+    troubles: list[str] = []
+    steps: list[str] = []
+    thrice = threading.Event()
+
+    def accept(_: socket.socket) -> None:
+        steps.append("refused")
+        raise OSError(errno.EMFILE, "Too many open files")
+
+    def sleep(_: float) -> None:
+        steps.append("paused")
+        if len(steps) >= 6:
+            thrice.set()
+
+    server = ImageServer(HOST, 0, troubles.append)
+    url = server.list_page("page")
+    slow = SimpleNamespace(monotonic=time.monotonic, sleep=sleep)
+    with monkeypatch.context() as meanwhile:
+        meanwhile.setattr("woz_drivers.pepper.image_server.time", slow)
+        meanwhile.setattr(socket.socket, "accept", accept)
+        with socket.create_connection((HOST, server.port), timeout=PATIENCE_S):
+            assert thrice.wait(PATIENCE_S)
+    assert steps[:6] == ["refused", "paused"] * 3
+    with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url) as answer:
+        assert answer.read() == b"page"
+    server.close()
+    assert troubles == ["the tablet gets no pictures for now: Too many open files"]

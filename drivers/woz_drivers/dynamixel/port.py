@@ -28,6 +28,8 @@ WAIT_MS = 2.0
 LATENCY_MS = 2.0
 #: A line that never falls silent is given up so long after the deadline, in milliseconds.
 BABBLE_MS = 50.0
+#: A line that takes nothing for so long is broken, in milliseconds.
+STUCK_MS = 200.0
 #: USB serial adapters as the kernel knows them.
 SERIAL_DEVICES = Path("/sys/bus/usb-serial/devices")
 
@@ -51,7 +53,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.low_latency = False
         self.latency_ms = LATENCY_MS
         self._reply_timeout_ms = reply_timeout_ms
-        self._poll = select.poll()
+        self._poll, self._room = select.poll(), select.poll()
 
     def open(self) -> None:
         """Open and lock the port; `Lost` says why not, and what to do."""
@@ -70,7 +72,6 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             self.port_name,
             baudrate=cflag_baud,
             timeout=0,
-            write_timeout=0.2,
             exclusive=True,
         )
         try:
@@ -82,8 +83,9 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.latency_ms = latency_timer(self.port_name) or LATENCY_MS
         # A byte on the wire has ten bits: start, eight of data, stop.
         self.tx_time_per_byte = 10_000.0 / self.baudrate
-        self._poll = select.poll()
+        self._poll, self._room = select.poll(), select.poll()
         self._poll.register(self.ser.fileno(), select.POLLIN)
+        self._room.register(self.ser.fileno(), select.POLLOUT)
         return True
 
     def closePort(self) -> None:  # noqa: N802
@@ -100,8 +102,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
 
     def writePort(self, packet: list[int]) -> int:  # noqa: N802
         """Send a packet; returns the number of bytes sent."""
-        sent = self._or_lost(lambda: self._open().write(bytes(packet)))
-        return sent if sent is not None else 0
+        return self._or_lost(lambda: self._send(bytes(packet)))
 
     def readPort(self, length: int) -> bytes:  # noqa: N802
         """At most `length` bytes; none if nothing came within 2 ms."""
@@ -112,6 +113,19 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
             return b""
         self.waits += 1
         return self._or_lost(lambda: self._wait_and_read(length))
+
+    def _send(self, packet: bytes) -> int:
+        """Not by pyserial: it takes a line for broken that has taken everything, if this process
+        comes back late from writing.
+        """
+        number, sent = self._open().fileno(), 0
+        while sent < len(packet):
+            try:
+                sent += os.write(number, packet[sent:])
+            except BlockingIOError:
+                if not self._room.poll(STUCK_MS):
+                    raise OSError(errno.ETIMEDOUT, "it takes nothing more") from None
+        return sent
 
     def _wait_and_read(self, length: int) -> bytes:
         if not self._poll.poll(WAIT_MS):

@@ -1,0 +1,73 @@
+"""The line to servos as the system has it: what it takes, and when it counts as broken."""
+
+from __future__ import annotations
+
+import itertools
+import os
+import tty
+from collections.abc import Iterator
+
+import pytest
+from serial.serialutil import Timeout
+from woz_drivers.dynamixel import port as module
+from woz_drivers.dynamixel.port import ServoPort
+
+from woz_tui.core.driver import Lost
+
+
+@pytest.fixture
+def line() -> Iterator[tuple[ServoPort, int]]:
+    """An open port, and the other end of its line."""
+    far, near = os.openpty()
+    tty.setraw(near)
+    port = ServoPort(os.ttyname(near), 1_000_000)
+    port.open()
+    yield port, far
+    port.closePort()
+    os.close(near)
+    os.close(far)
+
+
+def test_what_the_line_has_taken_is_sent_however_late_this_process_comes_back(
+    line: tuple[ServoPort, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    port, far = line
+    hours = itertools.count(0.0, 3600.0)
+    monkeypatch.setattr(Timeout, "TIME", lambda: next(hours))
+    assert port.writePort([0xFF, 0xFF, 0xFD, 0]) == 4
+    assert os.read(far, 10) == b"\xff\xff\xfd\0"
+
+
+def test_a_packet_that_does_not_fit_at_once_is_sent_whole(line: tuple[ServoPort, int]) -> None:
+    port, far = line
+    packet = [number % 251 for number in range(50_000)]
+    came = bytearray()
+
+    class Room:
+        """The other end takes what there is whenever the line is full."""
+
+        def poll(self, milliseconds: float) -> bool:
+            came.extend(os.read(far, 65536))
+            return True
+
+    port._room = Room()  # type: ignore[assignment]
+    assert port.writePort(packet) == len(packet)
+    while len(came) < len(packet):
+        came.extend(os.read(far, 65536))
+    assert list(came) == packet
+
+
+def test_a_line_that_takes_nothing_more_is_broken(
+    line: tuple[ServoPort, int], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "STUCK_MS", 1.0)
+    port, _ = line
+    with pytest.raises(Lost, match="takes nothing more"):
+        port.writePort([0] * 100_000)
+
+
+def test_a_line_whose_other_end_is_gone_is_broken(line: tuple[ServoPort, int]) -> None:
+    port, _ = line
+    port.closePort()
+    with pytest.raises(Lost, match="broke"):
+        port.writePort([0])

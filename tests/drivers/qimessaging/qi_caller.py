@@ -13,7 +13,7 @@ from typing import Any
 
 import qi
 
-PATIENCE_MS = 5000
+PATIENCE_MS = 20_000
 
 
 class Login:
@@ -74,7 +74,7 @@ class Caller:
 
     def heard(self, signal: str, count: int) -> list[Any]:
         with self._news:
-            self._news.wait_for(lambda: len(self._heard.get(signal, [])) >= count, timeout=5)
+            self._news.wait_for(lambda: len(self._heard.get(signal, [])) >= count, timeout=20)
             return self._heard.get(signal, [])
 
     def property(self, service: str, name: str) -> Any:

@@ -134,18 +134,20 @@ async def test_opening_takes_no_longer_than_it_may() -> None:
 
 
 async def test_opening_that_is_given_up_leaves_no_connection() -> None:
-    ended = asyncio.Event()
+    came, ended = asyncio.Event(), asyncio.Event()
 
     async def play(reader: asyncio.StreamReader, _: asyncio.StreamWriter) -> None:
+        came.set()
         with contextlib.suppress(ConnectionError):
             await reader.read(-1)
         ended.set()
 
     async with script(play) as port:
         opening = asyncio.create_task(Client.open("127.0.0.1", port))
-        await asyncio.sleep(0)
-        with pytest.raises(TimeoutError):
-            await asyncio.wait_for(opening, 0.1)
+        await asyncio.wait_for(came.wait(), 20)
+        opening.cancel()
+        with pytest.raises(asyncio.CancelledError):
+            await opening
         await asyncio.wait_for(ended.wait(), 20)
 
 

@@ -27,6 +27,7 @@ def test_a_long_row_goes_on_beneath_its_words() -> None:
 
 def test_a_row_with_room_is_left_alone() -> None:
     assert hung(ROW, 10, 43) == [ROW]
+    assert text(hung((*ROW, ("  ", "plain")), 10, 43)) == text([ROW]), "blanks need no room"
     assert hung(ROW, 10, 19) == [ROW], "too narrow to indent anything"
 
 

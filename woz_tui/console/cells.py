@@ -128,6 +128,8 @@ def hung(row: Row, indent: int, width: int) -> list[Row]:
         for part in _WORD.findall(text):
             word = part
             if used + cell_len(word) > width and used > indent:
+                if not word.strip():
+                    continue  # blanks at the end are worth no row
                 rows.append(tuple(line))
                 line, used, word = [(" " * indent, "plain")], indent, part.lstrip()
             line.append((word, look))

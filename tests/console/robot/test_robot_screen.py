@@ -180,6 +180,11 @@ async def test_a_difference_is_seen_on_the_main_screen() -> None:
         }
         await seat.tell(pepper.shown(many, ("They fight.", "So do these.")))
         assert "pepper: ▲ 4 settings differ, 2 conflicts" in seat.text("Status")
+        off = "the motors are off: nothing moves until the robot is woken up"
+        await seat.tell(pepper.shown({"volume": 0.1}, (off,)))
+        assert "pepper: ▲ volume differs, the motors are off " in seat.text("Status")
+        await seat.tell(pepper.shown(None, (off, "They fight.", "So do these.")))
+        assert "pepper: ▲ the motors are off, 2 more " in seat.text("Status")
         await seat.tell(pepper.shown({"of another robot": 1}))
         assert "pepper: ▲ 1 setting differs " in seat.text("Status")
         await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))

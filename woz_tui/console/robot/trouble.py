@@ -12,7 +12,8 @@ from woz_tui.console.parts import RobotPicture
 if TYPE_CHECKING:
     from woz_tui.console.picture import Picture
 
-#: Cells that names of settings may take in the status line; more of them are counted.
+#: Cells that names of settings, or a conflict in short, may take in the status line; what is longer
+#: is counted.
 NAMED = 30
 
 
@@ -21,26 +22,36 @@ def is_stale(picture: Picture, driver: str) -> bool:
     return bool(picture.lost) or picture.health(driver) not in ("connected", "faulted")
 
 
-def trouble_words(robot: RobotPicture, names: str = "") -> str:
-    """`2 settings differ, 1 conflict`, or nothing; `names` stand instead of the settings' count."""
+def trouble_words(robot: RobotPicture, names: str = "", first: str = "") -> str:
+    """`2 settings differ, 1 conflict`, or nothing. `names` stand instead of the settings' count,
+    `first` instead of the first conflict's.
+    """
     differ, conflicts = len(robot.wanted), len(robot.conflicts)
     found = []
     if differ:
         which = names or ("1 setting" if differ == 1 else f"{differ} settings")
         found.append(f"{which} {'differs' if differ == 1 else 'differ'}")
-    if conflicts:
+    if conflicts and first:
+        found.append(first if conflicts == 1 else f"{first}, {conflicts - 1} more")
+    elif conflicts:
         found.append("1 conflict" if conflicts == 1 else f"{conflicts} conflicts")
     return ", ".join(found)
 
 
 def driver_trouble(picture: Picture, driver: str) -> str:
-    """The same of a driver, with the names of what differs if they are short; nothing where what
-    it told is old.
+    """The same of a driver, with the names of what differs and the first conflict if they are
+    short; nothing where what it told is old.
     """
     robot = picture.robots.get(driver)
     if robot is None or is_stale(picture, driver):
         return ""
-    return trouble_words(robot, _names(picture, driver, robot))
+    return trouble_words(robot, _names(picture, driver, robot), _gist(robot))
+
+
+def _gist(robot: RobotPicture) -> str:
+    """What comes before the colon of the first conflict, which is the gravest: the motors are off."""
+    gist, colon, _ = clean(robot.conflicts[0]).partition(": ") if robot.conflicts else ("", "", "")
+    return gist if colon and cell_len(gist) <= NAMED else ""
 
 
 def _names(picture: Picture, driver: str, robot: RobotPicture) -> str:

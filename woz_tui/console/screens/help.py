@@ -10,7 +10,7 @@ from woz_tui.console.screens.dialog import Report
 
 KEY = 8
 #: How key caps are read; an arrow or a letter follows.
-_SIGNS = "On keys ^ is ctrl, A- alt, S- shift; a star: it stands in for the key of the file."
+_SIGNS = "^ is ctrl, A- alt, S- shift; * stands in for the file's own key."
 
 
 class HelpDialog(Report):

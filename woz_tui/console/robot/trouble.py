@@ -49,7 +49,7 @@ def driver_trouble(picture: Picture, driver: str) -> str:
 
 
 def _gist(robot: RobotPicture) -> str:
-    """What comes before the colon of the first conflict, which is the gravest: the motors are off."""
+    """What comes before the colon of the first conflict, the gravest: the motors are off."""
     gist, colon, _ = clean(robot.conflicts[0]).partition(": ") if robot.conflicts else ("", "", "")
     return gist if colon and cell_len(gist) <= NAMED else ""
 

@@ -1,6 +1,7 @@
 """An event loop whose time jumps: pauses of minutes pass at once, and in the right order.
 
-Only for code that waits for nothing outside the loop (no threads, no sockets).
+Only for code that waits for nothing outside the loop (no threads, no sockets), except where nothing
+else is to come: then a thread may still call.
 """
 
 from __future__ import annotations
@@ -13,6 +14,9 @@ from typing import Any, TypeVar
 
 T = TypeVar("T")
 
+#: So long a thread may take, in real seconds, where all else waits for it.
+_OUTSIDE_S = 10.0
+
 
 class _JumpingSelector(selectors.DefaultSelector):
     """Instead of waiting for `timeout` seconds it tells the loop that they have passed."""
@@ -22,7 +26,7 @@ class _JumpingSelector(selectors.DefaultSelector):
         self._loop = loop
 
     def select(self, timeout: float | None = None) -> list[tuple[selectors.SelectorKey, int]]:
-        ready = super().select(0)
+        ready = super().select(0 if timeout is not None else _OUTSIDE_S)
         if not ready and timeout is None:
             raise RuntimeError("everything waits for something that never happens")
         if not ready and timeout is not None and timeout > 0:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import stat
+import threading
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from datetime import date
@@ -15,6 +16,7 @@ from tests.session.engaged import PLAIN, Room, guided, in_room
 from woz_tui.core import messages as m
 from woz_tui.sensing.people import Visitors
 from woz_tui.session.acquaintances import Acquaintances
+from woz_tui.session.clerk import Job
 
 TODAY = date(2026, 3, 2)
 
@@ -27,6 +29,10 @@ class Desk:
         self._calls: list[Callable[[], object]] = []
         self.known = Acquaintances(path, self.lines.append, self._calls.append)
         self.known.read()
+
+    def finish(self, seconds: float = 20) -> None:
+        """The session ends."""
+        asyncio.run(self.known.finish(seconds))
 
     def hear(self) -> None:
         """All changes have been tried, and this is heard."""
@@ -109,7 +115,7 @@ def test_what_the_disk_refused_is_saved_at_the_end(path: Path, refusing: Path) -
     assert len(desk.notices) == 1 and "cannot be written" in desk.notices[0]
     assert desk.known.lacks == 2
     refusing.rmdir()
-    desk.known.finish(20)
+    desk.finish()
     assert names(path) == ["Anna", "Bob"]
     assert len(desk.notices) == 1
 
@@ -121,14 +127,14 @@ def test_a_refusal_that_nobody_has_heard_of_yet_is_tried_again_at_the_end(
     desk.known.introduce("Anna", {}, TODAY)
     desk.known.wait(20)
     refusing.rmdir()
-    desk.known.finish(20)
+    desk.finish()
     assert names(path) == ["Anna"]
 
 
 def test_what_is_lost_with_the_session_is_told(path: Path, refusing: Path) -> None:
     desk = Desk(path)
     desk.known.introduce("Anna", {}, TODAY)
-    desk.known.finish(20)
+    desk.finish()
     first, last = desk.notices
     assert "cannot be written" in first
     assert last == f"visitors: 1 change of this session could not be saved in {path}"
@@ -235,3 +241,48 @@ def ended(tmp_path: Path, path: Path, before_the_end: Callable[[], object]) -> R
         before_the_end()
 
     return in_room(tmp_path, scenario, guided(tmp_path, replace(PLAIN, visitors=str(path))))
+
+
+def hanging(known: Acquaintances) -> threading.Event:
+    """From here on a change waits for the disk until the event is set."""
+    gate = threading.Event()
+
+    def hang(store: Visitors) -> None:
+        gate.wait(20)
+
+    known._do(Job(hang, "Anna"))
+    return gate
+
+
+def test_a_disk_that_hangs_at_the_end_does_not_hold_up_the_event_loop(tmp_path: Path) -> None:
+    """What lets the disk go on here is the loop itself."""
+
+    async def scenario() -> Room:
+        room = Room(tmp_path, guided(tmp_path))
+        await room.session.open()
+        visiting = room.session.engagement._visiting
+        assert visiting is not None
+        gate = hanging(visiting.known)
+
+        def hear(message: m.AnyMessage) -> None:
+            if isinstance(message, m.Notice) and "2.5 s at most" in message.text:
+                asyncio.get_running_loop().call_soon(gate.set)
+
+        room.session.hub.listen(hear)
+        await room.session.close("enough")
+        gate.set()
+        return room
+
+    room = asyncio.run(scenario())
+    assert [text for text in room.notices if "does not answer" in text]
+    assert not [text for text in room.notices if "could not be saved" in text]
+    assert isinstance(room.lines[-1], m.SessionEnd)
+
+
+def test_a_disk_that_hangs_for_good_is_left_and_told_of(path: Path) -> None:
+    desk = Desk(path)
+    gate = hanging(desk.known)
+    desk.finish(0.05)
+    gate.set()
+    assert desk.notices == [f"visitors: 1 change of this session could not be saved in {path}"]
+    desk.known.wait(20)

@@ -18,6 +18,8 @@ from woz_tui.sensing.people import RefusedError, Visitor, Visitors, VisitorsErro
 from woz_tui.session.clerk import Clerk, Job, Outcome
 
 _FACTS = ("age_group", "address")
+#: A disk that takes longer at the end of a session is worth a notice, in seconds.
+_AT_ONCE_S = 0.5
 _LOOK = "look at it with `woz visitors`"
 
 
@@ -62,14 +64,19 @@ class Acquaintances:
         if len(self._open) == len(self._unmade):
             self._do(Job(Visitors.save))
 
-    def finish(self, seconds: float) -> None:
+    async def finish(self, seconds: float) -> None:
         """The session ends: try once more to save everything, for at most so long, and tell what
-        could not be saved.
+        could not be saved. The event loop goes on meanwhile; a disk that does not answer at once is
+        told of.
         """
         self._catch_up()
         if self.lacks:
             self.look()
-        self.wait(seconds)
+        first = min(_AT_ONCE_S, seconds)
+        if not await self._clerk.waited(first) and seconds > first:
+            text = f"visitors: {self.path} does not answer; the end waits {seconds:g} s at most"
+            self._publish(m.Notice(level="warning", text=text))
+            await self._clerk.waited(seconds - first)
         self._catch_up()
         if self.lacks:
             changes = f"{self.lacks} change{'s' if self.lacks > 1 else ''}"

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import asyncio
+import contextlib
 import logging
 import threading
 from collections import deque
@@ -76,6 +78,26 @@ class Clerk:
         thread = self._thread
         if thread is not None:
             thread.join(seconds)
+
+    async def waited(self, seconds: float) -> bool:
+        """The same without holding up the event loop; whether all have been tried.
+
+        A thread waits, and not the loop's executor: that may be full of what hangs as well.
+        """
+        thread = self._thread
+        if thread is None:
+            return True
+        loop = asyncio.get_running_loop()
+        over = asyncio.Event()
+
+        def watch() -> None:
+            thread.join(seconds)
+            with contextlib.suppress(RuntimeError):  # the loop has closed: nobody waits any more
+                loop.call_soon_threadsafe(over.set)
+
+        threading.Thread(target=watch, name="visitors are waited for", daemon=True).start()
+        await over.wait()
+        return not thread.is_alive()
 
     # -- the thread --------------------------------------------------------------------------------
 

@@ -95,6 +95,13 @@ class LiveEngagement:
                 part.close()
         self._visiting = self._attending = None
 
+    async def finish(self) -> None:
+        """The same, and what has been learnt of visitors is saved. Bounded in time."""
+        visiting = self._visiting
+        self.close()
+        if visiting is not None:
+            await visiting.finish()
+
     def values(self) -> dict[str, str]:
         """Variables for utterances: `{visitor}`, empty while nobody is known."""
         if self._follower is None or self._visiting is None:

@@ -152,7 +152,7 @@ class Session:
         if rest and not self.bus.latched:
             await self._crew.rest()
         await self._crew.close()
-        self.engagement.close()
+        await self.engagement.finish()
         digest, _ = self.recorder.digest()
         self.hub.publish(m.SessionEnd(reason=reason, sha256=digest))
         self.recorder.close()

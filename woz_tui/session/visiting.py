@@ -69,10 +69,12 @@ class Visiting:
     def close(self) -> None:
         """The session ends, or goes on without the section."""
         self._end_introduction()
-        if self._session.ended:
-            self.known.finish(SAVE_S)
-        else:
+        if not self._session.ended:
             self.known.look()
+
+    async def finish(self) -> None:
+        """The session has ended: what is known goes into the file, if the disk takes it."""
+        await self.known.finish(SAVE_S)
 
     @property
     def attempt(self) -> int:

@@ -351,6 +351,14 @@ def test_figures() -> None:
     ]
 
 
+def test_a_tablet_that_nobody_has_touched_is_not_old() -> None:
+    names = ("touch.x", "touch.y")
+    nobody = [scenes.reading(NOW - 60_000_000, name, None) for name in names]
+    assert "x -       y -" in meters(*nobody)
+    once = [scenes.reading(NOW - 60_000_000, name, 0.5) for name in names]
+    assert "x ~0.5" in meters(*once)
+
+
 @pytest.mark.parametrize(
     ("value", "unit", "shown"), [(0.874, "", "87%"), (77, "%", "77 %"), (12.6, "V", "12.6 V")]
 )

@@ -166,7 +166,8 @@ def _group(name: str, sensors: list[SensorPicture], picture: Picture, frame: Fra
     if all(picture.perception.hides(kind_of(sensor.name)) for sensor in sensors):
         return kept(name, frame)
     for sensor in sensors:
-        stale = picture.is_stale(sensor, frame.now)
+        # What has never been anything, such as a touch of a tablet, does not get old.
+        stale = sensor.value is not None and picture.is_stale(sensor, frame.now)
         last = sensor.name.rpartition(".")[2]
         members.append(_member(last, f"{figure(sensor, frame.glyphs):<7}", stale, frame))
     return _wrapped(named(name), members, frame, 1)[0]

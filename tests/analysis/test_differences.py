@@ -195,7 +195,8 @@ _MESSAGES: st.SearchStrategy[m.AnyMessage] = st.one_of(
     st.builds(m.BreakEnded),
     st.builds(m.SessionChanged, participant=st.sampled_from(["P07", "P08"])),
 )
-_COURSES = st.lists(st.tuples(_MESSAGES, st.integers(0, 3)), min_size=1, max_size=30)
+#: Messages, and how many seconds pass before each.
+COURSES = st.lists(st.tuples(_MESSAGES, st.integers(0, 3)), min_size=10, max_size=30)
 
 
 def differing_at(before: list[m.AnyMessage]) -> set[tuple[str, str]] | None:
@@ -220,7 +221,7 @@ def differing_at(before: list[m.AnyMessage]) -> set[tuple[str, str]] | None:
 
 
 @settings(max_examples=60, deadline=None)
-@given(_COURSES)
+@given(COURSES)
 def test_the_times_are_those_of_every_moment_by_itself(
     course: list[tuple[m.AnyMessage, int]],
 ) -> None:

@@ -150,6 +150,9 @@ WORDS = st.one_of(
 _RUNS = st.sampled_from(["r1", "r2", "r3"])
 _NAMES = st.sampled_from(["Hello", "Nod", "=Sum", ""])
 _PANELS = st.sampled_from(["", "Speech", "a\nb", "Speech-2", 'the "right" one'])
+_SETTINGS = st.dictionaries(
+    st.sampled_from(["volume", "eyes", "=1+1"]), st.one_of(st.none(), st.booleans(), WORDS)
+)
 
 MESSAGES: Sequence[st.SearchStrategy[m.AnyMessage]] = (
     st.builds(m.ActionRequested, run=_RUNS, action=_NAMES, panel=_PANELS, source=st.just("key")),
@@ -190,6 +193,14 @@ MESSAGES: Sequence[st.SearchStrategy[m.AnyMessage]] = (
     st.builds(m.Note, text=WORDS),
     st.builds(m.Mistake, run=_RUNS, text=WORDS),
     st.builds(m.DriverLost, driver=st.just("head"), detail=WORDS),
+    st.builds(m.DriverConnected, driver=st.just("head")),
+    st.builds(
+        m.SettingsShown,
+        driver=st.just("head"),
+        values=_SETTINGS,
+        wanted=_SETTINGS,
+        conflicts=st.lists(WORDS, max_size=2),
+    ),
     st.builds(m.SessionChanged, participant=st.sampled_from(["P07", "P08"])),
     st.builds(
         m.QuestionnaireAnswered,

@@ -178,4 +178,6 @@ def test_a_wild_course_is_valid(tmp_path: Path) -> None:
     course += [
         (20, m.ActionRequested(run="a", action=text, panel=text, source="key")) for text in wild
     ]
+    values: dict[str, m.Json] = {text: text for text in wild}
+    course.append((30, m.SettingsShown(values=values, wanted=values, conflicts=wild)))
     validated(course_to(tmp_path, "bids", course))

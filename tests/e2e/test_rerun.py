@@ -57,9 +57,10 @@ def original(lab: Lab, servos: Servos) -> Log:
         for pose in POSES:
             _done(program, log, "verb", verb="pose", args={"joints": {**pose}, "seconds": 0.4})
         begin = len(servos.journal)
-        slowly = {"joints": {"pan": -50, "tilt": 20, "roll": 10}, "seconds": 3}
+        # So slowly that half a second more or less on a crowded machine is a few degrees.
+        slowly = {"joints": {"pan": -50, "tilt": 20, "roll": 10}, "seconds": 8}
         assert program.ask("verb", verb="pose", args=slowly)["ok"]
-        until(lambda: _pan(servos, begin) < 2, "the head on its way")
+        until(lambda: _pan(servos, begin) < 8, "the head on its way")
         _done(program, log, "action", action="Left", when_busy="replace")
         _done(program, log, "action", action="Nod")
         _done(program, log, "action", action="Middle")

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import sys
 
+import pytest
+
 from tests.e2e import crashes, scenes
 from tests.e2e.lab import Lab, Log, until
 from tests.e2e.program import Program
@@ -67,6 +69,7 @@ def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     assert damage.sentences() == []
 
 
+@pytest.mark.timeout(300)  # twelve robot processes one after the other
 def test_crashes_lose_nothing_that_was_acknowledged(lab: Lab) -> None:
     found = crashes.run(lab, rounds=12, seed=1)
     assert found.complaints == []

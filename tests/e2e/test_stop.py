@@ -9,6 +9,9 @@ from tests.e2e.lab import Lab
 from tests.e2e.stops import DIALOGS, KEYS, Stopping
 from tests.fakes.terminal import FakeTerminal
 
+#: Hundreds of keys one after the other: on a busy machine that takes its time.
+pytestmark = pytest.mark.timeout(300)
+
 
 @pytest.fixture
 def terminal(lab: Lab) -> FakeTerminal:

@@ -211,12 +211,13 @@ def in_room(
     scenario: Callable[[Room], Awaitable[None]],
     experiment: Experiment | None = None,
     *,
+    kind: type[Driver] = Guide,
     linger: float = 3.0,
 ) -> Room:
     """Play `scenario` in virtual time; the session is closed at the end."""
 
     async def go() -> Room:
-        room = Room(tmp_path, experiment or guided(tmp_path))
+        room = Room(tmp_path, experiment or guided(tmp_path), kind)
         await room.session.open()
         await scenario(room)
         await asyncio.sleep(linger)

@@ -3,15 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
-from tests.session.engaged import PLAIN, WIZARD, Room, effect, guided, in_room
+from tests.session.engaged import PLAIN, WIZARD, Guide, Room, effect, guided, in_room
 from tests.session.rig import call, together
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Health
+from woz_tui.core.driver import DriverError, Health, Job
+from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import STATES, EngagementSettings
 from woz_tui.experiment.shape import Profile, Wait
 from woz_tui.session.signals import SIGNALS
@@ -114,6 +116,37 @@ def test_what_waits_is_dropped_when_the_state_is_left(tmp_path: Path) -> None:
     ends = room.of(m.ActionStopped)
     assert len(ends) == 3
     assert "PersonDetected was left for EngagedWithUnknown" in ends[0].reason
+
+
+class Stumbling(Guide):
+    """Falls over in the middle of a move."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        done = await super().perform(job)
+        if job.verb == "play":
+            raise DriverError("it fell over", "pick it up")
+        return done
+
+
+def test_what_fails_after_the_state_was_left_is_a_failure_and_told(tmp_path: Path) -> None:
+    effects = effect(
+        "PersonDetected",
+        together(call("say", text="Come near"), call("play", move="wave")),
+        together(call("say", text="Do come")),
+    )
+
+    async def scenario(room: Room) -> None:
+        room.tell("force", to="PersonDetected")
+        await asyncio.sleep(0.5)
+        room.tell("force", to="Wait")
+        await asyncio.sleep(3)
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, PLAIN, effects), kind=Stumbling)
+    (end,) = room.of(m.ActionEnd)
+    assert isinstance(end, m.ActionFailed)
+    assert "it fell over" in end.reason
+    assert [text for text in room.notices if "it fell over" in text]
+    assert [verb for verb, _ in room.robot.calls].count("say") == 1
 
 
 def test_a_greeting_is_not_repeated_after_each_turn(tmp_path: Path) -> None:

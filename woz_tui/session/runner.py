@@ -44,7 +44,7 @@ class Refusal:
 @dataclass
 class Run:
     """One action being played; `pending` are the commands of the present step, of `together`
-    in all.
+    in all. `left`: how it ends after this step, unless something of the step goes wrong.
     """
 
     id: str
@@ -57,6 +57,7 @@ class Run:
     together: int = 0
     timer: asyncio.TimerHandle | None = None
     problem: m.ActionEnd | None = None
+    left: m.ActionEnd | None = None
 
 
 class Runner:
@@ -271,8 +272,9 @@ class Runner:
             run.problem = _problem(run, end)
         if run.pending or run.id not in self._runs:
             return
-        if run.problem is not None:
-            self._finish(run, run.problem)
+        over = run.problem or run.left
+        if over is not None:
+            self._finish(run, over)
         else:
             self._advance(run)
 
@@ -300,7 +302,7 @@ class Runner:
 
     def leave(self, run_id: str, reason: str) -> None:
         """Finish the step that one run has begun, and drop those after it; one whose commands all
-        wait behind others has not begun.
+        wait behind others has not begun. What fails in that step is a failure all the same.
         """
         run = self._runs.get(run_id)
         if run is None:
@@ -310,8 +312,8 @@ class Runner:
             self._finish(run, left)
         elif len(run.pending) == run.together and self._bus.withdraw(run.id, reason):
             return
-        elif run.problem is None and run.at + 1 < len(run.steps):
-            run.problem = left
+        elif run.at + 1 < len(run.steps):
+            run.left = left
 
     def stop_waiting(self, reason: str) -> None:
         """End the runs that are in a pause; those with commands on the bus end through them.

@@ -10,6 +10,8 @@ from typing import Any
 
 import pytest
 
+from tests.drivers.heard import until
+from tests.drivers.pepper.connected import patience
 from tests.experiment.woz4u.reading import CATALOGUE, read
 from tests.fakes.naoqi import StandIn, stand_in
 from tests.session.rig import Stage
@@ -72,23 +74,24 @@ class Played:
 
 @asynccontextmanager
 async def on_the_wire(folder: Path) -> AsyncIterator[Played]:
-    async with stand_in(pace=50.0) as robot:
-        made = read(folder, TEXT, start=f'pepper_ips: ["{robot.address}"]\n')
-        stage = Stage(folder, identity=Identity(), catalogue=CATALOGUE, made=made)
-        await stage.session.open()
-        stage.session.bus.unwatched = ""
-        try:
-            await robot.called("ALLeds.fadeRGB")
-            yield Played(robot, stage)
-        finally:
-            await stage.session.close("test")
+    with patience():
+        async with stand_in(pace=50.0) as robot:
+            made = read(folder, TEXT, start=f'pepper_ips: ["{robot.address}"]\n')
+            stage = Stage(folder, identity=Identity(), catalogue=CATALOGUE, made=made)
+            await stage.session.open()
+            stage.session.bus.unwatched = ""
+            try:
+                # Told when all that the file wants has been set.
+                await until(lambda: any(isinstance(one, m.DriverConnected) for one in stage.lines))
+                yield Played(robot, stage)
+            finally:
+                await stage.session.close("test")
 
 
 @pytest.mark.woz4u("pepper_ips", "autonomous_life_config", "volume", "is_default", "colors")
 async def test_what_is_set_on_connect_and_what_the_buttons_do(tmp_path: Path) -> None:
     (tmp_path / "tale.txt").write_text("One.\n\nTwo.\n", encoding="utf-8")
     async with on_the_wire(tmp_path) as it:
-        await it.robot.called("ALMotion.setBreathEnabled")
         assert await it.asked("ALAutonomousBlinking.setEnabled") == [[False]]
         assert await it.asked("ALListeningMovement.setEnabled") == [[True]]
         assert await it.asked("ALBasicAwareness.setEnabled") == []

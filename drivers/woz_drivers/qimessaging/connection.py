@@ -9,6 +9,8 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import itertools
+import math
+from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Final, Protocol
 
@@ -30,6 +32,9 @@ CAPABILITIES: Final[Mapping[str, bool]] = {
 
 #: Bytes that may wait for a peer that does not read; after that it is taken for dead.
 _MOST_WAITING: Final = 128 << 20
+
+#: Messages are taken for so long without a break, in seconds.
+_A_TURN_S: Final = 0.005
 
 _ANSWERS: Final = frozenset({Kind.REPLY, Kind.ERROR, Kind.CANCELED})
 _ASKING: Final = frozenset({Kind.CALL, Kind.POST, Kind.CANCEL})
@@ -59,6 +64,11 @@ class Connection(asyncio.Protocol):
         self._capabilities: dict[str, Any] = {}
         self._told = asyncio.Event()
         self._reason = ""
+        #: Messages that wait for their turn, and why what came behind them is none.
+        self._came: deque[Frame] = deque()
+        self._broken = ""
+        self._next: asyncio.Handle | None = None
+        self._reads = True
         self.lost: asyncio.Future[str] = asyncio.get_running_loop().create_future()
 
     # What the event loop calls.
@@ -74,18 +84,20 @@ class Connection(asyncio.Protocol):
             return
         try:
             for frame in self._reader.feed(data):
-                self._take(frame)
+                self._came.append(frame)
         except ProtocolError as error:
-            self.end(f"the other end does not keep to the protocol: {error}")
-        except ConnectionLost:
-            pass  # it ended while what came was answered; everybody has been told why
+            self._broken = f"the other end does not keep to the protocol: {error}"
+        if self._next is None:
+            self._take_some(_A_TURN_S)
 
     def eof_received(self) -> None:
         """Tell everybody who waits, in this very turn of the loop."""
+        self._take_some(math.inf)
         self._finish(self._reason or _loss(None))
 
     def connection_lost(self, exc: Exception | None) -> None:
         """Tell everybody who waits that the connection broke."""
+        self._take_some(math.inf)
         self._finish(self._reason or _loss(exc))
 
     # What the rest of this package calls.
@@ -192,6 +204,36 @@ class Connection(asyncio.Protocol):
             with contextlib.suppress(ConnectionLost):  # then it is cancelled in any case
                 self.send(Frame(Kind.CANCEL, self._number(), call.service, call.object, 0, number))
 
+    def _take_some(self, seconds: float) -> None:
+        """Take what has come, for so long; go on in the next turn of the loop, and read no more
+        until then: an end that sends thousands of messages holds up nobody else.
+        """
+        self._next = None
+        loop = self.lost.get_loop()
+        until = loop.time() + seconds
+        try:
+            while self._came and not self.lost.done():
+                with contextlib.suppress(ConnectionLost):  # nobody is left to be answered
+                    self._take(self._came.popleft())
+                if self._came and loop.time() > until:
+                    self._reading(False)
+                    self._next = loop.call_soon(self._take_some, seconds)
+                    return
+        except ProtocolError as error:
+            self.end(f"the other end does not keep to the protocol: {error}")
+        if self._broken and not self.lost.done():
+            self.end(self._broken)
+        self._reading(True)
+
+    def _reading(self, on: bool) -> None:
+        if on is self._reads or self._transport is None or self._transport.is_closing():
+            return
+        self._reads = on
+        if on:
+            self._transport.resume_reading()
+        else:
+            self._transport.pause_reading()
+
     def _take(self, frame: Frame) -> None:
         if frame.kind in _ANSWERS:
             answer = self._pending.get(frame.id)
@@ -221,6 +263,9 @@ class Connection(asyncio.Protocol):
             if not answer.done():
                 answer.set_exception(ConnectionLost(reason))
         self._heard.clear()
+        self._came.clear()
+        if self._next is not None:
+            self._next.cancel()
 
 
 def _loss(error: Exception | None) -> str:

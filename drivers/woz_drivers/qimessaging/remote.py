@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import itertools
+import logging
 from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
@@ -35,6 +36,8 @@ _SETTLING: Final = 1.0
 _PAUSE: Final = 0.01
 
 _links = itertools.count(1)
+
+log = logging.getLogger(__name__)
 
 
 class RemoteObject:
@@ -146,6 +149,7 @@ class Hearing:
         self._uid = signal.uid
         self._link = next(_links)
         self._listeners: list[Callable[..., None]] = []
+        self._odd = False
         self._source = (remote.service, remote.object, signal.uid)
         self._loop = asyncio.get_running_loop()
         remote.connection.hear(self._source, self)
@@ -204,8 +208,14 @@ class Hearing:
             )
 
     def take(self, frame: Frame) -> None:
-        """Hand an event's values to all listeners. Raises `ProtocolError`."""
-        values = self._remote.values(frame, self._kind)
+        """Hand an event's values to all listeners; one that holds others is left out."""
+        try:
+            values = self._remote.values(frame, self._kind)
+        except ProtocolError as error:
+            if not self._odd:  # the line itself is whole: one odd signal must not end it
+                log.warning("events of %s are left out: %s", self._source, error)
+            self._odd = True
+            return
         if not isinstance(values, tuple):
             values = (values,)  # a property, announced with its value's type alone
         for listener in tuple(self._listeners):

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import itertools
 import struct
 from collections.abc import AsyncIterator
 from typing import Any
@@ -19,7 +20,7 @@ from woz_drivers.qimessaging.hosting import Hosted, Signal
 from woz_drivers.qimessaging.opening import WayIn
 from woz_drivers.qimessaging.signature import parse
 
-from tests.drivers.qimessaging.desk import bench, frames, script
+from tests.drivers.qimessaging.desk import bench, frames, script, until
 
 WHOLE = ("Thing", 2, "pepper", 7, ["tcp://10.0.0.5:9559"], "x", b"id")
 #: `service` and `services` of the directory.
@@ -179,3 +180,62 @@ async def test_a_signal_set_off_without_values_leaves_the_line_up() -> None:
         [answer] = FrameReader().feed(await asyncio.wait_for(reader.read(1 << 16), 20))
         assert (answer.kind, answer.id) == (Kind.REPLY, 2)
         writer.close()
+
+
+class _Ear:
+    """Takes events, and says which other things of the loop had happened before."""
+
+    def __init__(self) -> None:
+        self.took: list[str] = []
+
+    def take(self, frame: Frame) -> None:
+        self.took.append(f"event {frame.id}")
+
+
+def _hearing(monkeypatch: pytest.MonkeyPatch) -> tuple[Connection, _Ear]:
+    """A connection for which every message takes a second."""
+    connection, ear = Connection(), _Ear()
+    connection.hear((2, 1, 100), ear)
+    seconds = itertools.count()
+    monkeypatch.setattr(asyncio.get_running_loop(), "time", lambda: float(next(seconds)))
+    return connection, ear
+
+
+_EVENTS = b"".join(Frame(Kind.EVENT, number, 2, 1, 100).encoded() for number in range(3))
+
+
+async def test_thousands_of_messages_hold_up_nobody(monkeypatch: pytest.MonkeyPatch) -> None:
+    connection, ear = _hearing(monkeypatch)
+    connection.data_received(_EVENTS)
+    connection.data_received(b"no message" * 9)
+    for _ in range(4):
+        asyncio.get_running_loop().call_soon(ear.took.append, "another")
+        await asyncio.sleep(0)
+    assert ear.took[:5] == ["event 0", "event 1", "another", "event 2", "another"]
+    assert "no qi messaging" in await connection.lost
+
+
+async def test_what_came_before_the_end_is_taken(monkeypatch: pytest.MonkeyPatch) -> None:
+    connection, ear = _hearing(monkeypatch)
+    connection.data_received(Frame(Kind.CALL, 1, 2, 1, 100).encoded() + _EVENTS)
+    connection.eof_received()
+    assert ear.took == ["event 0", "event 1", "event 2"]
+    assert connection.lost.done()
+    await asyncio.sleep(0)
+    assert len(ear.took) == 3
+
+
+async def test_an_event_with_other_values_is_left_out() -> None:
+    async with bench() as (ours, port):
+        client = await Client.open("127.0.0.1", port)
+        heard: list[Any] = []
+        await client.listen("Thing", "fired", lambda *values: heard.append(values))
+        uid = next(each.uid for each in ours.service.meta.signals.values())
+        [(connection, _)] = ours.service._hearing[uid]
+        for payload in (b"", b"\xff\xff\xff\xff"):
+            connection.send(Frame(Kind.EVENT, 0, 2, 1, uid, payload))
+        ours.server.emit("Thing", "fired", "x", 1)
+        await until(lambda: bool(heard))
+        assert heard == [("x", 1.0)]
+        assert not client.lost.done()
+        await client.close()

@@ -287,12 +287,15 @@ class QiLink:
 def _settle(mine: asyncio.Future[Any], done: Any) -> None:
     if mine.done():
         return
-    if done.isCanceled():
-        mine.set_exception(Said("cancelled by the robot"))
-    elif done.hasError(0):
-        mine.set_exception(Said(done.error(0)))
-    else:
-        mine.set_result(done.value(0))
+    try:
+        if done.isCanceled():
+            mine.set_exception(Said("cancelled by the robot"))
+        elif done.hasError(0):
+            mine.set_exception(Said(done.error(0)))
+        else:
+            mine.set_result(done.value(0))
+    except Exception as error:  # noqa: BLE001 - texts of the robot that are none, and whatever else
+        mine.set_exception(Said(f"its answer cannot be read: {error}"))
 
 
 def _worked(task: asyncio.Task[Any]) -> bool:
@@ -336,7 +339,7 @@ def _plain(value: Any) -> Any:
 
 
 def _listed(text: str) -> str | bytes:
-    with contextlib.suppress(ValueError, SyntaxError, MemoryError):
+    with contextlib.suppress(ValueError, SyntaxError, MemoryError, RecursionError):
         found = ast.literal_eval(text)
         if isinstance(found, bytes):
             with contextlib.suppress(UnicodeDecodeError):

@@ -18,6 +18,8 @@ from woz_tui.core.driver import DriverError, Lost, Outlet
 SENSORS = ("touch.x", "touch.y")
 #: Moves are told at most so often, in seconds.
 _STEP_S = 0.1
+#: More touches and moves than this in a second are not made by fingers.
+_MOST_A_SECOND = 200
 #: A finger's share and its pixels belong together if they come within this, in seconds.
 _TOGETHER_S = 0.2
 #: The tablet's own pixels, and its web view's by default.
@@ -79,6 +81,9 @@ class Touch:
         self._held: Place | None = None
         self._later: asyncio.TimerHandle | None = None
         self._held_signals: list[Unsubscribe] = []
+        #: When the second began in which touches are counted, and how many there were.
+        self._second, self._count = 0.0, 0
+        self._calm: asyncio.TimerHandle | None = None
 
     async def connected(self) -> None:
         """Listen to a tablet anew; what it cannot tell is left out."""
@@ -90,16 +95,13 @@ class Touch:
         moves = await self._listen("onTouchMove", self._moved)
         ups = await self._listen("onTouchUp", self._left)
         heard = shares or pixels or moves or ups
-        for sensor in SENSORS:
-            why = "" if heard else "the tablet does not tell touches"
-            self._outlet.sensor(sensor, "ok" if heard else "stale", why)
+        self._state(*(("ok", "") if heard else ("stale", "the tablet does not tell touches")))
 
     def lost(self) -> None:
         """Nobody knows of any finger."""
         self._forget()
         self._held_signals = []
-        for sensor in SENSORS:
-            self._outlet.sensor(sensor, "stale", "the robot is not there")
+        self._state("stale", "the robot is not there")
 
     async def close(self) -> None:
         """Listen no more."""
@@ -123,6 +125,9 @@ class Touch:
         if self._later is not None:
             self._later.cancel()
             self._later = None
+        if self._calm is not None:
+            self._calm.cancel()
+            self._calm = None
 
     # -- fingers -------------------------------------------------------------------------------
 
@@ -181,7 +186,24 @@ class Touch:
             self._next_move = _now() + _STEP_S
             self._tell(held, "move")
 
+    def _too_many(self) -> bool:
+        """Whether a tablet tells more than anybody can touch: a log is not filled with that."""
+        if _now() - self._second >= 1.0:
+            self._second, self._count = _now(), 0
+        self._count += 1
+        if self._count == _MOST_A_SECOND + 1:
+            self._state("stale", "more touches than fingers can make: some are left out")
+            loop = asyncio.get_running_loop()
+            self._calm = loop.call_at(self._second + 1.0, self._state, "ok", "")
+        return self._count > _MOST_A_SECOND
+
+    def _state(self, state: str, why: str) -> None:
+        for sensor in SENSORS:
+            self._outlet.sensor(sensor, state, why)
+
     def _tell(self, where: Place, what: str) -> None:
+        if self._too_many():
+            return
         for sensor, value in zip(SENSORS, where, strict=True):
             self._outlet.reading(sensor, round(value, 4), text=what)
 

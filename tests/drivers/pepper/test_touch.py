@@ -175,6 +175,26 @@ def test_a_tablet_that_tells_nothing_is_stale(tmp_path: Path) -> None:
     assert run_virtual(play()) == ["stale"]
 
 
+def test_a_tablet_that_tells_thousands_of_touches_fills_no_log(tmp_path: Path) -> None:
+    async def play() -> tuple[int, list[str], int]:
+        heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
+        fingers = Fingers()
+        touch = Touch(fingers, heard.outlet)
+        await touch.connected()
+        for _ in range(5000):
+            fingers.heard["onTouchDownRatio"](0.5, 0.5)
+        told = len(heard.values("touch.x"))
+        await asyncio.sleep(1.5)
+        fingers.heard["onTouchDownRatio"](0.5, 0.5)
+        await touch.close()
+        return told, heard.states("touch.x"), len(heard.values("touch.x")) - told
+
+    told, states, later = run_virtual(play())
+    assert 50 < told < 500
+    assert states == ["ok", "stale", "ok"]
+    assert later == 1
+
+
 @settings(max_examples=40)
 @given(
     st.lists(st.tuples(st.sampled_from(["Down", "DownRatio", "Move", "Up"]), ANYTHING, ANYTHING))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import csv
 from pathlib import Path
 
 import msgspec
@@ -13,8 +14,10 @@ from tests.analysis.told import SECOND, Told, in_time
 from woz_tui.analysis.differences import by_trial
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import Options, figures_of
+from woz_tui.analysis.lanes import Drawing
 from woz_tui.analysis.measures import measured
 from woz_tui.analysis.session import examine
+from woz_tui.analysis.tidy import Folder
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 
@@ -166,6 +169,32 @@ def test_an_aborted_trial_does_not_count_but_is_told() -> None:
 def test_a_trial_that_is_only_numbered_divides_it_too() -> None:
     it = Told().add(1, shown({"volume": 0.6}, volume=0.8)).add(3, m.SessionChanged(trial=2))
     assert rows(told(it.end(9))) == [("volume", -1, 1, 3), ("volume", 2, 3, 9)]
+
+
+def test_a_table_has_them_for_other_programs(tmp_path: Path) -> None:
+    with Folder(tmp_path) as sheets:
+        sheets.add(told(drifting().end(60)))
+    with (tmp_path / "differences.csv").open(encoding="utf-8", newline="") as file:
+        table = list(csv.DictReader(file, strict=True))
+    names = ("setting", "trial", "condition", "value", "wanted", "length_s", "changed", "cut")
+    found = [[row[name] for name in names] for row in table]
+    assert found[0] == ["blinking", "1", "warm", "true", "false", "8", "true", "false"]
+    assert found[-1] == ["blinking", "", "cold", "true", "false", "10", "false", "true"]
+    assert sum(float(row["length_s"]) for row in table if row["setting"] == "blinking") == 33
+
+
+def test_the_timeline_draws_each_from_its_beginning_to_its_end() -> None:
+    drawing = Drawing()
+    for message in in_time(drifting().end(60)):
+        drawing.take(message)
+    [lane] = [lane for lane in drawing.timeline().lanes if lane.sort == "setting"]
+    assert [
+        (each.label, each.begin // SECOND, each.end // SECOND, each.cut) for each in lane.intervals
+    ] == [
+        ("blinking", 12, 30, False),
+        ("volume", 14, 16, False),
+        ("blinking", 45, 60, True),
+    ]
 
 
 def test_a_log_that_is_torn_counts_up_to_its_last_line(tmp_path: Path) -> None:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 from woz_tui.analysis.acts import ACTION_ENDS
-from woz_tui.analysis.known import TELLING, Known, Stretch, worded
+from woz_tui.analysis.known import Known, Stretch, worded
 from woz_tui.analysis.series import LONGEST
 from woz_tui.analysis.timeline import LANES, Curve, Instant, Interval, Lane, Timeline
 from woz_tui.core import messages as m
@@ -76,6 +76,7 @@ class Drawing:
             m.DriverLost: self._lost,
             m.DriverFaulted: self._lost,
             m.DriverConnected: self._found,
+            m.SettingsShown: self._told_settings,
             m.Marker: self._marker,
             m.Note: self._note,
             m.Mistake: self._mistake,
@@ -88,8 +89,6 @@ class Drawing:
         """The next message."""
         if self._t < message.t < LONGEST:
             self._t = message.t
-        if isinstance(message, TELLING):
-            self._settings.take(message, self._t, message.seq)
         handle = self._handlers.get(type(message))
         if handle is not None:
             handle(message)
@@ -213,12 +212,19 @@ class Drawing:
     def _released(self, message: m.StopReleased) -> None:
         self._close(("stop", ""))
 
+    def _told_settings(
+        self, message: m.SettingsShown | m.DriverLost | m.DriverFaulted | m.DriverConnected
+    ) -> None:
+        self._settings.take(message, self._t, message.seq)
+
     def _lost(self, message: m.DriverLost | m.DriverFaulted) -> None:
+        self._told_settings(message)
         if ("driver", message.driver) not in self._open:
             interval = self._interval(message.driver, "lost", detail=message.detail)
             self._begin(("driver", message.driver), ("driver", "drivers lost"), interval)
 
     def _found(self, message: m.DriverConnected) -> None:
+        self._told_settings(message)
         self._close(("driver", message.driver))
 
     def _speech_ended(self, message: m.SpeechEnded) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
@@ -21,6 +21,7 @@ from woz_tui.core.driver import (
     Rejected,
     Scope,
     Verb,
+    Written,
 )
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
@@ -115,6 +116,14 @@ def offering(*verbs: Verb) -> type[Right]:
             (Verb("go", "a", (Argument("way", "choice", default="up", choices=("left",)),)),),
             "verb go: way: its default 'up' is not one of its choices",
         ),
+        (
+            (Verb("go", "a", (Argument("key", "text", hide=lambda text: f"*{text}"),)),),
+            "verb go: key: hide('') is '*', then '**'",
+        ),
+        (
+            (Verb("go", "a", (Argument("key", "text", hide={"x": "y"}.__getitem__),)),),
+            "verb go: key: hide raised KeyError('')",
+        ),
     ],
 )
 async def test_wrong_verbs_are_found(verbs: tuple[Verb, ...], complaint: str) -> None:
@@ -169,6 +178,34 @@ class Excited(Right):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         raise OSError("no such port")
+
+
+def remarking(found: Callable[[Written], Finding]) -> type[Right]:
+    """A driver with two verbs that says this of each command."""
+
+    class Remarking(offering(Verb("go", "a", (Argument("to", "text"),)), Verb("stay", "b"))):  # type: ignore[misc]
+        @classmethod
+        def remarks(cls, settings: Any, written: Written) -> list[Finding]:
+            return [found(written)] if written.verb == "go" else []
+
+    return Remarking
+
+
+@pytest.mark.parametrize(
+    ("found", "complaint"),
+    [
+        (lambda written: {}[written.args["to"]], "remarks: raised KeyError('') about go"),
+        (lambda written: Finding("odd", "to", "x"), "remarks: unknown level 'odd'"),
+        (lambda written: Finding("warning", "far", "x"), "remarks: go has no argument 'far'"),
+    ],
+)
+async def test_wrong_remarks_are_found(found: Callable[[Written], Finding], complaint: str) -> None:
+    assert complaint in await complaints(remarking(found))
+
+
+async def test_remarks_about_arguments_are_right() -> None:
+    right = remarking(lambda written: Finding("warning", "to", str(written.args["to"])))
+    assert "remarks" not in await complaints(right)
 
 
 @pytest.mark.parametrize(

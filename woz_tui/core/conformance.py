@@ -22,6 +22,7 @@ from typing import Any
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.driver import (
     KINDS,
+    UNKNOWN,
     Argument,
     Ask,
     Driver,
@@ -32,6 +33,7 @@ from woz_tui.core.driver import (
     Rejected,
     Scope,
     Verb,
+    Written,
 )
 from woz_tui.core.feeds import Feed, Feeds
 from woz_tui.core.messages import Json, Shown, Speech
@@ -170,7 +172,7 @@ async def check(
     `name` is the driver's in the robot file, `folder` that of the experiment file. Takes about a
     second; opens and closes the driver, and never asks it to move.
     """
-    findings = [*_declared(driver_class, settings)]
+    findings = [*_declared(driver_class, settings), *_remarked(driver_class, settings, folder)]
     if not findings:
         findings += await _examined(driver_class, Probe(name, settings, folder))
         findings += await _lived(
@@ -241,6 +243,7 @@ def _argument(subject: str, argument: Argument) -> Iterable[Finding]:
         yield _error(subject, f"unknown kind {argument.kind!r}", f"one of {', '.join(KINDS)}")
     if argument.kind == "choice" and not argument.choices:
         yield _error(subject, "a choice needs choices")
+    yield from _hiding(subject, argument)
     default = argument.default
     if default is None:
         return
@@ -251,6 +254,67 @@ def _argument(subject: str, argument: Argument) -> Iterable[Finding]:
     number = isinstance(default, int | float) and not isinstance(default, bool)
     if argument.range and not (number and argument.range.contains(float(default))):  # type: ignore[arg-type]
         yield _error(subject, f"its default {default!r} is not within {argument.range}")
+
+
+def _hiding(subject: str, argument: Argument) -> Iterable[Finding]:
+    hide = argument.hide
+    if hide is None:
+        return
+    for text in ("", "plain", "tcps://user:password@host"):
+        try:
+            once = hide(text)
+            again = hide(once)
+        except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+            yield _error(subject, f"hide raised {error!r}", "hide what cannot be judged")
+            return
+        if again != once:
+            yield _error(subject, f"hide({text!r}) is {once!r}, then {again!r}", "twice is as once")
+
+
+# -- what it says of commands that are only written -----------------------------------------------
+
+#: Texts of a command that is looked at: none, one that only the session knows, and nonsense.
+_TEXTS = ("", UNKNOWN, "no/such thing")
+
+
+def _remarked(driver_class: type[Driver], settings: Any, folder: Path) -> Iterable[Finding]:
+    """`remarks` of a driver class that offers it: about any command, without raising."""
+    tell = getattr(driver_class, "remarks", None)
+    if tell is None:
+        return
+    names: Callable[[Any], Iterable[str]] = getattr(driver_class, "joints", lambda settings: ())
+    joints: dict[str, Json] = dict.fromkeys([*names(settings)][:1] or ["joint"], 0.0)
+    for verb in driver_class.verbs(settings):
+        for text in _TEXTS:
+            args = {one.name: _sample(one, text, joints) for one in verb.arguments}
+            try:
+                found = [*tell(settings, Written(verb.name, args, folder))]
+            except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
+                yield _error("remarks", f"raised {error!r} about {verb.name}", "yield a Finding")
+                return
+            for finding in found:
+                if finding.level not in _LEVELS:
+                    yield _error("remarks", f"unknown level {finding.level!r}", ", ".join(_LEVELS))
+                if finding.subject not in args:
+                    what = f"{verb.name} has no argument {finding.subject!r}"
+                    yield _error("remarks", what, "a finding's subject is an argument")
+
+
+def _sample(argument: Argument, text: str, joints: dict[str, Json]) -> Json:
+    """A value that the argument may have."""
+    if argument.choices:
+        return argument.choices[0]
+    match argument.kind:
+        case "text" | "file" | "choice":
+            return text
+        case "flag":
+            return True
+        case "joints":
+            return joints
+        case "poses":
+            return [{"joints": joints, "seconds": 1.0}]
+    low = argument.range.low if argument.range is not None else None
+    return 0 if low is None else low
 
 
 # -- what it does ---------------------------------------------------------------------------------

@@ -232,6 +232,31 @@ class Finding:
     remedy: str = ""
 
 
+#: Stands in a `Written` command for what only the session knows: a participant's code, the trial.
+UNKNOWN = "\ufffc"
+
+
+@dataclass(frozen=True, slots=True)
+class Written:
+    """A command as an experiment file has it, for a driver class that offers `remarks`.
+
+    A driver class may have a class method `remarks(settings, written) -> Iterable[Finding]`. It is
+    asked when the file is read, for each command of its own, without being connected: it says what
+    `perform` would complain of, or what would be different from what was probably meant. It must
+    not raise, write or wait; it may look at files. A finding's `subject` is the name of the
+    argument that it is about. A `warning` lets the file pass, an `error` does not; others are not
+    shown.
+
+    `args`: those that are written, checked; variables are filled in, for each condition anew. For
+    those that only the session knows each stands `UNKNOWN`: nothing is to be said of it. `folder`:
+    the experiment file's, where relative paths start.
+    """
+
+    verb: str
+    args: Mapping[str, Json]
+    folder: Path
+
+
 @dataclass(frozen=True, slots=True)
 class Probe:
     """What `woz doctor` hands to a driver class: settings, and where relative paths start."""

@@ -13,6 +13,7 @@ from woz_tui.core.driver import Argument
 from woz_tui.core.messages import Json
 from woz_tui.experiment.arguments import Setting, read_argument
 from woz_tui.experiment.nodes import Items, Scalar, Table
+from woz_tui.experiment.remarks import Looker
 from woz_tui.experiment.report import join, listed, quoted
 from woz_tui.experiment.robot import Offer, Robots
 from woz_tui.experiment.sensed import nonsense, without_a_sign
@@ -28,6 +29,7 @@ class Vocabulary:
     robots: Robots
     own: Mapping[str, Offer]
     variables: Collection[str]
+    looker: Looker
 
     def offers(self, verb: str) -> Sequence[Offer]:
         """Who offers the verb; those that need no driver come before any driver's."""
@@ -247,6 +249,8 @@ class _Arguments:
 
     def __init__(self, vocabulary: Vocabulary, offer: Offer, spot: Spot) -> None:
         self._setting = Setting(vocabulary.variables, offer.joints)
+        self._looker = vocabulary.looker
+        self._offer = offer
         self._verb = offer.verb
         self._spot = spot
         self._known = {argument.name: argument for argument in offer.verb.arguments}
@@ -261,6 +265,7 @@ class _Arguments:
             else:
                 entry.error(f"this {self._verb.name!r} has no such argument")
         args: dict[str, Json] = {}
+        whole = True
         for argument in self._verb.arguments:
             if argument.name in given and not self._misplaced(given[argument.name]):
                 args[argument.name] = read_argument(given[argument.name], argument, self._setting)
@@ -268,6 +273,9 @@ class _Arguments:
                 what = f" ({argument.summary})" if argument.summary else ""
                 spot, absent = self._spot, join(self._spot.path, argument.name)
                 spot.report.missing(spot.place, spot.path, f"needs {argument.name!r}{what}", absent)
+                whole = False
+        if whole and None not in args.values():
+            self._looker.look(self._offer, args, given, self._spot)
         return args
 
     def _misplaced(self, entry: Spot) -> bool:

@@ -24,6 +24,7 @@ from woz_tui.experiment.engagement_check import check_engagement
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table, described, tree
 from woz_tui.experiment.profiles import Known, read_profiles
+from woz_tui.experiment.remarks import Looker
 from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.robot import Offer, RobotReader, Robots
 from woz_tui.experiment.sensors import published_names
@@ -112,6 +113,7 @@ class _Decoder:
             robots,
             _own(session_verbs(conditions, titles(panels_spot)), section),
             dict.fromkeys((*filled, *variables.names)),
+            Looker.of(self._path.absolute().parent, variables, conditions),
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, layout)

@@ -27,6 +27,7 @@ class Report:
         #: Problems that say what is missing, by file and path of it; and what was there, misspelt.
         self._missing: dict[Problem, tuple[str, str]] = {}
         self._misspelt: set[tuple[str, str]] = set()
+        self._said: set[tuple[Place, str]] = set()
         #: Files that settings stand in, in the order in which they were read.
         self.included: list[Source] = []
 
@@ -72,6 +73,10 @@ class Report:
         problem = Problem(place, _shown(path) or "file", _shown(message), warning=True)
         self._add(problem)
 
+    def says(self, place: Place, message: str) -> bool:
+        """Whether just this has been said of what stands there, by whatever name."""
+        return (place, _shown(message)) in self._said
+
     @property
     def errors(self) -> list[Problem]:
         """Every error so far, sorted by place."""
@@ -99,17 +104,18 @@ class Report:
 
     def choices(self, what: str, words: Iterable[str]) -> str:
         """`; <what>: a, b, c`, as long as anybody will read it."""
-        shown = "" if self._hopeless else listed(words)
+        shown = "" if self.hopeless else listed(words)
         return f"; {what}: {shown}" if shown else ""
 
     def nearest(self, wrong: str, known: Iterable[str]) -> str | None:
         """The known word that was probably meant, as long as anybody will read it: looking for
         near words takes its time.
         """
-        return None if self._hopeless else nearest(wrong, known)
+        return None if self.hopeless else nearest(wrong, known)
 
     @property
-    def _hopeless(self) -> bool:
+    def hopeless(self) -> bool:
+        """Whether there is more than anybody will read: what takes its time is left out then."""
         return len(self._problems) > MAX_PROBLEMS
 
     def fail(self) -> None:
@@ -129,6 +135,7 @@ class Report:
 
     def _add(self, problem: Problem) -> None:
         self._problems.setdefault(problem)
+        self._said.add((problem.place, problem.message))
 
     def _sorted(self, *, warning: bool) -> list[Problem]:
         def rank(problem: Problem) -> tuple[int, int, int, str]:

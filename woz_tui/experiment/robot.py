@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import functools
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from woz_tui.core.driver import Ask, Driver, Verb
+from woz_tui.core.driver import Ask, Driver, Finding, Verb, Written
 from woz_tui.core.fields import Range, Sibling
 from woz_tui.experiment.nodes import Node, Table, described, tree
 from woz_tui.experiment.report import Report, join, quoted
@@ -21,17 +22,22 @@ from woz_tui.experiment.verbs import PERFORMERS, SESSION
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
 SIMULATED = "simulated"
 
+Look = Callable[[Written], Iterable[Finding]]
+
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9_-]{0,31}")
 _NAME_RULE = "a name has letters, digits, _ and -, and begins with a letter"
 
 
 @dataclass(frozen=True, slots=True)
 class Offer:
-    """A verb of one driver; `joints` with their ranges in degrees if the driver tells."""
+    """A verb of one driver; `joints` with their ranges in degrees if the driver tells, and `look`,
+    what it says of a command that is only written (`experiment.remarks`).
+    """
 
     driver: str
     verb: Verb
     joints: Mapping[str, Range] | None = None
+    look: Look | None = None
 
 
 @dataclass(frozen=True, slots=True)
@@ -255,8 +261,10 @@ class RobotReader:
         self._robots.drivers.append(spec)
         if asks:
             self._robots.asking.append(Asking(name, spot.path, spot.place.file, asks))
+        look = _look(driver, settings)
         for verb in spec.verbs:
-            self._robots.offers.setdefault(verb.name, []).append(Offer(name, verb, joints))
+            offer = Offer(name, verb, joints, look)
+            self._robots.offers.setdefault(verb.name, []).append(offer)
 
 
 def _joints(driver: type[Driver], settings: Any) -> Mapping[str, Range] | None:
@@ -269,6 +277,12 @@ def _asks(driver: type[Driver], settings: Any) -> tuple[tuple[str, Ask], ...]:
     """A driver class may tell what it will ask for; see `experiment.asked`."""
     tell = getattr(driver, "asks", None)
     return tuple(tell(settings)) if callable(tell) else ()
+
+
+def _look(driver: type[Driver], settings: Any) -> Look | None:
+    """A driver class may say what is odd about a command; see `core.driver.Written`."""
+    tell = getattr(driver, "remarks", None)
+    return functools.partial(tell, settings) if callable(tell) else None
 
 
 def _named(spot: Spot, name: str) -> bool:

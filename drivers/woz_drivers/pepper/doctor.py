@@ -17,6 +17,8 @@ from woz_drivers.pepper.link import Link, LinkError, Missing
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
+from woz_drivers.pepper.tablet_files import REMEDY, places
+from woz_drivers.pepper.tablet_page import is_address
 from woz_tui.core.driver import DriverError, Finding, Probe
 
 #: Seconds for each question; a robot that is slow shows as slow, not as gone.
@@ -40,6 +42,7 @@ async def examine(probe: Probe) -> list[Finding]:
         )
     examined = await asyncio.gather(*(_robot(text, probe) for text in settings.robots))
     findings += [finding for one in examined for finding in one]
+    findings += _default(settings, probe.folder)
     findings.append(_disk(settings, probe.folder))
     return findings
 
@@ -198,6 +201,20 @@ _ASKED = (
     _Question("ALAutonomousLife", "getState", _life),
     _Question("ALTabletService", "getWifiStatus", _tablet),
 )
+
+
+def _default(settings: PepperSettings, folder: Path) -> list[Finding]:
+    """Whether what the tablet shows on connect is there; a page elsewhere is not asked for."""
+    shown = settings.tablet.default
+    if not shown or is_address(shown):
+        return []
+    try:
+        paths = places(shown, settings.tablet.root, folder)
+        if any(path.is_file() for path in paths):
+            return [Finding("ok", "tablet", f"its default is {shown}")]
+    except (DriverError, OSError):
+        pass  # no name that a file can have
+    return [Finding("warning", "tablet", f"its default {shown!r} is no file", REMEDY)]
 
 
 def _disk(settings: PepperSettings, folder: Path) -> Finding:

@@ -5,10 +5,11 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import logging
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from typing import ClassVar
 
 from woz_drivers.pepper import doctor, outline, verbs
+from woz_drivers.pepper import written as written_as
 from woz_drivers.pepper.autonomy import Autonomy
 from woz_drivers.pepper.base import Base
 from woz_drivers.pepper.body import Body
@@ -32,6 +33,7 @@ from woz_tui.core.driver import (
     Scope,
     StopReport,
     Verb,
+    Written,
 )
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
@@ -94,6 +96,11 @@ class Pepper:
     def outline(cls, settings: PepperSettings) -> dict[str, Json]:
         """Settings that can be shown and changed, robots, animations and tags."""
         return outline.outline(settings)
+
+    @classmethod
+    def remarks(cls, settings: PepperSettings, written: Written) -> Iterable[Finding]:
+        """What is odd about a command of an experiment file."""
+        return written_as.remarks(settings, written)
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

@@ -45,14 +45,10 @@ class NaoqiCall:
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Call it; what the robot returns is in the result."""
-        named = _CALL.fullmatch(text(job.args, "call").strip())
-        if named is None:
-            raise Rejected(
-                f"{job.args.get('call')!r} is no call", "write Service.method: ALMotion.getSummary"
-            )
-        args = _list(text(job.args, "args") or "[]")
-        result = await self._robot.call(named["service"], named["method"], *args, within=LIMIT_S)
-        return {"call": named[0], "args": args, "result": _plain(result)}
+        service, method = named(text(job.args, "call"))
+        args = listed(text(job.args, "args") or "[]")
+        result = await self._robot.call(service, method, *args, within=LIMIT_S)
+        return {"call": f"{service}.{method}", "args": args, "result": _plain(result)}
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """What a call began is ended by the stop of motion, speech and sounds."""
@@ -72,7 +68,16 @@ class NaoqiCall:
         """Nothing to let go."""
 
 
-def _list(written: str) -> list[Json]:
+def named(call: str) -> tuple[str, str]:
+    """Service and method. Raises `Rejected`."""
+    found = _CALL.fullmatch(call.strip())
+    if found is None:
+        raise Rejected(f"{call!r} is no call", "write Service.method: ALMotion.getSummary")
+    return found["service"], found["method"]
+
+
+def listed(written: str) -> list[Json]:
+    """Arguments written as a JSON list. Raises `Rejected`."""
     try:
         args = json.loads(written)
     except ValueError as error:

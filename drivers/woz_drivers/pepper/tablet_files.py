@@ -11,6 +11,8 @@ from woz_drivers.pepper.settings import Tablet
 from woz_drivers.pepper.tablet_page import is_address
 from woz_tui.core.driver import DriverError, Lost, Outlet
 
+REMEDY = "check its name, and tablet.root"
+
 
 class Files:
     """Finds files, and serves them where the robot reaches this machine.
@@ -63,14 +65,23 @@ class Files:
 
     def _found(self, text: str) -> Path:
         """A file below the tablet's root, else below the experiment's folder."""
-        folder = self._outlet.folder
-        places = [folder / Path(self._settings.root).expanduser()] if self._settings.root else []
+        paths = places(text, self._settings.root, self._outlet.folder)
         try:
-            paths = [place / Path(text).expanduser() for place in (*places, folder)]
             found = next((path for path in paths if path.exists()), None)
-        except (OSError, RuntimeError, ValueError) as error:
+        except OSError as error:
             raise DriverError(f"{text!r} is no file: {error}", "check its name") from None
         if found is None:
             looked = " or ".join(dict.fromkeys(str(path) for path in paths))
-            raise DriverError(f"there is no file {looked}", "check its name, and tablet.root")
+            raise DriverError(f"there is no file {looked}", REMEDY)
         return found
+
+
+def places(text: str, root: str, folder: Path) -> list[Path]:
+    """Where the file `text` may be: below the tablet's `root`, if there is one, and below the
+    experiment's `folder`. Raises `DriverError` for what is no name of a file.
+    """
+    roots = [folder / Path(root).expanduser()] if root else []
+    try:
+        return [place / Path(text).expanduser() for place in (*roots, folder)]
+    except (RuntimeError, ValueError) as error:  # somebody's home that there is not
+        raise DriverError(f"{text!r} is no file: {error}", "check its name") from None

@@ -15,6 +15,7 @@ import re
 from collections.abc import Iterator
 from dataclasses import dataclass
 
+from woz_tui.core.driver import UNKNOWN
 from woz_tui.core.fields import Range
 from woz_tui.core.robots import Tag
 
@@ -76,38 +77,60 @@ def offered() -> list[Tag]:
 
 def problems(text: str) -> list[str]:
     """A sentence for each tag in `text` that is unknown, not closed or out of its range."""
+    return [sentence for _, sentence in placed(text)]
+
+
+def placed(text: str) -> list[tuple[int, str]]:
+    """The same, each sentence behind the place of its tag: characters from the beginning.
+
+    Where `core.driver.UNKNOWN` stands in a tag or right behind it, nobody knows how it will read.
+    """
     return [*_voice_problems(text), *_move_problems(text)]
 
 
-def _voice_problems(text: str) -> Iterator[str]:
-    for found in _VOICE.finditer(text):
-        name, value, closed = found["name"], found["value"], found["end"] is not None
-        written = found[0]
-        tag = VOICE_TAGS.get(name)
-        if tag is None:
-            if (closed or value is not None) and name not in _VOICE_OTHERS:
-                hint = _meant(name, VOICE_TAGS, _SLASH)
-                yield f"{written} is no tag that the robot knows{hint}"
-        elif not closed:
-            yield f"the tag {written} is not closed: it needs another backslash behind it"
-        elif tag.range is None:
-            if value is not None:
-                yield f"{written} takes no value: write \\{name}\\"
-        elif not _within(value, tag.range):
-            yield f"{written} needs a number of {tag.range}, as in \\{name}={tag.example}\\"
+def _tags(pattern: re.Pattern[str], text: str) -> Iterator[re.Match[str]]:
+    for found in pattern.finditer(text):
+        if UNKNOWN not in text[found.start() : found.end() + 1]:
+            yield found
 
 
-def _move_problems(text: str) -> Iterator[str]:
-    for found in _MOVE.finditer(text):
-        name, value = found["name"], found["value"].strip()
-        written = found[0]
-        if name not in MOVE_TAGS:
-            if name not in _MOVE_OTHERS:
-                yield f"{written} is no tag that the robot knows{_meant(name, MOVE_TAGS, '^')}"
-        elif found["end"] is None:
-            yield f"the tag {written} is not closed: it needs a ) behind it"
-        elif not value:
-            yield f"{written} names no animation, as in ^{name}(animations/Stand/Gestures/Hey_1)"
+def _voice_problems(text: str) -> Iterator[tuple[int, str]]:
+    for found in _tags(_VOICE, text):
+        yield from ((found.start(), sentence) for sentence in _of_voice(found))
+
+
+def _move_problems(text: str) -> Iterator[tuple[int, str]]:
+    for found in _tags(_MOVE, text):
+        yield from ((found.start(), sentence) for sentence in _of_body(found))
+
+
+def _of_voice(found: re.Match[str]) -> Iterator[str]:
+    name, value, closed = found["name"], found["value"], found["end"] is not None
+    written = found[0]
+    tag = VOICE_TAGS.get(name)
+    if tag is None:
+        if (closed or value is not None) and name not in _VOICE_OTHERS:
+            hint = _meant(name, VOICE_TAGS, _SLASH)
+            yield f"{written} is no tag that the robot knows{hint}"
+    elif not closed:
+        yield f"the tag {written} is not closed: it needs another backslash behind it"
+    elif tag.range is None:
+        if value is not None:
+            yield f"{written} takes no value: write \\{name}\\"
+    elif not _within(value, tag.range):
+        yield f"{written} needs a number of {tag.range}, as in \\{name}={tag.example}\\"
+
+
+def _of_body(found: re.Match[str]) -> Iterator[str]:
+    name, value = found["name"], found["value"].strip()
+    written = found[0]
+    if name not in MOVE_TAGS:
+        if name not in _MOVE_OTHERS:
+            yield f"{written} is no tag that the robot knows{_meant(name, MOVE_TAGS, '^')}"
+    elif found["end"] is None:
+        yield f"the tag {written} is not closed: it needs a ) behind it"
+    elif not value:
+        yield f"{written} names no animation, as in ^{name}(animations/Stand/Gestures/Hey_1)"
 
 
 def _within(value: str | None, allowed: Range) -> bool:

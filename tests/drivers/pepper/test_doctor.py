@@ -8,7 +8,7 @@ from typing import Any
 import pytest
 from woz_drivers.pepper import doctor
 from woz_drivers.pepper.connection_line import WANTED
-from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.settings import PepperSettings, Tablet
 from woz_drivers.qimessaging.hosting import Method
 from woz_drivers.qimessaging.server import Server
 
@@ -93,3 +93,23 @@ async def test_without_the_package_qi(tmp_path: Path, monkeypatch: pytest.Monkey
     assert "not installed" in texts(await examined(tmp_path), "ok")
     (missing,) = [one for one in await examined(tmp_path, client="qi") if one.level == "error"]
     assert "woz-tui[pepper]" in missing.remedy
+
+
+@pytest.mark.parametrize(
+    ("default", "level", "says"),
+    [
+        ("map.png", "ok", "tablet: its default is map.png"),
+        ("mpa.png", "warning", "tablet: its default 'mpa.png' is no file"),
+        ("x" * 5000, "warning", "is no file"),
+        ("http://10.0.0.1/map.png", "ok", ""),
+    ],
+)
+async def test_the_tablets_default_is_looked_for(
+    tmp_path: Path, default: str, level: str, says: str
+) -> None:
+    (tmp_path / "pictures").mkdir()
+    (tmp_path / "pictures" / "map.png").touch()
+    found = await examined(tmp_path, tablet=Tablet(root="pictures", default=default))
+    told = [one for one in found if one.subject == "tablet"]
+    assert says in texts(told, level)
+    assert bool(told) is bool(says)

@@ -16,7 +16,7 @@ from woz_tui.experiment.woz4u.keyed import RESERVES
 def items(*combs: str, title: str = "Item") -> str:
     """Gestures with these `key_comb`s, called Item 1, Item 2 ..."""
     lines = [
-        f"  - {{title: {title} {number}, gesture: a, key_comb: {comb}}}\n"
+        f"  - {{title: {title} {number}, gesture: a/b, key_comb: {comb}}}\n"
         for number, comb in enumerate(combs, 1)
     ]
     return "gestures:\n" + "".join(lines)
@@ -99,7 +99,7 @@ def test_a_key_that_cannot_be_had_is_another_one(tmp_path: Path, comb: str, why:
     text = items(comb, title="Wink")
     assert keys(read(tmp_path, text)) == {"Wink 1": "w"}
     assert problems(tmp_path, text) == [
-        f"3:33: warning: gestures[0].key_comb: {why}; w plays 'Wink 1' instead"
+        f"3:35: warning: gestures[0].key_comb: {why}; w plays 'Wink 1' instead"
     ]
 
 
@@ -126,7 +126,7 @@ def test_the_later_of_two_gets_another_key(
 
 def test_the_order_is_that_of_the_file_and_not_of_the_panels(tmp_path: Path) -> None:
     text = """gestures:
-  - {title: Nod, gesture: a, key_comb: [x]}
+  - {title: Nod, gesture: a/b, key_comb: [x]}
 animated_speech:
   - {title: Hi, string: Hi, key_comb: [x]}
 """
@@ -192,4 +192,4 @@ def test_a_key_chosen_plays_what_the_item_says(tmp_path: Path) -> None:
     experiment = read(tmp_path, items("[escape]"))
     (action,) = panel(experiment, "Gestures").actions
     assert action.key == "i"
-    assert does(action) == [("play", {"move": "a"})]
+    assert does(action) == [("play", {"move": "a/b"})]

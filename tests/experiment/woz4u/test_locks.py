@@ -24,7 +24,7 @@ SECTIONS = {
     "lock_volume_section": ("Voice", {"volume", "speech_speed", "speech_pitch"}),
 }
 ITEMS = """animated_speech: [{title: A, string: a}]
-gestures: [{title: B, gesture: b}]
+gestures: [{title: B, gesture: a/b}]
 tablet_items: [{title: C, file_name: "http://a.example/"}]
 audio_files: [{title: D, location: /d.wav}]
 colors: [{title: E, red: 1, green: 1, blue: 1}]

@@ -89,7 +89,7 @@ participants: {pattern: 'V\\d\\d'}
             "steps: a WoZ4U file does not say this; convert it to change it (woz convert)",
         ),
         (
-            "gestures: [{title: A, gesture: a, tool_tip: b}]",
+            "gestures: [{title: A, gesture: a/b, tool_tip: b}]",
             "gestures[0].tool_tip: nothing reads this; did you mean 'tooltip'?",
         ),
         (
@@ -103,10 +103,10 @@ def test_keys_that_nothing_reads(tmp_path: Path, text: str, message: str) -> Non
 
 
 def test_of_two_equal_keys_the_last_one_counts_as_it_did_there(tmp_path: Path) -> None:
-    text = "gestures:\n  - {title: A, gesture: a, title: B}\n"
+    text = "gestures:\n  - {title: A, gesture: a/b, title: B}\n"
     assert [action.label for action in panel(read(tmp_path, text), "Gestures").actions] == ["B"]
     assert problems(tmp_path, text) == [
-        "3:28: warning: gestures[0].title: 'title' stands here twice (first in line 3)"
+        "3:30: warning: gestures[0].title: 'title' stands here twice (first in line 3)"
     ]
 
 

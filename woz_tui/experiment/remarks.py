@@ -1,0 +1,129 @@
+"""What can be said of a command that is right by its description: by its driver, which looks at it
+without being connected, and by the log, into which the file goes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from woz_tui.core.driver import UNKNOWN, Finding, Verb, Written
+from woz_tui.core.hiding import hidden
+from woz_tui.core.messages import Json
+from woz_tui.experiment import template
+from woz_tui.experiment.by_condition import Variables
+from woz_tui.experiment.spot import Spot
+
+if TYPE_CHECKING:
+    from woz_tui.experiment.robot import Offer
+
+Values = Mapping[str, str]
+
+
+@dataclass(frozen=True, slots=True)
+class Looker:
+    """Looks at commands with their variables filled in.
+
+    Attributes:
+        folder: The experiment file's.
+        values: Texts of the variables, once for each condition; those that are not there are known
+            in the session only.
+    """
+
+    folder: Path
+    values: tuple[Values, ...]
+
+    @classmethod
+    def of(cls, folder: Path, variables: Variables, conditions: Sequence[str]) -> Looker:
+        """With the experiment's own variables."""
+        always = variables.always
+        each = (
+            {
+                name: _filled(texts[condition], always)
+                for name, texts in variables.by_condition.items()
+                if condition in texts
+            }
+            for condition in conditions or ("",)
+        )
+        return cls(folder, tuple({**always, **depending} for depending in each))
+
+    def look(
+        self, offer: Offer, args: Mapping[str, Json], spots: Mapping[str, Spot], verb: Spot
+    ) -> None:
+        """Report what is odd about a command. `spots`: where each argument stands."""
+        if verb.report.hopeless:
+            return
+        for given in self._renderings(args):
+            told = {
+                finding.subject
+                for finding in _findings(offer, Written(offer.verb.name, given, self.folder), verb)
+                if _say(finding, spots.get(finding.subject, verb))
+            }
+            for name in _telling(offer.verb, given):
+                if name not in told:
+                    spots.get(name, verb).error(_SECRET)
+
+    def _renderings(self, args: Mapping[str, Json]) -> Iterator[dict[str, Json]]:
+        """The arguments as the conditions make them, each only once."""
+        found: list[dict[str, Json]] = []
+        for values in self.values:
+            given = {name: _rendered(value, values) for name, value in args.items()}
+            if given not in found:
+                found.append(given)
+                yield given
+
+
+_SECRET = (
+    "a password, or another secret, stands here, and the file goes into every log; take it out"
+)
+
+
+def _findings(offer: Offer, written: Written, verb: Spot) -> Iterable[Finding]:
+    """What the driver says. Its code may be a stranger's."""
+    if offer.look is None:
+        return ()
+    try:
+        return [*offer.look(written)]
+    except Exception as error:  # noqa: BLE001 - a plug-in's code; the file is not at fault
+        verb.warning(f"{offer.driver} fails when it looks at this: {error!r}")
+        return ()
+
+
+def _say(finding: Finding, spot: Spot) -> bool:
+    """Report it, unless it has been said here already; whether it is an error."""
+    message = f"{finding.text}; {finding.remedy}" if finding.remedy else finding.text
+    if finding.level == "error":
+        spot.error(message)
+        return True
+    if finding.level == "warning" and not spot.report.says(spot.place, finding.text):
+        spot.warning(message)
+    return False
+
+
+def _telling(verb: Verb, given: Mapping[str, Json]) -> list[str]:
+    """Names of the arguments with something in them that the verb hides."""
+    known = {name: _guessed(value) for name, value in given.items()}
+    shown = hidden(verb, known)
+    return [name for name, value in known.items() if shown.get(name) != value]
+
+
+def _guessed(value: Json) -> Json:
+    """A text without gaps: a digit fits where a name, a number or a code is meant."""
+    return value.replace(UNKNOWN, "1") if isinstance(value, str) else value
+
+
+def _rendered(value: Json, values: Values) -> Json:
+    match value:
+        case str():
+            return _filled(value, values)
+        case list():
+            return [_rendered(one, values) for one in value]
+        case dict():
+            return {name: _rendered(one, values) for name, one in value.items()}
+    return value
+
+
+def _filled(text: str, values: Values) -> str:
+    return template.fill(text, lambda name: values.get(name) or UNKNOWN)

@@ -1,8 +1,10 @@
 from __future__ import annotations
 
+import msgspec
 import pytest
 from textual.widgets import OptionList
 
+from tests.console import scenes
 from tests.console.dialogs import busy, entry, opened
 from tests.console.driving import sitting
 from woz_tui.console.screens.say import complete
@@ -100,6 +102,20 @@ async def test_find_an_action_by_a_few_letters_and_play_it() -> None:
         asked = seat.feed.last(r.AskAction)
         assert isinstance(asked, r.AskAction)
         assert (asked.action, asked.source) == ("Roman glass", "palette")
+
+
+@pytest.mark.parametrize("size", [(80, 24), (160, 50)])
+async def test_each_find_takes_one_line(size: tuple[int, int]) -> None:
+    first = scenes.welcome()
+    spoken = msgspec.structs.replace(first.panels[0].actions[0], help="and so on " * 20)
+    panel = msgspec.structs.replace(first.panels[0], actions=[spoken])
+    first = msgspec.structs.replace(first, panels=[panel, *first.panels[1:]])
+    async with sitting(first, size=size) as seat:
+        await opened(seat, "FindDialog")
+        found = seat.console.screen.query_one("#found", OptionList)
+        rows = seat.drawn().splitlines()[found.region.y : found.region.bottom]
+        assert "and so on" in rows[0]
+        assert "and so on" not in rows[1]
 
 
 async def test_find_by_words_and_choose_with_the_arrows() -> None:

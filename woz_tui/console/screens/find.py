@@ -7,6 +7,7 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from typing import ClassVar
 
+from rich.cells import cell_len
 from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.fuzzy import Matcher
@@ -21,7 +22,8 @@ from woz_tui.console.robot.orders import orders_of
 from woz_tui.console.screens.dialog import Entry
 from woz_tui.core.requests import AskLock, AskVerb
 
-LABEL = 38
+#: Cells for a key and for a name.
+KEY, LABEL = 7, 38
 #: Without a key of their own.
 COLOURS = {
     "dark": "dark colours",
@@ -152,12 +154,20 @@ class FindDialog(Entry):
             found.highlighted = 0
 
     def _line(self, find: Find) -> Content:
+        """On one line; where a help is cut off, the list of keys has it whole."""
+        ellipsis = self.glyphs.ellipsis
+        where = clean(find.where)
+        room = max(1, self._width() - KEY - LABEL - 2)
         return Content.assemble(
-            fit(find.key, 7, self.glyphs.ellipsis),
-            fit(find.name, LABEL, self.glyphs.ellipsis),
+            fit(find.key, KEY, ellipsis),
+            fit(find.name, LABEL, ellipsis),
             "  ",
-            (clean(find.where), "$woz-muted"),
+            (fit(where, min(room, cell_len(where)), ellipsis), "$woz-muted"),
         )
+
+    def _width(self) -> int:
+        """Cells inside the frame and beside a scrollbar; the frame is as wide as the theme says."""
+        return min(self.app.size.width * 9 // 10, 100) - 6
 
     def action_choose(self, by: int) -> None:
         """Move in the list; the text field keeps the keyboard."""

@@ -184,16 +184,19 @@ def test_a_table_has_them_for_other_programs(tmp_path: Path) -> None:
 
 
 def test_the_timeline_draws_each_from_its_beginning_to_its_end() -> None:
+    it = Told().add(1, m.TrialStarted(trial=1)).add(2, shown({"volume": 0.6, "eyes": "x"}))
+    it.add(4, m.TrialEnded(trial=1, outcome="done")).add(5, shown({"volume": 0.6}))
+    it.add(6, LOST).add(8, BACK).end(9)
     drawing = Drawing()
-    for message in in_time(drifting().end(60)):
+    for message in in_time(it):
         drawing.take(message)
     [lane] = [lane for lane in drawing.timeline().lanes if lane.sort == "setting"]
     assert [
         (each.label, each.begin // SECOND, each.end // SECOND, each.cut) for each in lane.intervals
     ] == [
-        ("blinking", 12, 30, False),
-        ("volume", 14, 16, False),
-        ("blinking", 45, 60, True),
+        ("eyes", 2, 5, False),
+        ("volume", 2, 6, False),
+        ("volume", 8, 9, True),
     ]
 
 

@@ -10,7 +10,7 @@ from typing import Any, ClassVar
 import pytest
 
 from tests.experiment.catalogue import Bare
-from woz_tui.core.driver import UNKNOWN, Argument, Driver, Finding, Verb, Written
+from woz_tui.core.driver import UNKNOWN, Argument, Ask, Driver, Finding, Verb, Written
 from woz_tui.core.messages import Json
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.report import MAX_PROBLEMS
@@ -165,3 +165,23 @@ def test_a_secret_in_a_file_refuses_it_without_being_repeated(tmp_path: Path, pi
 
 def test_what_hides_nothing_passes(tmp_path: Path) -> None:
     assert told(tmp_path, "enter: '{participant} of {name}'") == []
+
+
+def test_what_a_driver_would_ask_for_tells_no_secret_either(tmp_path: Path) -> None:
+    class Asking(Bare):
+        Settings: ClassVar[type] = Nothing
+
+        @classmethod
+        def asks(cls, settings: Any) -> list[tuple[str, Ask]]:
+            return [("button", Ask("verb", "enter", {"pin": "1234"})), ("mark", Ask("mark", "x"))]
+
+    path = tmp_path / "e.yaml"
+    path.write_text(
+        "title: T\nrobot: {drivers: {it: {type: critic}, panel: {type: asking}}}\n"
+        "panels: [{title: P, actions: [{label: L, say: x}]}]\n"
+    )
+    with pytest.raises(ExperimentError) as refused:
+        load(path, {**CATALOGUE, "asking": Asking})
+    (problem,) = refused.value.problems
+    assert problem.path == "robot.drivers.panel.button"
+    assert "1234" not in str(problem)

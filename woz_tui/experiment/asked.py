@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 from woz_tui.core.driver import Argument, Ask, Verb
 from woz_tui.core.messages import Json
+from woz_tui.experiment.remarks import SECRET, tells
 from woz_tui.experiment.report import Report, join, quoted
 from woz_tui.experiment.robot import Asking, Offer, Robots
 from woz_tui.experiment.shape import Place
@@ -35,9 +36,17 @@ def check_asks(
     known = _Known(robots, own, actions)
     for asking in robots.asking:
         for path, ask in asking.asks:
+            if tells(_verb(ask, asking, known), ask.args):
+                full, place, _ = _where(asking, path, report)
+                report.error(place, full, SECRET)
             for message in _wrong(ask, asking, known, report):
                 full, place, written = _where(asking, path, report)
                 (report.error if written else report.warning)(place, full, message)
+
+
+def _verb(ask: Ask, asking: Asking, known: _Known) -> Verb | None:
+    offers = _offers(ask, asking, known) if ask.what == "verb" else ()
+    return offers[0].verb if len(offers) == 1 else None
 
 
 def _where(asking: Asking, path: str, report: Report) -> tuple[str, Place, bool]:

@@ -61,9 +61,9 @@ class Looker:
                 for finding in _findings(offer, Written(offer.verb.name, given, self.folder), verb)
                 if _say(finding, spots.get(finding.subject, verb))
             }
-            for name in _telling(offer.verb, given):
+            for name in tells(offer.verb, given):
                 if name not in told:
-                    spots.get(name, verb).error(_SECRET)
+                    spots.get(name, verb).error(SECRET)
 
     def _renderings(self, args: Mapping[str, Json]) -> Iterator[dict[str, Json]]:
         """The arguments as the conditions make them, each only once."""
@@ -75,9 +75,8 @@ class Looker:
                 yield given
 
 
-_SECRET = (
-    "a password, or another secret, stands here, and the file goes into every log; take it out"
-)
+#: Why a file with a secret in it is refused.
+SECRET = "a password, or another secret, stands here, and the file goes into every log; take it out"
 
 
 def _findings(offer: Offer, written: Written, verb: Spot) -> Iterable[Finding]:
@@ -102,7 +101,7 @@ def _say(finding: Finding, spot: Spot) -> bool:
     return False
 
 
-def _telling(verb: Verb, given: Mapping[str, Json]) -> list[str]:
+def tells(verb: Verb | None, given: Mapping[str, Json]) -> list[str]:
     """Names of the arguments with something in them that the verb hides."""
     known = {name: _guessed(value) for name, value in given.items()}
     shown = hidden(verb, known)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import importlib.util
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import pytest
 import pytest_asyncio
 
 from tests.drivers.heard import Heard
+from tests.drivers.pepper.connected import patience
 from tests.drivers.pepper.played import Played, played
 from tests.fakes.naoqi import StandIn, stand_in
 
@@ -28,6 +29,13 @@ async def robot() -> AsyncIterator[StandIn]:
     """A simulated Pepper in a process of its own, hosted by qi where it is installed."""
     async with stand_in() as started:
         yield started
+
+
+@pytest.fixture
+def patient() -> Iterator[None]:
+    """A robot on a busy machine takes its time."""
+    with patience():
+        yield
 
 
 @pytest.fixture

@@ -135,6 +135,7 @@ async def test_without_a_robot_verbs_say_so_at_once(tmp_path: Path) -> None:
         await driver.perform(Ordered("connect"))
 
 
+@pytest.mark.usefixtures("patient")
 async def test_a_robot_that_comes_back_gets_the_files_settings_again(tmp_path: Path) -> None:
     settings = PepperSettings(robots=(), senses=QUIET, voice=Voice(volume=0.3), eyes="green")
     async with stand_in() as robot:

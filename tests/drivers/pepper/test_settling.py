@@ -17,6 +17,8 @@ from tests.fakes.naoqi import stand_in
 from woz_tui.core.driver import Lost, Scope
 from woz_tui.core.messages import DriverConnected
 
+pytestmark = pytest.mark.usefixtures("patient")
+
 
 async def test_what_the_wizard_wants_first_is_not_undone_by_the_file(tmp_path: Path) -> None:
     """`state: disabled` lets the robot sleep; a wizard who wakes it up meanwhile wants it awake."""

@@ -192,7 +192,7 @@ async def test_a_robot_that_was_let_go_or_never_there_has_nothing_to_stop(tmp_pa
     await driver.close()
 
 
-@pytest.mark.usefixtures("unhurried")
+@pytest.mark.usefixtures("unhurried", "patient")
 async def test_the_bus_ends_the_jobs_and_names_the_parts(tmp_path: Path) -> None:
     async with stand_in(pace=PACE) as robot:
         it = await joined(robot, tmp_path, PepperSettings(robots=(robot.address,)))

@@ -98,7 +98,7 @@ async def test_the_settings_bound_the_brightness(begin: Begin) -> None:
     stand = await begin(brightness=0.5)
     stand.show(HAPPY, 0.5)
     await stand.shown(HAPPY)
-    assert stand.face.board.brightness == 64
+    await stand.until(lambda: stand.face.board.brightness == 64)
 
 
 async def test_an_unchanged_face_is_sent_about_once_a_second(begin: Begin) -> None:

@@ -18,6 +18,7 @@ LONGEST: Final = 64 << 20
 
 _HEADER: Final = struct.Struct("<IIIHBBIII")
 HEADER_SIZE: Final = _HEADER.size
+_MAGIC: Final = struct.pack("<I", MAGIC)
 
 
 class Kind(enum.IntEnum):
@@ -105,6 +106,8 @@ class FrameReader:
             frames.append(frame)
             at = end
         del self._buffer[:at]
+        if not _MAGIC.startswith(self._buffer[: len(_MAGIC)]):  # before it is as long as a header
+            raise _no_messaging()
         return frames
 
     def _frame(self, at: int) -> tuple[Frame | None, int]:
@@ -112,7 +115,7 @@ class FrameReader:
             self._buffer, at
         )
         if magic != MAGIC:
-            raise ProtocolError("what came is no qi messaging; is this the port of NAOqi?")
+            raise _no_messaging()
         if version != 0:
             raise ProtocolError(f"qi messaging of version {version}; version 0 is understood")
         if size > self._longest:
@@ -124,3 +127,7 @@ class FrameReader:
         with memoryview(self._buffer) as view:
             payload = bytes(view[start:end])
         return Frame(kind, number, service, obj, action, payload, flags), end
+
+
+def _no_messaging() -> ProtocolError:
+    return ProtocolError("what came is no qi messaging; is this the port of NAOqi?")

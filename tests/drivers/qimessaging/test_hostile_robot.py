@@ -54,6 +54,14 @@ def test_signatures_that_take_long_to_read_are_few_in_a_message() -> None:
         Decoder(struct.pack("<I", 50) + longs).value("[m]")
 
 
+@pytest.mark.parametrize("data", [b"HTTP/1.1", b"\x15\x03\x01\0", b"\x42\xdf"])
+def test_a_few_bytes_of_something_else_are_enough(data: bytes) -> None:
+    puzzle = FrameReader()
+    assert puzzle.feed(Frame(Kind.EVENT, 0, 2, 1, 100).encoded()[:-1]) == []
+    with pytest.raises(ProtocolError, match="no qi messaging"):
+        puzzle.feed(b"\0" + data)
+
+
 def test_long_signatures_are_not_kept() -> None:
     assert parse("(sif)") is parse("(sif)")
     assert parse("(" + "i" * 4000 + ")") is not parse("(" + "i" * 4000 + ")")

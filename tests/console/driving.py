@@ -21,7 +21,7 @@ from woz_tui.console.keyboard import Keyboard
 from woz_tui.core.clock import ManualClock
 
 #: Seconds after which a condition counts as never coming true.
-PATIENCE = 20.0
+PATIENCE = 40.0
 
 
 @dataclass

@@ -14,7 +14,7 @@ from woz_tui.core.messages import AnyMessage, Json, Message, Reading, SensorChan
 from woz_tui.session.outlet import DriverOutlet
 
 #: Far longer than anything takes; only a failure waits for it.
-PATIENCE_S = 20.0
+PATIENCE_S = 40.0
 
 M = TypeVar("M", bound=Message)
 

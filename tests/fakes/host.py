@@ -32,7 +32,7 @@ from woz_tui.core.requests import (
 from woz_tui.core.views import ActionView, PanelView
 
 R = TypeVar("R", bound=Request)
-WAIT_S = 20.0
+WAIT_S = 40.0
 
 
 @dataclass(frozen=True, slots=True)

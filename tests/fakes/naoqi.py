@@ -23,7 +23,7 @@ from woz_drivers.naoqi.table import Refused
 from woz_drivers.naoqi.world import Options, World
 
 #: Real seconds for anything that should happen; a broken robot fails a test, it hangs none.
-PATIENCE_S = 20.0
+PATIENCE_S = 40.0
 
 
 class Call(NamedTuple):

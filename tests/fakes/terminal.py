@@ -25,7 +25,7 @@ from typing import Any
 import pyte
 
 ROOT = Path(__file__).parents[2]
-WAIT_S = 30.0
+WAIT_S = 60.0
 
 #: Makes the pseudo-terminal the controlling one, then becomes the program.
 _LAUNCH = "import fcntl,os,sys,termios;fcntl.ioctl(0,termios.TIOCSCTTY,0);" + (

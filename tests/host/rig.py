@@ -22,7 +22,7 @@ from woz_tui.record.recorder import Recorder
 from woz_tui.session.identity import Identity
 from woz_tui.session.session import Session
 
-WAIT_S = 20.0
+WAIT_S = 40.0
 
 
 class Peer:

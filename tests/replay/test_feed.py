@@ -18,7 +18,7 @@ from woz_tui.replay.feed import ReplayFeed
 from woz_tui.replay.player import Player, Start
 from woz_tui.replay.reel import Reel
 
-PATIENCE = 20.0
+PATIENCE = 40.0
 
 
 class Ear:

@@ -13,7 +13,7 @@ from typing import Any
 from woz_drivers.qimessaging import Hosted, Method, Property, Server, Signal
 from woz_drivers.qimessaging.frames import Frame, FrameReader
 
-PATIENCE = 20.0
+PATIENCE = 40.0
 
 
 async def until(holds: Callable[[], bool]) -> None:

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import msgspec
 import pytest
 from textual.widgets import Input
 
 from tests.console import scenes, studied
 from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
-from woz_tui.console.screens.start import proposal_of
+from woz_tui.console.screens.lost import LostDialog
+from woz_tui.console.screens.start import StartDialog, proposal_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 
@@ -154,3 +156,48 @@ def test_what_is_no_proposal_is_none() -> None:
     found = proposal_of({"order": ["a"], "trial": "x", "row": None})
     assert found is not None
     assert (found.order, found.trial, found.row) == (("a",), None, -1)
+
+
+async def crashed(seat: Sitting, *, log: str) -> None:
+    """The robot process is lost, and one whose log is `log` is there, with nobody chosen."""
+    seat.feed.cut("the robot process closed the connection")
+    await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
+    plain = studied.welcome(scenes.start("", ""))
+    seat.feed.deliver(msgspec.structs.replace(plain, log=log))
+    await seat.until(lambda: not seat.console.picture.lost)
+    await seat.settle()
+
+
+async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> None:
+    first = studied.welcome(scenes.start("", ""))
+    async with sitting(first, ask_participant=True) as seat:
+        propose(seat)
+        await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
+        await seat.press("ctrl+q")
+        await seat.tell(m.SessionChanged(participant="P09", condition="warm", trial=2))
+        await crashed(seat, log="recordings/another.jsonl")
+        await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
+        await seat.settle()
+        assert seat.console.screen.query_one("#participant", Input).value == "P09"
+        asked = seat.feed.last(r.AskProposal)
+        assert isinstance(asked, r.AskProposal)
+        assert asked.participant == "P09"
+        await seat.press("enter")
+        assigned = seat.feed.last(r.AskAssign)
+        assert isinstance(assigned, r.AskAssign)
+        assert (assigned.participant, assigned.order) == ("P09", ["cold", "warm"])
+
+
+@pytest.mark.parametrize(
+    ("asks", "log"), [(True, studied.welcome().log), (False, "recordings/another.jsonl")]
+)
+async def test_nobody_is_asked_again_in_the_same_session_or_where_nobody_was(
+    asks: bool, log: str
+) -> None:
+    first = studied.welcome(scenes.start("", ""))
+    async with sitting(first, ask_participant=asks) as seat:
+        if asks:
+            await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
+            await seat.press("ctrl+q")
+        await crashed(seat, log=log)
+        assert seat.console.dialog is None

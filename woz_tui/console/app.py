@@ -61,7 +61,7 @@ class Console(App[str]):
         builtins: The console's own keys, as the wizard's keymap file has them.
         clock: Local time.
         restart: Starts the robot process again after it was lost; None if nobody can.
-        ask_participant: Whether to ask for participant and condition at the start.
+        ask_participant: Whether to ask for participant and condition when a session starts.
         pictures: How a camera's pictures are drawn (`camera.ways.WAYS`).
         driver_class: Textual's driver; None for its own.
     """
@@ -103,7 +103,7 @@ class Console(App[str]):
         self.caps: dict[str, Cap] = {}
         self.desk = Desk(self)
         self.restart = restart
-        self.ask_participant = ask_participant
+        self.ask_participant, self._asked_in = ask_participant, ""
         self._inbox = Inbox(self._wake)
         self._edition = 0
         self._was_lost = False
@@ -213,8 +213,9 @@ class Console(App[str]):
             self._was_lost = False
             self.desk.close_lost()
             self.news("the robot process is back", "good")
-        elif self.ask_participant and welcome.role == "wizard" and not self.picture.participant:
-            self.ask_participant = False
+        asks = self.ask_participant and welcome.role == "wizard" and welcome.log != self._asked_in
+        if asks and not self.picture.participant:
+            self._asked_in = welcome.log
             self.desk.do("start")
 
     def _adopt(self) -> None:

@@ -66,6 +66,8 @@ class Picture:
     welcomed: bool = False
     session: str = ""
     participant: str = ""
+    #: Who took part in the session before, if the robot process was lost meanwhile.
+    before: str = ""
     condition: str = ""
     trial: int | None = None
     ended: str = ""
@@ -159,7 +161,8 @@ class Picture:
 
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
         """Begin anew; what the wizard has seen stays seen."""
-        fresh = Picture(edition=self.edition, runs=Runs(seen=self.runs.seen))
+        before = self.participant or self.before
+        fresh = Picture(edition=self.edition, runs=Runs(seen=self.runs.seen), before=before)
         for name in self.__slots__:
             setattr(self, name, getattr(fresh, name))
         self._t, self._local = welcome.t, local_us

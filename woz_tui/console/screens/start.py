@@ -115,7 +115,7 @@ class StartDialog(Form):
         """Fields filled in with what holds now."""
         picture = self.picture
         yield Static("Code of the participant (never a name)", classes="caption")
-        yield Input(picture.participant, placeholder=self._pattern(), id="participant")
+        yield Input(self._present(), placeholder=self._pattern(), id="participant")
         own = Static("Order; another one is written instead", classes="caption", id="order-caption")
         for field in (Static("", id="proposal"), own, Input(id="order")):
             field.display = False
@@ -131,7 +131,11 @@ class StartDialog(Form):
 
     def on_mount(self) -> None:
         """Ask for the present participant's order."""
-        self._ask_proposal(self.picture.participant)
+        self._ask_proposal(self._present())
+
+    def _present(self) -> str:
+        """Who takes part; nobody yet: whoever did before the robot process was lost."""
+        return self.picture.participant or self.picture.before
 
     def _pattern(self) -> str:
         pattern = self.picture.settings.get("participant_pattern")

@@ -8,8 +8,10 @@ import pytest
 from tests.console import scenes
 from tests.console.driving import sitting
 from tests.console.robot import pepper
+from woz_tui.console.cells import length
+from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
-from woz_tui.console.stopbar import hints
+from woz_tui.console.stopbar import Bar, News, bar_rows, hints
 from woz_tui.core import requests as r
 
 
@@ -42,3 +44,21 @@ async def test_the_robots_key_has_room_in_80_columns(script: bool) -> None:
         first = msgspec.structs.replace(first, script=[])
     async with sitting(first) as seat:
         assert "@ robot" in seat.drawn().splitlines()[-1]
+
+
+def told(news: str, width: int = 80) -> list[str]:
+    rows = bar_rows(Picture(), Frame(width, 2, 0), Bar(News(news), (("Esc", "stop"),), "Space"))
+    assert [length(row) for row in rows] == [width, width]
+    return ["".join(text for text, _ in row).strip() for row in rows]
+
+
+def test_news_that_is_too_long_for_a_line_takes_both() -> None:
+    long = "you are watching; another console plays the robot"
+    remedy = "(`woz attach --take-over` to play it yourself)"
+    assert told(long)[1] == long
+    assert told(f"{long} {remedy}") == [
+        f"{long} (`woz attach --take-over` to",
+        "play it yourself)",
+    ]
+    assert told("word " * 100)[1].endswith("…")
+    assert told("x" * 200)[1].endswith("…")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 from rich.cells import cell_len
 
-from woz_tui.console.cells import Cells, Row, clean, cut, fit, length, spread
+from woz_tui.console.cells import Cells, Row, clean, cut, fit, hung, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import StopPicture
@@ -86,10 +86,17 @@ def bar_rows(picture: Picture, frame: Frame, bar: Bar) -> list[Row]:
         waited = millis(frame.now - asked_us)
         first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
         return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
-    news = bar.news
-    text = fit(f" {glyphs.plain(news.text)}", width, glyphs.ellipsis)
-    second: Row = ((text, news.look),) if news.text else hint_row(bar.hints, width)
-    return [script_row(picture, frame, bar.next), second]
+    told = _told(bar.news, glyphs, width) or [hint_row(bar.hints, width)]
+    return [*([] if len(told) > 1 else [script_row(picture, frame, bar.next)]), *told]
+
+
+def _told(news: News, glyphs: Glyphs, width: int) -> list[Row]:
+    """News on one line, or on two if it takes them: the remedy stands at its end."""
+    if not news.text:
+        return []
+    first, *rest = hung(((f" {glyphs.plain(clean(news.text))}", news.look),), 1, width)
+    rows = [first, sum(rest, ())] if rest else [first]
+    return [cut(row, width, glyphs.ellipsis) for row in rows]
 
 
 def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:

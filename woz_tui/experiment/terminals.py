@@ -111,8 +111,8 @@ NOBODYS = frozenset(
 STOPS = ("escape", "ctrl+c")
 
 #: What tmux makes of escape with another key right behind it (home, end): one chord, which nobody
-#: can tell from alt and that key. Measured with tmux 3.3a; it hands all other keys on with their
-#: ESC in front.
+#: can tell from alt and that key. Measured with tmux 3.3a and 3.5a; they hand all other keys on
+#: with their ESC in front, but that 3.5a drops it before shift+tab.
 _FOLDED = frozenset({"alt+home", "alt+end"})
 
 _ESCAPE = b"\x1b"

@@ -80,10 +80,19 @@ class Served:
         self.path = path
         self.lines = lines
         self._seen = asyncio.Event()
+        self._peers: list[Peer] = []
         self.session.hub.listen(lambda message: self._seen.set())
 
     async def connect(self) -> Peer:
-        return Peer(*await asyncio.open_unix_connection(str(self.path), limit=1 << 22))
+        # Kept: from Python 3.13 on a connection that nobody holds any more closes by itself.
+        peer = Peer(*await asyncio.open_unix_connection(str(self.path), limit=1 << 22))
+        self._peers.append(peer)
+        return peer
+
+    def leave(self) -> None:
+        """All peers go."""
+        for peer in self._peers:
+            peer.leave()
 
     async def published(self, wanted: Callable[[m.AnyMessage], bool]) -> m.AnyMessage:
         """Wait until a message that fits has been published."""
@@ -132,8 +141,10 @@ async def served(
     host = Host(session, path, Desk(session, load or (lambda: made)), pulse_s=0.05)
     await session.open()
     host.listen(bind(path))
+    place = Served(host, path, lines)
     try:
-        yield Served(host, path, lines)
+        yield place
     finally:
         await session.close("test", rest=False)
         await host.close()
+        place.leave()

@@ -17,6 +17,7 @@ import subprocess
 import sys
 import termios
 import threading
+import time
 from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import TracebackType
@@ -26,6 +27,8 @@ import pyte
 
 ROOT = Path(__file__).parents[2]
 WAIT_S = 60.0
+#: A reader that has not come round for so long has been kept waiting by a busy machine.
+LATE_S = 0.5
 
 #: Makes the pseudo-terminal the controlling one, then becomes the program.
 _LAUNCH = "import fcntl,os,sys,termios;fcntl.ioctl(0,termios.TIOCSCTTY,0);" + (
@@ -79,6 +82,7 @@ class FakeTerminal:
         self._thawed = threading.Event()
         self._thawed.set()
         self._resting = threading.Event()
+        self._read_at = time.monotonic()
         self._screen = _Screen(columns, rows, self._reply)
         self._stream = pyte.ByteStream(self._screen)
         self._held = b""
@@ -123,7 +127,19 @@ class FakeTerminal:
 
     def send(self, data: bytes | str) -> None:
         """Type; what is sent in one call arrives in one read (if it is not too long)."""
+        self._catch_up()
         os.write(self.master, data.encode() if isinstance(data, str) else data)
+
+    def _catch_up(self) -> None:
+        """Answer what has been asked first, if a busy machine is late with that: what is typed on
+        a line that has stood still is rightly not played.
+        """
+        if not self._thawed.is_set() or time.monotonic() - self._read_at < LATE_S:
+            return
+        waits = select.poll()
+        waits.register(self.master, select.POLLIN)
+        with self._changed:
+            self._changed.wait_for(lambda: not waits.poll(0), 2 * LATE_S)
 
     def resize(self, columns: int, rows: int) -> None:
         """Change the window's size."""
@@ -196,6 +212,7 @@ class FakeTerminal:
             if not self._thawed.is_set():
                 self._resting.set()
                 self._thawed.wait()
+            self._read_at = time.monotonic()
             # Nobody may be inside a read when the window is closed: it would stay open.
             if not self._closed and not poll.poll(20):
                 continue

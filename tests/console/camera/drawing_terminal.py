@@ -67,7 +67,7 @@ class DrawingTerminal(FakeTerminal):
         debt_s, before = 0.0, time.monotonic()
         while True:
             debt_s = max(0.0, debt_s - (time.monotonic() - before))
-            before = time.monotonic()
+            self._read_at = before = time.monotonic()
             if debt_s > 0:
                 time.sleep(debt_s)
             try:

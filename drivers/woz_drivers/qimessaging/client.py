@@ -35,6 +35,10 @@ from woz_drivers.qimessaging.remote import RemoteObject, Unsubscribe
 DIRECTORY_SERVICE: Final = 1
 #: How long looking for a service, or opening, may take, in seconds.
 TIMEOUT: Final = 5.0
+#: Who calls a service of ours sends at most a second of sound, in bytes. Processes of a robot that
+#: connect to it; whoever is in its network may try, too.
+_LONGEST_CALL: Final = 1 << 20
+_MOST_CALLERS: Final = 16
 
 
 class Client:
@@ -50,7 +54,7 @@ class Client:
         self._connection = connection
         self._way_in = way_in
         self._host = host
-        self._listener = Listener(host)
+        self._listener = Listener(host, longest=_LONGEST_CALL, most=_MOST_CALLERS)
         self._timeout = timeout
         self._directory = ServiceInfo(DIRECTORY, DIRECTORY_SERVICE, "", 0, (), "")
         self._found: dict[str, asyncio.Task[RemoteObject]] = {}

@@ -77,6 +77,8 @@ class Connection(asyncio.Protocol):
         """Begin."""
         assert isinstance(transport, asyncio.Transport)
         self._transport = transport
+        if self.lost.done():
+            transport.abort()
 
     def data_received(self, data: bytes) -> None:
         """Take what came; end the connection where it is no qi messaging."""

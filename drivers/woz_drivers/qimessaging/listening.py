@@ -22,20 +22,31 @@ Authenticator = Callable[[str, str], bool]
 
 _SERVER: Final = 0
 
+#: Connections at once.
+MOST: Final = 256
+
 
 class Listener:
     """Accepts connections for one host, on as many addresses as wanted."""
 
     def __init__(
-        self, host: Host, authenticator: Authenticator | None = None, longest: int = LONGEST
+        self,
+        host: Host,
+        authenticator: Authenticator | None = None,
+        longest: int = LONGEST,
+        most: int = MOST,
     ) -> None:
-        """Listen for nobody yet; without an authenticator everybody is let in."""
+        """Listen for nobody yet; without an authenticator everybody is let in.
+
+        Of more than `most` connections the oldest that has not greeted has to go.
+        """
+        self._most = most
         self._host = host
         self._authenticator = authenticator
         self._longest = longest
         self._servers: list[asyncio.Server] = []
         self._entered: set[Connection] = set()
-        self._connections: set[Connection] = set()
+        self._connections: dict[Connection, None] = {}
         self.endpoints: list[Endpoint] = []
 
     async def listen(self, host: str, port: int, tls: ssl.SSLContext | None = None) -> Endpoint:
@@ -62,12 +73,17 @@ class Listener:
 
     def _accept(self) -> Connection:
         connection = Connection(self._incoming, self._longest)
-        self._connections.add(connection)
+        self._connections[connection] = None
+        if len(self._connections) > self._most:
+            silent = (each for each in self._connections if each not in self._entered)
+            over = next(silent)
+            del self._connections[over]
+            over.end("too many connections")
         connection.lost.add_done_callback(lambda _: self._forget(connection))
         return connection
 
     def _forget(self, connection: Connection) -> None:
-        self._connections.discard(connection)
+        self._connections.pop(connection, None)
         self._entered.discard(connection)
 
     def _incoming(self, connection: Connection, frame: Frame) -> None:

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 
 from woz_drivers.qimessaging.directory import MACHINE
 from woz_drivers.qimessaging.endpoints import Endpoint, ServiceInfo
-from woz_drivers.qimessaging.errors import QiError
+from woz_drivers.qimessaging.errors import ProtocolError, QiError, Refused
 from woz_drivers.qimessaging.host import Host
 from woz_drivers.qimessaging.hosting import Hosted
 from woz_drivers.qimessaging.remote import RemoteObject
@@ -49,11 +49,15 @@ async def register(
     directory: RemoteObject, host: Host, info: ServiceInfo, hosted: Hosted, within: float
 ) -> Registration:
     """Make a service known. Raises as `RemoteObject.call`."""
-    [method] = directory.meta.overloads("registerService")
-    [wanted] = parse_members(method.parameters)
+    methods = directory.meta.overloads("registerService")
+    wanted = parse_members(methods[0].parameters) if len(methods) == 1 else ()
+    if len(wanted) != 1:
+        raise Refused("the directory takes no services as it should")
     # Directories from before libqi 1.8 know nothing of an identity.
-    members = info.members()[: len(wanted.inner)]
+    members = info.members()[: len(wanted[0].inner)]
     number = await directory.call("registerService", members, within=within)
+    if not isinstance(number, int):
+        raise ProtocolError("the directory gives a service no number")
 
     async def withdraw() -> None:
         host.remove(number)

@@ -10,14 +10,19 @@ from collections.abc import AsyncIterator
 from typing import Any
 
 import pytest
-from woz_drivers.qimessaging import Client, ConnectionLost, ProtocolError, Refused
+from woz_drivers.qimessaging import Client, ConnectionLost, ProtocolError, QiError, Refused
 from woz_drivers.qimessaging.connection import Connection
 from woz_drivers.qimessaging.decoding import MOST_VALUES, Decoder, decode
 from woz_drivers.qimessaging.encoding import encode
 from woz_drivers.qimessaging.endpoints import Endpoint, ServiceInfo
-from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, Frame, FrameReader, Kind
+from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, MAGIC, Frame, FrameReader, Kind
+from woz_drivers.qimessaging.host import Host
 from woz_drivers.qimessaging.hosting import Hosted, Signal
+from woz_drivers.qimessaging.listening import Listener
+from woz_drivers.qimessaging.metaobject import MetaMethod, MetaObject
 from woz_drivers.qimessaging.opening import WayIn
+from woz_drivers.qimessaging.registering import describe, register
+from woz_drivers.qimessaging.remote import RemoteObject
 from woz_drivers.qimessaging.signature import parse
 
 from tests.drivers.qimessaging.desk import bench, frames, script, until
@@ -246,4 +251,62 @@ async def test_an_event_with_other_values_is_left_out() -> None:
         await until(lambda: bool(heard))
         assert heard == [("x", 1.0)]
         assert not client.lost.done()
+        await client.close()
+
+
+async def test_a_directory_that_takes_no_services_is_told() -> None:
+    meta = MetaObject()
+    directory = RemoteObject(Connection(), 1, 1, meta)
+    info = describe("Mine", [])
+    for wrong in ("()", "(ss)", "s", "(q)"):
+        with pytest.raises(QiError):
+            await register(directory, Host(), info, Hosted([]), 1.0)
+        meta.methods[102] = MetaMethod(102, "registerService", wrong, "I")
+        meta = directory.meta = MetaObject(dict(meta.methods))
+    says: dict[int, Any] = {102: [5]}
+    async with _liar(says) as robot:
+        client = await Client.open("127.0.0.1", robot)
+        with pytest.raises(ProtocolError, match="no number"):
+            await client.register("Mine", Hosted([]))
+        await client.close()
+
+
+async def test_those_who_say_nothing_make_room_for_those_who_do() -> None:
+    listener = Listener(Host(), most=2)
+    port = (await listener.listen("127.0.0.1", 0)).port
+    hello = Frame(Kind.CALL, 1, 0, 0, 8, encode("{sm}", {})).encoded()
+
+    async def comes(says: bytes) -> asyncio.StreamReader:
+        reader, writer = await asyncio.open_connection("127.0.0.1", port)
+        writers.append(writer)
+        writer.write(says)
+        if says:
+            assert await asyncio.wait_for(reader.read(100), 20)
+        return reader
+
+    writers: list[asyncio.StreamWriter] = []
+    silent = await comes(b"")
+    greeted = await comes(hello)
+    await comes(hello)
+    assert await asyncio.wait_for(silent.read(), 20) == b""
+    late = await comes(b"")
+    with contextlib.suppress(ConnectionError):
+        assert await asyncio.wait_for(late.read(), 20) == b""
+    writers[1].write(hello)
+    assert await asyncio.wait_for(greeted.read(100), 20)
+    for writer in writers:
+        writer.close()
+    await listener.close()
+
+
+async def test_what_our_service_is_sent_is_short() -> None:
+    async with bench() as (_, port):
+        client = await Client.open("127.0.0.1", port)
+        await client.register("Mine", Hosted([]))
+        own = client._listener.endpoints[0].port
+        reader, writer = await asyncio.open_connection("127.0.0.1", own)
+        writer.write(struct.pack("<IIIHBBIII", MAGIC, 1, 2 << 20, 0, 1, 0, 5, 1, 100))
+        with contextlib.suppress(ConnectionError):
+            assert await asyncio.wait_for(reader.read(), 20) == b""
+        writer.close()
         await client.close()

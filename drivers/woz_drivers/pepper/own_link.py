@@ -188,6 +188,8 @@ class OwnLink:
             if self.lost.done():
                 raise Gone(self.lost.result()) from None
             raise Missing(f"{service} has just ended on the robot") from None
+        except errors.ProtocolError as error:
+            raise Said(f"{what}: its answer cannot be read: {words(str(error))}") from None
         except errors.QiError as error:
             if _ABSENT.search(str(error)):
                 raise Missing(f"the robot has no service {service} now") from None

@@ -41,7 +41,11 @@ _PIECE = 1 << 16
 #: One range, as `Range: bytes=0-99`; several at once are answered with the whole.
 _RANGE = re.compile(r"bytes=(\d{0,18})-(\d{0,18})", re.ASCII)
 #: A link that was put there since, or a pipe, is not followed and not waited for.
-_FLAGS = os.O_RDONLY | os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+_FLAGS = os.O_NOFOLLOW | os.O_NONBLOCK | os.O_CLOEXEC
+
+
+def _opened(path: str, flags: int) -> int:
+    return os.open(path, flags | _FLAGS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -56,7 +60,8 @@ class Listed:
         """Its bytes, and how many there are. Raises `OSError` if it is no file any more."""
         if self.path is None:
             return io.BytesIO(self.content), len(self.content)
-        file = os.fdopen(os.open(self.path, _FLAGS), "rb", buffering=0)
+        # Not `fdopen`: that lets a folder's descriptor lie.
+        file = open(self.path, "rb", buffering=0, opener=_opened)  # noqa: SIM115
         found = os.fstat(file.fileno())
         if not stat.S_ISREG(found.st_mode):
             file.close()

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import os
 import re
+import stat
 from pathlib import Path
 
 from woz_drivers.simulated.speech import utterance
@@ -10,6 +12,8 @@ from woz_tui.core.driver import Rejected
 
 #: Characters a second at speed 100; only what the console counts down is made of it.
 CHARACTERS_A_SECOND = 14.0
+#: The longest text file that is read, in bytes: a day of speech.
+LONGEST = 1 << 20
 
 _BLANK_LINES = re.compile(r"\n[ \t]*(?:\n[ \t]*)+")
 
@@ -29,12 +33,28 @@ def paragraphs(text: str) -> list[str]:
 def read_text(path: Path) -> str:
     """A text file, in UTF-8 or else in Latin-1. Raises `Rejected` for one that cannot be read."""
     try:
-        data = path.read_bytes()
+        data = _bytes(path)
     except FileNotFoundError:
         raise Rejected(f"there is no file {path}", "put it there, or correct the path") from None
-    except OSError as error:
-        raise Rejected(f"{path} cannot be read: {error.strerror}", "correct the path") from None
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        why = getattr(error, "strerror", None) or error
+        raise Rejected(f"{path} cannot be read: {why}", "correct the path") from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
         return data.decode("latin-1")
+
+
+def _bytes(path: Path) -> bytes:
+    """All of a regular file; nothing without an end is read."""
+    with open(path, "rb", opener=_unwaited) as file:
+        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
+            raise Rejected(f"{path} is no text file", "correct the path")
+        data = file.read(LONGEST + 1)
+    if len(data) > LONGEST:
+        raise Rejected(f"{path} is longer than {LONGEST >> 20} MiB", "is it the right one?")
+    return data
+
+
+def _unwaited(path: str, flags: int) -> int:
+    return os.open(path, flags | os.O_NONBLOCK)

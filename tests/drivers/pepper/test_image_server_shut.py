@@ -1,16 +1,19 @@
-"""The tablet's server on a system that has no place for another connection."""
+"""The tablet's server on a system that has no place left, or that it must not fill."""
 
 from __future__ import annotations
 
 import errno
+import os
 import socket
 import threading
 import time
 import urllib.request
+from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
 from woz_drivers.pepper.image_server import ImageServer
+from woz_drivers.pepper.image_server_answers import Listed
 
 HOST, PATIENCE_S = "127.0.0.1", 20.0
 
@@ -42,3 +45,21 @@ def test_it_is_told_and_keeps_nothing_busy(monkeypatch: pytest.MonkeyPatch) -> N
         assert answer.read() == b"page"
     server.close()
     assert troubles == ["the tablet gets no pictures for now: Too many open files"]
+
+
+def test_what_is_no_file_any_more_holds_nothing_open(tmp_path: Path) -> None:
+    film = tmp_path / "film.mp4"
+    film.write_bytes(b"film")
+    listed = Listed(".mp4", path=film)
+    film.unlink()
+    film.mkdir()
+    before = len([*Path("/proc/self/fd").iterdir()])
+    for _ in range(20):
+        with pytest.raises(OSError):
+            listed.open()
+    film.rmdir()
+    os.mkfifo(film)
+    for _ in range(20):
+        with pytest.raises(OSError):
+            listed.open()
+    assert len([*Path("/proc/self/fd").iterdir()]) < before + 20

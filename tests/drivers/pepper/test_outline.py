@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import os
 from pathlib import Path
 
 import pytest
@@ -137,6 +138,18 @@ def test_a_text_file_is_read_in_either_encoding(tmp_path: Path, encoding: str) -
     file = tmp_path / "text.txt"
     file.write_bytes("Grüße, Zoë & Søren".encode(encoding))
     assert speech_text.read_text(file) == "Grüße, Zoë & Søren"
+
+
+def test_what_has_no_end_is_not_read(tmp_path: Path) -> None:
+    pipe, long, zero = (tmp_path / name for name in ("pipe.txt", "long.txt", "zero.txt"))
+    os.mkfifo(pipe)
+    long.write_bytes(b"x" * (speech_text.LONGEST + 1))
+    zero.symlink_to("/dev/zero")
+    for path, words in ((pipe, "no text file"), (zero, "no text file"), (long, "longer than")):
+        with pytest.raises(Rejected, match=words):
+            speech_text.read_text(path)
+    with pytest.raises(Rejected, match="cannot be read"):
+        speech_text.read_text(tmp_path / "a\0b")
 
 
 def test_a_file_that_is_not_there_is_refused_by_name(tmp_path: Path) -> None:

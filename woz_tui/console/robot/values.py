@@ -68,10 +68,10 @@ def typed_value(setting: Setting, typed: str) -> Json:
 
     Raises:
         WrongValue: A number was expected, or another one; or there is a password in an address,
-            which would stand in the log.
+            which would stand on the screen.
     """
     if setting.verb == "connect" and _PASSWORD.search(typed):
-        raise WrongValue("No password here: it would be in the log. See docs/pepper.md.")
+        raise WrongValue("No password here: it belongs in the environment. See docs/pepper.md.")
     if setting.kind != "number":
         return typed
     bare = typed.removesuffix(setting.unit).strip().replace(",", ".")

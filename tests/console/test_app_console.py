@@ -305,6 +305,18 @@ async def test_leaving_closes_the_feed() -> None:
     assert seat.feed.closed
 
 
+async def test_what_comes_while_it_ends_is_not_painted() -> None:
+    """Its parts go one after the other: whoever looked for them would miss one."""
+    async with sitting() as seat:
+        ending = asyncio.create_task(seat.console._shutdown())
+        while not ending.done():  # at every turn of the way out
+            seat.clock.advance(1.0)
+            seat.console._surface.body._laid_out = None  # as if something needed more room now
+            seat.console._beat()
+            await asyncio.sleep(0)
+        await ending
+
+
 def test_the_console_loads_neither_numpy_nor_any_dialog() -> None:
     code = (
         "import sys, woz_tui.console.app\n"

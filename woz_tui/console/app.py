@@ -163,11 +163,11 @@ class Console(App[str]):
             self.paint()
 
     def paint(self) -> None:
-        """Work in what has come and show what has changed."""
+        """Work in what has come and show what has changed; nothing while its parts go."""
+        if not self.is_running or not self.screen_stack:
+            return
         local = self._painted = self.clock.now_us()
         self._take(local)
-        if not self.screen_stack:
-            return
         if self._flash_until and local >= self._flash_until:
             self._flash_until = 0
             self._panels.press("")

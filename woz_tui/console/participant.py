@@ -112,8 +112,8 @@ class Participant(App[str]):
     # -- what comes ---------------------------------------------------------------------------
 
     def look_in(self) -> None:
-        """Work in what has come and show what is asked."""
-        if not self._inbox or not self.screen_stack:
+        """Work in what has come and show what is asked; nothing while its parts go."""
+        if not self._inbox or not self.screen_stack or not self.is_running:
             return
         for batch in self._inbox.batches():
             self.picture.take(batch, self.clock.now_us())

@@ -16,6 +16,8 @@ from woz_tui.core.messages import Json
 #: Its own: a call that never returns must not keep the wizard from letting the robot go.
 LANE = "naoqi"
 LIMIT_S = 60.0
+#: Characters of a result that are kept.
+_LONGEST = 50_000
 _CALL = re.compile(r"(?P<service>\w+)\.(?P<method>\w+)", re.ASCII)
 
 
@@ -48,7 +50,7 @@ class NaoqiCall:
         service, method = named(text(job.args, "call"))
         args = listed(text(job.args, "args") or "[]")
         result = await self._robot.call(service, method, *args, within=LIMIT_S)
-        return {"call": f"{service}.{method}", "args": args, "result": _plain(result)}
+        return {"call": f"{service}.{method}", "args": args, "result": _short(_plain(result))}
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """What a call began is ended by the stop of motion, speech and sounds."""
@@ -87,6 +89,14 @@ def listed(written: str) -> list[Json]:
     if not isinstance(args, list):
         raise Rejected(f"args must be a list, not {written}", f"put it in brackets: [{written}]")
     return args
+
+
+def _short(result: Json) -> Json:
+    """A result as it is, or the beginning of its text: it goes into the log and to every screen."""
+    written = json.dumps(result, ensure_ascii=False)
+    if len(written) <= _LONGEST:
+        return result
+    return f"{written[:_LONGEST]}… ({len(written)} characters)"
 
 
 def _plain(value: Any) -> Json:

@@ -19,6 +19,7 @@ from woz_drivers.pepper.link import Said
 from woz_drivers.pepper.links_socket import elsewhere
 from woz_drivers.pepper.links_trouble import words
 from woz_drivers.pepper.memory import flag, word
+from woz_drivers.pepper.naoqi_call import NaoqiCall
 from woz_drivers.pepper.qi_link import _plain, _settle
 from woz_drivers.pepper.sounds import Sounds
 from woz_drivers.pepper.voice import Voice
@@ -96,6 +97,17 @@ async def test_nothing_is_made_of_nonsense(tmp_path: Path) -> None:
         await _settings(it)
         await _stops(it)
         await _verbs(it)
+
+
+async def test_a_long_result_is_cut_short(tmp_path: Path) -> None:
+    async with babbler(tmp_path) as it:
+        call = NaoqiCall(it.connection, SETTINGS, it.heard.outlet)
+        for said, length in (("a" * 900, 900), ("L" * 3_000_000, 60_000), (["a"] * 40_000, 60_000)):
+            it.says["ALTextToSpeech.getVolume"] = said
+            told = await call.perform(Ordered("naoqi", {"call": "ALTextToSpeech.getVolume"}))
+            assert isinstance(told["result"], str)
+            assert len(told["result"]) <= length
+            assert told["result"] == said or told["result"].endswith(" characters)")
 
 
 async def _settings(it: Babbler) -> None:

@@ -17,7 +17,9 @@ from tests.fakes.servos import ServoBus
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
 
 #: On a crowded test machine an answer may take far longer than on any wire.
-PATIENT_MS = 500.0
+PATIENT_MS = 1000.0
+#: Where a servo says nothing whoever waits for it waits in vain: less there.
+SILENT_MS = 500.0
 #: And a tick may come so late that servos would stop by themselves.
 PATIENT_WATCHDOG_MS = 2000
 HEAD = {

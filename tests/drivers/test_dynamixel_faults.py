@@ -10,7 +10,7 @@ import pytest
 from woz_drivers.dynamixel import DynamixelServos, Joint
 
 from tests.drivers.heard import Heard, until
-from tests.drivers.servo_stand import HEAD, head, stand
+from tests.drivers.servo_stand import HEAD, SILENT_MS, head, stand
 from tests.fakes.servo_codec import PING
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
@@ -114,20 +114,20 @@ async def test_stop_without_a_line_is_confirmed_only_if_nothing_held(tmp_path: P
 
 
 async def test_nobody_answers_lists_the_ids_that_do(tmp_path: Path) -> None:
-    async with stand(tmp_path, ids=(1, 2), ready=False) as it:
+    async with stand(tmp_path, ids=(1, 2), ready=False, reply_timeout=SILENT_MS) as it:
         lost = await it.heard.first(DriverLost)
         assert "ids that do: 1, 2" in lost.detail
 
 
 async def test_wire_without_any_servo_says_so(tmp_path: Path) -> None:
-    async with stand(tmp_path, ids=(), ready=False) as it:
+    async with stand(tmp_path, ids=(), ready=False, reply_timeout=SILENT_MS) as it:
         lost = await it.heard.first(DriverLost)
         assert "no servo answers" in lost.detail
         assert "baud" in lost.remedy
 
 
 async def test_one_dead_servo_slows_nobody(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True) as it:
+    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
         await until(lambda: it.bus.servo(13).torque)
         it.bus.servo(12).silent = True
         await it.noticed("tilt (id 12) no longer answers")
@@ -155,7 +155,7 @@ async def test_one_dead_servo_slows_nobody(tmp_path: Path) -> None:
 
 
 async def test_servo_missing_from_the_start(tmp_path: Path) -> None:
-    async with stand(tmp_path, ids=(11, 13)) as it:
+    async with stand(tmp_path, ids=(11, 13), reply_timeout=SILENT_MS) as it:
         faulted = await it.heard.first(DriverFaulted)
         assert "tilt (id 12) does not answer" in faulted.detail
         await it.do("torque", on=True, joint="pan")

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.pepper import qi_link_library
+from woz_drivers.pepper import memory, qi_link_library
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
 from woz_drivers.pepper.link import Link, LinkError, Missing
@@ -28,6 +28,8 @@ _QUESTIONS = 20
 _SLOW_MS = 50.0
 #: Charge below which an experiment of an hour may end early, in percent.
 _LOW = 30
+#: How much of an answer that makes no sense is shown, in characters.
+_SHOWN = 60
 #: Room for a session's pictures and sounds, in bytes.
 _ROOM = 500 * 1000 * 1000
 
@@ -157,26 +159,42 @@ async def _asked(address: Address, link: Link, question: _Question) -> Finding:
         return Finding("warning", address.shown, str(missing), "try again")
     except LinkError as error:
         return Finding("warning", address.shown, f"does not tell {what}: {error}", "restart it")
-    except (TypeError, ValueError):
-        return Finding("warning", address.shown, f"{what} is {answer!r}: not understood")
+    except ValueError:
+        shown = repr(answer)
+        shown = shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}…"
+        return Finding("warning", address.shown, f"{what} is {shown}: not understood", "restart it")
     return Finding(level, address.shown, text, remedy)
 
 
+def _word(answer: Any) -> str:
+    """A name or a state. Raises `ValueError` for what is none."""
+    found = memory.word(answer)
+    if found is None:
+        raise ValueError("no word")
+    return found
+
+
 def _charge(percent: Any) -> tuple[str, str, str]:
-    text = f"battery at {int(percent)} %"
-    if int(percent) < _LOW:
+    charge = memory.within(percent, 0, 100)
+    if charge is None:
+        raise ValueError("no charge")
+    text = f"battery at {int(charge)} %"
+    if charge < _LOW:
         return "warning", text, "charge it before the session"
     return "ok", text, ""
 
 
-def _awake(awake: Any) -> tuple[str, str, str]:
+def _awake(answer: Any) -> tuple[str, str, str]:
+    awake = memory.flag(answer)
+    if awake is None:
+        raise ValueError("neither yes nor no")
     if awake:
         return "ok", "is awake", ""
     return "info", "rests: its motors are off", "wake it with `torque: {on: true}`"
 
 
 def _life(state: Any) -> tuple[str, str, str]:
-    text = f"autonomous life is {state}"
+    text = f"autonomous life is {_word(state)}"
     if state in ("interactive", "safeguard"):
         remedy = "it may act by itself: set `autonomy: {state: solitary}` or disabled"
         return "warning", text, remedy
@@ -188,14 +206,14 @@ def _tablet(status: Any) -> tuple[str, str, str]:
         return "ok", "the tablet is there, its wireless network is connected", ""
     return (
         "warning",
-        f"the tablet answers, its wireless network is {str(status).lower()}",
+        f"the tablet answers, its wireless network is {_word(status).lower()}",
         "it reaches this machine through that alone: use `tablet: wifi`, or its own settings",
     )
 
 
 _ASKED = (
-    _Question("ALSystem", "systemVersion", lambda version: ("ok", f"runs NAOqi {version}", "")),
-    _Question("ALSystem", "robotName", lambda name: ("ok", f"is called {name}", "")),
+    _Question("ALSystem", "systemVersion", lambda it: ("ok", f"runs NAOqi {_word(it)}", "")),
+    _Question("ALSystem", "robotName", lambda it: ("ok", f"is called {_word(it)}", "")),
     _Question("ALBattery", "getBatteryCharge", _charge),
     _Question("ALMotion", "robotIsWakeUp", _awake),
     _Question("ALAutonomousLife", "getState", _life),

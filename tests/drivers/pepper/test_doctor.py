@@ -82,6 +82,29 @@ async def test_answers_nobody_understands_are_told_of(tmp_path: Path) -> None:
     await server.close()
 
 
+async def test_answers_that_make_no_sense_are_told_in_few_words(tmp_path: Path) -> None:
+    says: list[Any] = []
+    server = Server()
+    endpoint = await server.listen("127.0.0.1")
+    asked = {
+        "ALSystem": ("systemVersion", "robotName"),
+        "ALBattery": ("getBatteryCharge",),
+        "ALMotion": ("robotIsWakeUp",),
+        "ALAutonomousLife": ("getState",),
+        "ALTabletService": ("getWifiStatus",),
+    }
+    for name in sorted(WANTED | asked.keys()):
+        methods = [Method(one, "()", "m", lambda: says[0]) for one in asked.get(name, ())]
+        server.add(name, methods=methods)
+    for nonsense in (float("inf"), float("nan"), "L" * 100_000, [["x"]], None, b"\xff"):
+        says[:] = [nonsense]
+        findings = await examined(tmp_path, str(endpoint))
+        told = texts(findings, "warning")
+        assert told.count("not understood") == 6, repr(nonsense)[:40]
+        assert len(told) < 2000
+    await server.close()
+
+
 async def test_the_simulated_robot_is_looked_at_and_ended(tmp_path: Path) -> None:
     findings = await examined(tmp_path, "simulated", pictures="not/there/yet")
     assert "simulated: runs NAOqi" in texts(findings, "ok")

@@ -14,6 +14,7 @@ from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, START, command, dispatched, done
 from woz_tui.core import messages as m
 from woz_tui.experiment.decode import load
+from woz_tui.experiment.shape import SessionSettings
 from woz_tui.host import rerun as host_rerun
 from woz_tui.host.rerun import Rerun, RerunOptions, read_plan, without_model
 from woz_tui.plugins import installed
@@ -94,7 +95,8 @@ async def test_who_comes_in_the_middle_is_told_of_it(tmp_path: Path) -> None:
 
 
 async def test_drives_go_while_a_wizard_watches_and_end_with_them(tmp_path: Path) -> None:
-    async with served(tmp_path) as it:
+    # Who hangs up is gone at once; beats may be late on a busy machine.
+    async with served(tmp_path, SessionSettings(dead_man=20.0)) as it:
         wizard = await it.connect()
         await wizard.hello("wizard")
         beats = asyncio.create_task(beating(wizard))

@@ -176,8 +176,8 @@ def test_an_experiment_with_such_a_key_is_right(tmp_path: Path) -> None:
 
 
 def test_one_that_yields_has_no_key_where_its_reserves_are_taken() -> None:
-    found = mapped("@", "ctrl+b", "&")
-    assert set(found.table) == {"@", "ctrl+b", "&"}
+    found = mapped("@", "ctrl+b", "&", "(")
+    assert set(found.table) == {"@", "ctrl+b", "&", "("}
     assert found.builtins["robot"].press == ""
 
 

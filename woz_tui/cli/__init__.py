@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import errno
 import importlib
 import sys
 from collections.abc import Sequence
@@ -55,12 +56,30 @@ def main(arguments: Sequence[str] | None = None) -> int:
     parsed = parser.parse_args(given)
     try:
         code: int = parsed.run(parsed)
+        if sys.stdout is not None:  # it may have been closed: >&-
+            sys.stdout.flush()
     except KeyboardInterrupt:
         return 130
     except BrokenPipeError:
         sys.stderr.close()
         return 141
+    except UnicodeEncodeError as error:
+        sign = f"U+{ord(error.object[error.start]):04X}"
+        return _cut_short(
+            f"this terminal cannot show {sign}: it takes {error.encoding}; set LC_ALL=C.UTF-8"
+        )
+    except OSError as error:
+        if error.filename is not None or error.errno not in (errno.ENOSPC, errno.EIO, errno.EDQUOT):
+            raise
+        return _cut_short(f"standard output: {error.strerror}")
     return code
+
+
+def _cut_short(why: str) -> int:
+    """Say why what was printed is not whole; what is left of it must not fail again at the end."""
+    print(f"woz: {why}", file=sys.stderr)
+    sys.stdout = None
+    return 1
 
 
 def program() -> NoReturn:

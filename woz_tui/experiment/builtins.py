@@ -62,7 +62,7 @@ BUILTIN: tuple[Builtin, ...] = (
         *("engagement", "=", "who is there and are they with the robot: the whole model, by hand"),
         reserves=("ctrl+a",),
     ),
-    Builtin("robot", "@", "the robot's settings", reserves=("ctrl+b", "&"), yields=True),
+    Builtin("robot", "@", "the robot's settings", reserves=("ctrl+b", "&", "("), yields=True),
     Builtin("move", "%", "type the name of an animation", reserves=("$", "~"), yields=True),
     Builtin("camera", "_", "what the robot's camera sees", reserves=("|", "#"), yields=True),
     Builtin("profile", "-", "the profile: how much may be used"),

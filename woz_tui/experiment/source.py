@@ -47,8 +47,7 @@ def read(path: Path, name: str) -> Source:
 
 def _bytes(path: Path) -> bytes:
     try:
-        descriptor = os.open(path, os.O_RDONLY | os.O_NONBLOCK | os.O_CLOEXEC)
-        with open(descriptor, "rb") as file:  # noqa: PTH123 - opened without blocking on a pipe
+        with open(path, "rb", opener=_unblocked) as file:  # noqa: PTH123 - Path.open has no opener
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise SourceError("this is not a file")
             data = file.read(MAX_BYTES + 1)
@@ -62,6 +61,11 @@ def _bytes(path: Path) -> bytes:
     if len(data) > MAX_BYTES:
         raise SourceError(f"the file is larger than {MAX_BYTES >> 20} MiB; is it the right one?")
     return data
+
+
+def _unblocked(path: str, flags: int) -> int:
+    """Opened without waiting for somebody at the other end of a pipe."""
+    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def text_of(data: bytes) -> str:

@@ -146,6 +146,10 @@ class Pepper:
         A robot that was lost cannot confirm anything. Nothing is stopped where none was connected.
         """
         self._stopped = self._stopped or scope is Scope.ALL
+        return await self._halt(scope)
+
+    async def _halt(self, scope: Scope) -> StopReport | None:
+        """Stand still, as for a stop, but nobody need release it: a robot is let go."""
         parts = [part for part in self._parts if scope is Scope.ALL or isinstance(part, Base)]
         if not self._present:
             moving = [part.name for part in parts if isinstance(part, Base | Body)]
@@ -241,7 +245,7 @@ class Pepper:
             robot = self._connection.robot
             self._connection.leaving(True)
             try:
-                report = await self.stop(Scope.ALL)
+                report = await self._halt(Scope.ALL)
             except BaseException:
                 self._connection.leaving(False)
                 raise

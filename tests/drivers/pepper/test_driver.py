@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.pepper import Pepper
 from woz_drivers.pepper.parts import SETTINGS
+from woz_drivers.pepper.settings import Autonomy as AutonomySettings
 from woz_drivers.pepper.settings import PepperSettings, Voice
 
 from tests.drivers.heard import PATIENCE_S, Heard, Ordered
@@ -133,6 +134,26 @@ async def test_without_a_robot_verbs_say_so_at_once(tmp_path: Path) -> None:
     await driver.close()
     with pytest.raises(Lost, match="closed"):
         await driver.perform(Ordered("connect"))
+
+
+@pytest.mark.usefixtures("patient")
+async def test_another_robot_gets_the_files_autonomy_too(tmp_path: Path) -> None:
+    """To let a robot go stops it, but that is no stop that somebody would release."""
+    async with stand_in() as first, stand_in() as second:
+        file = PepperSettings(
+            robots=(first.address,), senses=QUIET, autonomy=AutonomySettings(blinking=False)
+        )
+        it = await joined(first, tmp_path, file)
+        await it.shows(blinking=False)
+        await it.do("connect", robot=second.address)
+        await it.tells(
+            lambda shown: (
+                shown.values.get("robot") == second.address.removeprefix("tcp://")
+                and shown.values.get("blinking") is False
+                and not shown.wanted
+            )
+        )
+        await it.close()
 
 
 @pytest.mark.usefixtures("patient")

@@ -172,6 +172,10 @@ class Wizard:
         self._socket.connect(str(path))
         self._lines = self._socket.makefile("r", encoding="utf-8")
         self.ask(kind="hello", role="program", stream="actions")
+        # What is sent before the robot is connected fails.
+        connected = {"kind": "driver.connected", "driver": "pepper"}.items()
+        if not any(connected <= line.items() for line in self.until("welcome")["state"]):
+            self.until("driver.connected", driver="pepper")
 
     def ask(self, **request: Any) -> int:
         """Send one line; when it was sent."""
@@ -180,11 +184,13 @@ class Wizard:
         return sent
 
     def until(self, kind: str, **fields: Any) -> dict[str, Any]:
-        """The next message of a kind, with these fields."""
+        """The next message of a kind, with these fields; RuntimeError once a command has failed."""
         for line in self._lines:
             message: dict[str, Any] = json.loads(line)
             if message["kind"] == kind and fields.items() <= message.items():
                 return message
+            if message["kind"] == "command.failed":
+                raise RuntimeError(message["reason"])
         raise RuntimeError(f"the robot process ended before it said {kind}")
 
     def volume(self, value: float) -> int:

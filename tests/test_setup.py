@@ -152,14 +152,19 @@ def needed() -> Iterator[Requirement]:
     while waiting:
         requirement = waiting.pop()
         yield requirement
+        if not applies(requirement):
+            continue
         for extra in requirement.extras or {""}:
             if (requirement.name, extra) in seen:
                 continue
             seen.add((requirement.name, extra))
-            for line in distribution(requirement.name).requires or []:
-                further = Requirement(line)
-                if further.marker is None or further.marker.evaluate({"extra": extra}):
-                    waiting.append(further)
+            further = map(Requirement, distribution(requirement.name).requires or [])
+            waiting.extend(line for line in further if applies(line, extra))
+
+
+def applies(requirement: Requirement, extra: str = "") -> bool:
+    """Whether it is asked for on this machine, by this Python; `qi` is not by every one."""
+    return requirement.marker is None or requirement.marker.evaluate({"extra": extra})
 
 
 def test_every_dependency_is_pinned_to_a_version_that_fits() -> None:

@@ -18,10 +18,10 @@ from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverHealth, 
 
 #: On a crowded test machine an answer may take far longer than on any wire.
 PATIENT_MS = 1000.0
-#: Where a servo says nothing whoever waits for it waits in vain: less there.
+#: Where a servo says nothing, or nothing that is understood, whoever waits for it waits in vain.
 SILENT_MS = 500.0
 #: And a tick may come so late that servos would stop by themselves.
-PATIENT_WATCHDOG_MS = 2000
+PATIENT_WATCHDOG_MS = 2540
 HEAD = {
     "pan": Joint(id=11, min=-90, max=90, speed=300, rest=0.0),
     "tilt": Joint(id=12, min=-40, max=30, speed=300, home=5.0, rest=20.0),

@@ -272,7 +272,7 @@ async def test_bus_watchdog_stops_the_servos_when_the_thread_hangs(tmp_path: Pat
 
 
 async def test_garbled_answers_are_survived(tmp_path: Path) -> None:
-    async with stand(tmp_path, torque=True) as it:
+    async with stand(tmp_path, torque=True, reply_timeout=SILENT_MS) as it:
         await until(lambda: it.bus.servo(11).torque)
         running = it.begin("pose", joints={"pan": 40.0}, seconds=0.8)
         for fault in ("corrupt", "truncate", "noise"):

@@ -61,8 +61,8 @@ class Animations:
             raise DriverError(
                 f"{path} was not played: {error.what}",
                 error.remedy
-                or "check the path; `naoqi: ALBehaviorManager.getInstalledBehaviors`"
-                " lists what the robot has",
+                or "see that its motors are on, and check the path;"
+                " `naoqi: ALBehaviorManager.getInstalledBehaviors` lists what the robot has",
             ) from error
         self._playing = ""
         return {"move": path}

@@ -80,7 +80,7 @@ def _life(values: Mapping[str, Json]) -> list[str]:
 def _asleep(values: Mapping[str, Json]) -> list[str]:
     if values.get("awake") is not False or values.get("state") in (*BUSY, "safeguard"):
         return []
-    return ["the motors are off: nothing moves until the robot is woken up (torque: on)"]
+    return ["the motors are off: nothing moves until the robot is woken up"]
 
 
 def _head(values: Mapping[str, Json], used: Collection[str]) -> list[str]:

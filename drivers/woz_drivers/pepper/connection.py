@@ -206,7 +206,7 @@ class Connection:
             yield
         except Missing as missing:
             raise Absent(
-                str(missing), "after its start they come one by one; else see `woz doctor`"
+                str(missing), "after its start they come one by one; else it is without"
             ) from None
         except Said as said:
             raise DriverError(f"the robot refused {said}") from None
@@ -340,7 +340,7 @@ class Connection:
         except DriverError as error:
             if not line.leaving:  # else the wizard has just said so
                 self._outlet.notice("warning", f"{line.shown}: {error.what}", error.remedy)
-        detail = f"{line.shown} by {line.link.client}"
+        detail = f"{line.shown}, client {line.link.client}"
         absent = ", ".join(sorted(self._absent[address]))
         self._outlet.health(Health.CONNECTED, f"{detail}; without {absent}" if absent else detail)
         if not first.done():

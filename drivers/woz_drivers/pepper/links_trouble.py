@@ -40,7 +40,7 @@ def unreachable(address: Address, number: int | None, text: str) -> Lost:
     if "not found" in text.lower() or "not known" in text.lower() or "resolution" in text.lower():
         return unknown(address)
     reason = words(text) or (os.strerror(number) if number else "no reason given")
-    return Lost(f"{where} cannot be reached: {reason}", "see `woz doctor`")
+    return Lost(f"{where} cannot be reached: {reason}", "check its power and the network")
 
 
 def unknown(address: Address) -> Lost:

@@ -48,7 +48,7 @@ def _robot(settings: PepperSettings) -> list[Setting]:
             argument="robot",
             kind="choice",
             choices=list(dict.fromkeys((*settings.robots, SIMULATED))),
-            help="which robot is played; any address can be connected to",
+            help="which robot is played; any other address can be typed",
         ),
         Setting(
             name="awake",

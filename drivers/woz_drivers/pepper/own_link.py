@@ -118,7 +118,7 @@ class CertificateWatch:
 class OwnLink:
     """One client of our own."""
 
-    client = "own client"
+    client = "own"
 
     def __init__(self, client: Client, sockets: Sockets, certificate: str) -> None:
         self._client = client

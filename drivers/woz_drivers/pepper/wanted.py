@@ -19,6 +19,8 @@ FLEETING = frozenset(("eyes", "eyes_brightness"))
 #: Not compared: there is no other robot while one is connected, every animation changes the
 #: posture, and what the tablet shows has another name there.
 NEVER = frozenset(("robot", "posture", "tablet", "sound", "microphones"))
+#: Breathing of the whole body, and what is set behind it for parts of it.
+WHOLE, PARTS = "body_breathing", ("head_breathing", "arms_breathing", "legs_breathing")
 
 
 class Wanted:
@@ -47,6 +49,11 @@ class Wanted:
             for name, value in self._asked.items()
             if name in values and not _same(name, values[name], value)
         }
+        if any(
+            self._asked.get(part, self._asked.get(WHOLE)) != self._asked.get(WHOLE)
+            for part in PARTS
+        ):
+            found.pop(WHOLE, None)  # the parts say what is wanted; what the whole says is open
         doubted = frozenset(found) & FLEETING
         told = {
             name: value

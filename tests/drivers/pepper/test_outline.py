@@ -193,6 +193,16 @@ def test_what_the_file_asks_for_is_wanted_until_the_robot_has_it() -> None:
     assert it.differing({}) == {}  # unknown is no difference
 
 
+def test_a_body_is_not_wanted_to_breathe_as_a_whole_where_its_parts_are_to_differ() -> None:
+    it = wanted(dataclasses.replace(ONE, autonomy=Autonomy(body_breathing=True)))
+    still: dict[str, Json] = {"body_breathing": False, "head_breathing": True}
+    assert it.differing(still) == {"body_breathing": True}
+    it.note("autonomy", {"head_breathing": True})
+    assert it.differing(still) == {"body_breathing": True}
+    it.note("autonomy", {"head_breathing": False})
+    assert it.differing(still) == {"head_breathing": False}
+
+
 def test_a_command_changes_what_is_wanted_and_other_verbs_do_not() -> None:
     it = wanted()
     assert it.differing({"volume": 0.7, "posture": "Stand"}) == {}

@@ -81,7 +81,7 @@ async def test_several_turns_with_a_homing_offset_are_named(tmp_path: Path) -> N
 
 async def test_wrong_baud_is_found(tmp_path: Path) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos", baud=57_600) as bus:
-        findings = await examined(bus.link, reply_timeout=150.0)
+        findings = await examined(bus.link, reply_timeout=250.0)
         assert "at 57600 baud these ids answer: 11, 12, 13" in said(findings, "warning")
         assert "1000000 baud these" not in said(findings, "warning")
 
@@ -89,7 +89,7 @@ async def test_wrong_baud_is_found(tmp_path: Path) -> None:
 async def test_protocol_1_has_no_watchdog(tmp_path: Path) -> None:
     joints = {"pan": Joint(id=1, min=-90, max=90)}
     with ServoBus({1: "AX-12A", 7: "MX-64"}, tmp_path / "servos") as bus:
-        findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=150.0)
+        findings = await examined(bus.link, protocol=1, joints=joints, reply_timeout=250.0)
         assert "protocol 1 servos have none" in said(findings, "info")
         assert "pan (id 1): is a AX-12A" in said(findings, "ok")
         assert "id 7: a MX-64 answers" in said(findings, "warning")

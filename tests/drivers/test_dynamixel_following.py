@@ -88,15 +88,15 @@ async def test_once_met_a_joint_follows_without_delay(tmp_path: Path) -> None:
         await it.do("torque", on=True)
         await until(lambda: it.bus.goals(11)[-1] == raw(1.0))
         last, before = raw(1.0), len(it.bus.goals(11))
-        for target in (3.0, 5.0, 2.0, -1.0):  # each within one tick at 300 deg/s
+        for target in (3.0, 5.0, 2.0, -1.0):  # within a tick at 300 deg/s, two if one is late
             say(it, {"pan": target})
 
             def others(before: int = before, last: int = last) -> list[int]:
                 """What was written since; goals are written again now and then."""
                 return [goal for goal in it.bus.goals(11)[before:] if goal != last]
 
-            await until(lambda others=others: bool(others()))  # type: ignore[misc]
-            assert others()[0] == raw(target)
+            await until(lambda o=others, to=target: raw(to) in o())  # type: ignore[misc]
+            assert others().index(raw(target)) <= 1
             last, before = raw(target), len(it.bus.goals(11))
 
 

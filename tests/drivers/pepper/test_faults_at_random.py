@@ -79,7 +79,9 @@ class Troubled:
 
 async def test_many_faults_in_a_row(client: str, tmp_path: Path) -> None:
     process = psutil.Process()
-    async with stand_in() as robot:
+    # On our own server: one of libqi may accept nobody any more once a connection was reset that it
+    # had not accepted yet, and then there is nothing to be shown of the driver.
+    async with stand_in("own") as robot:
         await trouble(robot, client, tmp_path, faults=3)
         gc.collect()
         threads, memory = threads_now(), process.memory_info().rss

@@ -60,7 +60,8 @@ def original(lab: Lab, servos: Servos) -> Log:
         # So slowly that half a second more or less on a crowded machine is a few degrees.
         slowly = {"joints": {"pan": -50, "tilt": 20, "roll": 10}, "seconds": 8}
         assert program.ask("verb", verb="pose", args=slowly)["ok"]
-        until(lambda: _pan(servos, begin) < 8, "the head on its way")
+        until(lambda: _pan(servos, begin) < 8 or log.lines("command.failed"), "the head on its way")
+        assert not log.lines("command.failed"), [line.raw for line in log.lines()[-8:]]
         _done(program, log, "action", action="Left", when_busy="replace")
         _done(program, log, "action", action="Nod")
         _done(program, log, "action", action="Middle")

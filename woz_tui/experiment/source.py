@@ -47,7 +47,7 @@ def read(path: Path, name: str) -> Source:
 
 def _bytes(path: Path) -> bytes:
     try:
-        with open(path, "rb", opener=_unblocked) as file:  # noqa: PTH123 - Path.open has no opener
+        with open(path, "rb", opener=_unblocked) as file:
             if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
                 raise SourceError("this is not a file")
             data = file.read(MAX_BYTES + 1)

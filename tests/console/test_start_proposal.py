@@ -64,6 +64,25 @@ async def test_a_code_brings_its_order_and_enter_accepts_it(size: tuple[int, int
         assert seat.console.dialog is None
 
 
+async def test_enter_before_the_proposal_has_come_accepts_it_when_it_comes() -> None:
+    async with sitting(studied.welcome()) as seat:
+        late: list[int] = []
+
+        def answer(asked: r.AnyRequest, ref: int) -> r.Reply:
+            late.append(ref)
+            return r.Reply(ref=0, ok=True)  # to nobody
+
+        seat.feed.answers[r.AskProposal] = answer
+        await named(seat)
+        await seat.press("enter")
+        await seat.settle()
+        assert seat.feed.last(r.AskAssign) is seat.feed.last(r.AskSet) is None
+        await seat.tell(r.Reply(ref=late[-1], ok=True, data=DATA))
+        await seat.until(lambda: seat.console.dialog is None)
+        assert (last(seat).participant, last(seat).order) == ("P08", ["cold", "warm"])
+        assert seat.feed.last(r.AskSet) is None
+
+
 async def test_an_incomplete_code_asks_for_nothing() -> None:
     async with sitting(studied.welcome()) as seat:
         propose(seat)
@@ -182,7 +201,9 @@ async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> No
         asked = seat.feed.last(r.AskProposal)
         assert isinstance(asked, r.AskProposal)
         assert asked.participant == "P09"
+        await seat.until(lambda: "1. cold" in seat.drawn())
         await seat.press("enter")
+        await seat.until(lambda: seat.feed.last(r.AskAssign) is not None)
         assigned = seat.feed.last(r.AskAssign)
         assert isinstance(assigned, r.AskAssign)
         assert (assigned.participant, assigned.order) == ("P09", ["cold", "warm"])

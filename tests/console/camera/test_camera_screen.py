@@ -147,7 +147,7 @@ async def test_it_says_how_old_the_picture_is_and_how_many_come() -> None:
         assert "s old · " in words(seat)
         assert "half blocks" in words(seat)
         # Which one it is, is shown in `test_watching`: here drawing takes as long as it takes.
-        assert 0.0 < float(words(seat).split(" · ")[2].removesuffix("/s")) <= 5.0
+        assert float(words(seat).split(" · ")[2].removesuffix("/s")) > 0.0
 
 
 async def test_five_a_second_at_most_and_one_at_a_time() -> None:

@@ -110,6 +110,8 @@ class StartDialog(Form):
         super().__init__()
         self._proposal: Proposal | None = None
         self._for = ""
+        #: A proposal was asked for, and enter was pressed before it came.
+        self._awaited = self._accepts = False
 
     def body(self) -> Iterable[Widget]:
         """Fields filled in with what holds now."""
@@ -154,13 +156,20 @@ class StartDialog(Form):
             return
         self._for = code
         self._propose(None)
-        if self.picture.study.designed and not wrong_code(code, self._pattern()):
+        self._accepts = False
+        self._awaited = self.picture.study.designed and not wrong_code(code, self._pattern())
+        if self._awaited:
             self.desk.ask(AskProposal(participant=code), functools.partial(self._proposed, code))
 
     def _proposed(self, code: str, reply: Reply) -> None:
         """Without a design there is nothing to propose."""
-        if code == self._for and reply.ok:
+        if code != self._for:
+            return
+        self._awaited = False
+        if reply.ok:
             self._propose(proposal_of(reply.data))
+        if self._accepts:
+            self._accept()
 
     def _propose(self, proposal: Proposal | None) -> None:
         self._proposal = proposal
@@ -188,8 +197,15 @@ class StartDialog(Form):
     # -- accepting ------------------------------------------------------------------------------
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Accept everything at once."""
+        """Accept everything at once; what is about to be proposed is part of it."""
         event.stop()
+        if self._awaited:
+            self._accepts = True
+        else:
+            self._accept()
+
+    def _accept(self) -> None:
+        self._accepts = False
         code = self.query_one("#participant", Input).value.strip()
         trial = self.query_one("#trial", Input).value.strip()
         wrong = wrong_code(code, self._pattern()) or self._wrong_order() or wrong_trial(trial)

@@ -40,7 +40,7 @@ from woz_tui.core.driver import DriverError, Health, Lost, Outlet, Rejected
 
 #: Pauses between attempts, in seconds: doubled up to the longest.
 _FIRST_PAUSE_S = 0.1
-_LONGEST_PAUSE_S = 2.0
+_LONGEST_PAUSE_S = 1.0
 #: How long the parts may take to apply what the settings say, in seconds.
 _APPLIED_WITHIN_S = 10.0
 #: From one question about a setting to the next: twenty at once would keep the robot, and this

@@ -169,9 +169,9 @@ async def test_a_difference_is_seen_on_the_main_screen() -> None:
     async with sitting(pepper.welcome(pepper.shown())) as seat:
         assert "differ" not in seat.text("Status")
         await seat.tell(pepper.shown({"volume": 0.1, "state": "disabled"}))
-        assert "pepper: ▲ volume, autonomous life differ" in seat.text("Status")
+        assert "pepper: ▲ volume, autonomous life not as wanted" in seat.text("Status")
         await seat.tell(pepper.shown({"volume": 0.1}, ("They fight.",)))
-        assert "pepper: ▲ volume differs, 1 conflict" in seat.text("Status")
+        assert "pepper: ▲ volume not as wanted, 1 conflict" in seat.text("Status")
         many: dict[str, m.Json] = {
             "volume": 0.1,
             "state": "disabled",
@@ -182,12 +182,13 @@ async def test_a_difference_is_seen_on_the_main_screen() -> None:
         assert "pepper: ▲ 4 settings differ, 2 conflicts" in seat.text("Status")
         off = "the motors are off: nothing moves until the robot is woken up"
         await seat.tell(pepper.shown({"volume": 0.1}, (off,)))
-        assert "pepper: ▲ volume differs, the motors are off " in seat.text("Status")
+        assert "pepper: ▲ volume not as wanted, the motors are off " in seat.text("Status")
         await seat.tell(pepper.shown(None, (off, "They fight.", "So do these.")))
         assert "pepper: ▲ the motors are off, 2 more " in seat.text("Status")
         await seat.tell(pepper.shown({"of another robot": 1}))
         assert "pepper: ▲ 1 setting differs " in seat.text("Status")
         await seat.tell(m.DriverLost(driver="pepper", detail="no answer", t=pepper.NOW))
+        assert "wanted" not in seat.text("Status")
         assert "differs" not in seat.text("Status")
 
 

@@ -29,8 +29,8 @@ def trouble_words(robot: RobotPicture, names: str = "", first: str = "") -> str:
     differ, conflicts = len(robot.wanted), len(robot.conflicts)
     found = []
     if differ:
-        which = names or ("1 setting" if differ == 1 else f"{differ} settings")
-        found.append(f"{which} {'differs' if differ == 1 else 'differ'}")
+        count = "1 setting differs" if differ == 1 else f"{differ} settings differ"
+        found.append(f"{names} not as wanted" if names else count)
     if conflicts and first:
         found.append(first if conflicts == 1 else f"{first}, {conflicts - 1} more")
     elif conflicts:

@@ -28,8 +28,6 @@ _QUESTIONS = 20
 _SLOW_MS = 50.0
 #: Charge below which an experiment of an hour may end early, in percent.
 _LOW = 30
-#: How much of an answer that makes no sense is shown, in characters.
-_SHOWN = 60
 #: Room for a session's pictures and sounds, in bytes.
 _ROOM = 500 * 1000 * 1000
 
@@ -160,9 +158,8 @@ async def _asked(address: Address, link: Link, question: _Question) -> Finding:
     except LinkError as error:
         return Finding("warning", address.shown, f"does not tell {what}: {error}", "restart it")
     except ValueError:
-        shown = repr(answer)
-        shown = shown if len(shown) <= _SHOWN else f"{shown[:_SHOWN]}…"
-        return Finding("warning", address.shown, f"{what} is {shown}: not understood", "restart it")
+        text = f"{what} is {memory.brief(answer)}: not understood"
+        return Finding("warning", address.shown, text, "restart it")
     return Finding(level, address.shown, text, remedy)
 
 

@@ -60,7 +60,7 @@ class Reading:
             self._tell({"robot": self._robot()}, {}, [])
 
     def soon(self) -> None:
-        """Something has just changed: read at once."""
+        """Something has just changed: read after a lull, not at the end of the pause."""
         self._soon.set()
 
     def using(self, verb: str) -> contextlib.AbstractContextManager[None]:

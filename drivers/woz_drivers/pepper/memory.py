@@ -17,12 +17,20 @@ SOUND = "ALSoundLocalization/SoundLocated"
 
 #: Of what a robot calls its states and postures, in characters.
 _LONGEST_WORD = 100
+#: How much of an answer that makes no sense is shown, in characters.
+_SHOWN = 60
 #: Metres beyond which no sonar of a Pepper measures; its own reach is 0.3 to 5 m.
 SONAR_REACH_M = 10.0
 #: Largest microphone energy: the root of the mean square of 16-bit samples, averaged over the last
 #: buffers. doc.aldebaran.com gives no unit; who wrote ALAudioDevice's clients gives this formula
 #: (stackoverflow.com/questions/42224692).
 FULL_SCALE = 32768.0
+
+
+def brief(value: Any) -> str:
+    """A value that makes no sense, as far as somebody wants to read it."""
+    text = repr(value)
+    return text if len(text) <= _SHOWN else f"{text[:_SHOWN]}…"
 
 
 def items(value: Any) -> Sequence[Any]:

@@ -9,8 +9,6 @@ from typing import Any
 from woz_drivers.pepper import memory, people
 from woz_tui.core.driver import Outlet
 
-#: How much of a value that makes no sense is shown, in characters.
-_SHOWN = 60
 #: What stays the same for hours is told this often: seldom, but not so that it looks stale.
 _CALM_US = 1_000_000
 
@@ -111,5 +109,4 @@ def _why(said: Any) -> str:
         return "the robot has no value for it"
     if isinstance(said, Refusal):
         return said.why
-    text = repr(said)
-    return f"makes no sense: {text if len(text) <= _SHOWN else text[:_SHOWN] + '…'}"
+    return f"makes no sense: {memory.brief(said)}"

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 
 from woz_drivers.pepper.autonomy import asked_for
+from woz_drivers.pepper.autonomy_settings import CHAINS
 from woz_drivers.pepper.eyes_color import Color
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import color as color_of
@@ -20,7 +21,7 @@ FLEETING = frozenset(("eyes", "eyes_brightness"))
 #: posture, and what the tablet shows has another name there.
 NEVER = frozenset(("robot", "posture", "tablet", "sound", "microphones"))
 #: Breathing of the whole body, and what is set behind it for parts of it.
-WHOLE, PARTS = "body_breathing", ("head_breathing", "arms_breathing", "legs_breathing")
+WHOLE, *PARTS = CHAINS
 
 
 class Wanted:
@@ -49,10 +50,8 @@ class Wanted:
             for name, value in self._asked.items()
             if name in values and not _same(name, values[name], value)
         }
-        if any(
-            self._asked.get(part, self._asked.get(WHOLE)) != self._asked.get(WHOLE)
-            for part in PARTS
-        ):
+        whole = self._asked.get(WHOLE)
+        if any(self._asked.get(part, whole) != whole for part in PARTS):
             found.pop(WHOLE, None)  # the parts say what is wanted; what the whole says is open
         doubted = frozenset(found) & FLEETING
         told = {

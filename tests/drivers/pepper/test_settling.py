@@ -13,24 +13,29 @@ from woz_drivers.pepper.simulated_robot import SimulatedRobot
 
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
-from tests.fakes.naoqi import stand_in
+from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.core.driver import Lost, Scope
 from woz_tui.core.messages import DriverConnected
 
 pytestmark = pytest.mark.usefixtures("patient")
 
 
+def _played(robot: StandIn, folder: Path, *, state: str, connect: bool = True) -> Played:
+    """A driver, not open yet, whose file wants the robot's life to be in this state."""
+    settings = PepperSettings(
+        robots=(robot.address,), senses=QUIET, connect=connect, autonomy=Autonomy(state=state)
+    )
+    heard = Heard(folder)
+    return Played(robot, Pepper("it", settings, heard.outlet), heard)
+
+
 async def test_what_the_wizard_wants_first_is_not_undone_by_the_file(tmp_path: Path) -> None:
     """`state: disabled` lets the robot sleep; a wizard who wakes it up meanwhile wants it awake."""
     async with stand_in(pace=PACE, life="solitary") as robot:
-        settings = PepperSettings(
-            robots=(robot.address,), senses=QUIET, autonomy=Autonomy(state="disabled")
-        )
-        heard = Heard(tmp_path)
-        it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+        it = _played(robot, tmp_path, state="disabled")
         await it.driver.open()
         woken = asyncio.create_task(_as_soon_as_possible(it.driver))
-        await heard.first(DriverConnected)
+        await it.heard.first(DriverConnected)
         await woken
         calls = await robot.trace("ALAutonomousLife.setState", "ALMotion.wakeUp")
         assert [call.method for call in calls] == ["setState", "wakeUp"]
@@ -42,14 +47,11 @@ async def test_a_robot_that_comes_back_while_the_stop_is_pressed_is_not_brought_
     tmp_path: Path,
 ) -> None:
     async with stand_in(pace=PACE, life="disabled") as robot:
-        settings = PepperSettings(robots=(robot.address,), senses=QUIET, connect=False,
-                                  autonomy=Autonomy(state="solitary"))  # fmt: skip
-        heard = Heard(tmp_path)
-        it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+        it = _played(robot, tmp_path, state="solitary", connect=False)
         await it.driver.open()
         await it.driver.stop(Scope.ALL)
         await it.driver.perform(Ordered("connect", {}))
-        await heard.first(DriverConnected)
+        await it.heard.first(DriverConnected)
         await it.shows(state="disabled")
         assert await robot.trace("ALAutonomousLife.setState") == []
         await it.driver.resume()
@@ -59,13 +61,9 @@ async def test_a_robot_that_comes_back_while_the_stop_is_pressed_is_not_brought_
 
 async def test_a_robot_that_was_woken_stays_awake_when_the_line_comes_back(tmp_path: Path) -> None:
     async with stand_in(pace=PACE, life="disabled") as robot:
-        settings = PepperSettings(
-            robots=(robot.address,), senses=QUIET, autonomy=Autonomy(state="disabled")
-        )
-        heard = Heard(tmp_path)
-        it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+        it = _played(robot, tmp_path, state="disabled")
         await it.driver.open()
-        await heard.first(DriverConnected)
+        await it.heard.first(DriverConnected)
         await it.driver.perform(Ordered("torque", {"on": True}))
         await it.driver.perform(Ordered("disconnect", {}))
         await it.driver.perform(Ordered("connect", {}))

@@ -171,6 +171,27 @@ async def between(
         yield own
 
 
+@contextlib.asynccontextmanager
+async def answering(port: int, answer: Callable[[Frame], bytes]) -> AsyncIterator[int]:
+    """A middle man who hands on what is asked, and what `answer` makes of each answer."""
+
+    async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
+        answers, calls = await asyncio.open_connection("127.0.0.1", port)
+
+        async def ask() -> None:
+            async for frame in frames(reader):
+                calls.write(frame.encoded())
+            calls.close()
+
+        asking = asyncio.create_task(ask())
+        async for frame in frames(answers):
+            writer.write(answer(frame))
+        await asking
+
+    async with script(play) as own:
+        yield own
+
+
 async def _pump(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
     while data := await reader.read(1 << 16):
         writer.write(data)

@@ -14,7 +14,7 @@ from woz_drivers.qimessaging.encoding import encode
 from woz_drivers.qimessaging.frames import Frame, FrameReader, Kind
 from woz_drivers.qimessaging.handshake import error_text
 
-from tests.drivers.qimessaging.desk import bench, between, frames, script, until
+from tests.drivers.qimessaging.desk import answering, bench, between, frames, script, until
 
 WELCOME = encode("{sm}", {"__qi_auth_state": 3, "RemoteCancelableCalls": True})
 
@@ -53,26 +53,14 @@ async def test_a_broken_greeting_is_a_protocol_error() -> None:
 
 
 async def test_an_answer_that_comes_twice_counts_once() -> None:
-    async with bench() as (_, port):
+    def twice(frame: Frame) -> bytes:
+        return 2 * frame.encoded()
 
-        async def twice(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-            answers, calls = await asyncio.open_connection("127.0.0.1", port)
-
-            async def ask() -> None:
-                async for frame in frames(reader):
-                    calls.write(frame.encoded())
-                calls.close()
-
-            asking = asyncio.create_task(ask())
-            async for frame in frames(answers):
-                writer.write(2 * frame.encoded())
-            await asking
-
-        async with script(twice) as robot:
-            client = await Client.open("127.0.0.1", robot)
-            for text in ("x", "y"):
-                assert await client.call("Thing", "say", text, within=10) == f"one {text}"
-            await client.close()
+    async with bench() as (_, port), answering(port, twice) as robot:
+        client = await Client.open("127.0.0.1", robot)
+        for text in ("x", "y"):
+            assert await client.call("Thing", "say", text, within=10) == f"one {text}"
+        await client.close()
 
 
 @given(st.lists(st.binary(max_size=80), min_size=1, max_size=4), st.booleans())

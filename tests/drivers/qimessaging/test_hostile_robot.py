@@ -25,7 +25,7 @@ from woz_drivers.qimessaging.registering import describe, register
 from woz_drivers.qimessaging.remote import RemoteObject
 from woz_drivers.qimessaging.signature import parse
 
-from tests.drivers.qimessaging.desk import bench, frames, script, until
+from tests.drivers.qimessaging.desk import answering, bench, until
 
 WHOLE = ("Thing", 2, "pepper", 7, ["tcp://10.0.0.5:9559"], "x", b"id")
 #: `service` and `services` of the directory.
@@ -94,27 +94,15 @@ def test_of_many_addresses_a_few_are_looked_at() -> None:
 @contextlib.asynccontextmanager
 async def _liar(says: dict[int, Any]) -> AsyncIterator[int]:
     """A bench whose directory answers what `says` has by its actions; its port."""
-    async with bench() as (_, port):
 
-        async def play(reader: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
-            answers, calls = await asyncio.open_connection("127.0.0.1", port)
+    def lie(frame: Frame) -> bytes:
+        if frame.service == 1 and frame.kind == Kind.REPLY and frame.action in says:
+            lied = encode("m", says[frame.action])
+            return frame.answer(Kind.REPLY, lied, DYNAMIC_PAYLOAD).encoded()
+        return frame.encoded()
 
-            async def ask() -> None:
-                async for frame in frames(reader):
-                    calls.write(frame.encoded())
-                calls.close()
-
-            asking = asyncio.create_task(ask())
-            async for frame in frames(answers):
-                told = frame
-                if frame.service == 1 and frame.kind == Kind.REPLY and frame.action in says:
-                    lie = encode("m", says[frame.action])
-                    told = frame.answer(Kind.REPLY, lie, DYNAMIC_PAYLOAD)
-                writer.write(told.encoded())
-            await asking
-
-        async with script(play) as robot:
-            yield robot
+    async with bench() as (_, port), answering(port, lie) as robot:
+        yield robot
 
 
 async def test_a_directory_that_lies_is_one_of_our_errors() -> None:

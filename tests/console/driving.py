@@ -38,12 +38,16 @@ class Sitting:
         return self.console.screen_stack[0].query_one(name, Cells).text
 
     async def until(self, condition: Callable[[], bool], what: str = "") -> None:
-        """Wait until `condition` holds; fail after a bounded time."""
+        """Wait until `condition` holds and is laid out; fail after a bounded time.
+
+        A widget has its new text before it has its new size: who looks in between sees half of it.
+        """
         deadline = asyncio.get_running_loop().time() + PATIENCE
         while not condition():
             if asyncio.get_running_loop().time() > deadline:
                 raise AssertionError(f"never came true: {what or condition}")
             await self.pilot.pause(0.01)
+        await self.settle()
 
     async def settle(self) -> None:
         """Let every widget work through what it has been sent.

@@ -14,6 +14,8 @@ from benchmarks.figures import Spread, verdict
 from benchmarks.sessions import Entry, matched
 from benchmarks.stop_latency import answered
 
+pytestmark = pytest.mark.real_clock
+
 ROOT = Path(__file__).parents[1]
 #: Script -> what must stand in its tables.
 TABLES: dict[str, tuple[str, ...]] = {

@@ -16,6 +16,8 @@ from woz_tui.cli.launch import Launch, LaunchError, host_arguments
 from woz_tui.cli.options import next_session
 from woz_tui.host import place
 
+pytestmark = pytest.mark.real_clock
+
 
 @pytest.fixture(autouse=True)
 def _own_world(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,6 +18,8 @@ from woz_tui.core import messages as m
 from woz_tui.experiment.decode import load
 from woz_tui.plugins import installed
 
+pytestmark = pytest.mark.real_clock
+
 EXPERIMENT = """\
 title: Small
 robot: simulated

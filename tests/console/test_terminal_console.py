@@ -13,6 +13,8 @@ from tests.fakes.host import FakeHost
 from tests.fakes.terminal import FakeTerminal
 from woz_tui.core.requests import AskAction, AskScript, AskStop, AskVerb
 
+pytestmark = pytest.mark.real_clock
+
 START = """
 import sys
 from pathlib import Path

@@ -19,6 +19,8 @@ from tests.fakes.terminal import ROOT, WAIT_S, FakeTerminal
 from woz_tui.core.messages import Marker
 from woz_tui.core.requests import AskAction, AskNote, AskStop, Beat
 
+pytestmark = pytest.mark.real_clock
+
 LFLAG = 3
 
 

@@ -15,6 +15,8 @@ from woz_tui.console.cells import pasted
 from woz_tui.core.messages import Marker
 from woz_tui.core.requests import AskAction, AskMarker, AskNote, AskStop
 
+pytestmark = pytest.mark.real_clock
+
 #: Bytes of keys -> the chord an experiment binds.
 KEYS = {
     **{bytes((code,)): chr(code) for code in range(0x21, 0x7F) if chr(code) not in "[O<>:/.,?"},

@@ -14,6 +14,8 @@ from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.core.driver import Finding, Probe
 
+pytestmark = pytest.mark.real_clock
+
 
 async def examined(link: Path, **changes: Any) -> list[Finding]:
     return await DynamixelServos.examine(Probe("head", head(link, **changes)))

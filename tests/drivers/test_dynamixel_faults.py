@@ -18,6 +18,8 @@ from woz_tui.core.conformance import check
 from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost
 
+pytestmark = pytest.mark.real_clock
+
 GOAL, TORQUE, WATCHDOG = 116, 64, 98
 
 

@@ -21,6 +21,8 @@ from woz_tui.core.driver import Lost, Rejected, Scope
 from woz_tui.core.messages import DriverConnected, DriverLost
 from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
 
+pytestmark = pytest.mark.real_clock
+
 COUNT = 360 / 4096
 SPEED, SLOW = 300.0, 60.0
 #: Far enough in the future that setpoints put once do not grow old in a test.

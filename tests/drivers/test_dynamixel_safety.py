@@ -15,6 +15,8 @@ from tests.fakes.servos import ServoBus
 from woz_tui.core.driver import DriverError, Scope
 from woz_tui.core.messages import DriverFaulted
 
+pytestmark = pytest.mark.real_clock
+
 TORQUE, WATCHDOG = 64, 98
 
 

@@ -12,6 +12,8 @@ from tests.e2e import scenes
 from tests.e2e.lab import Lab, Log, end_session, stopped, until
 from tests.fakes.terminal import FakeTerminal
 
+pytestmark = pytest.mark.real_clock
+
 
 @pytest.fixture
 def terminal(lab: Lab) -> FakeTerminal:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 import resource
 
+import pytest
+
 from tests.e2e import scenes
 from tests.e2e.lab import Lab, end_session, until
 from woz_tui.record import log
+
+pytestmark = pytest.mark.real_clock
 
 FREE = (resource.RLIM_INFINITY, resource.RLIM_INFINITY)
 

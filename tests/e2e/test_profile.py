@@ -7,6 +7,8 @@ import pytest
 from tests.e2e import scenes
 from tests.e2e.lab import Lab
 
+pytestmark = pytest.mark.real_clock
+
 PROFILES = """\
 profiles:
   child: {panels: [Driving], actions: [Nod]}

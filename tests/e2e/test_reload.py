@@ -2,8 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.e2e import scenes
 from tests.e2e.lab import Lab
+
+pytestmark = pytest.mark.real_clock
 
 
 def test_a_good_edit_changes_the_panels_and_a_bad_one_nothing(lab: Lab) -> None:

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 import psutil
+import pytest
 
 from tests.e2e import scenes
 from tests.e2e.lab import Lab, end_session, until
 from tests.fakes.terminal import WAIT_S
+
+pytestmark = pytest.mark.real_clock
 
 
 def test_a_session_is_seen_again(lab: Lab) -> None:

@@ -19,6 +19,8 @@ from tests.e2e.program import Program
 from tests.e2e.servos import Note, Servos
 from tests.fakes.terminal import WAIT_S
 
+pytestmark = pytest.mark.real_clock
+
 #: Poses one after the other; each turns every joint that it moves the other way round.
 POSES = (
     {"pan": 40.0, "tilt": 20.0},

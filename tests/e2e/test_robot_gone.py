@@ -11,6 +11,8 @@ from tests.e2e.lab import Lab, Log, until
 from tests.e2e.program import Program
 from tests.e2e.servos import TORQUE, Servos
 
+pytestmark = pytest.mark.real_clock
+
 
 def test_killed_the_console_says_so_and_starts_it_again(lab: Lab) -> None:
     servos = Servos(lab, sys.executable)

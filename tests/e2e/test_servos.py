@@ -15,6 +15,8 @@ from tests.fakes.rangefinder import PluggedSensor, maxbotix
 from tests.fakes.sound import square
 from tests.fakes.terminal import FakeTerminal
 
+pytestmark = pytest.mark.real_clock
+
 #: Where the servos stand at the start: 10, -5 and 3 degrees.
 START = {11: 2162, 12: 1991, 13: 2082}
 LEFT, RIGHT, UP, F7, F8, F9 = "\x1b[D", "\x1b[C", "\x1b[A", "\x1b[18~", "\x1b[19~", "\x1b[20~"

@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import pytest
+
 from tests.e2e import scenes
 from tests.e2e.lab import Lab
 from tests.fakes.terminal import FakeTerminal
+
+pytestmark = pytest.mark.real_clock
 
 STUDY = """\
 design: {order: latin-square, trials: 1, blind: {warm: Lemon, cold: Orange}}

@@ -11,6 +11,8 @@ from tests.e2e import scenes
 from tests.e2e.lab import Lab, until
 from tests.fakes.terminal import WAIT_S
 
+pytestmark = pytest.mark.real_clock
+
 
 @pytest.mark.parametrize(("columns", "rows"), [(80, 24), (160, 50), (60, 20)])
 def test_sizes_and_a_resize_while_running(lab: Lab, columns: int, rows: int) -> None:

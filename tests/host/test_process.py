@@ -20,6 +20,8 @@ from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.host.place import answers
 
+pytestmark = pytest.mark.real_clock
+
 WAIT_S = 60.0
 #: `woz`, with less patience at the end of a session.
 WOZ = """

@@ -23,6 +23,8 @@ from tests.console.camera.sixel_reader import read_sixel
 from woz_tui.core import messages as m
 from woz_tui.core.requests import AskAction, AskStop, Beat
 
+pytestmark = pytest.mark.real_clock
+
 START = """
 import sys
 from pathlib import Path

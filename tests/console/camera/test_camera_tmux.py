@@ -17,7 +17,7 @@ from tests.console.camera.drawing_terminal import DrawingTerminal
 from tests.console.camera.filmed import FilmingHost, noisy, room
 from tests.console.camera.test_camera_terminal import PLACEHOLDER, START
 
-pytestmark = pytest.mark.tmux
+pytestmark = [pytest.mark.tmux, pytest.mark.real_clock]
 
 SETTINGS = """
 set -s escape-time 0

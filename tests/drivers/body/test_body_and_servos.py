@@ -26,6 +26,8 @@ from woz_tui.core.hub import Hub
 from woz_tui.core.messages import AnyMessage, DriverConnected, Notice, Reading
 from woz_tui.session.outlet import DriverOutlet
 
+pytestmark = pytest.mark.real_clock
+
 COUNT = 360 / 4096
 IDS = (21, 22, 23, 24, 25)
 SPEED = 300.0

@@ -16,6 +16,8 @@ import pytest
 from tests.drivers.naoqi.hands import Caller, Said, own_caller, qi_caller, qi_session
 from tests.fakes.naoqi import PATIENCE_S, StandIn, stand_in
 
+pytestmark = pytest.mark.real_clock
+
 QI = pytest.mark.skipif(find_spec("qi") is None, reason="the package qi has no wheel for this")
 SERVERS = ["own", pytest.param("qi", marks=QI)]
 BOTH = [

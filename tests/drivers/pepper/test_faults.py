@@ -17,6 +17,8 @@ from tests.fakes.dropping_proxy import dropping_proxy
 from tests.fakes.naoqi import Call, StandIn, stand_in
 from woz_tui.core.driver import Health, Lost
 
+pytestmark = pytest.mark.real_clock
+
 #: What a test calls to see afterwards whether it ran: it changes nothing that matters.
 MARK = ("ALMemory", "insertData", "Test/Mark")
 

@@ -12,10 +12,13 @@ from contextlib import AsyncExitStack
 from pathlib import Path
 
 import psutil
+import pytest
 
 from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand, threads_now
 from tests.fakes.dropping_proxy import DroppingProxy, dropping_proxy
 from tests.fakes.naoqi import StandIn, stand_in
+
+pytestmark = pytest.mark.real_clock
 
 #: Connections that meet their faults at the same time, each with a network of its own.
 STANDS = 4

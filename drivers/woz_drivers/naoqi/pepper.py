@@ -115,6 +115,7 @@ class Pepper:
         add("tablet.video_seconds", lambda: self.tablet.video_s, self._video_seconds)
         add("sounds", lambda: self.disk.table, self.disk.table.update)
         add("sounds.loaded", self.player.state)
+        add("sounds.streamed", lambda: self.player.streamed)
         add("recording", lambda: self.recorder.path)
         add("sound.subscribers", self.audio.subscribers)
         add("camera.subscribers", self.camera.get_subscribers)

@@ -79,7 +79,7 @@ def parser() -> argparse.ArgumentParser:
     add("--moody", action="store_true", help="it changes its autonomy by itself now and then")
     add("--naoqi", default="2.5.10.7", metavar="VERSION", help="what ALSystem says it is")
     add("--subscriber", action="store_true", help="ALMemory.subscriber works, unlike in 2.5.8")
-    add("--files", type=Path, help="folder that is the root of its file system; default: this /")
+    add("--files", type=Path, help="folder that is the root of its file system")
     add("--control", action="store_true", help="orders on standard input, see below")
     return made
 

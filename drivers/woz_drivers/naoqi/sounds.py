@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
+import asyncio
 import itertools
 from dataclasses import dataclass
-from pathlib import Path
 from typing import Any
 
 from woz_drivers.naoqi import hearing
 from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.web import fetch
 from woz_drivers.naoqi.world import World, flat
 
 #: Sounds that come with the stand-in, with seconds: `set("sounds", ...)` adds others.
@@ -19,8 +20,14 @@ FILES = {
 }
 
 
+#: How long a stream lasts whose length cannot be read, in seconds.
+STREAM_S = 3.0
+
+
 class Disk:
-    """The robot's files: those of the table, and real WAV files below the root it was given."""
+    """The robot's files, and no others: a table of sounds, and the folder that is its root, if it
+    was given one. Files of the machine that it runs on are not its own.
+    """
 
     def __init__(self, world: World) -> None:
         self._world = world
@@ -28,26 +35,36 @@ class Disk:
 
     def seconds(self, path: str) -> float | None:
         """How long a sound is, or None when there is no such file."""
-        if path in self.table:
-            return self.table[path]
-        from woz_drivers.wav import NoWav, parse  # noqa: PLC0415 - with numpy, see `hearing.block`
-
+        root = self._world.options.files
+        if path in self.table or root is None:
+            return self.table.get(path)
         try:
-            return parse(self.place(path).read_bytes()).seconds
-        except (OSError, NoWav):
+            return _wav_seconds((root / path.lstrip("/")).read_bytes())
+        except OSError:
             return None
 
-    def place(self, path: str) -> Path:
-        """Where a path of the robot is on this machine."""
-        root = self._world.options.files
-        return Path(path) if root is None else root / path.lstrip("/")
-
     def write(self, path: str, content: bytes) -> None:
-        """Write a file, with its folders where the root is ours. Raises OSError."""
-        place = self.place(path)
-        if self._world.options.files is not None:
-            place.parent.mkdir(parents=True, exist_ok=True)
+        """Write a WAV file, with its folders. Without a root only its length is kept.
+
+        Raises OSError.
+        """
+        root = self._world.options.files
+        if root is None:
+            self.table[path] = _wav_seconds(content) or 0.0
+            return
+        place = root / path.lstrip("/")
+        place.parent.mkdir(parents=True, exist_ok=True)
         place.write_bytes(content)
+
+
+def _wav_seconds(content: bytes) -> float | None:
+    """How long a WAV file is; None for what is none."""
+    from woz_drivers.wav import NoWav, parse  # noqa: PLC0415 - with numpy, see `hearing.block`
+
+    try:
+        return parse(content).seconds
+    except NoWav:
+        return None
 
 
 @dataclass(slots=True)
@@ -68,6 +85,8 @@ class AudioPlayer(Service):
         self._numbers = itertools.count(1)
         self._loaded: dict[int, _Loaded] = {}
         self.master = 1.0
+        #: What was played from an address.
+        self.streamed: list[dict[str, Any]] = []
 
     @offers("loadFile(s)i")
     def load_file(self, path: str) -> int:
@@ -96,6 +115,16 @@ class AudioPlayer(Service):
         number = self.load_file(path)
         await self._play("playFile", number)
         self._loaded.pop(number, None)
+
+    @offers("playWebStream(sff)v")
+    async def play_web_stream(self, url: str, _volume: float, _pan: float) -> None:
+        """Fetch a sound from an address and play it; returns when it is over or ended."""
+        fetched, content = await asyncio.to_thread(fetch, url)
+        if fetched.error:
+            self._world.note(f"sound: {url}: {fetched.error}")
+            raise Refused(f"ALAudioPlayer::playWebStream\n\tcannot open {url}: {fetched.error}")
+        self.streamed.append({"url": url, "type": fetched.type, "size": fetched.size})
+        await self._world.going.last("sound", _wav_seconds(content) or STREAM_S, url)
 
     @offers("stop(i)v")
     def stop(self, number: int) -> None:

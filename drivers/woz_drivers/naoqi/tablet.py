@@ -3,60 +3,17 @@
 from __future__ import annotations
 
 import asyncio
-import re
-import urllib.error
-import urllib.parse
-import urllib.request
 from collections.abc import Coroutine
-from dataclasses import dataclass
 from typing import Any, ClassVar
 
 from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.web import Fetched, fetch
 from woz_drivers.naoqi.world import World
 
 #: Pixels of Pepper's tablet; the signals `onTouch...` but the ratio one count in these.
 WIDTH, HEIGHT = 1280, 800
-#: Real seconds for an address, and how much of it is read.
-PATIENCE_S = 5.0
-MOST_BYTES = 64 * 1024 * 1024
 #: How long a video is here when nothing else was set: the stand-in does not decode it.
 VIDEO_S = 10.0
-_PARTS = re.compile(r"""<(?:img|video|source|script)\b[^>]*?\bsrc\s*=\s*["']?([^"'\s>]+)""", re.I)
-
-
-@dataclass(frozen=True, slots=True)
-class Fetched:
-    """How fetching an address ended: HTTP status (0: nobody answered), bytes, what went wrong."""
-
-    url: str
-    status: int
-    type: str
-    size: int
-    error: str
-    parts: tuple[str, ...] = ()
-
-
-def fetch(url: str) -> Fetched:
-    """Fetch an address; never raises. Blocks for up to `PATIENCE_S`."""
-    if not url.startswith(("http://", "https://")):
-        return Fetched(url, 0, "", 0, "not an address that begins with http:// or https://")
-    # What a robot at a wizard's computer fetches never goes through a proxy.
-    opener = urllib.request.build_opener(urllib.request.ProxyHandler({}))
-    try:
-        with opener.open(url, timeout=PATIENCE_S) as answer:
-            kind, content = answer.headers.get_content_type(), answer.read(MOST_BYTES)
-            parts = _parts(url, content) if kind == "text/html" else ()
-            return Fetched(url, answer.status, kind, len(content), "", parts)
-    except urllib.error.HTTPError as error:
-        return Fetched(url, error.code, "", 0, str(error))
-    except (OSError, ValueError, urllib.error.URLError) as error:
-        return Fetched(url, 0, "", 0, str(error))
-
-
-def _parts(url: str, content: bytes) -> tuple[str, ...]:
-    """Addresses of pictures and videos in a page."""
-    found = _PARTS.findall(content.decode("utf-8", "replace"))
-    return tuple(urllib.parse.urljoin(url, part) for part in found)
 
 
 class Tablet(Service):
@@ -262,7 +219,7 @@ class Tablet(Service):
         return True
 
     async def _fetch(self, url: str) -> Fetched:
-        done = await asyncio.to_thread(fetch, url)
+        done, _ = await asyncio.to_thread(fetch, url)
         self.fetched.append(done)
         if done.error:
             self._world.note(f"tablet: {url}: {done.error}")

@@ -34,6 +34,7 @@ from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Un
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.links_trouble import Refused
 from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, Absent
+from woz_drivers.pepper.served_files import Files
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
 from woz_tui.core.driver import DriverError, Health, Lost, Outlet, Rejected
@@ -69,6 +70,7 @@ class Connection:
         self._on_connected = on_connected
         self._on_lost = on_lost
         self._simulated = SimulatedRobot(settings.pace, outlet.folder)
+        self.files = Files(self, settings.tablet, outlet)
         self._address: Address | None = None
         self._line: Line | None = None
         self._keeper: asyncio.Task[None] | None = None
@@ -116,6 +118,7 @@ class Connection:
         self._closed = True
         async with self._changing:
             await self._let_go(Lost("the session is over"))
+        await self.files.close()
         await self._simulated.close()
 
     def named(self, robot: str) -> Address:
@@ -328,6 +331,7 @@ class Connection:
             self._tell_certificate(line)
         self._met.add(address)
         self._line = line
+        await self.files.connected()
         try:
             async with asyncio.timeout(_APPLIED_WITHIN_S):
                 await self._on_connected()

@@ -15,9 +15,9 @@ from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
 from woz_drivers.pepper.link import Link, LinkError, Missing
 from woz_drivers.pepper.links import open_link
+from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
-from woz_drivers.pepper.tablet_files import REMEDY, places
 from woz_drivers.pepper.tablet_page import is_address
 from woz_tui.core.driver import DriverError, Finding, Probe
 

@@ -8,12 +8,15 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
-from typing import Any, ClassVar, Protocol
+from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from woz_drivers.pepper.link import Methods, Unsubscribe
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import DriverError, Job, Outlet, Scope, Verb
 from woz_tui.core.messages import Json
+
+if TYPE_CHECKING:
+    from woz_drivers.pepper.served_files import Files
 
 #: Seconds that an ordinary call may take; what takes its time (speech, a move) says so itself.
 WITHIN_S = 2.0
@@ -63,6 +66,11 @@ class Robot(Protocol):
     @property
     def local_host(self) -> str:
         """This machine's address as the robot reaches it; empty while not connected."""
+        ...
+
+    @property
+    def files(self) -> Files:
+        """What the robot and its tablet may fetch from this machine."""
         ...
 
 

@@ -1,17 +1,23 @@
-"""Sound files on the robot, played by its own player."""
+"""Sounds, played by the robot's own player: files on the robot, files of this machine, addresses.
+
+A path that begins with / is the robot's: it has no other. What is relative is looked for below the
+experiment's folder here, and fetched by the robot from `served_files`.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import contextlib
 from collections.abc import Mapping
+from pathlib import Path
 from typing import ClassVar
 
 from woz_drivers.pepper.memory import within
 from woz_drivers.pepper.parts import Absent, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.simulated.values import number, text
+from woz_drivers.pepper.tablet_page import is_address
+from woz_drivers.simulated.values import number, sound_seconds, text
 from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
@@ -21,6 +27,18 @@ PLAYER = "ALAudioPlayer"
 LOAD_S = 15.0
 #: What no sound lasts longer than, in seconds, and the largest number of a file.
 _LONGEST_S, _LARGEST_ID = 86_400.0, 2**31 - 1
+_FILE = "its path from the experiment's folder, or its whole path on the robot, or http://..."
+
+
+def here_of(path: str, folder: Path) -> Path | None:
+    """The file of this machine that a `sound` means; None for one on the robot, and an address."""
+    if not path.strip() or path.startswith("/") or is_address(path):
+        return None
+    try:
+        here = folder / path
+        return here if here.is_file() else None
+    except (OSError, ValueError):  # no name that a file can have
+        return None
 
 
 class Sounds:
@@ -30,6 +48,7 @@ class Sounds:
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
         self._robot = robot
+        self._folder = outlet.folder
         self._endings = Endings()
         self._ids: dict[str, int] = {}
         self._playing = ""
@@ -41,8 +60,8 @@ class Sounds:
         return (
             Verb(
                 "sound",
-                "play a sound file that is on the robot",
-                (Argument("file", "text", "its path on the robot", required=True), loud),
+                "play a sound file",
+                (Argument("file", "text", _FILE, required=True), loud),
                 lane="sound",
                 limit_s=600.0,
             ),
@@ -53,22 +72,11 @@ class Sounds:
         path = text(job.args, "file")
         volume = min(max(number(job.args, "volume", 1.0), 0.0), 1.0)
         await self._endings.settled()
-        sound = await self._loaded(path)
-        with contextlib.suppress(DriverError):  # how long it is is only for the countdown
-            seconds = within(
-                await self._robot.call(PLAYER, "getFileLength", sound), 0.0, _LONGEST_S
-            )
-            if seconds is not None:
-                job.expects(seconds)
-        await self._robot.call(PLAYER, "setVolume", sound, volume)
-        self._playing = path
-        try:
-            await self._robot.call(PLAYER, "play", sound, within=LONG_S)
-        except asyncio.CancelledError:
-            self._endings.send(self._robot.call(PLAYER, "stopAll"))
-            raise
-        finally:
-            self._playing = ""
+        here = here_of(path, self._folder)
+        if here is not None or is_address(path):
+            await self._stream(job, path, here, volume)
+        else:
+            await self._play(job, path, volume)
         return {"file": path, "volume": volume}
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
@@ -108,9 +116,49 @@ class Sounds:
             with contextlib.suppress(DriverError):
                 await self._robot.call(PLAYER, "unloadAllFiles")
 
+    async def _play(self, job: Job, path: str, volume: float) -> None:
+        """A file on the robot."""
+        sound = await self._loaded(path)
+        with contextlib.suppress(DriverError):  # how long it is is only for the countdown
+            seconds = within(
+                await self._robot.call(PLAYER, "getFileLength", sound), 0.0, _LONGEST_S
+            )
+            if seconds is not None:
+                job.expects(seconds)
+        await self._robot.call(PLAYER, "setVolume", sound, volume)
+        await self._until_over(path, "play", sound)
+
+    async def _stream(self, job: Job, path: str, here: Path | None, volume: float) -> None:
+        """A file of this machine, or an address: the robot fetches it."""
+        address = path
+        if here is not None:
+            address = await self._robot.files.address(here)
+            job.expects(sound_seconds(str(here)))
+        try:
+            await self._until_over(path, "playWebStream", address, volume, 0.0)
+        except Lost:
+            raise
+        except DriverError as error:
+            raise DriverError(
+                f"the robot could not play {path}: {error.what}",
+                "can it reach this machine (tablet.address, tablet.port)? else copy the file onto"
+                " the robot, and give its whole path there",
+            ) from error
+
+    async def _until_over(self, path: str, method: str, *words: object) -> None:
+        """Play it to its end; cut short, it ends on the robot, too."""
+        self._playing = path
+        try:
+            await self._robot.call(PLAYER, method, *words, within=LONG_S)
+        except asyncio.CancelledError:
+            self._endings.send(self._robot.call(PLAYER, "stopAll"))
+            raise
+        finally:
+            self._playing = ""
+
     async def _loaded(self, path: str) -> int:
         if not path.strip():
-            raise Rejected("no sound file was named", "give its path on the robot")
+            raise Rejected("no sound file was named", _FILE)
         if path not in self._ids:
             try:
                 sound = await self._robot.call(PLAYER, "loadFile", path, within=LOAD_S)
@@ -119,7 +167,8 @@ class Sounds:
             except DriverError as error:
                 raise DriverError(
                     f"the robot could not load {path}: {error.what}",
-                    "the file must be on the robot: copy it there, and give its whole path",
+                    "copy it there, and give its whole path; one of this machine is named by its"
+                    " way from the experiment's folder",
                 ) from error
             number = within(sound, 0, _LARGEST_ID)
             if number is None:

@@ -12,7 +12,6 @@ from woz_drivers.pepper.link import Unsubscribe
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.pepper.tablet_files import Files
 from woz_drivers.pepper.tablet_page import Kind, kind, page
 from woz_drivers.pepper.tablet_video import played
 from woz_drivers.pepper.touch import SENSORS, Touch
@@ -42,7 +41,6 @@ class Screen:
         self._robot = robot
         self._default = settings.tablet.default
         self._outlet = outlet
-        self._files = Files(robot, settings.tablet, outlet)
         self._touch = Touch(robot, outlet) if settings.senses.touch else None
         self._turn = asyncio.Lock()
         self._video: _Video | None = None
@@ -107,7 +105,6 @@ class Screen:
         """Listen to the tablet, and show the default."""
         await self._quiet()
         self._video, self._shows, self._on_air = None, "", False
-        await self._files.connected()
         self._signals = []
         for signal, heard in (
             ("videoFinished", self._finished),
@@ -153,7 +150,6 @@ class Screen:
                     await self._robot.call(_SERVICE, "stopVideo", within=_FAREWELL_S)
             await asyncio.gather(*(end() for end in self._signals))
         self._video, self._signals = None, []
-        await self._files.close()
 
     async def _quiet(self) -> None:
         await self._watching.close()
@@ -164,9 +160,9 @@ class Screen:
     async def _show(self, text: str) -> None:
         """Show a file or an address. Raises `DriverError`."""
         what = kind(text)
-        address = await self._files.address(text)
+        address = await self._robot.files.shown(text)
         if what is Kind.PICTURE:
-            address = await self._files.page(page(address))
+            address = await self._robot.files.page(page(address))
         await self._end_video()
         await self._network()
         self._shows = ""

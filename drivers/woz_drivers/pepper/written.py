@@ -11,9 +11,10 @@ from pathlib import Path
 from woz_drivers.pepper import address, naoqi_call, tags
 from woz_drivers.pepper.animations_known import path_of
 from woz_drivers.pepper.body_joints import checked
+from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.pepper.sounds import here_of
 from woz_drivers.pepper.speech_text import paragraphs, read_text
-from woz_drivers.pepper.tablet_files import REMEDY, places
 from woz_drivers.pepper.tablet_page import is_address, kind
 from woz_drivers.simulated.values import color
 from woz_tui.core.driver import UNKNOWN, DriverError, Finding, Written
@@ -99,6 +100,19 @@ def _shown(given: _Value) -> Iterator[tuple[str, str]]:
         yield f"there is no file {text!r}", REMEDY
 
 
+def _sound(given: _Value) -> Iterator[tuple[str, str]]:
+    """Whether it is a file of this machine where one is meant."""
+    text = given.text
+    if is_address(text):
+        return
+    if not text.startswith("/"):
+        if here_of(text, given.folder) is None:
+            yield f"there is no file {text!r}", "put it there; one on the robot has a whole path"
+    elif Path(text).is_file():
+        problem = f"{text!r} is a file of this machine; the robot looks on its own disk"
+        yield problem, "name it by its way from the experiment's folder"
+
+
 def _address(given: _Value) -> Iterator[tuple[str, str]]:
     address.parse(given.text)
     yield from ()
@@ -123,6 +137,7 @@ _LOOKS: Mapping[str, Mapping[str, _Look]] = {
     "say": {"text": _utterance},
     "read": {"file": _text_file},
     "screen": {"file": _shown},
+    "sound": {"file": _sound},
     "play": {"move": _read(path_of)},
     "eyes": {"color": _read(lambda text: color({"color": text}, "color"))},
     "pose": {"joints": _joints},

@@ -8,15 +8,19 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
-from woz_drivers.wav import parse
+from woz_drivers.naoqi.sounds import Disk
+from woz_drivers.naoqi.world import Options, World
+from woz_drivers.wav import Wav, parse
 
-from tests.drivers.naoqi.hands import Said, Wired
+from tests.drivers.naoqi.hands import HandTime, Said, Wired
 from tests.fakes.naoqi import PATIENCE_S
 
 BEEP = "/home/nao/sounds/beep.wav"
 FLAGS = [1, 1, 1, 1]
 PAGE = b'<html><body><img src="a.png"><video><source src="/missing.mp4"></video></body></html>'
+SOUND = Wav("S16_LE", 8000, 1, bytes(32_000)).to_bytes()
 FILES = {
+    "/a.wav": ("audio/wav", SOUND),
     "/a.png": ("image/png", b"\x89PNG..."),
     "/page.html": ("text/html", PAGE),
     "/film.mp4": ("video/mp4", b"film"),
@@ -197,6 +201,28 @@ async def test_a_recording_is_a_real_file_and_can_be_played(wired: Wired, tmp_pa
     assert sound.seconds == pytest.approx(2.5)
     number = await wired.call("ALAudioPlayer.loadFile", path)
     assert await wired.call("ALAudioPlayer.getFileLength", number) == pytest.approx(2.5)
+
+
+async def test_a_sound_at_an_address_is_fetched_and_lasts_its_length(
+    wired: Wired, site: str
+) -> None:
+    task = await wired.begin("ALAudioPlayer.playWebStream", f"{site}/a.wav", 0.5, 0.0, kind="sound")
+    await wired.time.advance(1.9)
+    assert await wired.pending(task)
+    await wired.time.advance(0.2)
+    await wired.done(task)
+    with pytest.raises(Said, match="404"):
+        await wired.call("ALAudioPlayer.playWebStream", f"{site}/none.wav", 0.5, 0.0)
+
+
+async def test_without_a_folder_of_its_own_it_leaves_this_machine_alone(tmp_path: Path) -> None:
+    here = tmp_path / "here.wav"
+    here.write_bytes(SOUND)
+    disk = Disk(World(HandTime(), Options(visitors=False)))
+    assert disk.seconds(str(here)) is None
+    disk.write(str(tmp_path / "recorded.wav"), SOUND)
+    assert disk.seconds(str(tmp_path / "recorded.wav")) == pytest.approx(2.0)
+    assert [one.name for one in tmp_path.iterdir()] == ["here.wav"]
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import numpy as np
 import pytest
+from woz_drivers.wav import Wav
 
 from tests.drivers.pepper.played import Played, played
 from woz_tui.core.driver import DriverError, Rejected
@@ -54,6 +56,51 @@ async def test_a_file_that_is_not_on_the_robot_is_told(it: Played) -> None:
     assert "copy it there" in told.value.remedy
     with pytest.raises(Rejected):
         await it.do("sound", file=" ")
+
+
+def written(path: Path, seconds: float) -> Path:
+    """A quiet WAV file."""
+    path.parent.mkdir(parents=True, exist_ok=True)
+    samples = np.zeros(round(8000 * seconds), "<i2")
+    path.write_bytes(Wav("S16_LE", 8000, 1, samples.tobytes()).to_bytes())
+    return path
+
+
+@pytest.mark.naoqi("ALAudioPlayer.playWebStream")
+async def test_a_sound_beside_the_experiment_is_fetched_by_the_robot(it: Played) -> None:
+    here = written(it.folder / "media" / "gong.wav", 1.5)
+    sent = await it.do("sound", file="media/gong.wav", volume=0.5)
+    assert sent == {"file": "media/gong.wav", "volume": 0.5}
+    ((url, volume, pan),) = await it.calls("ALAudioPlayer.playWebStream")
+    assert (volume, pan) == (0.5, 0.0)
+    (played,) = await it.robot.get("sounds.streamed")
+    assert played == {"url": url, "type": "audio/wav", "size": here.stat().st_size}
+    assert it.jobs[-1].announced == [1.5]
+    assert await it.calls("ALAudioPlayer.loadFile") == []
+
+
+async def test_a_sound_of_another_folder_is_fetched_and_ends_when_it_is_cut_short(
+    it: Played, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    here = written(tmp_path_factory.mktemp("elsewhere") / "long.wav", 300.0)
+    job = it.begin("sound", file=f"../{here.parent.name}/long.wav")
+    await it.robot.until(lambda: sounds(it))
+    await it.cancel(job)
+    await it.do("sound", file=BEEP)
+    assert not await sounds(it)
+
+
+async def test_an_address_is_played_as_it_is(it: Played) -> None:
+    with pytest.raises(DriverError, match="could not play"):
+        await it.do("sound", file="http://127.0.0.1:9/none.mp3")
+    ((url, *_),) = await it.calls("ALAudioPlayer.playWebStream")
+    assert url == "http://127.0.0.1:9/none.mp3"
+
+
+async def test_the_robot_does_not_know_the_files_of_this_machine(it: Played) -> None:
+    here = written(it.folder / "mine.wav", 0.1)
+    with pytest.raises(DriverError, match="could not load"):
+        await it.do("sound", file=str(here))
 
 
 @pytest.mark.naoqi("ALAudioPlayer.getLoadedFilesIds")

@@ -11,6 +11,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers.pepper.link import Methods, Unsubscribe
+from woz_drivers.pepper.served_files import Files
 from woz_drivers.pepper.settings import PepperSettings, Senses
 from woz_drivers.pepper.tablet import Screen
 from woz_drivers.pepper.touch import SENSORS, Scale, Touch, place
@@ -71,6 +72,7 @@ class Fingers:
 
     there = True
     local_host = "127.0.0.1"
+    files: Files
 
     def __init__(self, *missing: str) -> None:
         self._missing = missing

@@ -18,8 +18,8 @@ from urllib.parse import urlsplit
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from woz_drivers.pepper.image_server import MOST, ImageServer
-from woz_drivers.pepper.image_server_answers import TYPES, Part, part
+from woz_drivers.pepper.file_server import MOST, FileServer
+from woz_drivers.pepper.file_server_answers import TYPES, Part, part
 
 from woz_tui.core.driver import DriverError
 
@@ -34,8 +34,8 @@ def troubles() -> list[str]:
 
 
 @pytest.fixture
-def server(troubles: list[str]) -> Iterator[ImageServer]:
-    made = ImageServer(HOST, 0, troubles.append)
+def server(troubles: list[str]) -> Iterator[FileServer]:
+    made = FileServer(HOST, 0, troubles.append)
     yield made
     made.close()
     assert troubles == []
@@ -88,7 +88,7 @@ def raw(port: int, request: bytes) -> bytes:
 
 
 def threads() -> set[str]:
-    return {one.name for one in threading.enumerate() if "tablet" in one.name}
+    return {one.name for one in threading.enumerate() if one.name.startswith("pepper files")}
 
 
 def until(holds: Callable[[], bool]) -> None:
@@ -101,7 +101,7 @@ def until(holds: Callable[[], bool]) -> None:
     raise AssertionError("never")
 
 
-def test_a_listed_file_is_had_as_it_is(server: ImageServer, film: Path) -> None:
+def test_a_listed_file_is_had_as_it_is(server: FileServer, film: Path) -> None:
     url = server.list_file(film)
     with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url) as answer:
         assert answer.read() == BODY
@@ -114,14 +114,14 @@ def test_a_listed_file_is_had_as_it_is(server: ImageServer, film: Path) -> None:
 
 
 @pytest.mark.parametrize("suffix", sorted(TYPES))
-def test_every_kind_has_its_type(server: ImageServer, tmp_path: Path, suffix: str) -> None:
+def test_every_kind_has_its_type(server: FileServer, tmp_path: Path, suffix: str) -> None:
     path = tmp_path / f"x{suffix.upper()}"
     path.write_bytes(b"x")
     status, headers, body = ask(server.list_file(path))
     assert (status, headers["Content-Type"], body) == (200, TYPES[suffix], b"x")
 
 
-def test_head_tells_the_same_without_the_bytes(server: ImageServer, film: Path) -> None:
+def test_head_tells_the_same_without_the_bytes(server: FileServer, film: Path) -> None:
     url = server.list_file(film)
     status, headers, body = ask(url, "HEAD")
     assert (status, body) == (200, b"")
@@ -139,7 +139,7 @@ def test_head_tells_the_same_without_the_bytes(server: ImageServer, film: Path) 
     ],
 )
 def test_a_player_gets_the_part_it_asks_for(
-    server: ImageServer, film: Path, wish: str, start: int, end: int
+    server: FileServer, film: Path, wish: str, start: int, end: int
 ) -> None:
     status, headers, body = ask(server.list_file(film), Range=wish)
     assert status == HTTPStatus.PARTIAL_CONTENT
@@ -148,7 +148,7 @@ def test_a_player_gets_the_part_it_asks_for(
 
 
 @pytest.mark.parametrize("wish", ["bytes=256000-", "bytes=999999-9999999", "bytes=-0"])
-def test_bytes_that_are_not_there_are_no_answer(server: ImageServer, film: Path, wish: str) -> None:
+def test_bytes_that_are_not_there_are_no_answer(server: FileServer, film: Path, wish: str) -> None:
     status, headers, body = ask(server.list_file(film), Range=wish)
     assert (status, body) == (416, b"")
     assert headers["Content-Range"] == f"bytes */{len(BODY)}"
@@ -158,11 +158,11 @@ def test_bytes_that_are_not_there_are_no_answer(server: ImageServer, film: Path,
     "wish",
     ["lines=0-1", "bytes=5-2", "bytes=0-1,3-4", "bytes=-", "bytes=a-b", f"bytes=0-{'9' * 99}"],
 )
-def test_a_wish_that_is_not_understood_gets_all(server: ImageServer, film: Path, wish: str) -> None:
+def test_a_wish_that_is_not_understood_gets_all(server: FileServer, film: Path, wish: str) -> None:
     assert ask(server.list_file(film), Range=wish)[::2] == (200, BODY)
 
 
-def test_a_part_of_something_else_than_before_gets_all(server: ImageServer, film: Path) -> None:
+def test_a_part_of_something_else_than_before_gets_all(server: FileServer, film: Path) -> None:
     assert ask(server.list_file(film), Range="bytes=0-9", If_Range='"x"')[::2] == (200, BODY)
 
 
@@ -176,13 +176,13 @@ def test_every_range_lies_within_the_file(wish: str, size: int) -> None:
         assert found.start < found.end or found == Part(0, 0, 0)
 
 
-def test_a_page_is_had_like_a_file(server: ImageServer) -> None:
+def test_a_page_is_had_like_a_file(server: FileServer) -> None:
     status, headers, body = ask(server.list_page("<p>ä</p>"))
     assert (status, body) == (200, "<p>ä</p>".encode())
     assert headers["Content-Type"] == "text/html; charset=utf-8"
 
 
-def test_a_file_is_what_it_is_when_it_is_asked_for(server: ImageServer, film: Path) -> None:
+def test_a_file_is_what_it_is_when_it_is_asked_for(server: FileServer, film: Path) -> None:
     url = server.list_file(film)
     film.write_bytes(b"another one")
     assert ask(url)[2] == b"another one"
@@ -191,7 +191,7 @@ def test_a_file_is_what_it_is_when_it_is_asked_for(server: ImageServer, film: Pa
 
 
 def test_a_link_is_followed_when_it_is_listed_and_never_afterwards(
-    server: ImageServer, film: Path, tmp_path: Path
+    server: FileServer, film: Path, tmp_path: Path
 ) -> None:
     secret, link = tmp_path / "secret", tmp_path / "link.png"
     secret.write_bytes(b"secret")
@@ -206,7 +206,7 @@ def test_a_link_is_followed_when_it_is_listed_and_never_afterwards(
 
 
 def test_neither_a_folder_nor_a_pipe_is_served(
-    server: ImageServer, film: Path, tmp_path: Path
+    server: FileServer, film: Path, tmp_path: Path
 ) -> None:
     url = server.list_file(film)
     film.unlink()
@@ -219,22 +219,22 @@ def test_neither_a_folder_nor_a_pipe_is_served(
         server.list_file(tmp_path)
 
 
-def test_what_cannot_be_read_is_told_when_it_is_listed(server: ImageServer, tmp_path: Path) -> None:
-    with pytest.raises(DriverError, match="cannot be shown: No such file"):
+def test_what_cannot_be_read_is_told_when_it_is_listed(server: FileServer, tmp_path: Path) -> None:
+    with pytest.raises(DriverError, match="cannot be served: No such file"):
         server.list_file(tmp_path / "missing.png")
     circle = tmp_path / "circle.png"
     circle.symlink_to(circle)
-    with pytest.raises(DriverError, match="cannot be shown"):
+    with pytest.raises(DriverError, match="cannot be served"):
         server.list_file(circle)
 
 
 @pytest.mark.parametrize("method", ["POST", "PUT", "DELETE", "OPTIONS", "TRACE", "CONNECT", "X"])
-def test_nothing_but_looking_is_possible(server: ImageServer, film: Path, method: str) -> None:
+def test_nothing_but_looking_is_possible(server: FileServer, film: Path, method: str) -> None:
     status, _, body = ask(server.list_file(film), method)
     assert (status, body) == (501, b"")
 
 
-def test_folders_and_guesses_are_not_found(server: ImageServer, film: Path) -> None:
+def test_folders_and_guesses_are_not_found(server: FileServer, film: Path) -> None:
     path = urlsplit(server.list_file(film)).path
     token = path.split("/")[1]
     guesses = ["/", f"/{token}", f"/{token}/", f"/{token}/film.mp4", f"/{token}/1.mp4", "/0.mp4"]
@@ -277,7 +277,7 @@ def test_folders_and_guesses_are_not_found(server: ImageServer, film: Path) -> N
 @example(b"GET / HTTP/1.1\r\n" + b"a: b\r\n" * 200 + b"\r\n")
 @example(b"GET / HTTP/1.1\r\nx: " + b"y" * 70_000 + b"\r\n\r\n")
 def test_whatever_is_asked_nothing_that_was_not_listed_comes_out(
-    server: ImageServer, tmp_path: Path, request_bytes: bytes
+    server: FileServer, tmp_path: Path, request_bytes: bytes
 ) -> None:
     (tmp_path / "secret").write_bytes(b"SECRET")
     server.list_file(tmp_path / "secret")
@@ -289,17 +289,17 @@ def test_whatever_is_asked_nothing_that_was_not_listed_comes_out(
     assert not answer or answer.startswith(b"HTTP/1.") or request_bytes[:4] == b"GET "
 
 
-def test_a_token_is_never_the_same(server: ImageServer, film: Path) -> None:
-    other = ImageServer(HOST, 0, pytest.fail)
+def test_a_token_is_never_the_same(server: FileServer, film: Path) -> None:
+    other = FileServer(HOST, 0, pytest.fail)
     try:
         assert urlsplit(other.list_file(film)).path != urlsplit(server.list_file(film)).path
     finally:
         other.close()
 
 
-def test_a_taken_port_is_told_with_a_remedy(server: ImageServer) -> None:
+def test_a_taken_port_is_told_with_a_remedy(server: FileServer) -> None:
     with pytest.raises(DriverError, match=f"port {server.port}: Address already in use") as told:
-        ImageServer(HOST, server.port, pytest.fail)
+        FileServer(HOST, server.port, pytest.fail)
     assert "tablet.port" in told.value.remedy
 
 
@@ -308,12 +308,12 @@ def test_a_taken_port_is_told_with_a_remedy(server: ImageServer) -> None:
 )
 def test_an_address_of_somebody_else_is_told(host: str, words: str) -> None:
     with pytest.raises(DriverError, match=words) as told:
-        ImageServer(host, 0, pytest.fail)
+        FileServer(host, 0, pytest.fail)
     assert "tablet.address" in told.value.remedy
 
 
 def test_a_client_that_says_nothing_is_shown_out(film: Path, troubles: list[str]) -> None:
-    server = ImageServer(HOST, 0, troubles.append, patience=0.2)
+    server = FileServer(HOST, 0, troubles.append, patience=0.2)
     try:
         with socket.create_connection((HOST, server.port), timeout=PATIENCE_S) as slow:
             slow.sendall(b"GET / HT")
@@ -325,7 +325,7 @@ def test_a_client_that_says_nothing_is_shown_out(film: Path, troubles: list[str]
 
 
 def test_a_client_that_says_a_letter_now_and_then_is_shown_out_too() -> None:
-    server = ImageServer(HOST, 0, pytest.fail, patience=0.3)
+    server = FileServer(HOST, 0, pytest.fail, patience=0.3)
     try:
         with socket.create_connection((HOST, server.port), timeout=PATIENCE_S) as slow:
             slow.settimeout(0.05)
@@ -345,7 +345,7 @@ def test_a_client_that_says_a_letter_now_and_then_is_shown_out_too() -> None:
 
 
 def test_a_long_film_is_sent_to_its_end(
-    server: ImageServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    server: FileServer, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     path = tmp_path / "long.mp4"
     path.write_bytes(bytes(32 << 20))  # more than lies between two sockets
@@ -354,7 +354,7 @@ def test_a_long_film_is_sent_to_its_end(
     line.request("GET", split.path)
     answer = line.getresponse()
     later = SimpleNamespace(monotonic=lambda: time.monotonic() + 3600)
-    monkeypatch.setattr("woz_drivers.pepper.image_server.time", later)
+    monkeypatch.setattr("woz_drivers.pepper.file_server.time", later)
     assert ask(server.list_page("page"))[2] == b"page"  # then it looks for those that are too slow
     assert ask(server.list_page("page"))[2] == b"page"
     assert len(answer.read()) == 32 << 20
@@ -362,11 +362,11 @@ def test_a_long_film_is_sent_to_its_end(
 
 
 def test_more_clients_than_places_are_sent_away_and_places_come_back(
-    server: ImageServer, film: Path
+    server: FileServer, film: Path
 ) -> None:
     url = server.list_file(film)
     held = [socket.create_connection((HOST, server.port), timeout=PATIENCE_S) for _ in range(MOST)]
-    until(lambda: sum(one.name == "pepper tablet client" for one in threading.enumerate()) == MOST)
+    until(lambda: sum(one.name == "pepper files client" for one in threading.enumerate()) == MOST)
     with pytest.raises((http.client.HTTPException, ConnectionError)):
         ask(url)
     for one in held:
@@ -378,10 +378,10 @@ def test_more_clients_than_places_are_sent_away_and_places_come_back(
 def test_closing_hangs_up_and_leaves_no_thread(
     film: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    server = ImageServer(HOST, 0, pytest.fail, patience=3600.0)
+    server = FileServer(HOST, 0, pytest.fail, patience=3600.0)
     ask(server.list_file(film))
     with socket.create_connection((HOST, server.port), timeout=PATIENCE_S) as idle:
-        until(lambda: "pepper tablet client" in threads())
+        until(lambda: "pepper files client" in threads())
         server.close()
         assert idle.recv(10) == b""
     until(lambda: threads() == set())

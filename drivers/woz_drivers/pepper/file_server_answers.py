@@ -1,4 +1,4 @@
-"""What one client of the tablet's server gets: RFC 9110, as far as a tablet needs it."""
+"""What one client of the file server gets: RFC 9110, as far as a robot needs it."""
 
 from __future__ import annotations
 
@@ -34,6 +34,12 @@ TYPES: Mapping[str, str] = {
     ".mpeg": "video/mpeg",
     ".wmv": "video/x-ms-wmv",
     ".flv": "video/x-flv",
+    ".wav": "audio/wav",
+    ".mp3": "audio/mpeg",
+    ".ogg": "audio/ogg",
+    ".oga": "audio/ogg",
+    ".flac": "audio/flac",
+    ".m4a": "audio/mp4",
     ".html": "text/html; charset=utf-8",
     ".htm": "text/html; charset=utf-8",
 }

@@ -12,8 +12,8 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from woz_drivers.pepper.image_server import ImageServer
-from woz_drivers.pepper.image_server_answers import Listed
+from woz_drivers.pepper.file_server import FileServer
+from woz_drivers.pepper.file_server_answers import Listed
 
 HOST, PATIENCE_S = "127.0.0.1", 20.0
 
@@ -32,11 +32,11 @@ def test_it_is_told_and_keeps_nothing_busy(monkeypatch: pytest.MonkeyPatch) -> N
         if len(steps) >= 6:
             thrice.set()
 
-    server = ImageServer(HOST, 0, troubles.append)
+    server = FileServer(HOST, 0, troubles.append)
     url = server.list_page("page")
     slow = SimpleNamespace(monotonic=time.monotonic, sleep=sleep)
     with monkeypatch.context() as meanwhile:
-        meanwhile.setattr("woz_drivers.pepper.image_server.time", slow)
+        meanwhile.setattr("woz_drivers.pepper.file_server.time", slow)
         meanwhile.setattr(socket.socket, "accept", accept)
         with socket.create_connection((HOST, server.port), timeout=PATIENCE_S):
             assert thrice.wait(PATIENCE_S)
@@ -44,7 +44,7 @@ def test_it_is_told_and_keeps_nothing_busy(monkeypatch: pytest.MonkeyPatch) -> N
     with urllib.request.build_opener(urllib.request.ProxyHandler({})).open(url) as answer:
         assert answer.read() == b"page"
     server.close()
-    assert troubles == ["the tablet gets no pictures for now: Too many open files"]
+    assert troubles == ["the robot gets no files for now: Too many open files"]
 
 
 def test_what_is_no_file_any_more_holds_nothing_open(tmp_path: Path) -> None:

@@ -1,4 +1,4 @@
-"""The files that the tablet shows, by HTTP: those that were listed and no others.
+"""The files that the tablet shows and the robot plays, by HTTP: those listed, and no others.
 
 A small server of its own, for it stands on the network of the robot: random paths, nothing but GET
 and HEAD, bounded connections, and no client can hold it up.
@@ -17,7 +17,7 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from woz_drivers.pepper.image_server_answers import Answers, Listed
+from woz_drivers.pepper.file_server_answers import Answers, Listed
 from woz_tui.core.driver import DriverError
 
 #: Connections at once; a tablet opens six.
@@ -40,7 +40,7 @@ _BIND_TROUBLES = {
 }
 
 
-class ImageServer:
+class FileServer:
     """Serves listed files at `http://host:port/token/...`.
 
     `troubled(text)` is called from a thread for what should not happen. All methods are for one
@@ -69,7 +69,7 @@ class ImageServer:
         self.host = host
         self.port: int = self._door.getsockname()[1]
         self._waker, self._wakes = socket.socketpair()
-        self._thread = threading.Thread(target=self._serve, name="pepper tablet", daemon=True)
+        self._thread = threading.Thread(target=self._serve, name="pepper files", daemon=True)
         self._thread.start()
 
     def list_file(self, path: Path) -> str:
@@ -81,13 +81,13 @@ class ImageServer:
         try:
             real = path.resolve(strict=True)
             if not real.is_file():
-                raise DriverError(f"{path} is no file", "name a picture, a video or a page")
+                raise DriverError(f"{path} is no file", "name a picture, a video or a sound")
             with real.open("rb"):
                 pass
         except (OSError, RuntimeError) as error:  # RuntimeError: links in a circle
             why = getattr(error, "strerror", None) or str(error)
             raise DriverError(
-                f"{path} cannot be shown: {why}", "check its name and that you may read it"
+                f"{path} cannot be served: {why}", "check its name and that you may read it"
             ) from None
         return self._list(Listed(real.suffix.lower(), path=real))
 
@@ -148,7 +148,7 @@ class ImageServer:
             return
         client.settimeout(self._patience)
         thread = threading.Thread(
-            target=self._answer, args=(client,), name="pepper tablet client", daemon=True
+            target=self._answer, args=(client,), name="pepper files client", daemon=True
         )
         with self._lock:
             self._threads.add(thread)
@@ -164,7 +164,7 @@ class ImageServer:
         """Nobody can be let in for now; told once."""
         if not self._told_shut:
             self._told_shut = True
-            self._troubled(f"the tablet gets no pictures for now: {error.strerror or error}")
+            self._troubled(f"the robot gets no files for now: {error.strerror or error}")
         time.sleep(_SHUT_S)
 
     def _show_out(self) -> None:
@@ -187,7 +187,7 @@ class ImageServer:
         except (OSError, ValueError):
             pass  # the client went away, was too slow, or its socket was closed under it
         except Exception as error:  # noqa: BLE001 - nothing else would notice
-            self._troubled(f"a request of the tablet failed: {error!r}")
+            self._troubled(f"a request of the robot failed: {error!r}")
         finally:
             with self._lock:
                 self._clients.pop(client, None)
@@ -215,7 +215,7 @@ def _listening(host: str, port: int) -> socket.socket:
         door.close()
         why = error.strerror or str(error)
         remedy = _BIND_TROUBLES.get(error.errno or 0, "check `tablet.address` and `tablet.port`")
-        raise DriverError(f"pictures cannot be served at {host}, port {port}: {why}", remedy) from (
+        raise DriverError(f"files cannot be served at {host}, port {port}: {why}", remedy) from (
             None
         )
     return door

@@ -1,10 +1,10 @@
-"""Where the tablet gets the files of this machine from."""
+"""Where the robot and its tablet get the files of this machine from."""
 
 from __future__ import annotations
 
 from pathlib import Path
 
-from woz_drivers.pepper.image_server import ImageServer
+from woz_drivers.pepper.file_server import FileServer
 from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_task import apart
 from woz_drivers.pepper.settings import Tablet
@@ -15,7 +15,7 @@ REMEDY = "check its name, and tablet.root"
 
 
 class Files:
-    """Finds files, and serves them where the robot reaches this machine.
+    """Serves files where the robot reaches this machine.
 
     The server begins with the first file, and anew when the robot is reached in another way.
     """
@@ -24,18 +24,20 @@ class Files:
         self._robot = robot
         self._settings = settings
         self._outlet = outlet
-        self._server: ImageServer | None = None
+        self._server: FileServer | None = None
 
     async def connected(self) -> None:
         """A server at another address than this robot needs is of no use."""
         if self._server is not None and self._server.host != self._host:
             await self.close()
 
-    async def address(self, text: str) -> str:
+    async def shown(self, text: str) -> str:
         """Where the tablet fetches a file from; an address is one already. Raises `DriverError`."""
-        if is_address(text):
-            return text
-        path, server = self._found(text), self._serving()
+        return text if is_address(text) else await self.address(self._found(text))
+
+    async def address(self, path: Path) -> str:
+        """Where the robot fetches this file from. Raises `DriverError`."""
+        server = self._serving()
         return await apart(lambda: server.list_file(path))
 
     async def page(self, html: str) -> str:
@@ -52,16 +54,16 @@ class Files:
     def _host(self) -> str:
         return self._settings.address or self._robot.local_host
 
-    def _serving(self) -> ImageServer:
+    def _serving(self) -> FileServer:
         if self._server is None:
             host = self._host
             if not host:
-                raise Lost("the robot is not there, so nothing can be shown", "wait for it")
-            self._server = ImageServer(host, self._settings.port, self._troubled)
+                raise Lost("the robot is not there, so nothing can be served", "wait for it")
+            self._server = FileServer(host, self._settings.port, self._troubled)
         return self._server
 
     def _troubled(self, text: str) -> None:
-        self._outlet.notice("warning", text, "show it again")
+        self._outlet.notice("warning", text, "show or play it again")
 
     def _found(self, text: str) -> Path:
         """A file below the tablet's root, else below the experiment's folder."""

@@ -71,6 +71,7 @@ CALLS: dict[str, str] = {
     "ALTabletService.videoFinished": "the default picture comes back",
     "ALAudioPlayer.loadFile": "`sound`",
     "ALAudioPlayer.play": "`sound`",
+    "ALAudioPlayer.playWebStream": "`sound` with a file of this machine, or an address",
     "ALAudioPlayer.setVolume": "`sound: {volume: ...}`",
     "ALAudioPlayer.stopAll": "the stop, a `sound` cut short",
     "ALAudioPlayer.unloadAllFiles": "the end of a session",
@@ -97,6 +98,13 @@ CALLS: dict[str, str] = {
     "PeoplePerception/Person/<id>/IsLookingAtRobot": "reading `gaze`",
     "FaceDetected": "reading `identity`",
     "ALSoundLocalization/SoundLocated": "reading `direction`",
+    "ALFaceDetection.learnFace": "`learn_face`",
+    **{
+        f"ALSpeechRecognition.{method}": "`recognition: {phrases: [...]}`"
+        for method in ("setVocabulary", "setLanguage", "pause", "subscribe", "unsubscribe")
+    },
+    "WordRecognized": "speech as text",
+    "SpeechDetected": "where speech begins and ends",
 }
 
 #: Every key of a WoZ4U file, and what becomes of it.

@@ -14,6 +14,7 @@ from woz_drivers.speaking import BLOCK_S, Speaking
 from woz_drivers.transcriber import Transcriber
 from woz_tui.core.driver import (
     SPEECH,
+    SPEECH_TEXT,
     DriverError,
     Finding,
     Health,
@@ -74,8 +75,10 @@ class Microphone:
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """The loudness, the threshold of speech on the same scale, and segments of speech."""
-        return (SENSOR, room.THRESHOLD, SPEECH)
+        """The loudness, the threshold of speech on the same scale, segments of speech, and their
+        texts where a program understands them.
+        """
+        return (SENSOR, room.THRESHOLD, SPEECH, *((SPEECH_TEXT,) if settings.transcribe else ()))
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:

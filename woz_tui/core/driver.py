@@ -25,6 +25,8 @@ KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints
 #: Among a driver's sensors: it finds out by itself when somebody speaks, and tells of it with
 #: `SpeechStarted` and `SpeechEnded`, so that nobody has to guess from its loudness.
 SPEECH = "speech"
+#: Among a driver's sensors beside `SPEECH`: it tells what was said, too, with `SpeechText`.
+SPEECH_TEXT = "speech.text"
 
 
 class DriverError(Exception):

@@ -14,6 +14,7 @@ from woz_drivers.naoqi.leds import Leds
 from woz_drivers.naoqi.life import Ability, Awareness, Life
 from woz_drivers.naoqi.memory import Memory
 from woz_drivers.naoqi.posture import Postures
+from woz_drivers.naoqi.recognition import SpeechRecognition
 from woz_drivers.naoqi.senses import Senses
 from woz_drivers.naoqi.sounds import AudioPlayer, AudioRecorder, Disk
 from woz_drivers.naoqi.speech import AnimatedSpeech, TextToSpeech, Voice
@@ -40,6 +41,7 @@ class Pepper:
         self.motion = Motion(world)
         self.leds = Leds(world)
         self.senses = Senses(world)
+        self.recognition = SpeechRecognition(world)
         self.battery = Battery(world)
         self.awareness = Awareness(world)
         self.tablet = Tablet(world)
@@ -58,7 +60,7 @@ class Pepper:
             *(TextToSpeech(self.voice, self.animations), Memory(world)),
             *(AnimatedSpeech(self.voice, self.animations), *abilities.values()),
             *(AnimationPlayer(self.animations, world), BehaviorManager(self.animations, world)),
-            *self.senses.extractors.values(),
+            *(*self.senses.extractors.values(), self.recognition),
             *(self.tablet, self.player, self.recorder, self.audio, self.camera),
             self.standin,
         )
@@ -116,6 +118,7 @@ class Pepper:
         add("sounds", lambda: self.disk.table, self.disk.table.update)
         add("sounds.loaded", self.player.state)
         add("sounds.streamed", lambda: self.player.streamed)
+        add("says", lambda: self.recognition.vocabulary, self.recognition.say)
         add("recording", lambda: self.recorder.path)
         add("sound.subscribers", self.audio.subscribers)
         add("camera.subscribers", self.camera.get_subscribers)

@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from woz_drivers.naoqi.table import Refused, Service, offers
+from woz_drivers.naoqi.visitor import Person
 from woz_drivers.naoqi.world import World
 
 SONAR = "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value"
@@ -24,6 +25,8 @@ FACES = "FaceDetected"
 SOUND = "ALSoundLocalization/SoundLocated"
 #: ALPeoplePerception's own range of numbers begins here in this stand-in.
 FIRST_ID = 26000
+#: How long it looks at a face to learn it.
+LEARNING_S = 2.0
 
 
 class Extractor(Service):
@@ -61,16 +64,54 @@ class Extractor(Service):
         return bool(self.subscribers)
 
 
+class FaceDetection(Extractor):
+    """ALFaceDetection with its database of names, by the number of whoever has that face."""
+
+    def __init__(self, world: World) -> None:
+        super().__init__("ALFaceDetection")
+        self._world = world
+        self._learnt: dict[int, str] = {}
+
+    @offers("learnFace(s)b")
+    async def learn_face(self, name: str) -> bool:
+        """Learn the face that is seen; False where none is, or nobody looks."""
+        await self._world.time.sleep(LEARNING_S)
+        person = self._world.person()
+        if not name or person is None or not person.looking:
+            return False
+        self._learnt[person.number] = name
+        return True
+
+    @offers("forgetPerson(s)b")
+    def forget_person(self, name: str) -> bool:
+        """Forget all faces of this name; False where there is none."""
+        numbers = [number for number, known in self._learnt.items() if known == name]
+        for number in numbers:
+            del self._learnt[number]
+        return bool(numbers)
+
+    @offers("getLearnedFacesList()[s]")
+    def get_learned_faces_list(self) -> list[str]:
+        """The names."""
+        return list(self._learnt.values())
+
+    def whose(self, person: Person) -> str:
+        """Whose face that is, or nothing: those whom the robot was taught, and who came so."""
+        return self._learnt.get(person.number, person.name)
+
+
 class Senses:
     """Fills ALMemory from the world."""
 
     def __init__(self, world: World) -> None:
         self._world = world
         names = (
-            *("ALSonar", "ALPeoplePerception", "ALFaceDetection", "ALGazeAnalysis"),
+            *("ALSonar", "ALPeoplePerception", "ALGazeAnalysis"),
             *("ALSoundLocalization", "ALEngagementZones", "ALSoundDetection"),
         )
+        self._database = FaceDetection(world)
         self.extractors = {name: Extractor(name) for name in names}
+        self.extractors[self._database.name] = self._database
         self._last: dict[str, Any] = {}
         store = world.store
         # Written by the body's own loop, whether anybody is subscribed or not; the sonar itself
@@ -132,8 +173,9 @@ class Senses:
         body = self._world.body
         size = 0.16 / max(0.3, person.distance)
         shape = [0, person.angle - body.angle("HeadYaw"), 0.0, size, size]
-        extra = [person.number, 0.7 if person.name else 0.0, person.name, *([[0.0, 0.0]] * 6)]
-        filtered = [2, [person.name]] if person.name else [4, []]
+        name = self._database.whose(person)
+        extra = [person.number, 0.7 if name else 0.0, name, *([[0.0, 0.0]] * 6)]
+        filtered = [2, [name]] if name else [4, []]
         pose = [0.0, 0.0, 1.2, 0.0, body.angle("HeadPitch"), body.angle("HeadYaw")]
         return [self.stamp(), [[shape, extra], filtered], pose, pose, 0]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
@@ -54,6 +54,8 @@ class World:
     notes: list[str] = field(init=False)
     #: A person put there by hand; False: nobody.
     placed: Person | bool | None = field(init=False)
+    #: Whether the person there answers the robot just now.
+    talks: bool = field(init=False)
     _visitors: Visitors = field(init=False)
 
     def __post_init__(self) -> None:
@@ -64,14 +66,17 @@ class World:
         self.store = Store()
         self.random = random.Random(self.options.seed)
         self.notes = []
+        self.talks = False
         self.placed = None if self.options.visitors else False
         self._visitors = Visitors(self.options.seed)
 
     def person(self) -> Person | None:
         """Who stands before the robot now."""
         if isinstance(self.placed, Person):
-            return self.placed
-        return None if self.placed is False else self._visitors.at(self.time.now())
+            person: Person | None = self.placed
+        else:
+            person = None if self.placed is False else self._visitors.at(self.time.now())
+        return replace(person, talking=True) if person and self.talks else person
 
     def nearest(self) -> float | None:
         """Metres to what is in front of the robot, or None for nothing within the sonar's range."""

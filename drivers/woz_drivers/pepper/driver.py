@@ -18,6 +18,7 @@ from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.driver_reading import Reading
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.parts_task import Background
+from woz_drivers.pepper.recognition import Recognition
 from woz_drivers.pepper.senses import Senses
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import Screen
@@ -84,8 +85,9 @@ class Pepper:
 
     @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
-        """What its senses publish, and touches of the tablet, as far as the file wants them."""
-        return (*Senses.sensors(settings), *Screen.sensors(settings))
+        """What its senses publish, speech and touches of the tablet, as the file wants them."""
+        parts = (Senses, Screen, Recognition)
+        return tuple(sensor for part in parts for sensor in part.sensors(settings))
 
     @classmethod
     def joints(cls, settings: PepperSettings) -> Mapping[str, Range]:

@@ -18,11 +18,14 @@ from woz_drivers.pepper.senses_asking import Asking
 from woz_drivers.pepper.senses_modules import Modules, wanted
 from woz_drivers.pepper.senses_told import Refusal, Told
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_drivers.simulated.values import text
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
 from woz_tui.core.messages import Json
 
 #: A missing module is asked for again after so long: at its start a robot has them one by one.
 _AGAIN_US = 10_000_000
+#: It takes the robot some seconds to learn a face.
+LEARN_S = 20.0
 
 
 class Senses:
@@ -45,8 +48,18 @@ class Senses:
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
-        """It only looks."""
-        return ()
+        """It gives a name to the face that it sees."""
+        if not settings.senses.people:
+            return ()
+        return (
+            Verb(
+                "learn_face",
+                "recognise the face before it by this name from now on",
+                (Argument("name", "text", "a code or a pseudonym", required=True),),
+                lane="senses",
+                limit_s=LEARN_S + 5.0,
+            ),
+        )
 
     @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
@@ -55,8 +68,18 @@ class Senses:
         return (*dict.fromkeys(named), "battery")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """There is nothing to perform."""
-        raise Rejected(f"the senses cannot {job.verb}")
+        """Learn a face; ends when the robot has learnt it."""
+        if job.verb != "learn_face":
+            raise Rejected(f"the senses cannot {job.verb}")
+        name = text(job.args, "name").strip()
+        if not name:
+            raise Rejected("a face needs a name", "give a code, such as V7")
+        if await self._robot.call("ALFaceDetection", "learnFace", name, within=LEARN_S) is False:
+            raise DriverError(
+                f"the robot has not learnt the face of {name}",
+                "one person alone looks at it, from a metre away, in good light; then try again",
+            )
+        return {"name": name}
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Sensing disturbs nobody."""

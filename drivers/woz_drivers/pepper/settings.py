@@ -71,6 +71,20 @@ class Senses:
 
 
 @dataclass(frozen=True, slots=True)
+class Recognition:
+    """What the robot understands of what is said to it."""
+
+    phrases: Annotated[
+        tuple[str, ...], Doc("words and short sentences to understand, no others; none: off")
+    ] = ()
+    language: Annotated[str, Doc("as the robot calls it: English; empty: as it is")] = ""
+    spotting: Annotated[bool, Doc("also within longer sentences")] = True
+    confidence: Annotated[
+        float, Range(0, 1), Doc("what the robot is less sure of counts as not understood")
+    ] = 0.4
+
+
+@dataclass(frozen=True, slots=True)
 class PepperSettings:
     """One Pepper, or several of which one is played at a time."""
 
@@ -97,6 +111,9 @@ class PepperSettings:
     eyes: Annotated[str, Doc("colour of the eyes on connect: a name or #rrggbb")] = ""
     tablet: Annotated[Tablet, Doc("its tablet")] = field(default_factory=Tablet)
     senses: Annotated[Senses, Doc("what is read")] = field(default_factory=Senses)
+    recognition: Annotated[Recognition, Doc("what it understands of speech")] = field(
+        default_factory=Recognition
+    )
     posture: Annotated[str, Doc("taken when the robot is left alone; empty: it rests")] = ""
     pictures: Annotated[
         str, Doc("folder for camera pictures on this machine; empty: beside the log")

@@ -15,6 +15,7 @@ from woz_drivers.pepper.head import Head
 from woz_drivers.pepper.microphones import Microphones
 from woz_drivers.pepper.naoqi_call import NaoqiCall
 from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.recognition import Recognition
 from woz_drivers.pepper.senses import Senses
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.sounds import Sounds
@@ -25,7 +26,7 @@ from woz_tui.core.driver import Argument, Verb
 #: What a stop reaches first stands first.
 PARTS: tuple[type[Part], ...] = (
     *(Base, Body, Animations, Voice, Sounds, Head, Eyes, Screen),
-    *(Autonomy, Senses, Camera, Microphones, NaoqiCall),
+    *(Autonomy, Senses, Recognition, Camera, Microphones, NaoqiCall),
 )
 #: A robot that has just been switched on takes its time before it answers.
 CONNECT_LIMIT_S = 180.0

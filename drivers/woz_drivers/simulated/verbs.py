@@ -7,7 +7,7 @@ from woz_drivers.simulated.faults import MEANING
 from woz_drivers.simulated.moves import known, roles
 from woz_drivers.simulated.senses import SENSORS
 from woz_drivers.simulated.settings import Settings
-from woz_tui.core.driver import SPEECH, Argument, Verb
+from woz_tui.core.driver import SPEECH, SPEECH_TEXT, Argument, Verb
 from woz_tui.core.fields import Range
 
 #: How coloured eyes move.
@@ -30,7 +30,7 @@ def offered(settings: Settings) -> tuple[Verb, ...]:
 def sensors(settings: Settings) -> tuple[str, ...]:
     """Names of the readings: joints, base, and the visitor's traces if there is one."""
     joints = [f"{kind}.{name}" for name in settings.joints for kind in ("joint", "setpoint")]
-    seen = (*SENSORS, room.THRESHOLD, SPEECH) if settings.visitor else ()
+    seen = (*SENSORS, room.THRESHOLD, SPEECH, SPEECH_TEXT) if settings.visitor else ()
     if settings.voice_only:
         return seen
     return (*joints, "base.x", "base.y", "base.heading", *seen)

@@ -215,7 +215,7 @@ async def test_a_sound_at_an_address_is_fetched_and_lasts_its_length(
         await wired.call("ALAudioPlayer.playWebStream", f"{site}/none.wav", 0.5, 0.0)
 
 
-async def test_without_a_folder_of_its_own_it_leaves_this_machine_alone(tmp_path: Path) -> None:
+def test_without_a_folder_of_its_own_it_leaves_this_machine_alone(tmp_path: Path) -> None:
     here = tmp_path / "here.wav"
     here.write_bytes(SOUND)
     disk = Disk(World(HandTime(), Options(visitors=False)))

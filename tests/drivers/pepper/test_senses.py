@@ -16,7 +16,7 @@ from woz_drivers.pepper.senses import Senses
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import Rejected, Scope
+from woz_tui.core.driver import DriverError, Rejected, Scope
 from woz_tui.core.messages import Reading, SensorChanged
 
 FAST = settings.Senses(rate=20)
@@ -85,6 +85,23 @@ async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn, clie
         *("distance", "presence", "people", "nearest", "gaze", "identity"),
         *("direction", "loudness", "battery"),
     )
+
+
+@pytest.mark.naoqi("ALFaceDetection.learnFace")
+async def test_a_face_gets_a_name(sense: Sense, robot: StandIn, client: str) -> None:
+    async with sense(client) as it:
+        with pytest.raises(DriverError, match="has not learnt the face of V7"):
+            await it.do("learn_face", name="V7")
+        await robot.person({"number": 7, "looking": True})
+        await it.reads("identity", 0.0)
+        assert await it.do("learn_face", name=" V7 ") == {"name": "V7"}
+        await it.reads("identity", 0.7, "V7")
+        await robot.person({"number": 8, "looking": True})
+        await it.reads("identity", 0.0)
+        with pytest.raises(Rejected):
+            await it.do("learn_face", name=" ")
+    blind = settings.PepperSettings(robots=(), senses=settings.Senses(people=False))
+    assert Senses.verbs(blind) == ()
 
 
 async def test_nobody_is_said_to_be_nobody(sense: Sense, robot: StandIn) -> None:

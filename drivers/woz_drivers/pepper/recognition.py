@@ -1,0 +1,214 @@
+"""What a visitor says, as far as the robot understands it: phrases of a list, as text.
+
+ALSpeechRecognition knows no other words than those it is given. It is polled like all senses: its
+events do not work with NAOqi 2.5 ("Invalid signature"). What it has recognised stays in ALMemory,
+so it is taken out there once it was read.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import contextlib
+from collections.abc import Mapping
+from typing import Any, ClassVar
+
+from woz_drivers.pepper.memory import flag, item, within
+from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts_task import Background
+from woz_drivers.pepper.senses_asking import Asking
+from woz_drivers.pepper.senses_modules import NAME
+from woz_drivers.pepper.settings import PepperSettings
+from woz_tui.core.driver import (
+    SPEECH,
+    SPEECH_TEXT,
+    DriverError,
+    Job,
+    Lost,
+    Outlet,
+    Rejected,
+    Scope,
+    Verb,
+)
+from woz_tui.core.messages import Json, SpeechEnded, SpeechStarted, SpeechText
+
+SERVICE = "ALSpeechRecognition"
+DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"
+#: How often the robot is asked whether somebody speaks, in seconds.
+LOOK_S = 0.1
+#: What was said is known so long after its end at the latest, in microseconds.
+_KNOWN_US = 2_000_000
+_FAREWELL_S = 0.5
+#: A phrase is looked at up to here, in characters.
+_LONGEST = 200
+
+
+class Recognition:
+    """Tells when somebody speaks, and what, where `recognition.phrases` names what to expect."""
+
+    name: ClassVar[str] = "recognition"
+
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._settings = settings.recognition
+        self._outlet = outlet
+        self._asking = Asking(robot)
+        self._polling = Background("reading what the robot understands", outlet)
+        self._segment = 0
+        #: When the segment under way began; None: nobody speaks.
+        self._began_us: int | None = None
+        #: When the last one ended, and whether its text is still to come.
+        self._ended_us = 0
+        self._awaited = False
+        #: Whether the robot still says that somebody speaks, though their words are known.
+        self._lingers = False
+
+    @classmethod
+    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
+        """It only listens."""
+        return ()
+
+    @classmethod
+    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+        """Segments of speech and their texts, where there is something to recognise."""
+        return (SPEECH, SPEECH_TEXT) if settings.recognition.phrases else ()
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """There is nothing to perform."""
+        raise Rejected(f"speech recognition cannot {job.verb}")
+
+    async def stop(self, scope: Scope) -> tuple[str, ...]:
+        """Listening disturbs nobody."""
+        return ()
+
+    async def connected(self) -> None:
+        """Have the robot listen for the phrases."""
+        if not self._settings.phrases:
+            return
+        await self._polling.close()
+        self._asking.forget()
+        try:
+            await self._begin()
+        except Lost:
+            raise
+        except DriverError as error:
+            self._outlet.sensor(SPEECH, "stale", f"{SERVICE} does not run: {error.what}")
+            remedy = "is the language installed? does another program on the robot listen?"
+            raise DriverError(f"nothing is recognised: {error.what}", error.remedy or remedy) from (
+                None
+            )
+        self._outlet.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
+        self._polling.start(self._poll())
+
+    def lost(self) -> None:
+        """Nobody knows whether they speak on."""
+        self._polling.cancel()
+        if self._began_us is not None:
+            self._end("the robot is not there")
+        self._awaited = self._lingers = False
+        if self._settings.phrases:
+            self._outlet.sensor(SPEECH, "stale", "the robot is not there")
+
+    async def read(self) -> Mapping[str, Json]:
+        """It has no settings to read back."""
+        return {}
+
+    async def close(self) -> None:
+        """The robot need not listen for us any more."""
+        await self._polling.close()
+        if self._began_us is not None:
+            self._end("the session ended")
+        if self._settings.phrases and self._robot.there:
+            with contextlib.suppress(DriverError):
+                await self._robot.call(SERVICE, "unsubscribe", NAME, within=_FAREWELL_S)
+
+    async def _begin(self) -> None:
+        """NAOqi takes other phrases only while nobody listens, or all pause."""
+        call, settings = self._robot.call, self._settings
+        with contextlib.suppress(DriverError):  # an earlier session may have left it
+            await call(SERVICE, "unsubscribe", NAME)
+        await call(SERVICE, "pause", True)
+        try:
+            if settings.language:
+                await call(SERVICE, "setLanguage", settings.language)
+            await call(SERVICE, "setVocabulary", list(settings.phrases), settings.spotting)
+        finally:
+            await call(SERVICE, "pause", False)
+        await call(SERVICE, "subscribe", NAME)
+        await self._forget()
+
+    async def _forget(self) -> None:
+        """What was read shall not be read again."""
+        await self._robot.call("ALMemory", "insertData", RECOGNIZED, [])
+
+    async def _poll(self) -> None:
+        while True:
+            with contextlib.suppress(Lost):  # the connection says when it is there again
+                await self._look()
+            await asyncio.sleep(LOOK_S)
+
+    async def _look(self) -> None:
+        """Ask once, and tell what is new. Raises `Lost`."""
+        values = await self._asking.values((DETECTED, RECOGNIZED))
+        speaks = flag(values[DETECTED]) is True
+        if not speaks:
+            self._lingers = False
+        if speaks and self._began_us is None and not self._lingers:
+            self._start()
+        phrase, confidence = recognised(values[RECOGNIZED])
+        if phrase:
+            await self._forget()
+        if phrase and confidence >= self._settings.confidence:
+            self._lingers = speaks
+            self._tell_text(phrase)
+            return
+        if not speaks and self._began_us is not None:
+            self._end()
+        if phrase:
+            self._awaited = False  # a guess at words that are not in the list
+
+    # -- telling -------------------------------------------------------------------------------
+
+    def _start(self) -> None:
+        self._segment += 1
+        self._began_us = self._now()
+        self._awaited = True
+        self._outlet.tell(SpeechStarted(driver="", segment=self._segment, began=self._began_us))
+
+    def _end(self, detail: str = "") -> None:
+        self._ended_us = self._now()
+        began, self._began_us = self._began_us, None
+        self._outlet.tell(
+            SpeechEnded(
+                driver="",
+                segment=self._segment,
+                began=self._ended_us if began is None else began,
+                ended=self._ended_us,
+                detail=detail,
+            )
+        )
+
+    def _tell_text(self, phrase: str) -> None:
+        """The text of the segment under way, of the last one, or else of one of its own."""
+        late = self._awaited and self._now() - self._ended_us < _KNOWN_US
+        if self._began_us is None and not late:
+            self._start()
+        if self._began_us is not None:
+            self._end()
+        self._awaited = False
+        took = self._now() - self._ended_us
+        text = SpeechText(driver="", segment=self._segment, text=phrase, took_us=took)
+        self._outlet.tell(text)
+
+    def _now(self) -> int:
+        return self._outlet.t(self._outlet.clock.now_us())
+
+
+def recognised(value: Any) -> tuple[str, float]:
+    """The likeliest phrase of `WordRecognized` with its confidence; an empty one for none.
+
+    `[phrase, confidence, ...]`, the likeliest first; `<...>` stands for other words around it.
+    """
+    phrase, confidence = item(value, 0), within(item(value, 1), 0.0, 1.0)
+    if not isinstance(phrase, str) or len(phrase) > _LONGEST or confidence is None:
+        return "", 0.0
+    return phrase.replace("<...>", " ").strip(), confidence

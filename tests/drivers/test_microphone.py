@@ -255,7 +255,9 @@ async def test_sound_faster_than_real_time_is_slowed_down(begin: Begin) -> None:
 async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedCommand) -> None:
     microphone, _ = await begin(pipe.command)
     assert [verb.name for verb in Microphone.verbs(None)] == ["listen_room"]
-    assert Microphone.sensors(None) == ("loudness", "loudness.threshold", "speech")
+    deaf, hears = MicrophoneSettings(), MicrophoneSettings(transcribe="whisper {file}")
+    assert Microphone.sensors(deaf) == ("loudness", "loudness.threshold", "speech")
+    assert Microphone.sensors(hears) == (*Microphone.sensors(deaf), "speech.text")
     with pytest.raises(Rejected):
         await microphone.perform(Ordered("say", {"text": "x"}))
     await microphone.stop(Scope.ALL)

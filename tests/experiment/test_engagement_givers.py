@@ -44,13 +44,21 @@ def test_signs_that_are_not_used_need_nobody(tmp_path: Path) -> None:
 
 def test_a_robot_that_asks_for_names_needs_a_voice_and_an_ear(tmp_path: Path) -> None:
     asks = "{signs: [gaze], handshake: {by: robot}}"
-    path, yourself = "engagement.handshake.by: ", "; lead it yourself with by: wizard"
-    deaf = warned(tmp_path, asks, sees="gaze")
-    assert deaf == [f"{path}nobody hears the answer: no microphone gives speech{yourself}"]
-    assert not warned(tmp_path, asks, sees="gaze, loudness")
+    path = "engagement.handshake.by: "
+    for sees in ("gaze", "gaze, loudness", "gaze, speech, loudness", "gaze, identity"):
+        (deaf,) = warned(tmp_path, asks, sees=sees)
+        assert deaf.startswith(f"{path}nobody hears the answer"), sees
+        assert "by: wizard" in deaf
+    assert not warned(tmp_path, asks, sees="gaze, speech.text")
     head = "title: T\nrobot: {drivers: {eye: {type: camera, sees: [gaze, loudness]}}}\n"
     mute = warned(tmp_path, asks, "{label: A, mark: x}", head=head)
-    assert mute == [f"{path}the robot cannot ask anybody: no driver offers 'say'{yourself}"]
+    assert [line.partition(";")[0] for line in mute] == [
+        f"{path}the robot cannot ask anybody: no driver offers 'say'"
+    ]
+    forgets = warned(tmp_path, asks, sees="gaze, identity, speech.text")
+    assert forgets == [
+        f"{path}nobody is recognised when they come back: no driver offers 'learn_face'"
+    ]
 
 
 def test_two_robots_with_one_sign_each_need_a_choice(tmp_path: Path) -> None:

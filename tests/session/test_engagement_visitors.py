@@ -215,3 +215,18 @@ def test_the_store_may_lie_elsewhere(tmp_path: Path) -> None:
 
     in_room(tmp_path, stranger(scenario), guided(tmp_path, settings))
     assert "Anna" in json.dumps(json.loads((tmp_path / "people" / "known.json").read_text()))
+
+
+def test_the_wizard_types_the_answer_that_nobody_hears(tmp_path: Path) -> None:
+    async def scenario(room: Room) -> None:
+        await asyncio.sleep(1.5)
+        assert any("nobody hears the answer" in text for text in room.notices)
+        room.tell("visitor", code="Anna")
+        await asyncio.sleep(1.5)
+        saves(room)
+
+    room = in_room(tmp_path, stranger(scenario), guided(tmp_path, ASKING))
+    assert (room.shown.state, room.shown.visitor) == (KNOWN, "Anna")
+    assert stored(tmp_path) == ["Anna"]
+    said = [str(sent.args["text"]) for sent in room.of(m.Command) if sent.verb == "say"]
+    assert said == [ASKING.handshake.ask, "Nice to meet you, Anna!"]

@@ -27,6 +27,8 @@ KINDS = ("text", "number", "whole", "flag", "choice", "file", "seconds", "joints
 SPEECH = "speech"
 #: Among a driver's sensors beside `SPEECH`: it tells what was said, too, with `SpeechText`.
 SPEECH_TEXT = "speech.text"
+#: Drivers that offer this verb give names to faces; its main argument is the name.
+LEARN_FACE = "learn_face"
 
 
 class DriverError(Exception):

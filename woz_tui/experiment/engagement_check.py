@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
 
-from woz_tui.core.driver import SPEECH
+from woz_tui.core.driver import LEARN_FACE, SPEECH, SPEECH_TEXT
 from woz_tui.core.messages import Json
 from woz_tui.experiment import template
 from woz_tui.experiment.actions import Drafted
@@ -134,18 +134,27 @@ def _choices(settings: EngagementSettings, published: list[str], report: Report)
 def _handshake(
     settings: EngagementSettings, robots: Robots, published: list[str], report: Report
 ) -> None:
-    """A robot that asks for names must be able to ask, and to hear the answer."""
+    """A robot that asks for names must be able to ask, to hear the answer, to know them again."""
     path = f"{SECTION}.handshake.by"
-    heard = {*published, *(name.rpartition(".")[2] for name in published)}
     if settings.handshake.by != "robot":
         return
     if "say" not in robots.offers:
-        said = "the robot cannot ask anybody: no driver offers 'say'"
-    elif not heard & {SPEECH, settings.sound.sensor}:
-        said = "nobody hears the answer: no microphone gives speech"
-    else:
-        return
-    report.warning(report.place(path), path, f"{said}; lead it yourself with by: wizard")
+        said = "the robot cannot ask anybody: no driver offers 'say'; lead it yourself, by: wizard"
+        report.warning(report.place(path), path, said)
+    elif not _given_as(SPEECH_TEXT, published):
+        said = (
+            "nobody hears the answer: no driver gives speech as text (a microphone's transcribe,"
+            " a pepper's recognition); type the name with visitor, or lead it yourself, by: wizard"
+        )
+        report.warning(report.place(path), path, said)
+    elif _given_as("identity", published) and LEARN_FACE not in robots.offers:
+        said = f"nobody is recognised when they come back: no driver offers {quoted(LEARN_FACE)}"
+        report.warning(report.place(path), path, said)
+
+
+def _given_as(name: str, published: list[str]) -> bool:
+    """Whether some driver publishes this, whoever else does."""
+    return name in published or bool(_several(name, published))
 
 
 def _several(name: str, published: list[str]) -> list[str]:

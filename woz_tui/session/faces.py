@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
+from woz_tui.core.driver import LEARN_FACE
 from woz_tui.experiment.shape import Call, Place
 from woz_tui.sensing.model import Change
 from woz_tui.session.effects import ORIGIN
@@ -12,8 +13,6 @@ from woz_tui.session.effects import ORIGIN
 if TYPE_CHECKING:
     from woz_tui.session.session import Session
 
-#: Drivers that offer this verb give names to faces; its main argument is the name.
-LEARN_FACE = "learn_face"
 _NOWHERE = Place("", 0, 0)
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
+from woz_tui.core.driver import SPEECH_TEXT
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing.machine import State
 from woz_tui.sensing.model import Change
@@ -139,6 +140,8 @@ class Visiting:
         elif settings.by != "robot":
             self._notice("a visitor without a name: who is it?")
         elif not self._session.bus.latched:
+            if not self._hears():
+                self._notice("the robot asks for a name, and nobody hears the answer")
             self._introduction = Introduction(self._session, settings, voice, self.known.is_taken)
             self._introduction.begin()
 
@@ -151,6 +154,9 @@ class Visiting:
         drivers = self._session.experiment.drivers
         speaking = (spec.name for spec in drivers for verb in spec.verbs if verb.name == _SAY)
         return next(speaking, "")
+
+    def _hears(self) -> bool:
+        return any(SPEECH_TEXT in spec.sensors for spec in self._session.experiment.drivers)
 
     def _notice(self, text: str) -> None:
         self._session.hub.publish(

@@ -86,8 +86,8 @@ class Faults:
             # Real milliseconds: a slow network does not know of the robot's pace.
             await asyncio.sleep(float(self.detail("slow") or 500) / 1000)
         if self.there("refuse"):
-            method, _, text = self.detail("refuse").partition("=")
-            if method == called:
+            methods, _, text = self.detail("refuse").partition("=")
+            if called in methods.split(","):
                 raise Refused(text or f"{called.replace('.', '::')}\n\tnot now")
 
 

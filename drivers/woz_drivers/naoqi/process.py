@@ -39,8 +39,8 @@ Or write `robots: [simulated]`, and the driver starts one by itself.
   {"do": "touch", "x": 0.5, "y": 0.5}                   somebody touches the tablet
   {"do": "fault", "kind": "slow:300", "seconds": 5}     every answer 300 ms late
   {"do": "trace"}, {"do": "clear"}
-Faults: killed, frozen, deaf, slow:MS, refuse:SERVICE.METHOD=TEXT, says-no (moves), moody,
-invalid-signature (ALMemory), none. The service StandIn on the wire does the same.
+Faults: killed, frozen, deaf, slow:MS, refuse:SERVICE.METHOD,...=TEXT, says-no (moves),
+moody, invalid-signature (ALMemory), none. The service StandIn on the wire does the same.
 """
 
 

@@ -191,9 +191,16 @@ async def hold(robot: Robot, names: list[str]) -> None:
     """Switch on the motors of those limbs that are slack: they would not follow.
 
     Raises `DriverError` for hip and knee: a Pepper's lower part is stiff while it is awake, and
-    its stiffness alone cannot be set; and where the robot does not say how stiff they are.
+    its stiffness alone cannot be set; and where what the robot says of them makes no sense.
     """
-    told = memory.items(await robot.call(MOTION, "getStiffnesses", names))
+    try:
+        said = await robot.call(MOTION, "getStiffnesses", names)
+    except Lost:
+        raise
+    except DriverError:  # a NAOqi without it: a stiff head may be stiffened once more
+        awake = all(limb(name) for name in names) or await robot.call(MOTION, "robotIsWakeUp")
+        said = [STIFF if limb(name) is None and awake else 0.0 for name in names]
+    told = memory.items(said)
     now = [stiffness for one in told if (stiffness := memory.number(one)) is not None]
     if len(now) != len(names) or len(told) != len(names):
         raise DriverError(

@@ -54,18 +54,21 @@ class Uses:
         return frozenset((*(+self._going), *recent))
 
 
-def conflicts(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
+def conflicts(
+    values: Mapping[str, Json], used: Collection[str], asked: Mapping[str, Json] | None = None
+) -> list[str]:
     """What may surprise the wizard.
 
     Args:
         values: Settings as the robot has them; what is missing is unknown and no conflict.
         used: Verbs that the wizard uses (`Uses.now`). What may hurt somebody, or keeps the robot
             from obeying, does not depend on them.
+        asked: Settings that the file or the wizard asked for.
     """
     # What may hurt somebody or keeps the robot from obeying comes first: a console with little room
     # shows the first ones.
     said = [*_distances(values), *_asleep(values), *_head(values, used), *_arms(values, used)]
-    return [*said, *_eyes(values, used), *_life(values)]
+    return [*said, *_eyes(values, used), *_blinks(values, asked or {}), *_life(values)]
 
 
 def _life(values: Mapping[str, Json]) -> list[str]:
@@ -107,6 +110,16 @@ def _eyes(values: Mapping[str, Json], used: Collection[str]) -> list[str]:
     if "eyes" in used and values.get("blinking") is True:
         return ["blinking darkens the eyes now and then, whatever their colour"]
     return []
+
+
+def _blinks(values: Mapping[str, Json], asked: Mapping[str, Json]) -> list[str]:
+    """The example of WoZ4U's paper. Where nobody asked for it, nobody waits for it either."""
+    state = values.get("state")
+    if not (values.get("blinking") is True and asked.get("blinking") is True):
+        return []
+    if state in (None, "interactive"):
+        return []
+    return [f"a Pepper blinks only while autonomous life is interactive, not {state}"]
 
 
 def _distances(values: Mapping[str, Json]) -> list[str]:

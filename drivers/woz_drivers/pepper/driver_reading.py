@@ -83,7 +83,8 @@ class Reading:
         while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
-            self._tell(values, self._wanted.differing(values), conflicts(values, self._uses.now()))
+            against = conflicts(values, self._uses.now(), self._wanted.asked)
+            self._tell(values, self._wanted.differing(values), against)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(EVERY_S):
                     await self._soon.wait()

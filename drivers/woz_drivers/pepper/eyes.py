@@ -31,8 +31,9 @@ KINDS = ("rasta", "random", "rotate")
 OPEN_S, CLOSED_S = 3.5, 0.15
 #: A light that comes and goes, in seconds: each of its two fades.
 FADE_S = 0.6
-#: One turn of the rotating light, and how long the colour of before takes to come back.
-TURN_S, BACK_S = 1.0, 0.2
+#: One turn of the rotating light, and how long a colour takes that comes by itself: the file's on
+#: connect, and that of before after an animation. As in WoZ4U's program.
+TURN_S, COMES_S = 1.0, 0.5
 #: An animation is asked for in pieces so long: one turn of the rotating light.
 SLICE_S = TURN_S
 LONGEST = Range(0, 3600, "s")
@@ -123,11 +124,13 @@ class Eyes:
     async def connected(self) -> None:
         """Show what the robot file says; after a loss, what was shown."""
         self.lost()
+        seconds = 0.0
         if self._settings.eyes and self._shown is None:
             self._shown = Color.of(color_of({"color": self._settings.eyes}, "color"))
+            seconds = COMES_S
         if self._shown is not None:
             try:
-                await self._fade(self._shown, 0.0)
+                await self._fade(self._shown, seconds)
             except Lost:
                 raise
             except DriverError as error:
@@ -195,7 +198,7 @@ class Eyes:
             self._animated = False
             raise
         self._animated = False
-        await self._fade(before, BACK_S)
+        await self._fade(before, COMES_S)
         return {"kind": kind, "seconds": seconds}
 
     async def _dim(self, level: float) -> None:

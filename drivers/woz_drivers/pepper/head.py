@@ -18,7 +18,7 @@ from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
 from woz_tui.core.clock import Clock
-from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -27,6 +27,8 @@ HEAD_SPEED, HIP_SPEED = 0.2, 0.1
 #: A step that comes so soon after the last one goes on from its goal; later ones from where the
 #: robot looks then: it may have been moved by something else. The motors are asked as seldom.
 RECENT_US = 1_500_000
+#: How long a movement takes that the robot is not told a speed for, as in WoZ4U's program.
+_INTERPOLATED_S, _MARGIN_S = 1.0, 3.0
 #: What an angle that makes sense lies between, in radians.
 _TURN = (-2 * math.pi, 2 * math.pi)
 _DEGREES = Range(-180, 180, "degrees")
@@ -55,7 +57,13 @@ class Pair:
         """Go so many degrees further."""
         if not self._recent():
             await hold(self.robot, list(self.joints))
-            now = await self.robot.call(MOTION, "getAngles", list(self.joints), False)
+            try:
+                now = await self.robot.call(MOTION, "getAngles", list(self.joints), False)
+            except Lost:
+                raise
+            except DriverError:  # a NAOqi that does not tell can count from where they are
+                await self._interpolate(first, second, absolute=False)
+                return first, second
             first_now, second_now = (within(item(now, place), *_TURN) for place in (0, 1))
             if first_now is None or second_now is None:
                 raise DriverError(
@@ -74,9 +82,23 @@ class Pair:
 
     async def _send(self, first: float, second: float) -> tuple[float, float]:
         angles = [math.radians(first), math.radians(second)]
-        await self.robot.call(MOTION, "setAngles", list(self.joints), angles, self.speed)
+        try:
+            await self.robot.call(MOTION, "setAngles", list(self.joints), angles, self.speed)
+        except Lost:
+            raise
+        except DriverError:
+            await self._interpolate(first, second, absolute=True)
         self.goal, self.moved_us = (first, second), self.clock.now_us()
         return self.goal
+
+    async def _interpolate(self, first: float, second: float, *, absolute: bool) -> None:
+        """The way of a NAOqi that lacks the other calls; returns when they are there."""
+        angles = [math.radians(first), math.radians(second)]
+        times = [_INTERPOLATED_S] * len(angles)
+        await self.robot.call(
+            *(MOTION, "angleInterpolation", list(self.joints), angles, times, absolute),
+            within=_INTERPOLATED_S + _MARGIN_S,
+        )
 
 
 class Head:

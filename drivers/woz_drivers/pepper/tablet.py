@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
+import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
@@ -23,6 +24,8 @@ _FAREWELL_S = 0.5
 _COMMANDS = ("wifi", "hide", "default", "stop")
 #: The argument of `screen` that means the default.
 _OFF = "off"
+
+log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False, slots=True)
@@ -84,7 +87,7 @@ class Screen:
                 case "tablet", "hide":
                     await self._hide()
                 case "tablet", "stop":
-                    await self._end_video()
+                    await self._end_video(sure=True)
                     await self._show_default()
                 case verb, what:
                     raise Rejected(f"the tablet cannot {verb} {what}")
@@ -102,7 +105,7 @@ class Screen:
         return (self.name,)
 
     async def connected(self) -> None:
-        """Listen to the tablet, and show the default."""
+        """Listen to the tablet, and show the default, or clear it."""
         await self._quiet()
         self._video, self._shows, self._on_air = None, "", False
         self._signals = []
@@ -118,13 +121,13 @@ class Screen:
                 continue
         if self._touch is not None:
             await self._touch.connected()
-        if self._default:
-            try:
-                async with self._turn:
-                    await self._show_default()
-            except Lost:
-                raise
-            except DriverError as error:
+        try:
+            async with self._turn:
+                await self._show_default()  # without one: nothing of an earlier program stays
+        except Lost:
+            raise
+        except DriverError as error:
+            if self._default:
                 self._outlet.notice("warning", f"tablet: {error.what}", error.remedy)
 
     def lost(self) -> None:
@@ -197,11 +200,22 @@ class Screen:
         await self._call("hideWebview", sure=False)
         self._shows = ""
 
-    async def _end_video(self) -> None:
+    async def _end_video(self, *, sure: bool = False) -> None:
+        """For something else, which takes its place even where the tablet cannot end it; raises
+        `DriverError` then if it must be `sure`.
+        """
         video, self._video = self._video, None
-        if video is not None:
-            await self._watching.close()
+        if video is None:
+            return
+        await self._watching.close()
+        try:
             await self._call("stopVideo", sure=False)
+        except Lost:
+            raise
+        except DriverError as error:
+            if sure:
+                raise
+            log.info("the tablet does not end %s: %s", video.text, error.what)
 
     async def _network(self) -> None:
         """What is fetched needs the tablet's wifi, or another way: refused, it is tried."""

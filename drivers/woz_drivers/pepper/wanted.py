@@ -34,6 +34,11 @@ class Wanted:
         self._asked = _of_file(settings)
         self._doubted: frozenset[str] = frozenset()
 
+    @property
+    def asked(self) -> Mapping[str, Json]:
+        """All of it."""
+        return self._asked
+
     def note(self, verb: str, args: Mapping[str, Json]) -> None:
         """A command was carried out: what it set is wanted from now on."""
         for argument, value in args.items():

@@ -102,7 +102,7 @@ async def test_animations_last_as_long_as_asked_and_the_colour_comes_back(it: Pl
         assert it.jobs[-1].announced == [2.5]
         back = (await it.calls(FADE))[-1]
         assert back == ("FaceLeds", *(pytest.approx(n / 255) for n in (16, 32, 48)), back[-1])
-        assert back[-1] == pytest.approx(0.2)
+        assert back[-1] == 0.5
         assert await seen(it) == "#102030"
     assert asked[0][:2] == (0xFF8000, 1)
 
@@ -137,4 +137,5 @@ async def test_an_animation_that_is_refused_leaves_nothing_to_stop(it: Played) -
 async def test_the_files_colour_is_shown_on_connect(tmp_path: Path) -> None:
     async with played(tmp_path, eyes="green") as it:
         assert await seen(it) == "#00ff00"
+        assert [call[-1] for call in await it.calls(FADE)] == [0.5]
         await it.shows(eyes="#00ff00")

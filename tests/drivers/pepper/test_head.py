@@ -10,6 +10,7 @@ import pytest_asyncio
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
+from woz_tui.core.driver import DriverError
 from woz_tui.core.messages import Json
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
@@ -94,6 +95,49 @@ async def test_a_slack_head_is_stiffened_first_and_a_stiff_one_is_not_asked_agai
     await it.do("nudge", yaw=1)
     assert await it.calls("ALMotion.setStiffnesses") == [(["Head"], 1.0)]
     await reaches(it, "HeadYaw", 21)
+
+
+def lacks(*methods: str) -> str:
+    """The fault of a robot without these."""
+    return f"refuse:{','.join(f'ALMotion.{one}' for one in methods)}=Can't find method"
+
+
+@pytest.mark.parametrize(
+    "lacking", [(), ("getAngles",), ("setAngles",), ("getAngles", "setAngles")]
+)
+@pytest.mark.naoqi("ALMotion.angleInterpolation")
+async def test_head_and_hip_move_on_a_naoqi_that_lacks_getStiffnesses(  # noqa: N802 - its name
+    it: Played, lacking: tuple[str, ...]
+) -> None:
+    await it.do("gaze", yaw=0, pitch=0)
+    await it.do("pose", joints={"HeadYaw": 0, "HipPitch": 0}, seconds=0.5)
+    await it.stop()
+    await it.robot.clear()
+    await it.robot.fault(lacks("getStiffnesses", *lacking))
+    await it.do("nudge", yaw=20)
+    assert await it.calls("ALMotion.setStiffnesses") == [(["Head"], 1.0)]
+    await reaches(it, "HeadYaw", 20)
+    await it.do("hip", pitch=10)
+    await reaches(it, "HipPitch", -10)
+    await it.stop()
+    await it.do("nudge", yaw=-5)
+    await reaches(it, "HeadYaw", 15)
+    await it.stop()
+
+
+async def test_without_getStiffnesses_the_hip_of_a_robot_at_rest_is_left_alone(  # noqa: N802
+    it: Played,
+) -> None:
+    await it.do("torque", on=False)
+    await it.stop()
+    await it.robot.clear()
+    await it.robot.fault(lacks("getStiffnesses"))
+    with pytest.raises(DriverError, match="at rest") as told:
+        await it.do("hip", pitch=5)
+    assert "torque" in told.value.remedy
+    assert await it.calls("ALMotion.setStiffnesses", "ALMotion.setAngles") == []
+    await it.robot.clear()
+    await it.do("torque", on=True)
 
 
 async def test_the_hip_bends_in_steps_within_its_range(it: Played) -> None:

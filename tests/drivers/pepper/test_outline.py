@@ -252,6 +252,17 @@ def test_what_works_against_the_wizard_is_one_sentence(
     assert says in found[0]
 
 
+@pytest.mark.woz4u("blinking", "autonomous_state")
+def test_blinking_that_was_asked_for_needs_an_interactive_robot() -> None:
+    has: dict[str, Json] = {"state": "disabled", "awake": True, "blinking": True}
+    (found,) = conflicts(has, (), {"blinking": True})
+    assert "blinks only while autonomous life is interactive, not disabled" in found
+    assert conflicts(has, (), {}) == [], "the robot switches it on by itself as well"
+    assert conflicts({**has, "blinking": False}, (), {"blinking": True}) == []
+    alive = conflicts({**has, "state": "interactive"}, (), {"blinking": True})
+    assert not any("blinks" in text for text in alive)
+
+
 def test_a_robot_that_only_obeys_has_no_conflicts() -> None:
     calm: dict[str, Json] = {
         **{"state": "disabled", "awake": True, "awareness": False, "blinking": False},

@@ -133,6 +133,36 @@ async def test_a_picture_after_a_video_ends_it(it: Wired[Screen], robot: StandIn
     assert await it.part.stop(Scope.ALL) == ()
 
 
+async def test_a_second_video_plays_where_the_tablet_has_no_stopVideo(  # noqa: N802 - its name
+    it: Wired[Screen], robot: StandIn, folder: Path
+) -> None:
+    (folder / "shown" / "second.mp4").write_bytes(FILM)
+    await robot.set("tablet.video_seconds", 3600)
+    await robot.fault("refuse:ALTabletService.stopVideo=Can't find method: stopVideo")
+    await it.do("screen", file="film.mp4")
+    first = await _shows(robot, "video")
+    assert await it.do("screen", file="second.mp4") == {"shown": "second.mp4"}
+    second = await _shows(robot, "video")
+    assert first["url"] != second["url"]
+    await it.do("screen", file="map.png")
+    await _shows(robot, "webview", len(PICTURE))
+
+
+@pytest.mark.naoqi("ALTabletService.hideWebview")
+@pytest.mark.woz4u("is_default_img")
+async def test_without_a_default_the_tablet_is_cleared_on_connect(
+    folder: Path, robot: StandIn
+) -> None:
+    async with wired(Screen, folder, robot) as it:
+        assert len(await robot.trace("ALTabletService.hideWebview")) == 1
+        await _shows(robot, "default")
+        assert it.notices == []
+    await robot.clear()
+    await robot.fault("refuse:ALTabletService.hideWebview=no tablet")
+    async with wired(Screen, folder, robot) as it:
+        assert it.notices == it.troubles == [], "what cannot be cleared shows nothing of ours"
+
+
 async def test_the_stop_ends_a_video_and_says_tablet(it: Wired[Screen], robot: StandIn) -> None:
     assert await it.part.stop(Scope.ALL) == ()
     await robot.set("tablet.video_seconds", 3600)

@@ -5,11 +5,22 @@ from pathlib import Path
 
 import pytest
 
+from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.clock import RealClock
+from woz_tui.core.hub import Hub
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
 from woz_tui.plugins import installed
-from woz_tui.session.beginning import FILES_BYTES, experiment_files, name_beside, without_home
+from woz_tui.session.beginning import (
+    FILES_BYTES,
+    begin,
+    experiment_files,
+    name_beside,
+    reloaded,
+    without_home,
+)
+from woz_tui.session.identity import Identity
 
 ROBOT = "name: robot\ndrivers:\n  robot: {type: simulated}\n"
 
@@ -98,3 +109,27 @@ def test_only_paths_that_begin_at_home_are_shortened(
 def test_a_home_at_the_root_changes_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("HOME", "/")
     assert without_home("/srv/a.wav") == "/srv/a.wav"
+
+
+def test_keys_that_are_other_ones_than_the_file_says_are_told(tmp_path: Path) -> None:
+    def told(speech: int) -> list[m.Notice]:
+        items = "".join(f"  - {{title: T{n}, string: a, key_comb: [h]}}\n" for n in range(speech))
+        file = tmp_path / "config.yaml"
+        file.write_text(f"pepper_ips: [simulated]\nanimated_speech:\n{items}", encoding="utf-8")
+        lines: list[m.AnyMessage] = []
+        clock = RealClock()
+        hub = Hub(clock, lambda message, line: None)
+        hub.listen(lines.append)
+        read = load(file, installed())
+        begin(hub, Identity(), read, clock)
+        reloaded(hub, read, [])
+        return [line for line in lines if isinstance(line, m.Notice)]
+
+    assert told(1) == []
+    first, again = told(2)
+    assert first.text == again.text
+    assert first.level == "warning"
+    assert first.text.startswith("line 4, animated_speech[1].key_comb: h already plays 'T0'")
+    *_, last = told(30)
+    assert last.text.startswith("21 more keys")
+    assert "woz check config.yaml" in last.remedy

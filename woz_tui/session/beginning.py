@@ -15,6 +15,10 @@ from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Experiment
 from woz_tui.session.identity import Identity
 
+#: Fields of a file that say which key plays an action: in our own format, and in WoZ4U's.
+_KEY_FIELDS = ("key", "key_comb")
+#: So many keys that are other ones than the file says are told one by one.
+_KEYS_TOLD = 8
 #: Bytes of all files together in one line of the log; a line may have 1 MiB.
 FILES_BYTES = 512 * 1024
 
@@ -23,6 +27,7 @@ def begin(hub: Hub, identity: Identity, experiment: Experiment, clock: Clock) ->
     """Publish what a log begins with."""
     hub.publish(session_start(identity, experiment, clock))
     hub.publish(experiment_files(experiment))
+    _tell_keys(hub, experiment)
 
 
 def reloaded(hub: Hub, experiment: Experiment, changes: Sequence[str]) -> None:
@@ -30,6 +35,19 @@ def reloaded(hub: Hub, experiment: Experiment, changes: Sequence[str]) -> None:
     sha256 = experiment.sha256
     hub.publish(m.ExperimentReloaded(experiment_sha256=sha256, changes=[*changes]))
     hub.publish(experiment_files(experiment))
+    _tell_keys(hub, experiment)
+
+
+def _tell_keys(hub: Hub, experiment: Experiment) -> None:
+    """Tell of keys that do not play what the file says: nobody may have checked it before."""
+    odd = [one for one in experiment.warnings if one.path.rpartition(".")[2] in _KEY_FIELDS]
+    for problem in odd[:_KEYS_TOLD]:
+        text = f"line {problem.place.line}, {problem.path}: {problem.message}"
+        hub.publish(m.Notice(level="warning", text=text))
+    if len(odd) > _KEYS_TOLD:
+        text = f"{len(odd) - _KEYS_TOLD} more keys are other ones than the file says"
+        remedy = f"woz check {experiment.path.name}"
+        hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 
 
 def session_start(identity: Identity, experiment: Experiment, clock: Clock) -> m.SessionStart:

@@ -103,8 +103,9 @@ async def test_what_is_set_on_connect_and_what_the_buttons_do(tmp_path: Path) ->
         assert any(
             name == "pitchShift" and value == pytest.approx(1.3) for name, value in parameters
         )
-        (*colour, _) = (await it.asked("ALLeds.fadeRGB"))[-1]
-        assert colour == ["FaceLeds", 0.0, 1.0, pytest.approx(0.2)]
+        colour = (await it.asked("ALLeds.fadeRGB"))[-1]
+        assert colour == ["FaceLeds", 0.0, 1.0, pytest.approx(0.2), 0.5]
+        assert await it.asked("ALTabletService.hideWebview") == [[]], "there is no default picture"
 
         await it.play("Greeting")
         await it.play("Tale")

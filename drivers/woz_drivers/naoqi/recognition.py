@@ -16,6 +16,8 @@ DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"
 SURE, GUESSED = 0.62, 0.12
 #: What the robot calls those whose faces it does not know; they know their names.
 STRANGERS = ("Robin", "Kim", "Sam")
+#: Who stands nearer answers, and looks at the robot then.
+NEAR_M = 2.0
 #: So long after the robot's sentence its visitor answers, in seconds.
 ANSWERS_AFTER_S = 1.2
 
@@ -78,11 +80,11 @@ class SpeechRecognition(Extractor):
         self._sentence = str(sentence)
 
     def _answer(self, _: Any) -> None:
-        """The robot has spoken: somebody who looks at it answers, if it listens."""
+        """The robot has spoken: somebody who stands near answers, if it listens."""
         from woz_drivers.simulated import words  # noqa: PLC0415 - most robots do not listen
 
         person = self._world.person()
-        if self.on and person is not None and person.looking:
+        if self.on and person is not None and person.distance < NEAR_M:
             said = words.reply(_called(person), self._sentence, self._world.random)
             self._begin(said, ANSWERS_AFTER_S)
 

@@ -76,7 +76,7 @@ class World:
             person: Person | None = self.placed
         else:
             person = None if self.placed is False else self._visitors.at(self.time.now())
-        return replace(person, talking=True) if person and self.talks else person
+        return replace(person, talking=True, looking=True) if person and self.talks else person
 
     def nearest(self) -> float | None:
         """Metres to what is in front of the robot, or None for nothing within the sonar's range."""

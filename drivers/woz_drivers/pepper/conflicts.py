@@ -68,7 +68,8 @@ def conflicts(
     # What may hurt somebody or keeps the robot from obeying comes first: a console with little room
     # shows the first ones.
     said = [*_distances(values), *_asleep(values), *_head(values, used), *_arms(values, used)]
-    return [*said, *_eyes(values, used), *_blinks(values, asked or {}), *_life(values)]
+    eyes = _blinks(values, asked or {}) or _eyes(values, used)
+    return [*said, *eyes, *_life(values)]
 
 
 def _life(values: Mapping[str, Json]) -> list[str]:

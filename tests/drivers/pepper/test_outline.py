@@ -255,7 +255,7 @@ def test_what_works_against_the_wizard_is_one_sentence(
 @pytest.mark.woz4u("blinking", "autonomous_state")
 def test_blinking_that_was_asked_for_needs_an_interactive_robot() -> None:
     has: dict[str, Json] = {"state": "disabled", "awake": True, "blinking": True}
-    (found,) = conflicts(has, (), {"blinking": True})
+    (found,) = conflicts(has, ("eyes",), {"blinking": True})
     assert "blinks only while autonomous life is interactive, not disabled" in found
     assert conflicts(has, (), {}) == [], "the robot switches it on by itself as well"
     assert conflicts({**has, "blinking": False}, (), {"blinking": True}) == []

@@ -160,7 +160,7 @@ async def test_without_a_default_the_tablet_is_cleared_on_connect(
     await robot.clear()
     await robot.fault("refuse:ALTabletService.hideWebview=no tablet")
     async with wired(Screen, folder, robot) as it:
-        assert it.notices == it.troubles == [], "what cannot be cleared shows nothing of ours"
+        assert (it.notices, it.troubles) == ([], []), "what cannot be cleared shows nothing of ours"
 
 
 async def test_the_stop_ends_a_video_and_says_tablet(it: Wired[Screen], robot: StandIn) -> None:

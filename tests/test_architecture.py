@@ -24,6 +24,7 @@ ROOMS = [
     "woz_tui.sensing",
     "woz_tui.motion",
     "woz_tui.record",
+    "woz_tui.timeline",
     "woz_tui.analysis",
     "woz_tui.export",
     "woz_tui.session",

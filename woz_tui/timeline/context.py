@@ -1,0 +1,92 @@
+"""Whose time it is: participant, condition and trial at each moment of a session."""
+
+from __future__ import annotations
+
+import bisect
+from collections.abc import Iterator
+
+import msgspec
+
+
+class Context(msgspec.Struct, frozen=True, kw_only=True):
+    """To whom and what a moment belongs.
+
+    `participant` and `condition` are codes, empty while nobody has set one. `trial` is the trial's
+    number, None outside of trials and in breaks. `run` tells trials of one number apart: it is the
+    `seq` of the line `trial.started`, None for a number that was only set by hand. `in_break`:
+    there is a break, inside a trial or outside.
+    """
+
+    participant: str = ""
+    condition: str = ""
+    trial: int | None = None
+    run: int | None = None
+    in_break: bool = False
+
+
+class Span(msgspec.Struct, frozen=True):
+    """A piece of time, from `begin` up to `end` (microseconds on the axis of `t`), in one context.
+
+    `seq` is the line from which on the context holds: at one and the same moment several may follow
+    each other.
+    """
+
+    begin: int
+    end: int
+    context: Context
+    seq: int = -1
+
+
+class Contexts:
+    """The contexts of a session in their order; they cover it without a gap."""
+
+    def __init__(self) -> None:
+        #: Time and `seq` from which each context holds, rising.
+        self._begins: list[tuple[int, int]] = []
+        self._contexts: list[Context] = []
+
+    def enter(self, t: int, seq: int, context: Context) -> None:
+        """Let `context` hold from the line `seq` at `t` on, which is no earlier than the last."""
+        if self._begins:
+            t, seq = max((t, seq), self._begins[-1])
+        self._begins.append((t, seq))
+        self._contexts.append(context)
+
+    def rename_first(self, context: Context) -> None:
+        """Let `context` hold from the very beginning."""
+        self._contexts[0] = context
+
+    def spans(self, until: int) -> tuple[Span, ...]:
+        """All of them, the last one up to `until`; some may have no length."""
+        ends = [*(t for t, _ in self._begins[1:]), until]
+        return tuple(
+            Span(begin, end, context, seq)
+            for (begin, seq), context, end in zip(self._begins, self._contexts, ends, strict=False)
+        )
+
+    def at(self, t: int, seq: int) -> Context:
+        """The context of the line `seq` at `t`."""
+        return self._contexts[self._place(t, seq)] if self._contexts else Context()
+
+    def parts(self, begin: int, end: int, seq: int) -> tuple[Span, ...]:
+        """The pieces of the time from `begin` to `end`, each in one context: gapless, in order.
+
+        What begins with the line `seq` at `begin` is in that line's context; pieces without length
+        are left out, unless all of it has none.
+        """
+        if end <= begin or not self._contexts:
+            return (Span(begin, end, self.at(begin, seq), seq),)
+        return tuple(self._pieces(begin, end, seq))
+
+    def _pieces(self, begin: int, end: int, seq: int) -> Iterator[Span]:
+        place = self._place(begin, seq)
+        while begin < end:
+            later = place + 1
+            until = min(end, self._begins[later][0]) if later < len(self._begins) else end
+            if until > begin:
+                yield Span(begin, until, self._contexts[place], self._begins[place][1])
+                begin = until
+            place = later
+
+    def _place(self, t: int, seq: int) -> int:
+        return max(0, bisect.bisect_right(self._begins, (t, seq)) - 1)

@@ -1,0 +1,717 @@
+"""What holds at a moment of a session: everything that a screen or a newcomer must know of it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, field, fields
+from typing import Any, TypeVar
+
+import msgspec
+from msgspec.structs import replace
+
+from woz_tui.core import messages as m
+from woz_tui.core.health import DriverHealth
+from woz_tui.experiment.verbs import PERFORMERS
+from woz_tui.timeline.context import Context
+from woz_tui.timeline.engagement import ModelStatus
+from woz_tui.timeline.episodes import (
+    OUTCOMES,
+    Action,
+    Command,
+    Cue,
+    Episode,
+    FaultedLane,
+    LostDriver,
+    Moment,
+    Outcome,
+    Press,
+    Profile,
+    Rerun,
+    Restriction,
+    Stop,
+    Utterance,
+)
+from woz_tui.timeline.settings import RobotSettings
+from woz_tui.timeline.study import StudyState
+
+#: Times beyond this (73,000 years, in microseconds) come from damaged lines only.
+LONGEST = 1 << 61
+#: Things of one sort that are remembered at the same time: those whose end never comes, and names
+#: that a damaged log makes up.
+MOST = 4000
+#: Utterances that are over and may still get a text; presses of a stop that is not released.
+HEARD, PRESSES = 40, 16
+
+K = TypeVar("K")
+V = TypeVar("V")
+E = TypeVar("E", bound=Episode)
+
+
+class Driver(msgspec.Struct, frozen=True):
+    """A driver's health: the last word of it, and the first one that said the same."""
+
+    health: DriverHealth
+    since: DriverHealth
+
+
+@dataclass(slots=True)
+class SessionState:
+    """Takes messages in the order of the log and always knows what holds now.
+
+    `take` returns the episodes that a message ends or begins, in this order, and keeps only those
+    that go on: memory is bounded. It never raises, whatever is missing, doubled or out of order.
+    Time never goes back: a message that is late, or whose time no clock can have said, counts as of
+    now.
+
+    Attributes:
+        t: Now, in microseconds.
+        begin: When the first line was written; None before it.
+        start, end: The session's first and last line.
+        plan: What consoles were shown last.
+        study: Who takes part, conditions, trials, questionnaires.
+        model: The engagement model.
+        robots: Robots' settings as they were read back.
+        actions, commands: Under way, by id; without passing commands (a knob on its way).
+        stops: Not over, by scope.
+        drivers, lost, faulted_lanes: Health by driver (and lane).
+        readings, sensors: The last value and the last state of each sensor.
+        modes, faces, bodies, controls: The last of each, by driver; of controls all positions.
+        speaking: Utterances that go on, by driver and segment.
+        profile, restriction: What restricts the wizard, if anything does.
+        locks: What locked or unlocked panels since they were shown last.
+        consoles: Those that are there.
+        cue: The cue of a training that nobody has answered.
+        rerun: The re-run under way.
+    """
+
+    t: int = 0
+    begin: int | None = None
+    start: m.SessionStart | None = None
+    end: m.SessionEnd | None = None
+    plan: m.SessionPlan | None = None
+    recorder: m.RecorderState | None = None
+    study: StudyState = field(default_factory=StudyState)
+    model: ModelStatus = field(default_factory=ModelStatus)
+    robots: RobotSettings = field(default_factory=RobotSettings)
+    actions: dict[str, Action] = field(default_factory=dict)
+    commands: dict[str, Command] = field(default_factory=dict)
+    stops: dict[str, Stop] = field(default_factory=dict)
+    drivers: dict[str, Driver] = field(default_factory=dict)
+    lost: dict[str, LostDriver] = field(default_factory=dict)
+    faulted_lanes: dict[tuple[str, str], FaultedLane] = field(default_factory=dict)
+    readings: dict[str, m.Reading] = field(default_factory=dict)
+    sensors: dict[str, m.SensorChanged] = field(default_factory=dict)
+    modes: dict[str, m.ModeChanged] = field(default_factory=dict)
+    faces: dict[str, m.FaceShown] = field(default_factory=dict)
+    bodies: dict[str, m.BodyChanged] = field(default_factory=dict)
+    controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
+    speaking: dict[tuple[str, int], Utterance] = field(default_factory=dict)
+    script: m.ScriptMoved | None = None
+    locks: dict[str, m.PanelLocked] = field(default_factory=dict)
+    profile_changed: m.ProfileChanged | None = None
+    profile: Profile | None = None
+    shaping: m.ShapingChanged | None = None
+    perception: m.PerceptionChanged | None = None
+    restriction: Restriction | None = None
+    consoles: dict[str, m.ConsoleAttached] = field(default_factory=dict)
+    cue: Cue | None = None
+    rerun: Rerun | None = None
+    #: Passing commands so far, and those under way.
+    passing: int = 0
+    _passing: dict[str, None] = field(default_factory=dict)
+    _heard: dict[tuple[str, int], Utterance] = field(default_factory=dict)
+
+    # -- reading ----------------------------------------------------------------------------------
+
+    @property
+    def context(self) -> Context:
+        """To whom and what this moment belongs."""
+        return self.study.context
+
+    @property
+    def stop(self) -> Stop | None:
+        """The stop, while it is latched."""
+        return self.stops.get("all")
+
+    def sensor_state(self, sensor: str) -> str:
+        """The last state of a sensor; a value after it says that it is not stale any more."""
+        changed, reading = self.sensors.get(sensor), self.readings.get(sensor)
+        if changed is None:
+            return ""
+        fresh = reading is not None and reading.seq > changed.seq
+        return "" if fresh and changed.state == "stale" else changed.state
+
+    def copy(self) -> SessionState:
+        """The same, to go on from here without changing this one."""
+        other = object.__new__(SessionState)
+        for name in _FIELDS:
+            value = getattr(self, name)
+            setattr(other, name, value.copy() if type(value) in _COPIED else value)
+        return other
+
+    def messages(self) -> list[m.Message]:
+        """The few messages from which a fresh `SessionState` becomes the same, in order of `seq`.
+
+        They do not carry: when each setting of a robot, and what is only counted, began; which
+        commands of an action are over; passing commands.
+        """
+        lines = {id(line): line for line in self._lines()}
+        return sorted(lines.values(), key=lambda line: line.seq)
+
+    def _lines(self) -> Iterator[m.Message]:
+        single = (self.start, self.end, self.plan, self.recorder, self.script, self.shaping)
+        for line in (*single, self.profile_changed, self.perception):
+            if line is not None:
+                yield line
+        for part in (self.study, self.model, self.robots):
+            yield from part.lines
+        for driver in self.drivers.values():
+            yield driver.since
+            yield driver.health
+        tables: tuple[dict[str, Any], ...] = (
+            *(self.readings, self.sensors, self.modes, self.faces, self.bodies, self.controls),
+            *(self.locks, self.consoles),
+        )
+        for table in tables:
+            yield from table.values()
+        for episode in self._own():
+            yield from episode.lines
+
+    def _own(self) -> Iterator[Episode]:
+        for table in self._episodes():
+            yield from table.values()
+        for episode in (self.profile, self.restriction, self.cue, self.rerun):
+            if episode is not None:
+                yield episode
+
+    def _episodes(self) -> tuple[dict[Any, Any], ...]:
+        own = (self.actions, self.commands, self.stops)
+        return *own, self.lost, self.faulted_lanes, self.speaking
+
+    def open(self) -> Iterator[Episode]:
+        """All episodes that go on."""
+        for part in (self.study, self.model, self.robots):
+            yield from part.open()
+        yield from self._own()
+
+    # -- messages ---------------------------------------------------------------------------------
+
+    def take(self, message: m.Message) -> Iterable[Episode]:
+        """Work a message in; the episodes that it ends or begins. Those have an `end` that are
+        over.
+        """
+        case = CASES.get(type(message))
+        if case is None:  # of another version
+            return ()
+        t = message.t
+        if self.t <= t < LONGEST:
+            self.t = t
+        else:
+            message = replace(message, t=self.t)
+        if self.begin is None:
+            self.begin = self.t
+        changes = case(self, message)
+        # A case that makes several episodes is a generator: it does its work here.
+        return () if changes is None else [*changes]
+
+    def finish(self) -> list[Episode]:
+        """The log is over: what goes on is cut at its last moment."""
+        return [
+            replace(episode, end=max(episode.begin, self.t), cut=True) for episode in self.open()
+        ]
+
+    def _moment(self, message: m.Message) -> tuple[Episode]:
+        at, seq = self.t, message.seq
+        return (Moment(begin=at, end=at, seq=seq, outcome=Outcome.MOMENT, message=message),)
+
+    def _begin(self, table: dict[K, E], key: K, episode: E) -> Iterator[Episode]:
+        """Keep what begins; what has the same id, or is too much, has ended without a line."""
+        before = table.pop(key, None)
+        if before is None and len(table) >= MOST:
+            before = table.pop(next(iter(table)))
+        if before is not None:
+            yield replace(before, end=max(before.begin, self.t), cut=True)
+        table[key] = episode
+        yield episode
+
+    # -- the session ------------------------------------------------------------------------------
+
+    def _start(self, message: m.SessionStart) -> None:
+        self.start = message
+        self.study.start(message)
+
+    def _end(self, message: m.SessionEnd) -> None:
+        self.end = message
+
+    def _plan(self, message: m.SessionPlan) -> Iterator[Episode]:
+        before, self.plan = self.plan, message
+        study = message.settings.get("study")
+        self.study.settings = study if isinstance(study, dict) else {}
+        self.locks.clear()  # the panels say it themselves
+        had_model = before is not None and bool(before.settings.get("engagement"))
+        if had_model and self.model.present and not message.settings.get("engagement"):
+            yield from self.model.vanish(self.t, message)
+
+    def _recorder(self, message: m.RecorderState) -> None:
+        self.recorder = message
+
+    def _changed(self, message: m.SessionChanged) -> Iterable[Episode]:
+        self.study.change(message)
+        return self._moment(message)
+
+    def _assigned(self, message: m.ConditionsAssigned) -> Iterable[Episode]:
+        self.study.assign(message)
+        return self._moment(message)
+
+    # -- actions and commands ---------------------------------------------------------------------
+
+    def _requested(self, message: m.ActionRequested) -> Iterator[Episode]:
+        action = Action(begin=self.t, seq=message.seq, request=message)
+        return self._begin(self.actions, message.run, action)
+
+    def _held(self, message: m.ActionHeld) -> Iterable[Episode]:
+        action = self.actions.get(message.run)
+        if action is None:
+            return self._moment(message)
+        self.actions[message.run] = replace(action, held=message)
+        return ()
+
+    def _action_ended(self, message: m.ActionEnd) -> Iterable[Episode]:
+        action = self.actions.pop(message.run, None)
+        if action is None:
+            return self._moment(message)
+        outcome = OUTCOMES[type(message)]
+        return (replace(action, end=self.t, outcome=outcome, ended=message),)
+
+    def _command(self, message: m.Command) -> Iterable[Episode]:
+        if message.passing:
+            self.passing += 1
+            _keep(self._passing, message.command, None)
+            return ()
+        action = self.actions.get(message.run)
+        if action is not None and len(action.commands) < MOST:
+            commands = (*action.commands, message.command)
+            self.actions[message.run] = replace(action, commands=commands)
+        command = Command(begin=self.t, seq=message.seq, request=message)
+        return self._begin(self.commands, message.command, command)
+
+    def _dispatched(self, message: m.Dispatched) -> Iterable[Episode]:
+        command = self.commands.get(message.command)
+        if command is None:
+            return self._stray(message)
+        if command.dispatched is None:
+            self.commands[message.command] = replace(command, dispatched=message)
+        request = command.request
+        action = self.actions.get(request.run)
+        if (
+            action is not None
+            and action.dispatched is None
+            and (message.driver or request.driver) not in PERFORMERS
+        ):
+            self.actions[request.run] = replace(action, dispatched=message)
+        return ()
+
+    def _progress(self, message: m.Progress) -> Iterable[Episode]:
+        command = self.commands.get(message.command)
+        if command is None:
+            return self._stray(message)
+        self.commands[message.command] = replace(command, progress=message)
+        return ()
+
+    def _command_ended(self, message: m.End) -> Iterable[Episode]:
+        command = self.commands.pop(message.command, None)
+        if command is None:
+            ended = self._stray(message)
+        else:
+            outcome = OUTCOMES[type(message)]
+            ended = (replace(command, end=self.t, outcome=outcome, ended=message),)
+        self._passing.pop(message.command, None)
+        if not isinstance(message, m.Done):
+            return ended
+        action = self.actions.get(command.request.run) if command is not None else None
+        if action is not None and message.sent.get("waits"):
+            self.actions[action.request.run] = replace(action, waits=True)
+        return (*ended, *self.model.switch(message, self.t))
+
+    def _stray(self, message: m.Ack) -> tuple[Episode, ...]:
+        """Of a passing command, or of one whose request is not in the log."""
+        return () if message.command in self._passing else self._moment(message)
+
+    def _mistake(self, message: m.Mistake) -> Iterable[Episode]:
+        action, command = self.actions.get(message.run), self.commands.get(message.run)
+        if action is not None and action.mistake is None:
+            self.actions[message.run] = replace(action, mistake=message)
+        elif command is not None and command.mistake is None:
+            self.commands[message.run] = replace(command, mistake=message)
+        return self._moment(message)
+
+    # -- the stop ---------------------------------------------------------------------------------
+
+    def _pressed(self, message: m.StopPressed) -> Iterator[Episode]:
+        press, stop = Press(message), self.stops.get(message.scope)
+        if stop is None:
+            begun = Stop(begin=self.t, seq=message.seq, presses=(press,))
+            return self._begin(self.stops, message.scope, begun)
+        first, *later = stop.presses
+        presses = (first, *later[-(PRESSES - 2) :], press)
+        self.stops[message.scope] = replace(stop, presses=presses)
+        return iter(())
+
+    def _confirmed(self, message: m.StopConfirmed) -> Iterable[Episode]:
+        """It belongs to the earliest press that none has confirmed."""
+        waiting = [
+            (press.pressed.seq, scope, at)
+            for scope, stop in self.stops.items()
+            for at, press in enumerate(stop.presses)
+            if not press.confirmations
+        ]
+        stop = self.stop
+        if waiting:
+            _, scope, at = min(waiting)
+            stop = self.stops[scope]
+        elif stop is not None:
+            scope, at = "all", len(stop.presses) - 1
+        if stop is None:
+            return self._moment(message)
+        press = stop.presses[at]
+        press = replace(press, confirmations=(*press.confirmations[-PRESSES:], message))
+        presses = (*stop.presses[:at], press, *stop.presses[at + 1 :])
+        stop = self.stops[scope] = replace(stop, presses=presses)
+        if scope == "all" or not all(press.confirmations for press in presses):
+            return ()
+        del self.stops[scope]
+        return (replace(stop, end=self.t, outcome=Outcome.DONE),)
+
+    def _released(self, message: m.StopReleased) -> Iterable[Episode]:
+        ended = [
+            replace(stop, end=self.t, outcome=Outcome.RELEASED, released=message)
+            for stop in self.stops.values()
+        ]
+        self.stops.clear()
+        return ended or self._moment(message)
+
+    # -- drivers ----------------------------------------------------------------------------------
+
+    def _driver(self, message: DriverHealth) -> Iterator[Episode]:
+        name = message.driver
+        before = self.drivers.get(name)
+        same = before is not None and type(before.health) is type(message)
+        since = before.since if before is not None and same else message
+        _keep(self.drivers, name, Driver(message, since))
+        if isinstance(message, m.DriverLost | m.DriverFaulted):
+            if name not in self.lost:
+                lost = LostDriver(begin=self.t, seq=message.seq, lost=message)
+                yield from self._begin(self.lost, name, lost)
+            else:
+                yield from self._moment(message)
+            yield from self.robots.lose(message, self.t)
+            if isinstance(message, m.DriverLost):  # nobody hears where the speech ends
+                yield from self._cut_speech(name, Outcome.LOST)
+            return
+        ended = self.lost.pop(name, None) if isinstance(message, m.DriverConnected) else None
+        if ended is None:
+            yield from self._moment(message)
+        else:
+            yield replace(ended, end=self.t, outcome=Outcome.RECOVERED, found=message)
+        if isinstance(message, m.DriverConnected):
+            yield from self.robots.find(message, self.t)
+
+    def _lane_faulted(self, message: m.LaneFaulted) -> Iterator[Episode]:
+        faulted = FaultedLane(begin=self.t, seq=message.seq, faulted=message)
+        return self._begin(self.faulted_lanes, (message.driver, message.lane), faulted)
+
+    def _lane_recovered(self, message: m.LaneRecovered) -> Iterable[Episode]:
+        faulted = self.faulted_lanes.pop((message.driver, message.lane), None)
+        if faulted is None:
+            return self._moment(message)
+        return (replace(faulted, end=self.t, outcome=Outcome.RECOVERED, recovered=message),)
+
+    def _mode(self, message: m.ModeChanged) -> Iterable[Episode]:
+        _keep(self.modes, message.driver, message)
+        return self._moment(message)
+
+    def _face(self, message: m.FaceShown) -> None:
+        _keep(self.faces, message.driver, message)
+
+    def _body(self, message: m.BodyChanged) -> None:
+        _keep(self.bodies, message.driver, message)
+
+    def _controls(self, message: m.ControlsMoved) -> None:
+        before = self.controls.get(message.driver)
+        if before is not None:
+            message = replace(message, values={**before.values, **message.values})
+        _keep(self.controls, message.driver, message)
+
+    def _settings(self, message: m.SettingsShown) -> Iterator[Episode]:
+        return self.robots.show(message, self.t)
+
+    # -- the visitor ------------------------------------------------------------------------------
+
+    def _reading(self, message: m.Reading) -> None:
+        _keep(self.readings, message.sensor, message)
+
+    def _sensor(self, message: m.SensorChanged) -> Iterable[Episode]:
+        _keep(self.sensors, message.sensor, message)
+        return self._moment(message)
+
+    def _adopted(self, message: m.EngagementAdopted) -> Iterator[Episode]:
+        return self.model.adopt(message, self.t)
+
+    def _engagement(self, message: m.EngagementChanged) -> Iterator[Episode]:
+        begin = self.t if self.begin is None else self.begin
+        return self.model.change(message, self.t, begin)
+
+    def _engagement_shown(self, message: m.EngagementShown) -> None:
+        self.model.shown = message
+
+    def _speech_started(self, message: m.SpeechStarted) -> Iterator[Episode]:
+        key = (message.driver, message.segment)
+        began = self._past(message.began)
+        spoken = Utterance(
+            begin=began,
+            seq=message.seq,
+            driver=message.driver,
+            segment=message.segment,
+            started=message,
+        )
+        yield from self._cut_speech(message.driver, Outcome.OPEN)
+        self._heard.pop(key, None)
+        yield from self._begin(self.speaking, key, spoken)
+
+    def _speech_ended(self, message: m.SpeechEnded) -> Iterator[Episode]:
+        """Of one that was cut this is the true end: it comes once more."""
+        key = (message.driver, message.segment)
+        heard = self._heard.pop(key, None)
+        spoken = self.speaking.pop(key, None) or heard
+        if spoken is None or spoken.ended is not None:  # numbers may begin anew
+            spoken = self._unheard(message)
+        end = self._past(message.ended)
+        begin = min(self._past(message.began), end)
+        spoken = replace(
+            spoken, begin=begin, end=end, outcome=Outcome.DONE, cut=False, ended=message
+        )
+        yield self._keep_heard(spoken)
+
+    def _speech_text(self, message: m.SpeechText) -> Iterator[Episode]:
+        """It usually comes when the utterance is over, which then comes once more."""
+        key = (message.driver, message.segment)
+        if key in self.speaking:
+            self.speaking[key] = replace(self.speaking[key], text=message)
+            return
+        spoken = self._heard.pop(key, None) or self._unheard(message)
+        yield self._keep_heard(replace(spoken, text=message))
+
+    def _unheard(self, message: m.SpeechEnded | m.SpeechText) -> Utterance:
+        """One of which the log has only this line."""
+        return Utterance(
+            begin=self.t,
+            end=self.t,
+            outcome=Outcome.DONE,
+            seq=message.seq,
+            driver=message.driver,
+            segment=message.segment,
+        )
+
+    def _keep_heard(self, spoken: Utterance) -> Utterance:
+        _keep(self._heard, (spoken.driver, spoken.segment), spoken, HEARD)
+        return spoken
+
+    def _cut_speech(self, driver: str, outcome: str) -> Iterator[Episode]:
+        for key in [key for key in self.speaking if key[0] == driver]:
+            spoken = self.speaking.pop(key)
+            end = max(spoken.begin, self.t)
+            yield self._keep_heard(replace(spoken, end=end, outcome=outcome, cut=True))
+
+    def _past(self, t: int) -> int:
+        """A time in the past that a line tells of: since the log began, and not after now."""
+        return min(max(t, self.begin or 0), self.t)
+
+    # -- what restricts the wizard ----------------------------------------------------------------
+
+    def _profile(self, message: m.ProfileChanged) -> Iterator[Episode]:
+        self.profile_changed = message
+        if self.profile is not None:
+            yield replace(self.profile, end=self.t, outcome=Outcome.CHANGED, left=message)
+        elif not message.profile:
+            yield from self._moment(message)
+        self.profile = None
+        if message.profile:
+            self.profile = Profile(begin=self.t, seq=message.seq, changed=message)
+            yield self.profile
+
+    def _perception(self, message: m.PerceptionChanged) -> Iterator[Episode]:
+        self.perception = message
+        restricted = bool(message.hidden or message.blurred)
+        if self.restriction is not None:
+            yield replace(self.restriction, end=self.t, outcome=Outcome.CHANGED, lifted=message)
+        elif not restricted:
+            yield from self._moment(message)
+        self.restriction = None
+        if restricted:
+            self.restriction = Restriction(begin=self.t, seq=message.seq, changed=message)
+            yield self.restriction
+
+    def _shaping(self, message: m.ShapingChanged) -> Iterable[Episode]:
+        self.shaping = message
+        return self._moment(message)
+
+    def _script(self, message: m.ScriptMoved) -> Iterable[Episode]:
+        self.script = message
+        return self._moment(message)
+
+    def _locked(self, message: m.PanelLocked) -> Iterable[Episode]:
+        _keep(self.locks, message.panel, message)
+        return self._moment(message)
+
+    def _attached(self, message: m.ConsoleAttached) -> Iterable[Episode]:
+        _keep(self.consoles, message.console, message)
+        return self._moment(message)
+
+    def _detached(self, message: m.ConsoleLost) -> Iterable[Episode]:
+        self.consoles.pop(message.console, None)
+        return self._moment(message)
+
+    # -- the study --------------------------------------------------------------------------------
+
+    def _trial_started(self, message: m.TrialStarted) -> Iterator[Episode]:
+        return self.study.begin_trial(message, self.t)
+
+    def _trial_ended(self, message: m.TrialEnded) -> Iterable[Episode]:
+        stray = self.study.trial is None
+        ended = self.study.end_trial(message, self.t)
+        return (*ended, *self._moment(message)) if stray else ended
+
+    def _break_started(self, message: m.BreakStarted) -> Iterator[Episode]:
+        return self.study.begin_break(message, self.t)
+
+    def _break_ended(self, message: m.BreakEnded) -> Iterable[Episode]:
+        if self.study.in_break is None:
+            return self._moment(message)
+        return self.study.end_break(message, self.t)
+
+    def _checked(self, message: m.PreflightChecked) -> Iterable[Episode]:
+        _keep(self.study.checks, message.check, message)
+        return self._moment(message)
+
+    def _asked(self, message: m.QuestionnaireStarted) -> Iterator[Episode]:
+        return self.study.ask(message, self.t)
+
+    def _answered(self, message: m.QuestionnaireAnswered) -> Iterator[Episode]:
+        return self.study.answer(message, self.t)
+
+    def _asking_ended(self, message: m.QuestionnaireEnded) -> Iterable[Episode]:
+        ended = [*self.study.end_questionnaire(message, self.t)]
+        known = any(not episode.cut for episode in ended)
+        return ended if known else (*ended, *self._moment(message))
+
+    # -- training, re-run -------------------------------------------------------------------------
+
+    def _cue(self, message: m.CueGiven) -> Iterator[Episode]:
+        if self.cue is not None:
+            yield replace(self.cue, end=self.t, cut=True)
+        self.cue = Cue(begin=self.t, seq=message.seq, given=message)
+        yield self.cue
+
+    def _judged(self, message: m.CueAnswered) -> Iterable[Episode]:
+        cue = self.cue
+        if cue is None or cue.given.cue != message.cue:
+            return self._moment(message)
+        self.cue = None
+        return (replace(cue, end=self.t, outcome=message.judged, answered=message),)
+
+    def _rerun_started(self, message: m.RerunStarted) -> Iterator[Episode]:
+        if self.rerun is not None:
+            yield replace(self.rerun, end=self.t, cut=True)
+        self.rerun = Rerun(begin=self.t, seq=message.seq, started=message)
+        yield self.rerun
+
+    def _rerun_ended(self, message: m.RerunEnded) -> Iterable[Episode]:
+        if self.rerun is None:
+            return self._moment(message)
+        ended = replace(self.rerun, end=self.t, outcome=Outcome.DONE, ended=message)
+        self.rerun = None
+        return (ended,)
+
+    def _pass_over(self, message: m.Message) -> None:
+        """It says something of the log, not of the session."""
+
+
+def _keep(table: dict[K, V], key: K, value: V, most: int = MOST) -> None:
+    """Put a value in; the oldest one makes way where there are too many."""
+    if key not in table and len(table) >= most:
+        del table[next(iter(table))]
+    table[key] = value
+
+
+_FIELDS = tuple(each.name for each in fields(SessionState))
+#: What changes in place.
+_COPIED = frozenset({dict, StudyState, ModelStatus, RobotSettings})
+
+S = SessionState
+#: What each kind of message does; a test says which kind is missing.
+CASES: dict[type[m.Message], Callable[[SessionState, Any], Iterable[Episode] | None]] = {
+    m.SessionStart: S._start,
+    m.SessionChanged: S._changed,
+    m.SessionEnd: S._end,
+    m.SessionPlan: S._plan,
+    m.RecorderState: S._recorder,
+    m.ActionRequested: S._requested,
+    m.ActionHeld: S._held,
+    m.Command: S._command,
+    m.Dispatched: S._dispatched,
+    m.Progress: S._progress,
+    m.Mistake: S._mistake,
+    m.StopPressed: S._pressed,
+    m.StopConfirmed: S._confirmed,
+    m.StopReleased: S._released,
+    m.LaneFaulted: S._lane_faulted,
+    m.LaneRecovered: S._lane_recovered,
+    m.Reading: S._reading,
+    m.SensorChanged: S._sensor,
+    m.EngagementAdopted: S._adopted,
+    m.EngagementChanged: S._engagement,
+    m.EngagementShown: S._engagement_shown,
+    m.SpeechStarted: S._speech_started,
+    m.SpeechEnded: S._speech_ended,
+    m.SpeechText: S._speech_text,
+    m.ModeChanged: S._mode,
+    m.FaceShown: S._face,
+    m.BodyChanged: S._body,
+    m.ControlsMoved: S._controls,
+    m.SettingsShown: S._settings,
+    m.ScriptMoved: S._script,
+    m.PanelLocked: S._locked,
+    m.ProfileChanged: S._profile,
+    m.ConsoleAttached: S._attached,
+    m.ConsoleLost: S._detached,
+    m.ConditionsAssigned: S._assigned,
+    m.TrialStarted: S._trial_started,
+    m.TrialEnded: S._trial_ended,
+    m.BreakStarted: S._break_started,
+    m.BreakEnded: S._break_ended,
+    m.PreflightChecked: S._checked,
+    m.QuestionnaireStarted: S._asked,
+    m.QuestionnaireAnswered: S._answered,
+    m.QuestionnaireEnded: S._asking_ended,
+    m.ShapingChanged: S._shaping,
+    m.PerceptionChanged: S._perception,
+    m.CueGiven: S._cue,
+    m.CueAnswered: S._judged,
+    m.RerunStarted: S._rerun_started,
+    m.RerunEnded: S._rerun_ended,
+    **dict.fromkeys(
+        (m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionRefused), S._action_ended
+    ),
+    **dict.fromkeys(
+        (m.Done, m.Failed, m.TimedOut, m.Refused, m.Stopped, m.Superseded), S._command_ended
+    ),
+    **dict.fromkeys(
+        (m.DriverConnecting, m.DriverConnected, m.DriverLost, m.DriverFaulted), S._driver
+    ),
+    # Moments, and nothing but moments.
+    **dict.fromkeys(
+        (m.Marker, m.Note, m.Notice, m.VisitorChanged, m.ExperimentReloaded, m.RerunSent), S._moment
+    ),
+    m.RerunSkipped: S._moment,
+    **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), S._pass_over),
+}

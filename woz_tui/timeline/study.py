@@ -1,0 +1,294 @@
+"""The study around a session: participant, condition, trials, breaks, what is asked of people."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+from msgspec.structs import replace
+
+from woz_tui.core import messages as m
+from woz_tui.experiment.due import OVER, due_behind
+from woz_tui.timeline.context import Context
+from woz_tui.timeline.episodes import Break, Episode, Outcome, Questionnaire, Trial
+
+
+@dataclass(frozen=True, slots=True)
+class Due:
+    """A questionnaire that is due, and the trial behind which it is (-1: behind the last)."""
+
+    questionnaire: str
+    trial: int = -1
+
+
+@dataclass(slots=True)
+class StudyState:
+    """How a study stands. Each method takes a message and returns the episodes that ended with it
+    or began.
+
+    Times: `t` in microseconds, never earlier than before.
+
+    Attributes:
+        settings: `settings["study"]` of the last `session.plan`: what the experiment file says.
+        participant, condition: Codes; empty while nobody has set one.
+        context: To whom and what this moment belongs.
+        next_trial: The number of the next trial, or of the present one.
+        assigned: The order of conditions that was given last, perhaps to somebody else (`order`).
+        trial, in_break, questionnaire: What is under way.
+        last_started, last_ended: Of trials.
+        checks: Lines of the preflight list, by what was checked.
+        had: Questionnaires that this participant has had or declined, and their ends by name.
+    """
+
+    settings: Mapping[str, Any] = field(default_factory=dict)
+    participant: str = ""
+    condition: str = ""
+    context: Context = field(default_factory=Context)
+    next_trial: int = 1
+    assigned: m.ConditionsAssigned | None = None
+    trial: Trial | None = None
+    in_break: Break | None = None
+    questionnaire: Questionnaire | None = None
+    last_started: m.TrialStarted | None = None
+    last_ended: m.TrialEnded | None = None
+    checks: dict[str, m.PreflightChecked] = field(default_factory=dict)
+    had: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
+    #: Whether any line has set the context.
+    begun: bool = False
+    #: The trial whose questionnaires are due, and which of them have been had since.
+    _over: m.TrialEnded | None = None
+    _had_since: frozenset[str] = frozenset()
+    #: The last end of each questionnaire, whoever had it.
+    _rounds: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
+    #: A number that was set by hand, where no trials are begun.
+    _number: int | None = None
+    #: Trials are begun and ended in this session: a number that is set is that of the next one.
+    _begins_trials: bool = False
+    #: The lines from which participant, condition, the next number and the number by hand come.
+    _sources: dict[str, m.Message] = field(default_factory=dict)
+
+    def copy(self) -> StudyState:
+        """The same, to go on from here without changing this one."""
+        other = copy.copy(self)
+        for name in ("checks", "had", "_rounds", "_sources"):
+            setattr(other, name, dict(getattr(self, name)))
+        return other
+
+    # -- figures ----------------------------------------------------------------------------------
+
+    @property
+    def order(self) -> Sequence[str]:
+        """The conditions of the present participant in their order; empty if none was given."""
+        if self.assigned is None or self.assigned.participant != self.participant:
+            return ()
+        return self.assigned.order
+
+    @property
+    def trials(self) -> int:
+        """Trials in each condition; 0: nobody said."""
+        design = self.settings.get("design")
+        trials = design.get("trials") if isinstance(design, Mapping) else 0
+        return trials if isinstance(trials, int) else 0
+
+    @property
+    def planned(self) -> int:
+        """Trials of the participant in all; 0: nobody said, or no order was given yet."""
+        if self.assigned is None or self.assigned.participant != self.participant:
+            return 0
+        return self.trials * max(len(self.order), 1)
+
+    @property
+    def due(self) -> list[Due]:
+        """Questionnaires that are due behind the trial that ended last, in the file's order."""
+        over = self._over
+        if over is None:
+            return []
+        whens = due_behind(over.trial, over.outcome, trials=self.trials, planned=self.planned)
+        return [
+            Due(name, -1 if when == "end" else over.trial)
+            for when in whens
+            for name in self._questionnaires(when)
+            if name not in self._had_since
+        ]
+
+    def _questionnaires(self, when: str) -> Iterator[str]:
+        listed = self.settings.get("questionnaires")
+        for each in listed if isinstance(listed, list) else ():
+            if isinstance(each, Mapping) and each.get("when") == when:
+                yield str(each.get("name", ""))
+
+    @property
+    def lines(self) -> Iterator[m.Message]:
+        """The messages from which it becomes the same again; they may repeat, in no order."""
+        yield from self._sources.values()
+        yield from self.checks.values()
+        yield from self.had.values()
+        yield from self._rounds.values()
+        for line in (self.assigned, self.last_started, self.last_ended, self._over):
+            if line is not None:
+                yield line
+        for episode in (self.trial, self.in_break, self.questionnaire):
+            if episode is not None:
+                yield from episode.lines
+
+    def open(self) -> Iterator[Episode]:
+        """What goes on."""
+        for episode in (self.trial, self.in_break, self.questionnaire):
+            if episode is not None:
+                yield episode
+
+    # -- who and where ----------------------------------------------------------------------------
+
+    def start(self, message: m.SessionStart) -> None:
+        """The session begins."""
+        self._somebody(message.participant, message)
+        self._sources["condition"] = message
+        self.condition = message.condition
+        self._enter()
+
+    def change(self, message: m.SessionChanged) -> None:
+        """Participant, condition or number were set."""
+        if message.participant is not None:
+            self._somebody(message.participant, message)
+        if message.condition is not None:
+            self.condition = message.condition
+            self._sources["condition"] = message
+        if message.trial is not None:
+            self._follow(message.trial, message)
+            if not self._begins_trials:
+                self._number = message.trial
+                self._sources["number"] = message
+        self._enter()
+
+    def assign(self, message: m.ConditionsAssigned) -> None:
+        """A participant got an order of conditions."""
+        self._somebody(message.participant, message)
+        self.assigned = message
+        self._begin_trials()
+        self._enter()
+
+    def _somebody(self, participant: str, message: m.Message) -> None:
+        """Another participant begins anew, and has been asked nothing yet."""
+        if "participant" in self._sources and participant == self.participant:
+            return
+        self.participant = participant
+        self._sources["participant"] = message
+        self._follow(1, message)
+        self.had.clear()
+        self._over, self._had_since = None, frozenset()
+
+    def _follow(self, number: int, message: m.Message) -> None:
+        self.next_trial = number
+        self._sources["next"] = message
+
+    def _begin_trials(self) -> None:
+        if not self._begins_trials:
+            self._begins_trials, self._number = True, None
+            self._sources.pop("number", None)
+
+    def _enter(self) -> None:
+        """Work out the context anew; the same one stays the same object."""
+        self.begun = True
+        trial, in_break = self.trial, self.in_break is not None
+        number = self._number if trial is None else trial.started.trial
+        context = Context(
+            participant=self.participant,
+            condition=self.condition,
+            trial=None if in_break else number,
+            run=None if in_break or trial is None else trial.seq,
+            in_break=in_break,
+        )
+        if context != self.context:
+            self.context = context
+
+    # -- trials and breaks ------------------------------------------------------------------------
+
+    def begin_trial(self, message: m.TrialStarted, t: int) -> Iterator[Episode]:
+        """A trial begins, whatever was before: of what has no end in the log this is the end."""
+        yield from self._cut_break(t)
+        if self.trial is not None:
+            yield replace(self.trial, end=t, cut=True)
+        self._begin_trials()
+        self.trial = Trial(begin=t, seq=message.seq, started=message)
+        self.last_started = message
+        self._follow(message.trial, message)
+        self._over, self._had_since = None, frozenset()
+        if message.condition:
+            self.condition = message.condition
+            self._sources["condition"] = message
+        self._enter()
+        yield self.trial
+
+    def end_trial(self, message: m.TrialEnded, t: int) -> Iterator[Episode]:
+        """A trial is over, and a break inside it with it."""
+        yield from self._cut_break(t)
+        if self.trial is not None:
+            yield replace(self.trial, end=t, outcome=message.outcome, ended=message)
+        self.trial, self.last_ended = None, message
+        self._number = None
+        self._sources.pop("number", None)
+        if message.outcome in OVER:
+            self._follow(message.trial + 1, message)
+            self._over, self._had_since = message, frozenset()
+        self._enter()
+
+    def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:
+        """What happens now belongs to no trial."""
+        yield from self._cut_break(t)
+        self.in_break = Break(begin=t, seq=message.seq, started=message)
+        self._enter()
+        yield self.in_break
+
+    def end_break(self, message: m.BreakEnded, t: int) -> Iterator[Episode]:
+        """The trial that was interrupted goes on, if one was."""
+        if self.in_break is None:
+            return
+        ended = replace(self.in_break, end=t, outcome=Outcome.DONE, ended=message)
+        self.in_break = None
+        self._enter()
+        yield ended
+
+    def _cut_break(self, t: int) -> Iterator[Episode]:
+        if self.in_break is not None:
+            yield replace(self.in_break, end=t, cut=True)
+            self.in_break = None
+
+    # -- asked of people --------------------------------------------------------------------------
+
+    def ask(self, message: m.QuestionnaireStarted, t: int) -> Iterator[Episode]:
+        """A questionnaire begins; there is one at a time."""
+        yield from self._cut_questionnaire(t)
+        self.questionnaire = Questionnaire(
+            begin=t, seq=message.seq, name=message.questionnaire, started=message
+        )
+        yield self.questionnaire
+
+    def answer(self, message: m.QuestionnaireAnswered, t: int) -> Iterator[Episode]:
+        """An answer; without its beginning in the log, the questionnaire begins with it."""
+        name = message.questionnaire
+        if self.questionnaire is None or self.questionnaire.name != name:
+            yield from self._cut_questionnaire(t)
+            self.questionnaire = Questionnaire(begin=t, seq=message.seq, name=name)
+            yield self.questionnaire
+        answers = {**self.questionnaire.answers, message.item: message}
+        self.questionnaire = replace(self.questionnaire, answers=answers)
+
+    def end_questionnaire(self, message: m.QuestionnaireEnded, t: int) -> Iterable[Episode]:
+        """It is over; nothing comes of it if its beginning is not in the log."""
+        name = message.questionnaire
+        self._rounds[name] = message
+        if message.reason != Outcome.LEFT:
+            self.had[name] = message
+            self._had_since |= {name}
+        asked = self.questionnaire
+        if asked is None or asked.name != name:
+            return [*self._cut_questionnaire(t)]
+        self.questionnaire = None
+        return [replace(asked, end=t, outcome=message.reason, ended=message)]
+
+    def _cut_questionnaire(self, t: int) -> Iterator[Episode]:
+        if self.questionnaire is not None:
+            yield replace(self.questionnaire, end=t, cut=True)
+            self.questionnaire = None

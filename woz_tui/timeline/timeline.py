@@ -1,0 +1,130 @@
+"""A whole log: its episodes, and whose time it was at each moment."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from msgspec.structs import replace
+
+from woz_tui.core import messages as m
+from woz_tui.timeline.context import Contexts, Span
+from woz_tui.timeline.episodes import Action, Command, Episode, Utterance
+from woz_tui.timeline.state import SessionState
+
+
+class Timeline:
+    """Takes the messages of a log in their order; after `finish` its episodes can be read.
+
+    Attributes:
+        state: What holds now.
+        contexts: Whose time it was.
+        episodes: After `finish`: all of them by beginning and `seq`, each with its context and
+            parts.
+    """
+
+    def __init__(self) -> None:
+        self.state = SessionState()
+        self.contexts = Contexts()
+        self.episodes: tuple[Episode, ...] = ()
+        self._ended: list[Episode] = []
+        #: Where among those an utterance is: its text comes later.
+        self._spoken: dict[tuple[str, int], int] = {}
+        self._mistakes: list[m.Mistake] = []
+        self._begun = False
+
+    @property
+    def begin(self) -> int:
+        """When the first line was written, in microseconds."""
+        return self.state.begin or 0
+
+    @property
+    def end(self) -> int:
+        """When the last line was written, in microseconds."""
+        return self.state.t
+
+    @property
+    def spans(self) -> tuple[Span, ...]:
+        """The contexts from the first line to the last, without a gap."""
+        return self.contexts.spans(self.end)
+
+    def take(self, message: m.Message) -> None:
+        """The next message; `finish` must not have been called."""
+        state = self.state
+        before = state.context
+        first = state.begin is None
+        changes = state.take(message)
+        if first and state.begin is not None:
+            self.contexts.enter(state.begin, message.seq, before)
+        if state.context is not before or (state.study.begun and not self._begun):
+            self._enter(message)
+        for episode in changes:
+            if episode.end is not None:
+                self._keep(episode)
+        if isinstance(message, m.Mistake):
+            self._mistakes.append(message)
+
+    def _enter(self, message: m.Message) -> None:
+        """Another context holds. Whose the time was before the first line that says so is lost: it
+        counts as the same participant's, in the same condition.
+        """
+        context = self.state.context
+        if not self._begun:
+            self._begun = True
+            early = replace(context, trial=None, run=None, in_break=False)
+            self.contexts.rename_first(early)
+            if early == context:
+                return
+        self.contexts.enter(self.state.t, message.seq, context)
+
+    def _keep(self, episode: Episode) -> None:
+        if isinstance(episode, Utterance):
+            key = (episode.driver, episode.segment)
+            place = self._spoken.get(key)
+            if place is not None and self._ended[place].seq == episode.seq:
+                self._ended[place] = episode
+                return
+            self._spoken[key] = len(self._ended)
+        self._ended.append(episode)
+
+    def finish(self) -> None:
+        """The log is over."""
+        found = [*self._ended, *self.state.finish()]
+        found.sort(key=lambda episode: (episode.begin, episode.seq))
+        found = _with_mistakes(found, self._mistakes)
+        self.episodes = tuple(map(self._placed, found))
+
+    def _placed(self, episode: Episode) -> Episode:
+        begin, seq = episode.begin, episode.seq
+        end = begin if episode.end is None else episode.end
+        return replace(
+            episode,
+            context=self.contexts.at(begin, seq),
+            parts=self.contexts.parts(begin, end, seq),
+        )
+
+
+def _with_mistakes(episodes: list[Episode], mistakes: list[m.Mistake]) -> list[Episode]:
+    """Actions and commands with the line that calls them a mistake, also when they were over."""
+    places: dict[str, list[int]] = {}
+    for at, episode in enumerate(episodes):
+        if isinstance(episode, Action):
+            places.setdefault(episode.request.run, []).append(at)
+        elif isinstance(episode, Command):
+            places.setdefault(episode.request.command, []).append(at)
+    for mistake in mistakes:
+        for at in reversed(places.get(mistake.run, ())):
+            episode = episodes[at]
+            if episode.seq < mistake.seq and isinstance(episode, Action | Command):
+                if episode.mistake is None:
+                    episodes[at] = replace(episode, mistake=mistake)
+                break
+    return episodes
+
+
+def timeline_of(messages: Iterable[m.Message]) -> Timeline:
+    """The timeline of messages that are in memory or come from anywhere."""
+    timeline = Timeline()
+    for message in messages:
+        timeline.take(message)
+    timeline.finish()
+    return timeline

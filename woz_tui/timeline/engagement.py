@@ -106,7 +106,8 @@ class ModelStatus:
         yield from self._leave(t, Outcome.OFF)
         if self.off is not None:
             yield replace(self.off, end=t, outcome=Outcome.OFF)
-        self.present, self.off, self._appeared = False, None, message
+        self.present, self.state = False, STATES[0]
+        self.off, self._appeared = None, message
         self.changed = self.shown = self._before = None
         self._switched_off = self._switched_on = None
 
@@ -127,8 +128,8 @@ class ModelStatus:
     def change(self, message: m.EngagementChanged, t: int, begin: int) -> Iterator[Episode]:
         """The model went from one state to another; `begin` is when the log began."""
         if not self.present:
+            since = begin if self._appeared is None else t
             self.present, self.state, self._appeared = True, message.was, message
-            since = begin if self.settings is None else t
             yield from self._enter(since, message.seq, None)
         stay = self.stay
         self.state, self.changed = message.now, message

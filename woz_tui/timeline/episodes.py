@@ -8,13 +8,27 @@ from __future__ import annotations
 
 import enum
 from collections.abc import Iterable, Mapping
-from typing import ClassVar
+from typing import ClassVar, TypeVar
 
 import msgspec
 
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 from woz_tui.timeline.context import Context, Span
+
+#: Things of one sort that are remembered at the same time: those whose end never comes, and names
+#: that a damaged log makes up.
+MOST = 4000
+
+K = TypeVar("K")
+V = TypeVar("V")
+
+
+def keep(table: dict[K, V], key: K, value: V, most: int = MOST) -> None:
+    """Put a value in; the oldest one makes way where there are too many."""
+    if key not in table and len(table) >= most:
+        del table[next(iter(table))]
+    table[key] = value
 
 
 class Outcome(enum.StrEnum):

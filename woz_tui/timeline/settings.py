@@ -12,7 +12,7 @@ from dataclasses import dataclass, field
 from msgspec.structs import replace
 
 from woz_tui.core import messages as m
-from woz_tui.timeline.episodes import Conflict, Episode, Outcome, Setting
+from woz_tui.timeline.episodes import MOST, Conflict, Episode, Outcome, Setting, keep
 
 #: A driver's settings by name, its conflicts by sentence.
 _Key = tuple[type[Episode], str]
@@ -59,7 +59,7 @@ class RobotSettings:
         The line of its coming back may be missing, or later: a robot from which a difference was
         read is there.
         """
-        self.shown[message.driver] = message
+        keep(self.shown, message.driver, message)
         if message.wanted:
             self.lost.pop(message.driver, None)
         if message.driver not in self.lost:
@@ -68,7 +68,7 @@ class RobotSettings:
     def lose(self, message: m.DriverHealth, t: int) -> Iterator[Episode]:
         """A driver's robot is lost: nothing is known of its settings any more."""
         if message.driver not in self.lost:
-            self.lost[message.driver] = message
+            keep(self.lost, message.driver, message)
             yield from self._compare(message.driver, t, message.seq)
 
     def find(self, message: m.DriverConnected, t: int) -> Iterator[Episode]:
@@ -79,6 +79,8 @@ class RobotSettings:
     def _compare(self, driver: str, t: int, seq: int) -> Iterator[Episode]:
         """End what is not so any more, begin what is so now."""
         now = {} if driver in self.lost else _found(self.shown.get(driver), t, seq)
+        if driver not in self._open and len(self._open) >= MOST:
+            return
         before = self._open.setdefault(driver, {})
         for key in dict.fromkeys((*before, *now)):
             old, new = before.get(key), now.get(key)
@@ -90,7 +92,7 @@ class RobotSettings:
                 lost = driver in self.lost
                 yield replace(old, end=t, outcome=Outcome.LOST if lost else Outcome.CHANGED)
                 del before[key]
-            if new is not None:
+            if new is not None and len(before) < MOST:
                 before[key] = new
                 yield new
 

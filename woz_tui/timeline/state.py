@@ -15,6 +15,7 @@ from woz_tui.experiment.verbs import PERFORMERS
 from woz_tui.timeline.context import Context
 from woz_tui.timeline.engagement import ModelStatus
 from woz_tui.timeline.episodes import (
+    MOST,
     OUTCOMES,
     Action,
     Command,
@@ -30,20 +31,17 @@ from woz_tui.timeline.episodes import (
     Restriction,
     Stop,
     Utterance,
+    keep,
 )
 from woz_tui.timeline.settings import RobotSettings
 from woz_tui.timeline.study import StudyState
 
 #: Times beyond this (73,000 years, in microseconds) come from damaged lines only.
 LONGEST = 1 << 61
-#: Things of one sort that are remembered at the same time: those whose end never comes, and names
-#: that a damaged log makes up.
-MOST = 4000
 #: Utterances that are over and may still get a text; presses of a stop that is not released.
 HEARD, PRESSES = 40, 16
 
 K = TypeVar("K")
-V = TypeVar("V")
 E = TypeVar("E", bound=Episode)
 
 
@@ -237,7 +235,7 @@ class SessionState:
     # -- the session ------------------------------------------------------------------------------
 
     def _start(self, message: m.SessionStart) -> None:
-        self.start = message
+        self.start = self.start or message
         self.study.start(message)
 
     def _end(self, message: m.SessionEnd) -> None:
@@ -286,7 +284,7 @@ class SessionState:
     def _command(self, message: m.Command) -> Iterable[Episode]:
         if message.passing:
             self.passing += 1
-            _keep(self._passing, message.command, None)
+            keep(self._passing, message.command, None)
             return ()
         action = self.actions.get(message.run)
         if action is not None and len(action.commands) < MOST:
@@ -397,7 +395,7 @@ class SessionState:
         before = self.drivers.get(name)
         same = before is not None and type(before.health) is type(message)
         since = before.since if before is not None and same else message
-        _keep(self.drivers, name, Driver(message, since))
+        keep(self.drivers, name, Driver(message, since))
         if isinstance(message, m.DriverLost | m.DriverFaulted):
             if name not in self.lost:
                 lost = LostDriver(begin=self.t, seq=message.seq, lost=message)
@@ -427,20 +425,20 @@ class SessionState:
         return (replace(faulted, end=self.t, outcome=Outcome.RECOVERED, recovered=message),)
 
     def _mode(self, message: m.ModeChanged) -> Iterable[Episode]:
-        _keep(self.modes, message.driver, message)
+        keep(self.modes, message.driver, message)
         return self._moment(message)
 
     def _face(self, message: m.FaceShown) -> None:
-        _keep(self.faces, message.driver, message)
+        keep(self.faces, message.driver, message)
 
     def _body(self, message: m.BodyChanged) -> None:
-        _keep(self.bodies, message.driver, message)
+        keep(self.bodies, message.driver, message)
 
     def _controls(self, message: m.ControlsMoved) -> None:
         before = self.controls.get(message.driver)
         if before is not None:
             message = replace(message, values={**before.values, **message.values})
-        _keep(self.controls, message.driver, message)
+        keep(self.controls, message.driver, message)
 
     def _settings(self, message: m.SettingsShown) -> Iterator[Episode]:
         return self.robots.show(message, self.t)
@@ -448,10 +446,10 @@ class SessionState:
     # -- the visitor ------------------------------------------------------------------------------
 
     def _reading(self, message: m.Reading) -> None:
-        _keep(self.readings, message.sensor, message)
+        keep(self.readings, message.sensor, message)
 
     def _sensor(self, message: m.SensorChanged) -> Iterable[Episode]:
-        _keep(self.sensors, message.sensor, message)
+        keep(self.sensors, message.sensor, message)
         return self._moment(message)
 
     def _adopted(self, message: m.EngagementAdopted) -> Iterator[Episode]:
@@ -513,7 +511,7 @@ class SessionState:
         )
 
     def _keep_heard(self, spoken: Utterance) -> Utterance:
-        _keep(self._heard, (spoken.driver, spoken.segment), spoken, HEARD)
+        keep(self._heard, (spoken.driver, spoken.segment), spoken, HEARD)
         return spoken
 
     def _cut_speech(self, driver: str, outcome: str) -> Iterator[Episode]:
@@ -560,11 +558,11 @@ class SessionState:
         return self._moment(message)
 
     def _locked(self, message: m.PanelLocked) -> Iterable[Episode]:
-        _keep(self.locks, message.panel, message)
+        keep(self.locks, message.panel, message)
         return self._moment(message)
 
     def _attached(self, message: m.ConsoleAttached) -> Iterable[Episode]:
-        _keep(self.consoles, message.console, message)
+        keep(self.consoles, message.console, message)
         return self._moment(message)
 
     def _detached(self, message: m.ConsoleLost) -> Iterable[Episode]:
@@ -590,7 +588,7 @@ class SessionState:
         return self.study.end_break(message, self.t)
 
     def _checked(self, message: m.PreflightChecked) -> Iterable[Episode]:
-        _keep(self.study.checks, message.check, message)
+        keep(self.study.checks, message.check, message)
         return self._moment(message)
 
     def _asked(self, message: m.QuestionnaireStarted) -> Iterator[Episode]:
@@ -634,13 +632,6 @@ class SessionState:
 
     def _pass_over(self, message: m.Message) -> None:
         """It says something of the log, not of the session."""
-
-
-def _keep(table: dict[K, V], key: K, value: V, most: int = MOST) -> None:
-    """Put a value in; the oldest one makes way where there are too many."""
-    if key not in table and len(table) >= most:
-        del table[next(iter(table))]
-    table[key] = value
 
 
 _FIELDS = tuple(each.name for each in fields(SessionState))

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from woz_tui.core import messages as m
 from woz_tui.experiment.due import OVER, due_behind
 from woz_tui.timeline.context import Context
-from woz_tui.timeline.episodes import Break, Episode, Outcome, Questionnaire, Trial
+from woz_tui.timeline.episodes import Break, Episode, Outcome, Questionnaire, Trial, keep
 
 
 @dataclass(frozen=True, slots=True)
@@ -174,6 +174,8 @@ class StudyState:
         if "participant" in self._sources and participant == self.participant:
             return
         self.participant = participant
+        if "participant" in self._sources:  # so that one who comes back is seen to have been gone
+            self._sources["before"] = self._sources["participant"]
         self._sources["participant"] = message
         self._follow(1, message)
         self.had.clear()
@@ -272,16 +274,17 @@ class StudyState:
             yield from self._cut_questionnaire(t)
             self.questionnaire = Questionnaire(begin=t, seq=message.seq, name=name)
             yield self.questionnaire
-        answers = {**self.questionnaire.answers, message.item: message}
+        answers = dict(self.questionnaire.answers)
+        keep(answers, message.item, message)
         self.questionnaire = replace(self.questionnaire, answers=answers)
 
     def end_questionnaire(self, message: m.QuestionnaireEnded, t: int) -> Iterable[Episode]:
         """It is over; nothing comes of it if its beginning is not in the log."""
         name = message.questionnaire
-        self._rounds[name] = message
+        keep(self._rounds, name, message)
         if message.reason != Outcome.LEFT:
-            self.had[name] = message
-            self._had_since |= {name}
+            keep(self.had, name, message)
+            self._had_since = (self._had_since & self.had.keys()) | {name}
         asked = self.questionnaire
         if asked is None or asked.name != name:
             return [*self._cut_questionnaire(t)]

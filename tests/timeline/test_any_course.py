@@ -1,0 +1,264 @@
+"""Whatever stands in a log: parts add up, nothing is lost, a newcomer knows the same."""
+
+from __future__ import annotations
+
+import typing
+from collections import Counter
+from itertools import pairwise
+from typing import Any
+
+import msgspec
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from tests.timeline.courses import damaged, recordings, stamped, start
+from woz_tui.core import messages as m
+from woz_tui.session.standing import Standing
+from woz_tui.timeline.context import Context
+from woz_tui.timeline.episodes import MOST, Action, Command, Utterance
+from woz_tui.timeline.state import CASES, SessionState
+from woz_tui.timeline.timeline import Timeline, timeline_of
+
+COURSES = st.one_of(recordings(), damaged())
+
+
+def state_of(messages: list[m.Message] | list[m.AnyMessage]) -> SessionState:
+    state = SessionState()
+    for message in messages:
+        state.take(message)
+    return state
+
+
+def held(state: SessionState) -> dict[str, Any]:
+    """What a newcomer must know."""
+    study, model = state.study, state.model
+    stop = state.stop
+    return {
+        "context": study.context,
+        "study": (study.participant, study.condition, study.next_trial, study.order, study.planned),
+        "asked": study.questionnaire and study.questionnaire.answers,
+        "due": (study.due, study.had, study.checks),
+        "trial": (study.trial and study.trial.started, study.last_started, study.last_ended),
+        "break": study.in_break and study.in_break.started,
+        "model": (model.present, model.on, model.state, model.since, model.visitor, model.shown),
+        "engaged": model.engaged and (model.engaged.begin, model.engaged.visitor),
+        "off": model.off is not None,
+        "actions": {run: (each.begin, each.held) for run, each in state.actions.items()},
+        "commands": {
+            key: (each.begin, each.request, each.dispatched, each.progress)
+            for key, each in state.commands.items()
+        },
+        "stop": stop and (stop.begin, stop.confirmed, stop.missing, stop.settled),
+        "drivers": (state.drivers, {name: each.begin for name, each in state.lost.items()}),
+        "lanes": set(state.faulted_lanes),
+        "settings": (
+            set(state.robots.lost),
+            {
+                name: (each.value, each.wanted, each.differs)
+                for name, each in state.robots.of("robot").items()
+                if each.differs is not None
+            },
+        ),
+        "shown": (state.readings, state.sensors, state.modes, state.faces, state.bodies),
+        "controls": {name: each.values for name, each in state.controls.items()},
+        "speaking": {key: each.begin for key, each in state.speaking.items()},
+        "wizard": (state.locks, state.profile_changed, state.shaping, state.perception),
+        "rest": (state.consoles, state.recorder, state.start, state.end, state.script),
+        "cue": (state.cue and state.cue.given, state.rerun and state.rerun.started),
+    }  # fmt: skip
+
+
+def test_every_kind_of_message_has_its_case() -> None:
+    assert set(CASES) == set(typing.get_args(m.AnyMessage))
+
+
+@settings(max_examples=150)
+@given(COURSES)
+def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> None:
+    timeline = timeline_of(messages)
+    for episode in timeline.episodes:
+        assert episode.end is not None
+        assert timeline.begin <= episode.begin <= episode.end <= timeline.end
+        assert sum(part.end - part.begin for part in episode.parts) == episode.duration
+        assert episode.parts[0].begin == episode.begin
+        assert episode.parts[-1].end == episode.end
+        assert all(one.end == other.begin for one, other in pairwise(episode.parts))
+        assert all(part.end > part.begin for part in episode.parts) or not episode.duration
+
+
+@settings(max_examples=150)
+@given(COURSES)
+def test_contexts_cover_the_log_without_a_gap(messages: list[m.AnyMessage]) -> None:
+    timeline = timeline_of(messages)
+    spans = timeline.spans
+    if messages:
+        assert (spans[0].begin, spans[-1].end) == (timeline.begin, timeline.end)
+    assert all(one.end == other.begin for one, other in pairwise(spans))
+    assert all(one.context != other.context for one, other in pairwise(spans))
+
+
+@settings(max_examples=150)
+@given(COURSES)
+def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage]) -> None:
+    timeline = Timeline()
+    found: list[tuple[int, int, Context]] = []
+    for message in messages:
+        timeline.take(message)
+        if timeline.state.study.begun:
+            found.append((timeline.state.t, message.seq, timeline.state.context))
+    timeline.finish()
+    for t, seq, context in found:
+        assert timeline.contexts.at(t, seq) == context
+    for (t, _, context), (later, _, _) in pairwise(found):
+        if later > t:  # it holds at the moment after the line
+            assert {
+                part.context
+                for episode in timeline.episodes
+                for part in episode.parts
+                if part.begin <= t < part.end
+            } <= {context}
+
+
+@settings(max_examples=150)
+@given(COURSES)
+def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessage]) -> None:
+    timeline = timeline_of(messages)
+    asked = Counter(each.seq for each in messages if isinstance(each, m.ActionRequested))
+    commands = [each for each in messages if isinstance(each, m.Command)]
+    sent = Counter(each.seq for each in commands if not each.passing)
+    assert Counter(each.seq for each in timeline.episodes if isinstance(each, Action)) == asked
+    assert Counter(each.seq for each in timeline.episodes if isinstance(each, Command)) == sent
+    assert timeline.state.passing == sum(each.passing for each in commands)
+    for episode in timeline.episodes:
+        assert episode.outcome
+        if isinstance(episode, Action | Command):
+            assert (episode.ended is None) == (episode.outcome == "open") == episode.cut
+
+
+@settings(max_examples=100)
+@given(recordings())
+def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
+    messages: list[m.AnyMessage],
+) -> None:
+    ends = (
+        *(m.ActionEnd, m.TrialEnded, m.BreakEnded, m.QuestionnaireEnded, m.QuestionnaireAnswered),
+        *(m.StopConfirmed, m.StopReleased, m.Dispatched, m.Progress),
+    )
+    timeline = timeline_of(messages)
+    stray = [each for each in timeline.episodes if isinstance(getattr(each, "message", None), ends)]
+    assert not stray
+
+
+# -- a newcomer -----------------------------------------------------------------------------------
+
+
+@settings(max_examples=200)
+@given(COURSES, st.floats(0, 1))
+def test_a_newcomer_knows_the_same(messages: list[m.AnyMessage], share: float) -> None:
+    messages = stamped([(0, start()), *((each.t, each) for each in messages)])
+    place = 1 + round(share * (len(messages) - 1))
+    there = state_of(messages[:place])
+    told = there.messages()
+    assert [line.seq for line in told] == sorted(line.seq for line in told)
+    late = state_of(told)
+    late.t = there.t
+    assert held(late) == held(there)
+    assert {line.seq for line in late.messages()} <= {line.seq for line in told}
+    for message in messages[place:]:
+        there.take(message)
+        late.take(message)
+    assert held(late) == held(there)
+
+
+@settings(max_examples=100)
+@given(COURSES, st.floats(0, 1))
+def test_a_copy_goes_on_by_itself(messages: list[m.AnyMessage], share: float) -> None:
+    place = round(share * len(messages))
+    state = state_of(messages[:place])
+    before, copy = held(state), state.copy()
+    told = state.messages()
+    ended = [list(copy.take(message)) for message in messages[place:]]
+    assert held(state) == before
+    assert state.messages() == told
+    assert [list(state.take(message)) for message in messages[place:]] == ended
+    assert held(state) == held(copy)
+
+
+@settings(max_examples=100)
+@given(recordings())
+def test_a_newcomer_is_told_all_that_standing_tells(messages: list[m.AnyMessage]) -> None:
+    state, standing = state_of(list(messages)), Standing()
+    for message in messages:
+        standing.see(message)
+        if isinstance(message, m.EngagementAdopted) and not message.settings:
+            standing.forget(m.EngagementChanged, m.EngagementShown)  # as the session does
+    told = state.messages()
+    last = {each.command: each for each in told if isinstance(each, m.Progress)}
+    for message in standing.state():
+        match message:
+            case m.SessionChanged():  # there merged into one line
+                context = state.study
+                assert message.participant in (None, context.participant)
+                assert message.trial is None or any(
+                    isinstance(each, m.SessionChanged | m.TrialStarted | m.TrialEnded)
+                    for each in told
+                )
+            case m.Progress():
+                assert last[message.command].seq >= message.seq
+            case m.StopConfirmed() if state.stop is None:
+                pass  # it shows nothing
+            case _:
+                assert message in told
+
+
+# -- bounds ---------------------------------------------------------------------------------------
+
+
+def test_memory_is_bounded_whatever_never_ends() -> None:
+    state, size = SessionState(), 0
+    ended = 0
+    for number in range(3 * MOST):
+        name, seq = f"n{number}", 20 * number
+        for at, message in enumerate(
+            (
+                m.ActionRequested(run=name, action="a", source="key"),
+                m.Command(command=name, verb="say", args={}, source="key"),
+                m.Command(command=f"p{number}", verb="control", args={}, source="midi"),
+                m.StopPressed(source="key"),
+                m.DriverLost(driver=name),
+                m.Reading(sensor=name, value=1.0),
+                m.SpeechStarted(driver="mic", segment=number, began=0),
+                m.ConsoleAttached(console=name, role="wizard"),
+                m.PreflightChecked(check=name, level="ok", source="wizard"),
+            )
+        ):
+            done = state.take(msgspec.structs.replace(message, seq=seq + at, t=seq))
+            ended += sum(isinstance(each, Action) and each.end is not None for each in done)
+        if number == 2 * MOST:
+            size = len(state.messages())
+    assert len(state.messages()) <= size + 1
+    assert len(state.actions) == MOST
+    assert ended == 2 * MOST, "what makes way has ended"
+
+
+@pytest.mark.parametrize("t", [-5, -(2**62), 2**62, 2**63 - 1])
+def test_a_time_that_no_clock_can_have_said_counts_as_now(t: int) -> None:
+    messages = stamped([(0, start()), (5, m.Note(text="a")), (t, m.Note(text="b"))])
+    timeline = timeline_of(messages)
+    assert [each.begin for each in timeline.episodes] == [5, 5]
+
+
+def test_an_utterance_is_one_episode_whatever_comes_of_it() -> None:
+    speech: list[m.AnyMessage] = [
+        m.SpeechStarted(driver="mic", segment=1, began=0),
+        m.DriverLost(driver="mic"),
+        m.SpeechEnded(driver="mic", segment=1, began=0, ended=3),
+        m.SpeechText(driver="mic", segment=1, text="hello"),
+    ]
+    timeline = timeline_of(stamped([(5 + at, message) for at, message in enumerate(speech)]))
+    spoken = [each for each in timeline.episodes if isinstance(each, Utterance)]
+    assert [(each.begin, each.end, each.outcome, each.cut) for each in spoken] == [
+        (5, 5, "done", False)
+    ]
+    assert spoken[0].text is not None

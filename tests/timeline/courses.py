@@ -69,7 +69,7 @@ class Recording:
         self._count = 0
         self._participant, self._condition = "P01", "warm"
         self._number, self._trial = 1, 0
-        self._in_break = False
+        self._in_break = self._begins_trials = False
         self._designed = chance.random() < 0.7
         self._asked = ""
         self._state = STATES[0]
@@ -180,6 +180,7 @@ class Recording:
         self._participant = self._chance.choice(["P01", "P02", "P03"])
         self._number = 1
         if self._designed:
+            self._begins_trials = True
             order = self._chance.choice([["warm", "cold"], ["cold", "warm"]])
             self._condition = order[0]
             self._say(
@@ -206,7 +207,7 @@ class Recording:
         if self._in_break:
             self.pause()
         if not self._trial:
-            self._trial = 1
+            self._trial, self._begins_trials = 1, True
             self._say(m.TrialStarted(trial=self._number, condition=self._condition, planned=4))
             return
         outcome = self._chance.choice(["done", "done", "aborted", "excluded"])
@@ -215,7 +216,7 @@ class Recording:
         self._number += outcome != "aborted"
 
     def pause(self) -> None:
-        if self._designed:
+        if self._begins_trials:  # before, reports have it belong to the number that was set
             self._in_break = not self._in_break
             self._say(m.BreakStarted(text="tea") if self._in_break else m.BreakEnded())
 

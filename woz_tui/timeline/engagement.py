@@ -50,6 +50,8 @@ class ModelStatus:
     _switched_off: m.Done | None = None
     _switched_on: m.Done | None = None
     _before: m.EngagementChanged | None = None
+    #: The last change that ended an engagement.
+    _disengaged: m.EngagementChanged | None = None
 
     def copy(self) -> ModelStatus:
         """The same, to go on from here without changing this one."""
@@ -75,7 +77,7 @@ class ModelStatus:
         """The messages from which it becomes the same again; they may repeat, in no order."""
         lines: tuple[m.Message | None, ...] = (
             *(self._appeared, self.settings, self._before, self._switched_off, self._switched_on),
-            *(self.changed, self.shown),
+            *(self._disengaged, self.changed, self.shown),
         )
         yield from (line for line in lines if line is not None)
         if self.engaged is not None:
@@ -108,7 +110,7 @@ class ModelStatus:
             yield replace(self.off, end=t, outcome=Outcome.OFF)
         self.present, self.state = False, STATES[0]
         self.off, self._appeared = None, message
-        self.changed = self.shown = self._before = None
+        self.changed = self.shown = self._before = self._disengaged = None
         self._switched_off = self._switched_on = None
 
     def switch(self, message: m.Done, t: int) -> Iterator[Episode]:
@@ -138,7 +140,7 @@ class ModelStatus:
         yield replace(stay, end=t, outcome=Outcome.LEFT, left=message)
         if message.now not in ENGAGED and self.engaged is not None:
             yield replace(self.engaged, end=t, outcome=Outcome.LEFT, left=message)
-            self.engaged = None
+            self.engaged, self._disengaged = None, message
         yield from self._enter(t, message.seq, message)
 
     def _enter(self, t: int, seq: int, change: m.EngagementChanged | None) -> Iterator[Episode]:

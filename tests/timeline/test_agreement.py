@@ -48,10 +48,6 @@ E = TypeVar("E", bound=Episode)
 Group = tuple[str, str]
 
 
-def of(timeline: Timeline, kind: type[E]) -> list[E]:
-    return [each for each in timeline.episodes if isinstance(each, kind)]
-
-
 def group(context: Context) -> Group:
     return context.participant, context.condition
 
@@ -94,7 +90,7 @@ def test_report_times_of_conditions_and_of_the_model(messages: list[m.AnyMessage
     parts = {(part.participant, part.condition): part for part in figures.parts}
     assert {key: part.us for key, part in parts.items() if part.us} == +spent
     models = {key: part.engagement for key, part in parts.items()}
-    states = of(timeline, ModelState)
+    states = timeline.of(ModelState)
     assert {key: each.on_us for key, each in models.items() if each.on_us} == time_by_group(states)
     for name in {each.state for each in states}:
         assert {
@@ -102,9 +98,9 @@ def test_report_times_of_conditions_and_of_the_model(messages: list[m.AnyMessage
             for key, each in models.items()
             if name in each.states and each.states[name].us
         } == time_by_group(states, name)
-    engaged = time_by_group(of(timeline, Engagement))
+    engaged = time_by_group(timeline.of(Engagement))
     assert {key: each.engaged_us for key, each in models.items() if each.engaged_us} == engaged
-    off = time_by_group(of(timeline, ModelOff))
+    off = time_by_group(timeline.of(ModelOff))
     assert {key: each.off_us for key, each in models.items() if each.off_us} == off
 
 
@@ -114,7 +110,7 @@ def test_report_actions_and_commands(messages: list[m.AnyMessage]) -> None:
     timeline, figures = both(messages)
     counted = Counter(
         (*group(each.context), each.label, each.request.panel, each.source, str(each.outcome))
-        for each in of(timeline, Action)
+        for each in timeline.of(Action)
     )
     told: Counter[tuple[str, ...]] = Counter()
     for part in figures.parts:
@@ -125,7 +121,7 @@ def test_report_actions_and_commands(messages: list[m.AnyMessage]) -> None:
     assert +told == counted
     sent = Counter(
         (*group(each.context), each.label, str(each.outcome))
-        for each in of(timeline, Command)
+        for each in timeline.of(Command)
         if each.request.driver not in PERFORMERS
     )
     assert sent == Counter(
@@ -136,9 +132,9 @@ def test_report_actions_and_commands(messages: list[m.AnyMessage]) -> None:
             for end, count in times.ends.items()
         }
     )
-    done = [each for each in of(timeline, Action) if each.outcome == "done"]
+    done = [each for each in timeline.of(Action) if each.outcome == "done"]
     assert sorted(each.duration for each in done) == list(figures.whole.took.values)
-    wrong = [each for each in of(timeline, Action) if each.mistake and each.source != "engagement"]
+    wrong = [each for each in timeline.of(Action) if each.mistake and each.source != "engagement"]
     assert len(wrong) == figures.whole.mistakes
 
 
@@ -149,18 +145,18 @@ def test_report_rows(messages: list[m.AnyMessage]) -> None:
     ended = timeline.end
     assert sorted(
         (each.state, each.begin, each.end, each.reason, each.cut)
-        for each in of(timeline, ModelState)
+        for each in timeline.of(ModelState)
     ) == sorted(
         (each.state, each.begin, each.end, each.outcome, each.cut)
         for each in figures.visits
         if each.state != "engaged"
     )
-    assert [(each.begin, each.end, each.reason) for each in of(timeline, Engagement)] == sorted(
+    assert [(each.begin, each.end, each.reason) for each in timeline.of(Engagement)] == sorted(
         (each.begin, each.end, each.outcome) for each in figures.visits if each.state == "engaged"
     )
     assert [
         (each.label, *group(each.context), each.begin, each.end, str(each.outcome))
-        for each in of(timeline, Trial)
+        for each in timeline.of(Trial)
     ] == [
         (
             *(str(each.trial), each.participant, each.condition, each.begin),
@@ -168,23 +164,23 @@ def test_report_rows(messages: list[m.AnyMessage]) -> None:
         )
         for each in figures.trials
     ]
-    assert [(each.begin, each.end) for each in of(timeline, Break)] == [
+    assert [(each.begin, each.end) for each in timeline.of(Break)] == [
         (each.begin, each.end) for each in figures.breaks
     ]
-    assert [(each.begin, each.end, each.label) for each in of(timeline, LostDriver)] == [
+    assert [(each.begin, each.end, each.label) for each in timeline.of(LostDriver)] == [
         (each.begin, ended if each.end is None else each.end, each.name)
         for each in figures.lost_drivers
     ]
     assert [
         (each.begin, ended if each.released is None else each.end, each.confirmed)
-        for each in of(timeline, Stop)
+        for each in timeline.of(Stop)
     ] == [
         (each.t, ended if each.released is None else each.released, each.confirmed)
         for each in figures.stops
     ]
-    assert [
-        (each.label, each.begin, str(each.outcome)) for each in of(timeline, Questionnaire)
-    ] == [(each.questionnaire, each.t, each.reason or "open") for each in figures.rounds]
+    assert [(each.label, each.begin, str(each.outcome)) for each in timeline.of(Questionnaire)] == [
+        (each.questionnaire, each.t, each.reason or "open") for each in figures.rounds
+    ]
 
 
 @settings(max_examples=40)
@@ -192,7 +188,7 @@ def test_report_rows(messages: list[m.AnyMessage]) -> None:
 def test_report_differences_of_settings(messages: list[m.AnyMessage]) -> None:
     timeline, figures = both(messages)
     found: Counter[tuple[str, int | None, str, str]] = Counter()
-    for each in of(timeline, Setting):
+    for each in timeline.of(Setting):
         for part in each.parts if each.differs else ():
             key = (part.context.participant, part.context.trial, each.driver, each.name)
             found[key] += part.end - part.begin
@@ -211,11 +207,11 @@ def test_report_lanes(messages: list[m.AnyMessage]) -> None:
         drawing.take(message)
     drawn = [each for lane in drawing.timeline().lanes for each in lane.intervals]
     assert lane(drawn, "speech") == {
-        (each.begin, each.end) for each in of(timeline, Utterance) if each.ended
+        (each.begin, each.end) for each in timeline.of(Utterance) if each.ended
     }
-    assert lane(drawn, "trial") == {(each.begin, each.end) for each in of(timeline, Trial)}
-    assert lane(drawn, "lost") == {(each.begin, each.end) for each in of(timeline, LostDriver)}
-    assert lane(drawn, "stop") == {(each.begin, each.end) for each in of(timeline, Stop)}
+    assert lane(drawn, "trial") == {(each.begin, each.end) for each in timeline.of(Trial)}
+    assert lane(drawn, "lost") == {(each.begin, each.end) for each in timeline.of(LostDriver)}
+    assert lane(drawn, "stop") == {(each.begin, each.end) for each in timeline.of(Stop)}
 
 
 def lane(drawn: list[Interval], sort: str) -> set[tuple[int, int | None]]:
@@ -240,7 +236,7 @@ def test_exported_events(messages: list[m.AnyMessage]) -> None:
         assert [
             (each.seq, each.begin, each.end, each.label if name != "break" else "",
              *context(each.context), str(each.outcome))
-            for each in of(timeline, kind)
+            for each in timeline.of(kind)
         ] == [
             (each.seq, each.begin, each.end, each.label, each.participant, each.condition,
              each.trial, each.outcome)
@@ -249,7 +245,7 @@ def test_exported_events(messages: list[m.AnyMessage]) -> None:
         ], name  # fmt: skip
     assert [
         (each.seq, each.begin, each.end, each.label, each.latency_us, str(each.outcome))
-        for each in of(timeline, Command)
+        for each in timeline.of(Command)
     ] == [
         (each.seq, each.begin, each.end, each.label, each.latency, each.outcome)
         for each in session.events
@@ -261,7 +257,7 @@ def test_exported_events(messages: list[m.AnyMessage]) -> None:
 @given(recordings())
 def test_exported_moments_have_the_same_context(messages: list[m.AnyMessage]) -> None:
     timeline, session = timeline_of(messages), exported(messages)
-    moments = {each.seq: each for each in of(timeline, Moment)}
+    moments = {each.seq: each for each in timeline.of(Moment)}
     for event in session.events:
         if event.kind in ("marker", "note", "mistake", "preflight.checked", "console.lost"):
             found = moments[event.seq].context
@@ -277,7 +273,7 @@ def test_exported_settings_add_up(messages: list[m.AnyMessage]) -> None:
         key = (each.name, str(each.value), each.differs, each.participant, each.trial)
         rows[key] += each.end - each.begin
     found: Counter[tuple[object, ...]] = Counter()
-    for setting in of(timeline, Setting):
+    for setting in timeline.of(Setting):
         for part in setting.parts:
             who, _, trial = context(part.context)
             found[setting.name, str(setting.value), setting.differs, who, trial] += (
@@ -285,7 +281,7 @@ def test_exported_settings_add_up(messages: list[m.AnyMessage]) -> None:
             )
     assert +found == +rows
     conflicts = [each for each in session.events if each.kind == "conflict"]
-    assert sum(each.duration for each in of(timeline, Conflict)) == sum(
+    assert sum(each.duration for each in timeline.of(Conflict)) == sum(
         each.duration for each in conflicts
     )
 

@@ -7,7 +7,7 @@ from typing import TypeVar
 from tests.timeline.courses import SECOND, plan, start, timed
 from woz_tui.core import messages as m
 from woz_tui.timeline.context import Span
-from woz_tui.timeline.episodes import Break, Engagement, Episode, Moment, Trial
+from woz_tui.timeline.episodes import Break, Engagement, Episode, Moment, Trial, Utterance
 from woz_tui.timeline.timeline import timeline_of
 
 E = TypeVar("E", bound=Episode)
@@ -15,7 +15,7 @@ ASSIGNED = m.ConditionsAssigned(participant="P01", order=["warm", "cold"], metho
 
 
 def of(messages: list[m.AnyMessage], kind: type[E]) -> list[E]:
-    return [each for each in timeline_of(messages).episodes if isinstance(each, kind)]
+    return timeline_of(messages).of(kind)
 
 
 def notes(messages: list[m.AnyMessage]) -> dict[str, tuple[str, str, int | None, bool]]:
@@ -57,7 +57,7 @@ def test_an_engagement_over_two_conditions_is_one_with_two_parts() -> None:
             (120, m.SessionEnd(reason="wizard")),
         )
     )
-    [engaged] = [each for each in timeline.episodes if isinstance(each, Engagement)]
+    [engaged] = timeline.of(Engagement)
     assert pieces(engaged.parts) == [(10, "neutral", 1), (60, "empathic", 2), (25, "funny", 3)]
     assert (engaged.duration, engaged.outcome, engaged.reason) == (95 * SECOND, "left", "error")
     assert engaged.visitor == "V01"
@@ -133,6 +133,9 @@ def test_trials_of_one_number_are_told_apart() -> None:
     assert (first.outcome, second.outcome, second.text) == ("aborted", "done", "well")
     assert first.context.trial == second.context.trial == 1
     assert first.context.run != second.context.run
+    timeline = timeline_of(messages)
+    assert [timeline.counts(each.context) for each in (first, second)] == [False, True]
+    assert timeline.counts(timeline.spans[0].context)
 
 
 def test_a_trial_that_another_one_follows_is_over() -> None:
@@ -169,7 +172,7 @@ def test_speech_is_in_the_context_in_which_it_was_spoken() -> None:
         (14, m.SpeechEnded(driver="mic", segment=1, began=9_700_000, ended=13_000_000)),
         (15, m.SpeechText(driver="mic", segment=1, text="what is this?")),
     )
-    [spoken] = [each for each in timeline_of(messages).episodes if each.kind == "utterance"]
+    [spoken] = of(messages, Utterance)
     assert pieces(spoken.parts) == [(2.3, "warm", None), (1.0, "cold", None)]
 
 

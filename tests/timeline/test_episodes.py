@@ -44,7 +44,7 @@ ENDS: list[tuple[m.End, str]] = [
 
 def of(kind: type[E], *course: tuple[float, m.AnyMessage]) -> list[E]:
     messages = timed((0, start()), *course)
-    return [each for each in timeline_of(messages).episodes if isinstance(each, kind)]
+    return timeline_of(messages).of(kind)
 
 
 def spans(episodes: list[E]) -> list[tuple[float, float, str]]:

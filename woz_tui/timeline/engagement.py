@@ -45,6 +45,8 @@ class ModelStatus:
     off: ModelOff | None = None
     #: With this line it appeared.
     _appeared: m.Message | None = None
+    #: And with this one the model before it went.
+    _gone: m.EngagementAdopted | None = None
     #: The last line that switched it off, the last one that switched it on, and the last change
     #: before that one.
     _switched_off: m.Done | None = None
@@ -76,8 +78,9 @@ class ModelStatus:
     def lines(self) -> Iterator[m.Message]:
         """The messages from which it becomes the same again; they may repeat, in no order."""
         lines: tuple[m.Message | None, ...] = (
-            *(self._appeared, self.settings, self._before, self._switched_off, self._switched_on),
-            *(self._disengaged, self.changed, self.shown),
+            *(self._gone, self._appeared, self.settings),
+            *(self._before, self._switched_off, self._switched_on, self._disengaged),
+            *(self.changed, self.shown),
         )
         yield from (line for line in lines if line is not None)
         if self.engaged is not None:
@@ -95,6 +98,7 @@ class ModelStatus:
         """Other settings hold; none at all: the model is gone."""
         self.settings = message
         if not message.settings:
+            self._gone = message
             yield from self.vanish(t, message)
         elif not self.present:
             self.present, self.state, self._appeared = True, STATES[0], message

@@ -290,6 +290,11 @@ class Trial(Episode, frozen=True, kw_only=True):
         return str(self.started.trial)
 
     @property
+    def counts(self) -> bool:
+        """Whether it is to be analysed."""
+        return self.outcome not in (Outcome.ABORTED, Outcome.EXCLUDED)
+
+    @property
     def text(self) -> str:
         """What the wizard remarked at its end."""
         return self.ended.text if self.ended else ""
@@ -319,6 +324,13 @@ class Questionnaire(Episode, frozen=True, kw_only=True):
     def label(self) -> str:
         """Its name."""
         return self.name
+
+    @property
+    def trial(self) -> int | None:
+        """The trial that it is about: as its first line says, or else the one in which it began."""
+        if self.started is not None and self.started.trial >= 0:
+            return self.started.trial
+        return self.context.trial
 
     @property
     def source(self) -> str:

@@ -30,12 +30,14 @@ class RobotSettings:
 
     shown: dict[str, m.SettingsShown] = field(default_factory=dict)
     lost: dict[str, m.DriverHealth] = field(default_factory=dict)
+    #: What showed that a robot is back, where no line said so.
+    _back: dict[str, m.SettingsShown] = field(default_factory=dict)
     _open: dict[str, dict[_Key, Setting | Conflict]] = field(default_factory=dict)
 
     def copy(self) -> RobotSettings:
         """The same, to go on from here without changing this one."""
         held = {driver: dict(episodes) for driver, episodes in self._open.items()}
-        return RobotSettings(dict(self.shown), dict(self.lost), held)
+        return RobotSettings(dict(self.shown), dict(self.lost), dict(self._back), held)
 
     def of(self, driver: str) -> dict[str, Setting]:
         """The driver's settings by name as they are now; those of a lost robot are unknown."""
@@ -47,6 +49,7 @@ class RobotSettings:
         """The messages from which it becomes the same again, but for when each setting began."""
         yield from self.shown.values()
         yield from self.lost.values()
+        yield from self._back.values()
 
     def open(self) -> Iterator[Episode]:
         """What goes on."""
@@ -60,8 +63,8 @@ class RobotSettings:
         read is there.
         """
         keep(self.shown, message.driver, message)
-        if message.wanted:
-            self.lost.pop(message.driver, None)
+        if message.wanted and self.lost.pop(message.driver, None) is not None:
+            keep(self._back, message.driver, message)
         if message.driver not in self.lost:
             yield from self._compare(message.driver, t, message.seq)
 
@@ -69,6 +72,7 @@ class RobotSettings:
         """A driver's robot is lost: nothing is known of its settings any more."""
         if message.driver not in self.lost:
             keep(self.lost, message.driver, message)
+            self._back.pop(message.driver, None)
             yield from self._compare(message.driver, t, message.seq)
 
     def find(self, message: m.DriverConnected, t: int) -> Iterator[Episode]:

@@ -3,13 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import TypeVar
 
 from msgspec.structs import replace
 
 from woz_tui.core import messages as m
-from woz_tui.timeline.context import Contexts, Span
-from woz_tui.timeline.episodes import Action, Command, Episode, Utterance
+from woz_tui.timeline.context import Context, Contexts, Span
+from woz_tui.timeline.episodes import Action, Command, Episode, Trial, Utterance
 from woz_tui.timeline.state import SessionState
+
+E = TypeVar("E", bound=Episode)
 
 
 class Timeline:
@@ -30,6 +33,7 @@ class Timeline:
         #: Where among those an utterance is: its text comes later.
         self._spoken: dict[tuple[str, int], int] = {}
         self._mistakes: list[m.Mistake] = []
+        self._trials: dict[int | None, Trial] = {}
         self._begun = False
 
     @property
@@ -46,6 +50,17 @@ class Timeline:
     def spans(self) -> tuple[Span, ...]:
         """The contexts from the first line to the last, without a gap."""
         return self.contexts.spans(self.end)
+
+    def of(self, kind: type[E]) -> list[E]:
+        """All episodes of one kind, in their order."""
+        return [episode for episode in self.episodes if isinstance(episode, kind)]
+
+    def counts(self, context: Context) -> bool:
+        """Whether what happened in this context is to be analysed: not in a trial that was aborted
+        or excluded.
+        """
+        trial = self._trials.get(context.run)
+        return trial is None or trial.counts
 
     def take(self, message: m.Message) -> None:
         """The next message; `finish` must not have been called."""
@@ -92,6 +107,7 @@ class Timeline:
         found.sort(key=lambda episode: (episode.begin, episode.seq))
         found = _with_mistakes(found, self._mistakes)
         self.episodes = tuple(map(self._placed, found))
+        self._trials = {trial.seq: trial for trial in self.of(Trial)}
 
     def _placed(self, episode: Episode) -> Episode:
         begin, seq = episode.begin, episode.seq

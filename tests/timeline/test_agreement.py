@@ -80,7 +80,7 @@ def exported(messages: list[m.AnyMessage]) -> Session:
 # -- reports --------------------------------------------------------------------------------------
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_report_times_of_conditions_and_of_the_model(messages: list[m.AnyMessage]) -> None:
     timeline, figures = both(messages)
@@ -104,7 +104,7 @@ def test_report_times_of_conditions_and_of_the_model(messages: list[m.AnyMessage
     assert {key: each.off_us for key, each in models.items() if each.off_us} == off
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_report_actions_and_commands(messages: list[m.AnyMessage]) -> None:
     timeline, figures = both(messages)
@@ -112,13 +112,13 @@ def test_report_actions_and_commands(messages: list[m.AnyMessage]) -> None:
         (*group(each.context), each.label, each.request.panel, each.source, str(each.outcome))
         for each in timeline.of(Action)
     )
-    told: Counter[tuple[str, ...]] = Counter()
+    reported: Counter[tuple[str, ...]] = Counter()
     for part in figures.parts:
         for row in part.counts:
             for end in ("done", "failed", "stopped", "refused", "open"):
                 key = (part.participant, part.condition, row.action, row.panel, row.source, end)
-                told[key] += getattr(row.outcomes, end)
-    assert +told == counted
+                reported[key] += getattr(row.outcomes, end)
+    assert +reported == counted
     sent = Counter(
         (*group(each.context), each.label, str(each.outcome))
         for each in timeline.of(Command)
@@ -138,7 +138,7 @@ def test_report_actions_and_commands(messages: list[m.AnyMessage]) -> None:
     assert len(wrong) == figures.whole.mistakes
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_report_rows(messages: list[m.AnyMessage]) -> None:
     timeline, figures = both(messages)
@@ -183,7 +183,7 @@ def test_report_rows(messages: list[m.AnyMessage]) -> None:
     ]
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_report_differences_of_settings(messages: list[m.AnyMessage]) -> None:
     timeline, figures = both(messages)
@@ -192,14 +192,14 @@ def test_report_differences_of_settings(messages: list[m.AnyMessage]) -> None:
         for part in each.parts if each.differs else ():
             key = (part.context.participant, part.context.trial, each.driver, each.name)
             found[key] += part.end - part.begin
-    told: Counter[tuple[str, int | None, str, str]] = Counter()
+    reported: Counter[tuple[str, int | None, str, str]] = Counter()
     for row in figures.differences:
         trial = None if row.trial < 0 else row.trial
-        told[row.participant, trial, row.driver, row.setting] += row.end - row.begin
-    assert +found == +told
+        reported[row.participant, trial, row.driver, row.setting] += row.end - row.begin
+    assert +found == +reported
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_report_lanes(messages: list[m.AnyMessage]) -> None:
     timeline, drawing = timeline_of(messages), Drawing()
@@ -221,7 +221,7 @@ def lane(drawn: list[Interval], sort: str) -> set[tuple[int, int | None]]:
 # -- exports --------------------------------------------------------------------------------------
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_exported_events(messages: list[m.AnyMessage]) -> None:
     timeline, session = timeline_of(messages), exported(messages)
@@ -253,7 +253,7 @@ def test_exported_events(messages: list[m.AnyMessage]) -> None:
     ]
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_exported_moments_have_the_same_context(messages: list[m.AnyMessage]) -> None:
     timeline, session = timeline_of(messages), exported(messages)
@@ -264,7 +264,7 @@ def test_exported_moments_have_the_same_context(messages: list[m.AnyMessage]) ->
             assert context(found) == (event.participant, event.condition, event.trial)
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_exported_settings_add_up(messages: list[m.AnyMessage]) -> None:
     timeline, session = timeline_of(messages), exported(messages)
@@ -304,7 +304,7 @@ def steps(messages: list[m.AnyMessage]) -> Iterator[tuple[SessionState, m.AnyMes
         yield state, message
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_the_study_stands_as_the_robot_process_says(messages: list[m.AnyMessage]) -> None:
     progress = Progress(STUDY)
@@ -323,12 +323,12 @@ def test_the_study_stands_as_the_robot_process_says(messages: list[m.AnyMessage]
         assert (set(study.had), study.checks) == (progress.had, progress.checks)
         assert (study.trial and study.trial.started) == progress.running
         assert (study.in_break is not None) == progress.on_break
-        asked = study.questionnaire
-        assert (asked and asked.started) == progress.asking
-        assert dict(asked.answers if asked else {}) == progress.answers
+        current = study.questionnaire
+        assert (current and current.started) == progress.asking
+        assert dict(current.answers if current else {}) == progress.answers
 
 
-@settings(max_examples=40)
+@settings(max_examples=30)
 @given(recordings())
 def test_the_context_is_that_of_reports(messages: list[m.AnyMessage]) -> None:
     course = Course()

@@ -37,7 +37,7 @@ def held(state: SessionState) -> dict[str, Any]:
     return {
         "context": study.context,
         "study": (study.participant, study.condition, study.next_trial, study.order, study.planned),
-        "asked": study.questionnaire and study.questionnaire.answers,
+        "answers": study.questionnaire and study.questionnaire.answers,
         "due": (study.due, study.had, study.checks),
         "trial": (study.trial and study.trial.started, study.last_started, study.last_ended),
         "break": study.in_break and study.in_break.started,
@@ -73,7 +73,7 @@ def test_every_kind_of_message_has_its_case() -> None:
     assert set(CASES) == set(typing.get_args(m.AnyMessage))
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(COURSES)
 def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> None:
     timeline = timeline_of(messages)
@@ -87,7 +87,7 @@ def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> 
         assert all(part.end > part.begin for part in episode.parts) or not episode.duration
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(COURSES)
 def test_contexts_cover_the_log_without_a_gap(messages: list[m.AnyMessage]) -> None:
     timeline = timeline_of(messages)
@@ -98,7 +98,7 @@ def test_contexts_cover_the_log_without_a_gap(messages: list[m.AnyMessage]) -> N
     assert all(one.context != other.context for one, other in pairwise(spans))
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(COURSES)
 def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage]) -> None:
     timeline = Timeline()
@@ -120,14 +120,14 @@ def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage
             } <= {context}
 
 
-@settings(max_examples=150)
+@settings(max_examples=60)
 @given(COURSES)
 def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessage]) -> None:
     timeline = timeline_of(messages)
-    asked = Counter(each.seq for each in messages if isinstance(each, m.ActionRequested))
+    requested = Counter(each.seq for each in messages if isinstance(each, m.ActionRequested))
     commands = [each for each in messages if isinstance(each, m.Command)]
     sent = Counter(each.seq for each in commands if not each.passing)
-    assert Counter(each.seq for each in timeline.of(Action)) == asked
+    assert Counter(each.seq for each in timeline.of(Action)) == requested
     assert Counter(each.seq for each in timeline.of(Command)) == sent
     assert timeline.state.passing == sum(each.passing for each in commands)
     for episode in timeline.episodes:
@@ -136,7 +136,7 @@ def test_every_request_has_one_episode_and_one_outcome(messages: list[m.AnyMessa
             assert (episode.ended is None) == (episode.outcome == "open") == episode.cut
 
 
-@settings(max_examples=100)
+@settings(max_examples=60)
 @given(recordings())
 def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
     messages: list[m.AnyMessage],
@@ -153,63 +153,63 @@ def test_a_session_that_was_recorded_has_no_end_without_a_beginning(
 # -- a newcomer -----------------------------------------------------------------------------------
 
 
-@settings(max_examples=200)
+@settings(max_examples=60)
 @given(COURSES, st.floats(0, 1))
 def test_a_newcomer_knows_the_same(messages: list[m.AnyMessage], share: float) -> None:
     messages = stamped([(0, start()), *((each.t, each) for each in messages)])
     place = 1 + round(share * (len(messages) - 1))
     there = state_of(messages[:place])
-    told = there.messages()
-    assert [line.seq for line in told] == sorted(line.seq for line in told)
-    late = state_of(told)
+    snapshot = there.messages()
+    assert [line.seq for line in snapshot] == sorted(line.seq for line in snapshot)
+    late = state_of(snapshot)
     late.t = there.t
     assert held(late) == held(there)
-    assert {line.seq for line in late.messages()} <= {line.seq for line in told}
+    assert {line.seq for line in late.messages()} <= {line.seq for line in snapshot}
     for message in messages[place:]:
         there.take(message)
         late.take(message)
     assert held(late) == held(there)
 
 
-@settings(max_examples=100)
+@settings(max_examples=60)
 @given(COURSES, st.floats(0, 1))
 def test_a_copy_goes_on_by_itself(messages: list[m.AnyMessage], share: float) -> None:
     place = round(share * len(messages))
     state = state_of(messages[:place])
     before, copy = held(state), state.copy()
-    told = state.messages()
+    snapshot = state.messages()
     ended = [list(copy.take(message)) for message in messages[place:]]
     assert held(state) == before
-    assert state.messages() == told
+    assert state.messages() == snapshot
     assert [list(state.take(message)) for message in messages[place:]] == ended
     assert held(state) == held(copy)
 
 
-@settings(max_examples=100)
+@settings(max_examples=60)
 @given(recordings())
-def test_a_newcomer_is_told_all_that_standing_tells(messages: list[m.AnyMessage]) -> None:
-    state, standing = state_of(list(messages)), Standing()
+def test_a_snapshot_has_all_that_newcomers_get_today(messages: list[m.AnyMessage]) -> None:
+    state, other = state_of(list(messages)), Standing()
     for message in messages:
-        standing.see(message)
+        other.see(message)
         if isinstance(message, m.EngagementAdopted) and not message.settings:
-            standing.forget(m.EngagementChanged, m.EngagementShown)  # as the session does
-    told = state.messages()
-    last = {each.command: each for each in told if isinstance(each, m.Progress)}
-    for message in standing.state():
+            other.forget(m.EngagementChanged, m.EngagementShown)  # as the session does
+    snapshot = state.messages()
+    last = {each.command: each for each in snapshot if isinstance(each, m.Progress)}
+    for message in other.state():
         match message:
             case m.SessionChanged():  # there merged into one line
                 context = state.study
                 assert message.participant in (None, context.participant)
                 assert message.trial is None or any(
                     isinstance(each, m.SessionChanged | m.TrialStarted | m.TrialEnded)
-                    for each in told
+                    for each in snapshot
                 )
             case m.Progress():
                 assert last[message.command].seq >= message.seq
             case m.StopConfirmed() if state.stop is None:
                 pass  # it shows nothing
             case _:
-                assert message in told
+                assert message in snapshot
 
 
 # -- bounds ---------------------------------------------------------------------------------------

@@ -335,7 +335,7 @@ def answer(item: str, value: float) -> m.QuestionnaireAnswered:
     return m.QuestionnaireAnswered(questionnaire="each", item=item, question="?", value=value)
 
 
-def asked(name: str) -> m.QuestionnaireStarted:
+def begun(name: str) -> m.QuestionnaireStarted:
     return m.QuestionnaireStarted(questionnaire=name, title="", items=[])
 
 
@@ -346,7 +346,7 @@ def over(name: str, reason: str = "done") -> m.QuestionnaireEnded:
 def test_a_questionnaire_keeps_the_last_answer_to_each_item() -> None:
     [each] = of(
         Questionnaire,
-        (1, asked("each")),
+        (1, begun("each")),
         (2, answer("b", 1)),
         (3, answer("a", 5)),
         (4, answer("b", 7)),
@@ -388,7 +388,7 @@ def test_questionnaires_are_due_behind_a_trial_until_they_were_had() -> None:
 
 
 def test_a_questionnaire_that_was_had_once_stays_had_when_it_is_left() -> None:
-    state = state_of((1, over("ux")), (2, asked("ux")), (3, over("ux", "left")))
+    state = state_of((1, over("ux")), (2, begun("ux")), (3, over("ux", "left")))
     late = SessionState()
     for message in state.messages():
         late.take(message)

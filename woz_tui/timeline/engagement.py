@@ -28,7 +28,7 @@ class ModelStatus:
     Attributes:
         present: Whether there is a model.
         state: Its state, also while it is off.
-        settings: The last line that said which settings it goes by.
+        settings: The last message with the settings it goes by.
         changed, shown: The last change, and the last look at all of it.
         stay: The state while it is on.
         engaged: The unbroken engagement while there is one.
@@ -71,7 +71,7 @@ class ModelStatus:
 
     @property
     def visitor(self) -> str:
-        """The code of whoever is known; empty: nobody."""
+        """The visitor's code; empty while it is not recognised."""
         return self.changed.visitor if self.changed else ""
 
     @property

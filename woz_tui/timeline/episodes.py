@@ -92,7 +92,7 @@ OUTCOMES: Mapping[type[m.Message], Outcome] = {
 class Episode(msgspec.Struct, frozen=True, kw_only=True):
     """Something that lasted from `begin` up to `end`, in microseconds on the axis of `t`.
 
-    `end` is None while it goes on. `seq` is the first line that tells of it. `outcome` is one of
+    `end` is None while it goes on. `seq` is that of its first message. `outcome` is one of
     `Outcome`, `cut`: it did not end by itself, but the log did, or what followed it shows that it
     was over. `context` is the one in which it began, `parts` are its pieces by context: in order,
     gapless, together exactly as long as the episode. A `Timeline` fills in these two.
@@ -222,8 +222,8 @@ class Command(Episode, frozen=True, kw_only=True):
     @property
     def driver(self) -> str:
         """Who carried it out, as far as anybody says."""
-        known = (self.ended, self.progress, self.dispatched, self.request)
-        return next((each.driver for each in known if each is not None and each.driver), "")
+        named = (self.ended, self.progress, self.dispatched, self.request)
+        return next((each.driver for each in named if each is not None and each.driver), "")
 
     @property
     def latency_us(self) -> int | None:
@@ -244,7 +244,7 @@ class Command(Episode, frozen=True, kw_only=True):
 
     @property
     def expected_end(self) -> int | None:
-        """When it should be over, on the axis of `t`; None: the driver has not said."""
+        """When it should be over, on the axis of `t`; None: the driver has not estimated it."""
         return self.progress.t + max(0, self.progress.expected_us) if self.progress else None
 
 
@@ -401,7 +401,7 @@ class ModelState(Episode, frozen=True, kw_only=True):
 
     @property
     def visitor(self) -> str:
-        """The code of whoever was known as it began."""
+        """The visitor's code as it began; empty if nobody was recognised."""
         return self.entered.visitor if self.entered else ""
 
 
@@ -423,7 +423,7 @@ class Engagement(Episode, frozen=True, kw_only=True):
 
     @property
     def visitor(self) -> str:
-        """The code of who talked with the robot; empty if nobody was known."""
+        """The code of who talked with the robot; empty if nobody was recognised."""
         return self.named.visitor if self.named else ""
 
 

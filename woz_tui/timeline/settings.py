@@ -1,6 +1,6 @@
-"""Robots' settings as they were read back: the value of each, and whether it is as asked for.
+"""Robots' settings as they were read back: the value of each, and whether it is the wanted one.
 
-A driver tells its settings on a change (`settings.shown`), so what it said last holds. While its
+A driver publishes its settings when they change (`settings.shown`), so its last message holds. While its
 robot is lost nothing is known of them: that is no difference.
 """
 
@@ -24,7 +24,7 @@ class RobotSettings:
     ended with it or began.
 
     Attributes:
-        shown: What each driver said last.
+        shown: The last message of each driver.
         lost: Drivers whose robot is lost, and the line that says so.
     """
 
@@ -57,7 +57,7 @@ class RobotSettings:
             yield from episodes.values()
 
     def show(self, message: m.SettingsShown, t: int) -> Iterator[Episode]:
-        """A driver says what its robot has.
+        """A driver publishes what its robot has.
 
         The line of its coming back may be missing, or later: a robot from which a difference was
         read is there.
@@ -76,7 +76,7 @@ class RobotSettings:
             yield from self._compare(message.driver, t, message.seq)
 
     def find(self, message: m.DriverConnected, t: int) -> Iterator[Episode]:
-        """It is back: what it said last holds."""
+        """It is back: its last message holds again."""
         if self.lost.pop(message.driver, None) is not None:
             yield from self._compare(message.driver, t, message.seq)
 

@@ -43,10 +43,12 @@ HEARD, PRESSES = 40, 16
 
 K = TypeVar("K")
 E = TypeVar("E", bound=Episode)
+#: What a kind of message does, and the episodes that end or begin with it.
+_Case = Callable[["SessionState", Any], Iterable[Episode] | None]
 
 
 class Driver(msgspec.Struct, frozen=True):
-    """A driver's health: the last word of it, and the first one that said the same."""
+    """A driver's health: the last message, and the first one since which it is the same."""
 
     health: DriverHealth
     since: DriverHealth
@@ -58,7 +60,7 @@ class SessionState:
 
     `take` returns the episodes that a message ends or begins, in this order, and keeps only those
     that go on: memory is bounded. It never raises, whatever is missing, doubled or out of order.
-    Time never goes back: a message that is late, or whose time no clock can have said, counts as of
+    Time never goes back: a message that is late, or whose time is impossible, counts as of
     now.
 
     Attributes:
@@ -176,15 +178,15 @@ class SessionState:
             yield from episode.lines
 
     def _own(self) -> Iterator[Episode]:
-        for table in self._episodes():
+        tables: tuple[dict[Any, Any], ...] = (
+            *(self.actions, self.commands, self.stops),
+            *(self.lost, self.faulted_lanes, self.speaking),
+        )
+        for table in tables:
             yield from table.values()
         for episode in (self.profile, self.restriction, self.cue, self.rerun):
             if episode is not None:
                 yield episode
-
-    def _episodes(self) -> tuple[dict[Any, Any], ...]:
-        own = (self.actions, self.commands, self.stops)
-        return *own, self.lost, self.faulted_lanes, self.speaking
 
     def open(self) -> Iterator[Episode]:
         """All episodes that go on."""
@@ -238,9 +240,6 @@ class SessionState:
         self.start = self.start or message
         self.study.start(message)
 
-    def _end(self, message: m.SessionEnd) -> None:
-        self.end = message
-
     def _plan(self, message: m.SessionPlan) -> Iterator[Episode]:
         before, self.plan = self.plan, message
         study = message.settings.get("study")
@@ -249,9 +248,6 @@ class SessionState:
         had_model = before is not None and bool(before.settings.get("engagement"))
         if had_model and self.model.present and not message.settings.get("engagement"):
             yield from self.model.vanish(self.t, message)
-
-    def _recorder(self, message: m.RecorderState) -> None:
-        self.recorder = message
 
     def _changed(self, message: m.SessionChanged) -> Iterable[Episode]:
         self.study.change(message)
@@ -424,16 +420,6 @@ class SessionState:
             return self._moment(message)
         return (replace(faulted, end=self.t, outcome=Outcome.RECOVERED, recovered=message),)
 
-    def _mode(self, message: m.ModeChanged) -> Iterable[Episode]:
-        keep(self.modes, message.driver, message)
-        return self._moment(message)
-
-    def _face(self, message: m.FaceShown) -> None:
-        keep(self.faces, message.driver, message)
-
-    def _body(self, message: m.BodyChanged) -> None:
-        keep(self.bodies, message.driver, message)
-
     def _controls(self, message: m.ControlsMoved) -> None:
         before = self.controls.get(message.driver)
         if before is not None:
@@ -444,13 +430,6 @@ class SessionState:
         return self.robots.show(message, self.t)
 
     # -- the visitor ------------------------------------------------------------------------------
-
-    def _reading(self, message: m.Reading) -> None:
-        keep(self.readings, message.sensor, message)
-
-    def _sensor(self, message: m.SensorChanged) -> Iterable[Episode]:
-        keep(self.sensors, message.sensor, message)
-        return self._moment(message)
 
     def _adopted(self, message: m.EngagementAdopted) -> Iterator[Episode]:
         return self.model.adopt(message, self.t)
@@ -465,14 +444,11 @@ class SessionState:
     def _speech_started(self, message: m.SpeechStarted) -> Iterator[Episode]:
         key = (message.driver, message.segment)
         began = self._past(message.began)
+        driver, segment = key
         spoken = Utterance(
-            begin=began,
-            seq=message.seq,
-            driver=message.driver,
-            segment=message.segment,
-            started=message,
+            begin=began, seq=message.seq, driver=driver, segment=segment, started=message
         )
-        yield from self._cut_speech(message.driver, Outcome.OPEN)
+        yield from self._cut_speech(driver, Outcome.OPEN)
         self._heard.pop(key, None)
         yield from self._begin(self.speaking, key, spoken)
 
@@ -521,7 +497,7 @@ class SessionState:
             yield self._keep_heard(replace(spoken, end=end, outcome=outcome, cut=True))
 
     def _past(self, t: int) -> int:
-        """A time in the past that a line tells of: since the log began, and not after now."""
+        """A time in the past that a message names: not before the log began, and not after now."""
         return min(max(t, self.begin or 0), self.t)
 
     # -- what restricts the wizard ----------------------------------------------------------------
@@ -549,22 +525,6 @@ class SessionState:
             self.restriction = Restriction(begin=self.t, seq=message.seq, changed=message)
             yield self.restriction
 
-    def _shaping(self, message: m.ShapingChanged) -> Iterable[Episode]:
-        self.shaping = message
-        return self._moment(message)
-
-    def _script(self, message: m.ScriptMoved) -> Iterable[Episode]:
-        self.script = message
-        return self._moment(message)
-
-    def _locked(self, message: m.PanelLocked) -> Iterable[Episode]:
-        keep(self.locks, message.panel, message)
-        return self._moment(message)
-
-    def _attached(self, message: m.ConsoleAttached) -> Iterable[Episode]:
-        keep(self.consoles, message.console, message)
-        return self._moment(message)
-
     def _detached(self, message: m.ConsoleLost) -> Iterable[Episode]:
         self.consoles.pop(message.console, None)
         return self._moment(message)
@@ -591,16 +551,16 @@ class SessionState:
         keep(self.study.checks, message.check, message)
         return self._moment(message)
 
-    def _asked(self, message: m.QuestionnaireStarted) -> Iterator[Episode]:
+    def _questionnaire(self, message: m.QuestionnaireStarted) -> Iterator[Episode]:
         return self.study.ask(message, self.t)
 
     def _answered(self, message: m.QuestionnaireAnswered) -> Iterator[Episode]:
         return self.study.answer(message, self.t)
 
-    def _asking_ended(self, message: m.QuestionnaireEnded) -> Iterable[Episode]:
+    def _questionnaire_ended(self, message: m.QuestionnaireEnded) -> Iterable[Episode]:
         ended = [*self.study.end_questionnaire(message, self.t)]
-        known = any(not episode.cut for episode in ended)
-        return ended if known else (*ended, *self._moment(message))
+        is_end = any(not episode.cut for episode in ended)
+        return ended if is_end else (*ended, *self._moment(message))
 
     # -- training, re-run -------------------------------------------------------------------------
 
@@ -630,8 +590,37 @@ class SessionState:
         self.rerun = None
         return (ended,)
 
-    def _pass_over(self, message: m.Message) -> None:
-        """It says something of the log, not of the session."""
+
+def _last(name: str) -> _Case:
+    """The last message of its kind is kept as this attribute."""
+
+    def case(state: SessionState, message: m.Message) -> None:
+        setattr(state, name, message)
+
+    return case
+
+
+def _last_of(name: str, key: str) -> _Case:
+    """The last message for each value of its field `key` is kept in this table."""
+
+    def case(state: SessionState, message: m.Message) -> None:
+        keep(getattr(state, name), getattr(message, key), message)
+
+    return case
+
+
+def _as_moment(case: _Case) -> _Case:
+    """The same, and it is a moment."""
+
+    def both(state: SessionState, message: m.Message) -> Iterable[Episode]:
+        case(state, message)
+        return state._moment(message)
+
+    return both
+
+
+def _pass_over(state: SessionState, message: m.Message) -> None:
+    """It says something of the log, not of the session."""
 
 
 _FIELDS = tuple(each.name for each in fields(SessionState))
@@ -640,12 +629,12 @@ _COPIED = frozenset({dict, StudyState, ModelStatus, RobotSettings})
 
 S = SessionState
 #: What each kind of message does; a test says which kind is missing.
-CASES: dict[type[m.Message], Callable[[SessionState, Any], Iterable[Episode] | None]] = {
+CASES: dict[type[m.Message], _Case] = {
     m.SessionStart: S._start,
     m.SessionChanged: S._changed,
-    m.SessionEnd: S._end,
+    m.SessionEnd: _last("end"),
     m.SessionPlan: S._plan,
-    m.RecorderState: S._recorder,
+    m.RecorderState: _last("recorder"),
     m.ActionRequested: S._requested,
     m.ActionHeld: S._held,
     m.Command: S._command,
@@ -657,23 +646,23 @@ CASES: dict[type[m.Message], Callable[[SessionState, Any], Iterable[Episode] | N
     m.StopReleased: S._released,
     m.LaneFaulted: S._lane_faulted,
     m.LaneRecovered: S._lane_recovered,
-    m.Reading: S._reading,
-    m.SensorChanged: S._sensor,
+    m.Reading: _last_of("readings", "sensor"),
+    m.SensorChanged: _as_moment(_last_of("sensors", "sensor")),
     m.EngagementAdopted: S._adopted,
     m.EngagementChanged: S._engagement,
     m.EngagementShown: S._engagement_shown,
     m.SpeechStarted: S._speech_started,
     m.SpeechEnded: S._speech_ended,
     m.SpeechText: S._speech_text,
-    m.ModeChanged: S._mode,
-    m.FaceShown: S._face,
-    m.BodyChanged: S._body,
+    m.ModeChanged: _as_moment(_last_of("modes", "driver")),
+    m.FaceShown: _last_of("faces", "driver"),
+    m.BodyChanged: _last_of("bodies", "driver"),
     m.ControlsMoved: S._controls,
     m.SettingsShown: S._settings,
-    m.ScriptMoved: S._script,
-    m.PanelLocked: S._locked,
+    m.ScriptMoved: _as_moment(_last("script")),
+    m.PanelLocked: _as_moment(_last_of("locks", "panel")),
     m.ProfileChanged: S._profile,
-    m.ConsoleAttached: S._attached,
+    m.ConsoleAttached: _as_moment(_last_of("consoles", "console")),
     m.ConsoleLost: S._detached,
     m.ConditionsAssigned: S._assigned,
     m.TrialStarted: S._trial_started,
@@ -681,10 +670,10 @@ CASES: dict[type[m.Message], Callable[[SessionState, Any], Iterable[Episode] | N
     m.BreakStarted: S._break_started,
     m.BreakEnded: S._break_ended,
     m.PreflightChecked: S._checked,
-    m.QuestionnaireStarted: S._asked,
+    m.QuestionnaireStarted: S._questionnaire,
     m.QuestionnaireAnswered: S._answered,
-    m.QuestionnaireEnded: S._asking_ended,
-    m.ShapingChanged: S._shaping,
+    m.QuestionnaireEnded: S._questionnaire_ended,
+    m.ShapingChanged: _as_moment(_last("shaping")),
     m.PerceptionChanged: S._perception,
     m.CueGiven: S._cue,
     m.CueAnswered: S._judged,
@@ -704,5 +693,5 @@ CASES: dict[type[m.Message], Callable[[SessionState, Any], Iterable[Episode] | N
         (m.Marker, m.Note, m.Notice, m.VisitorChanged, m.ExperimentReloaded, m.RerunSent), S._moment
     ),
     m.RerunSkipped: S._moment,
-    **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), S._pass_over),
+    **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), _pass_over),
 }

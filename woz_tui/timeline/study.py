@@ -1,4 +1,4 @@
-"""The study around a session: participant, condition, trials, breaks, what is asked of people."""
+"""The study around a session: participant, condition, trials, breaks, questionnaires."""
 
 from __future__ import annotations
 
@@ -87,14 +87,14 @@ class StudyState:
 
     @property
     def trials(self) -> int:
-        """Trials in each condition; 0: nobody said."""
+        """Trials in each condition; 0: not specified."""
         design = self.settings.get("design")
         trials = design.get("trials") if isinstance(design, Mapping) else 0
         return trials if isinstance(trials, int) else 0
 
     @property
     def planned(self) -> int:
-        """Trials of the participant in all; 0: nobody said, or no order was given yet."""
+        """Trials of the participant in all; 0: not specified, or no order was given yet."""
         if self.assigned is None or self.assigned.participant != self.participant:
             return 0
         return self.trials * max(len(self.order), 1)
@@ -170,11 +170,11 @@ class StudyState:
         self._enter()
 
     def _somebody(self, participant: str, message: m.Message) -> None:
-        """Another participant begins anew, and has been asked nothing yet."""
+        """Another participant begins anew, and has had no questionnaire."""
         if "participant" in self._sources and participant == self.participant:
             return
         self.participant = participant
-        if "participant" in self._sources:  # so that one who comes back is seen to have been gone
+        if "participant" in self._sources:  # so that one who comes back begins anew
             self._sources["before"] = self._sources["participant"]
         self._sources["participant"] = message
         self._follow(1, message)
@@ -257,7 +257,7 @@ class StudyState:
             yield replace(self.in_break, end=t, cut=True)
             self.in_break = None
 
-    # -- asked of people --------------------------------------------------------------------------
+    # -- questionnaires ---------------------------------------------------------------------------
 
     def ask(self, message: m.QuestionnaireStarted, t: int) -> Iterator[Episode]:
         """A questionnaire begins; there is one at a time."""
@@ -285,11 +285,11 @@ class StudyState:
         if message.reason != Outcome.LEFT:
             keep(self.had, name, message)
             self._had_since = (self._had_since & self.had.keys()) | {name}
-        asked = self.questionnaire
-        if asked is None or asked.name != name:
+        current = self.questionnaire
+        if current is None or current.name != name:
             return [*self._cut_questionnaire(t)]
         self.questionnaire = None
-        return [replace(asked, end=t, outcome=message.reason, ended=message)]
+        return [replace(current, end=t, outcome=message.reason, ended=message)]
 
     def _cut_questionnaire(self, t: int) -> Iterator[Episode]:
         if self.questionnaire is not None:

@@ -79,7 +79,9 @@ class Recording:
         self._speaking = False
         #: Actions under way, and their commands that are.
         self._runs: dict[str, list[str]] = {}
-        #: Those that are a command without an action.
+        #: Commands that no driver has begun, and their drivers.
+        self._waiting: dict[str, str] = {}
+        #: Runs that are a command without an action.
         self._direct: set[str] = set()
         self._say(start())
         self._say(plan())
@@ -131,12 +133,18 @@ class Recording:
             m.Command(command=command, run=run, verb="say", args=args, driver=driver, source=source)
         )
         self._runs.setdefault(run or command, []).append(command)
+        self._waiting[command] = driver
         if self._chance.random() < 0.8:
+            self._dispatch(command)
+            if self._chance.random() < 0.6:
+                self._say(m.Progress(command=command, driver=driver, expected_us=SECOND))
+        return command
+
+    def _dispatch(self, command: str) -> None:
+        driver = self._waiting.pop(command, None)
+        if driver is not None:
             self._t += 1000
             self._say(m.Dispatched(command=command, driver=driver, latency_us=1000))
-        if self._chance.random() < 0.5:
-            self._say(m.Progress(command=command, driver=driver, expected_us=SECOND))
-        return command
 
     def end_run(self) -> None:
         if self._runs:
@@ -152,6 +160,8 @@ class Recording:
                 "failed": m.Failed(command=command, driver="robot", reason="hot"),
                 "stopped": m.Stopped(command=command, driver="robot", reason="stop"),
             }
+            if how != "stopped":
+                self._dispatch(command)
             self._say(ends[how])
         if run not in self._direct:
             kinds = {"done": m.ActionDone, "failed": m.ActionFailed, "stopped": m.ActionStopped}

@@ -244,10 +244,10 @@ def test_exported_events(messages: list[m.AnyMessage]) -> None:
             if each.kind == name and each.end is not None
         ], name  # fmt: skip
     assert [
-        (each.seq, each.begin, each.end, each.label, each.latency_us, str(each.outcome))
+        (each.seq, each.begin, each.started, each.end, each.label, str(each.outcome))
         for each in timeline.of(Command)
     ] == [
-        (each.seq, each.begin, each.end, each.label, each.latency, each.outcome)
+        (each.seq, each.begin, each.acted, each.end, each.label, each.outcome)
         for each in session.events
         if each.kind == "command" and not passing(each.verb, each.source)
     ]

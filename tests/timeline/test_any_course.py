@@ -5,6 +5,7 @@ from __future__ import annotations
 import typing
 from collections import Counter
 from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import msgspec
@@ -14,12 +15,18 @@ from hypothesis import strategies as st
 
 from tests.timeline.courses import damaged, recordings, stamped, start
 from woz_tui.core import messages as m
+from woz_tui.record.log import read
 from woz_tui.session.standing import Standing
 from woz_tui.timeline.context import Context
 from woz_tui.timeline.episodes import MOST, Action, Command, Utterance
 from woz_tui.timeline.state import CASES, SessionState
 from woz_tui.timeline.timeline import Timeline, timeline_of
 
+ROOT = Path(__file__).parents[2]
+LOGS = [
+    *sorted((ROOT / "tests/record/golden").glob("v*/recordings/*_S01.jsonl")),
+    ROOT / "recordings/sample.jsonl",
+]
 COURSES = st.one_of(recordings(), damaged())
 
 
@@ -50,7 +57,10 @@ def held(state: SessionState) -> dict[str, Any]:
             for key, each in state.commands.items()
         },
         "stop": stop and (stop.begin, stop.confirmed, stop.missing, stop.settled),
-        "drivers": (state.drivers, {name: each.begin for name, each in state.lost.items()}),
+        "drivers": (
+            {name: (each.health, each.since) for name, each in state.drivers.items()},
+            {name: each.begin for name, each in state.lost.items()},
+        ),
         "lanes": set(state.faulted_lanes),
         "settings": (
             set(state.robots.lost),
@@ -210,6 +220,22 @@ def test_a_snapshot_has_all_that_newcomers_get_today(messages: list[m.AnyMessage
                 pass  # it shows nothing
             case _:
                 assert message in snapshot
+
+
+# -- logs -----------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("log", LOGS, ids=[str(log.relative_to(ROOT)) for log in LOGS])
+def test_logs_of_every_schema_have_a_timeline(log: Path) -> None:
+    spill = log.parents[1] / "spill"
+    lines = [line.message for line in read(log, places=[spill]) if line.message is not None]
+    timeline = timeline_of(lines)
+    assert timeline.state.start is not None
+    assert {each.kind for each in timeline.episodes} > {"action", "command", "state", "utterance"}
+    assert {each.outcome for each in timeline.of(Command)} >= {"done", "stopped"}
+    snapshot = timeline.state.messages()
+    assert held(state_of(snapshot))["engaged"] == held(timeline.state)["engaged"]
+    assert len(snapshot) < len(lines) / 2
 
 
 # -- bounds ---------------------------------------------------------------------------------------

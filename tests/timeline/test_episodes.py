@@ -77,9 +77,18 @@ def test_a_command_has_all_that_its_lines_say() -> None:
         (3, m.Done(command="c", sent={"text": "HI"}, latency_us=500_000, duration_us=1_490_000)),
     )
     assert (command.latency_us, command.duration_us) == (500_000, 1_490_000)
+    assert command.started == 1_500_000
     assert (command.driver, command.sent, command.expected_end) == (
         "voice", {"text": "HI"}, 3 * SECOND,
     )  # fmt: skip
+
+
+def test_the_start_of_a_command_is_known_also_without_its_line() -> None:
+    done = m.Done(command="c", sent={}, latency_us=250_000, duration_us=9)
+    [command] = of(Command, (1, requested()), (3, done))
+    assert (command.started, command.latency_us) == (1_250_000, 250_000)
+    [command] = of(Command, (1, requested()), (3, m.Stopped(command="c")))
+    assert (command.started, command.latency_us) == (None, None)
 
 
 def test_an_action_counts_its_latency_to_the_first_start_of_a_driver() -> None:

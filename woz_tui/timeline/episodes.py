@@ -233,6 +233,15 @@ class Command(Episode, frozen=True, kw_only=True):
         return self.ended.latency_us if isinstance(self.ended, m.Done) else None
 
     @property
+    def started(self) -> int | None:
+        """When the driver started, on the axis of `t`; None: it never did."""
+        if self.dispatched is not None:
+            return self.dispatched.t
+        if isinstance(self.ended, m.Done):
+            return self.begin + self.ended.latency_us
+        return self.progress.t if self.progress else None
+
+    @property
     def duration_us(self) -> int | None:
         """How long it took, as its driver's lane measured it; None unless it was done."""
         return self.ended.duration_us if isinstance(self.ended, m.Done) else None

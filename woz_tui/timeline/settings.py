@@ -1,7 +1,7 @@
 """Robots' settings as they were read back: the value of each, and whether it is the wanted one.
 
-A driver publishes its settings when they change (`settings.shown`), so its last message holds. While its
-robot is lost nothing is known of them: that is no difference.
+A driver publishes its settings when they change (`settings.shown`), so its last message holds.
+While its robot is lost nothing is known of them: that is no difference.
 """
 
 from __future__ import annotations

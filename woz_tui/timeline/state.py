@@ -48,10 +48,11 @@ _Case = Callable[["SessionState", Any], Iterable[Episode] | None]
 
 
 class Driver(msgspec.Struct, frozen=True):
-    """A driver's health: the last message, and the first one since which it is the same."""
+    """A driver's health: its last message, the first one like it, the last one of another kind."""
 
     health: DriverHealth
     since: DriverHealth
+    before: DriverHealth | None = None
 
 
 @dataclass(slots=True)
@@ -152,6 +153,7 @@ class SessionState:
     def messages(self) -> list[m.Message]:
         """The few messages from which a fresh `SessionState` becomes the same, in order of `seq`.
 
+        The last `session.plan` is among them: whoever sends its content otherwise leaves it out.
         They do not carry: when each setting of a robot, and what is only counted, began; which
         commands of an action are over; passing commands.
         """
@@ -166,8 +168,7 @@ class SessionState:
         for part in (self.study, self.model, self.robots):
             yield from part.lines
         for driver in self.drivers.values():
-            yield driver.since
-            yield driver.health
+            yield from (each for each in (driver.before, driver.since, driver.health) if each)
         tables: tuple[dict[str, Any], ...] = (
             *(self.readings, self.sensors, self.modes, self.faces, self.bodies, self.controls),
             *(self.locks, self.consoles),
@@ -388,10 +389,12 @@ class SessionState:
 
     def _driver(self, message: DriverHealth) -> Iterator[Episode]:
         name = message.driver
-        before = self.drivers.get(name)
-        same = before is not None and type(before.health) is type(message)
-        since = before.since if before is not None and same else message
-        keep(self.drivers, name, Driver(message, since))
+        last = self.drivers.get(name)
+        if last is not None and type(last.health) is type(message):
+            driver = replace(last, health=message)
+        else:
+            driver = Driver(message, message, last.health if last else None)
+        keep(self.drivers, name, driver)
         if isinstance(message, m.DriverLost | m.DriverFaulted):
             if name not in self.lost:
                 lost = LostDriver(begin=self.t, seq=message.seq, lost=message)

@@ -57,8 +57,10 @@ class StudyState:
     had: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
     #: Whether any line has set the context.
     begun: bool = False
-    #: The trial whose questionnaires are due, and which of them have been had since.
+    #: The trial whose questionnaires are due, the order of conditions at its end, and which
+    #: questionnaires have been had since.
     _over: m.TrialEnded | None = None
+    _order_then: m.ConditionsAssigned | None = None
     _had_since: frozenset[str] = frozenset()
     #: The last end of each questionnaire, whoever had it.
     _rounds: dict[str, m.QuestionnaireEnded] = field(default_factory=dict)
@@ -95,9 +97,12 @@ class StudyState:
     @property
     def planned(self) -> int:
         """Trials of the participant in all; 0: not specified, or no order was given yet."""
-        if self.assigned is None or self.assigned.participant != self.participant:
+        return self._planned(self.assigned)
+
+    def _planned(self, assigned: m.ConditionsAssigned | None) -> int:
+        if assigned is None or assigned.participant != self.participant:
             return 0
-        return self.trials * max(len(self.order), 1)
+        return self.trials * max(len(assigned.order), 1)
 
     @property
     def due(self) -> list[Due]:
@@ -105,7 +110,8 @@ class StudyState:
         over = self._over
         if over is None:
             return []
-        whens = due_behind(over.trial, over.outcome, trials=self.trials, planned=self.planned)
+        planned = self._planned(self._order_then)
+        whens = due_behind(over.trial, over.outcome, trials=self.trials, planned=planned)
         return [
             Due(name, -1 if when == "end" else over.trial)
             for when in whens
@@ -126,7 +132,8 @@ class StudyState:
         yield from self.checks.values()
         yield from self.had.values()
         yield from self._rounds.values()
-        for line in (self.assigned, self.last_started, self.last_ended, self._over):
+        study = (self.assigned, self.last_started, self.last_ended, self._over, self._order_then)
+        for line in study:
             if line is not None:
                 yield line
         for episode in (self.trial, self.in_break, self.questionnaire):
@@ -234,6 +241,7 @@ class StudyState:
         if message.outcome in OVER:
             self._follow(message.trial + 1, message)
             self._over, self._had_since = message, frozenset()
+            self._order_then = self.assigned
         self._enter()
 
     def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:

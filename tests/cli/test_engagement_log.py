@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import itertools
 import json
 import random
 from dataclasses import replace
@@ -268,3 +269,18 @@ def test_a_log_is_one_whatever_has_become_of_its_first_line(
     assert cli.main(words) == 0
     assert "no difference" in capsys.readouterr().out
     assert b"session.start" in first
+
+
+def test_samples_whose_sensor_is_no_name_are_passed_over(log: Path, tmp_path: Path) -> None:
+    """A log that another program has written into."""
+    name = log.name.replace(".jsonl", ".samples.jsonl")
+    lines = log.with_name(name).read_bytes().splitlines()
+    pairs = itertools.product([["gaze"], {"a": 1}, None, 7, True], [1.0, True])
+    for place, (sensor, value) in enumerate(pairs, 1):
+        odd = {**json.loads(lines[place]), "kind": "sample", "sensor": sensor, "value": value}
+        lines[place] = json.dumps(odd).encode()
+    (tmp_path / name).write_bytes(b"\n".join(lines) + b"\n")
+    (tmp_path / log.name).write_bytes(log.read_bytes())
+    found = recounted(tmp_path / log.name, None, Damage())
+    assert len(found.computed) > 20
+    assert found.sensors <= {"presence", "gaze", "distance", "identity", "loudness"}

@@ -385,3 +385,11 @@ async def test_it_fits_every_screen_with_hostile_names(
         assert "presence" in shown
         seat.console.post_message(Key("escape", "\x1b"))
         await seat.until(lambda: seat.console.dialog is None)
+
+
+@pytest.mark.parametrize(("raw", "said"), [(2.0, "yes"), (0.3, "yes"), (0.0, "no")])
+def test_any_number_of_people_is_shown_as_somebody(raw: float, said: str) -> None:
+    sign = m.SignShown(raw=raw, verdict=0, count=0, needed=4, places=8, filter="fifo")
+    page = drawn(engaged.shown(signs=engaged.signs(presence=sign)))
+    (row,) = (line.split() for line in page.splitlines() if line.startswith("presence"))
+    assert row[1] == said

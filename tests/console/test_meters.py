@@ -99,6 +99,20 @@ def test_verdicts_have_signs() -> None:
     assert "~ person" in meters(scenes.reading(NOW - 9_000_000, "presence", 1.0))
 
 
+@pytest.mark.parametrize(
+    ("sensor", "value", "mark"),
+    [
+        *(("presence", 2.0, "● person"), ("presence", 0.3, "● person")),
+        *(("presence", 0.0, "○ person"), ("gaze", 2.0, "● looks"), ("gaze", 0.3, "○ looks")),
+        *(("presence", -1.0, "○ person"), ("presence", None, "○ person")),
+    ],
+)
+def test_counts_of_people_are_marked_as_the_model_reads_them(
+    sensor: str, value: float | None, mark: str
+) -> None:
+    assert mark in meters(scenes.reading(NOW, sensor, value))
+
+
 def test_engagement_gives_its_reason() -> None:
     shown = meters(*[e for e in scenes.history() if isinstance(e, m.EngagementChanged)])
     assert "EngagedWithKnown" in shown

@@ -55,6 +55,14 @@ def test_the_published_delays_in_lines() -> None:
     ]
 
 
+def test_two_faces_are_somebody() -> None:
+    """A sensor that counts people."""
+    said = run([{"presence": 2, "gaze": 2, "distance": 0.9}] * 4, EngagementSettings())
+    assert [row["presence"] for row in said] == [0, 0, 0, 1]
+    assert said[-1]["gaze"] == 1
+    assert not any("bad" in row for row in said)
+
+
 def test_a_line_without_a_change_says_so() -> None:
     (row,) = run([{}], EngagementSettings())
     assert row == {

@@ -24,7 +24,8 @@ anything = st.sampled_from(JUNK) | st.floats() | st.integers() | st.text() | st.
 
 @given(anything)
 def test_no_value_raises_and_no_verdict_is_nan(value: object) -> None:
-    assert samples.flag(value) in (True, False, None)
+    assert samples.presence(value) in (True, False, None)
+    assert samples.gaze(value) in (True, False, None)
     metres = samples.metres(value, 5.0)
     assert metres is None or 0.0 < metres <= 5.0 or metres == math.inf
     name = samples.name(value)
@@ -34,16 +35,35 @@ def test_no_value_raises_and_no_verdict_is_nan(value: object) -> None:
     assert samples.absent(value) in (True, False)
 
 
+NO_FLAG: list[Any] = [
+    *((None, None), (math.nan, None), ("NaN", None), (-1, None), (-0.3, None), ("1", None)),
+    *((math.inf, None), ("Infinity", None), (-math.inf, None), ([1], None), ({"a": 1}, None)),
+]
+
+
+@pytest.mark.parametrize(
+    ("value", "meant"),
+    [
+        *((1, True), (0, False), (0.0, False), (-0.0, False), (True, True), (False, False)),
+        *((2, True), (0.5, True), (0.49, True), (0.01, True), (7.0, True), (1e300, True)),
+        *((10**400, True), *NO_FLAG),
+    ],
+)
+def test_any_number_above_zero_is_somebody(value: object, meant: bool | None) -> None:
+    """A recogniser may count faces, or say how sure it is."""
+    assert samples.presence(value) is meant
+
+
 @pytest.mark.parametrize(
     ("value", "meant"),
     [
         *((1, True), (0, False), (True, True), (False, False), (0.5, True), (0.49, False)),
-        *((None, None), (math.nan, None), ("NaN", None), (2, None), (-1, None), (1e300, None)),
-        *((math.inf, None), ("Infinity", None), ("1", None), ([1], None), (10**400, None)),
+        *((2, True), (1.01, True), (1e300, True), *NO_FLAG),
     ],
 )
-def test_presence_and_gaze(value: object, meant: bool | None) -> None:
-    assert samples.flag(value) is meant
+def test_gaze_is_a_share_or_a_count(value: object, meant: bool | None) -> None:
+    """How surely somebody looks, from 0 to 1; or how many do."""
+    assert samples.gaze(value) is meant
 
 
 @pytest.mark.parametrize(

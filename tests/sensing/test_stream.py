@@ -323,3 +323,11 @@ def test_no_message_hurts(messages: list[tuple[Any, int]]) -> None:
         follower.due()
         shown = follower.shown()
         assert shown.state in (*STATES, "stop")
+
+
+def test_two_faces_are_somebody_live() -> None:
+    log = Log()
+    for _ in range(4):
+        log.sense("presence", 2.0, after=1 / 3)
+    assert log.state == "PersonDetected"
+    assert log.follower.shown().signs["presence"].raw == 2.0

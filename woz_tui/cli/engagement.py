@@ -43,7 +43,7 @@ Run the engagement model over recorded or made-up samples, or over a session's l
 it says after each line. A line of samples is a JSON object with any of
 
   t          seconds; a line without it comes one period (--rate) after the one before
-  presence   0 or 1: somebody is there        gaze   0 or 1: they look at the robot
+  presence   above 0: somebody is there       gaze   0.5 and above: they look at the robot
   id         their name, or "Unknown"         distance   metres
   rms        loudness                         events     list of what happens, of
              handshake_fail handshake_ok reply_done robot_initiative say_done speech_end

@@ -96,9 +96,9 @@ def recounted(
 
     for line in read(path, damage):
         recount.end = max(recount.end, line.t)
-        follower = again.follower
+        sensor, follower = line.fields.get("sensor"), again.follower
         if line.kind == _SAMPLE and (
-            follower is None or line.fields.get("sensor") not in follower.sensors
+            follower is None or not isinstance(sensor, str) or sensor not in follower.sensors
         ):
             continue
         message = message_of(line)

@@ -23,6 +23,7 @@ from woz_tui.console.rows import NAME, at, joined, kept, labelled, named, old, r
 from woz_tui.console.study.perceived import HIDDEN
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
+from woz_tui.sensing.samples import FLAGS
 
 #: Rows of meters at the most.
 MOST = 40
@@ -156,7 +157,8 @@ def _verdicts(picture: Picture, robot: str, frame: Frame) -> list[Row]:
         if picture.perception.hides(name):
             pieces.append((f"{frame.glyphs.middle} {word} {HIDDEN}", "faint"))
         else:
-            pieces.append(_verdict(sensor, word, _stale(picture, sensor, frame), frame.glyphs))
+            yes = bool(FLAGS[name](sensor.value))
+            pieces.append(_verdict(yes, word, _stale(picture, sensor, frame), frame.glyphs))
         pieces.append(("  ", "plain"))
     who = picture.sensors.get(f"{robot}identity")
     if who is not None and picture.perception.hides("identity"):
@@ -168,10 +170,10 @@ def _verdicts(picture: Picture, robot: str, frame: Frame) -> list[Row]:
     return [(named(f"{robot}visitor"), *pieces)] if pieces else []
 
 
-def _verdict(sensor: SensorPicture, word: str, stale: bool, glyphs: Glyphs) -> Piece:
+def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
     if stale:
         return (f"{glyphs.stale} {word}", "stale")
-    if sensor.value is not None and sensor.value >= 0.5:
+    if yes:
         return (f"{glyphs.yes} {word}", "good")
     return (f"{glyphs.no} {word}", "muted")
 

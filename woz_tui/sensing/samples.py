@@ -32,14 +32,29 @@ def number(value: object) -> float | None:
     return SPELT.get(value) if isinstance(value, str) else None
 
 
-def flag(value: object) -> bool | None:
-    """Presence or gaze: a truth value, or a share from 0 to 1 of which one half is yes."""
-    if isinstance(value, bool):
-        return value
-    share = number(value)
-    if share is None or not 0.0 <= share <= 1.0:
-        return None
-    return share >= 0.5
+def presence(value: object) -> bool | None:
+    """Whether somebody is there: a truth value, or a number such as a count of faces; any above
+    zero is somebody.
+    """
+    amount = _amount(value)
+    return None if amount is None else amount > 0.0
+
+
+def gaze(value: object) -> bool | None:
+    """Whether somebody looks: a truth value, a share from 0 to 1 of which one half is yes, or a
+    count of those who look.
+    """
+    amount = _amount(value)
+    return None if amount is None else amount >= 0.5
+
+
+#: How the signs that are yes or no are read.
+FLAGS = {"presence": presence, "gaze": gaze}
+
+
+def _amount(value: object) -> float | None:
+    found = float(value) if isinstance(value, bool) else number(value)
+    return found if found is not None and 0.0 <= found < math.inf else None
 
 
 def metres(value: object, farthest: float) -> float | None:

@@ -114,8 +114,8 @@ class Sign(Heard):
 
     def take(self, value: object, now: int) -> bool:
         """A sample, whatever it is; whether it is one."""
-        far = self._farthest
-        meant = samples.metres(value, far) if self.name == "distance" else samples.flag(value)
+        read = samples.FLAGS.get(self.name)
+        meant = samples.metres(value, self._farthest) if read is None else read(value)
         if meant is None:
             return False
         self.raw = float(value) if isinstance(value, bool) else samples.number(value)

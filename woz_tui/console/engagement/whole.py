@@ -32,6 +32,7 @@ from woz_tui.console.study.perceived import COARSE, HIDDEN, KEPT
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION
 from woz_tui.sensing.proxemics import zone
+from woz_tui.sensing.samples import FLAGS
 
 #: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
 _NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 28
@@ -196,7 +197,7 @@ def _sensed(name: str, sign: m.SignShown) -> str:
         return "nothing"
     if name == "distance":
         return f"{sign.raw:.2f} m {zone(sign.raw)}" if sign.raw < 100 else "far"
-    return "yes" if sign.raw >= 0.5 else "no"
+    return "yes" if FLAGS[name](sign.raw) else "no"
 
 
 def _condition(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:

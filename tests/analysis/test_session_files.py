@@ -10,9 +10,9 @@ import pytest
 from tests.analysis.told import STEM, Told
 from woz_tui.analysis.session import NoSessionError, Wanted, examine
 from woz_tui.analysis.sources import sessions_in
-from woz_tui.analysis.wholeness import NO_END
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.record.files import NO_END
 
 GOLDEN = Path(__file__).parents[1] / "record" / "golden"
 

@@ -49,6 +49,22 @@ class Bench:
         self.hub = Hub(self.clock, self.recorder.record)
         return self
 
+    def start(self) -> int:
+        """Record the first line of a session; its number."""
+        start = m.SessionStart(
+            session="S01",
+            participant="P07",
+            condition="",
+            wizard="",
+            software={},
+            experiment="x.yaml",
+            experiment_sha256="",
+            seed=1,
+            clock={},
+            spill=self.recorder.spill,
+        )
+        return self.hub.publish(start).seq
+
     def note(self, text: str = "hello") -> int:
         """Record an action's line; its number."""
         return self.hub.publish(m.Note(text=text)).seq

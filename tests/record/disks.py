@@ -62,10 +62,10 @@ class FaultyDisk(RealDisk):
                 return super().write(fd, data[: len(data) // 2])
         return super().write(fd, data)
 
-    def links(self, fd: int) -> int:
+    def is_at(self, fd: int, path: Path) -> bool:
         self.looked.set()
         self.looks.wait(60)
-        return super().links(fd)
+        return super().is_at(fd, path)
 
     def fdatasync(self, fd: int) -> None:
         self._sync(fd)

@@ -11,7 +11,7 @@ from tests.record.bench import STEM, Bench, bench, until
 from tests.record.disks import FAULTS
 from woz_tui.core.clock import ManualClock
 from woz_tui.record import recorder
-from woz_tui.record.log import Damage, read
+from woz_tui.record.log import Damage, files_of, read
 from woz_tui.record.recorder import CLOSE_WAIT_S, Recorder
 
 
@@ -324,3 +324,32 @@ def test_the_very_last_sync_may_fail_too(tmp_path: Path) -> None:
     assert whole == [True]
     assert it.numbers() == [number]
     assert it.recorder.path.parent == it.spill
+
+
+def test_the_next_line_finds_out_that_the_log_was_deleted(tmp_path: Path) -> None:
+    """It does not wait until somebody looks: what is acknowledged has a file with a name."""
+    it = Bench(tmp_path)
+    it.disk.looks.clear()
+    it.begin()
+    try:
+        it.synced()
+        until(it.disk.looked.is_set, "the thread to look at the file")
+        it.recorder.path.unlink()
+        it.note("after it was deleted")
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        assert "after it was deleted" in it.recorder.path.read_text()
+    finally:
+        it.disk.looks.set()
+        it.recorder.close()
+
+
+@pytest.mark.usefixtures("unhurried")
+def test_a_file_that_was_left_says_where_the_log_goes_on(tmp_path: Path) -> None:
+    with bench(tmp_path) as it:
+        it.disk.faults[it.home] = "sync"  # the last line is written all the same
+        it.note()
+        until(lambda: it.recorder.path.parent == it.spill, "the second folder")
+        it.recorder.close()
+        first = it.home / f"{STEM}.jsonl"
+        assert f'"next_file":"{it.spill / STEM}.2.jsonl"' in first.read_text().splitlines()[-1]
+        assert files_of(first, []).paths == files_of(it.recorder.path, []).paths

@@ -68,7 +68,7 @@ def examine(
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it holds no session'}")
     found = files_of(path, places, samples=False)
     figures = gatherer.figures(str(path), found.stem)
-    whole = wholeness(figures, damage, found.actions, roll)
+    whole = wholeness(figures, damage, found, roll)
     if wanted.verified:
         whole = verified(whole, path, places)
     timeline = drawing.timeline() if drawing is not None else None

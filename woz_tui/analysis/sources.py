@@ -7,6 +7,7 @@ from collections.abc import Iterable, Iterator, Sequence
 from pathlib import Path
 
 from woz_tui.core import wire
+from woz_tui.core.regular import open_regular
 from woz_tui.record.names import FileName, session_code
 
 
@@ -64,7 +65,7 @@ def _is_log(path: Path) -> bool:
     if session_code(parsed.stem):
         return True
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             first = wire.decode_unknown(file.readline(wire.MAX_LINE))
     except OSError:
         return True  # whoever reads it says why it cannot be read

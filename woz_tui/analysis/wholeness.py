@@ -9,14 +9,13 @@ from pathlib import Path
 from woz_tui.analysis.figures import SessionFigures, Wholeness
 from woz_tui.core import wire
 from woz_tui.core.messages import AnyMessage, Checkpoint, EngagementShown, Reading, Segment
-from woz_tui.record.log import Damage, Line
+from woz_tui.core.regular import open_regular
+from woz_tui.record.log import Damage, Line, LogFiles
 from woz_tui.record.names import FileName
 from woz_tui.record.verify import verify
 
 #: What stands in a log whose first line is lost.
 NO_BEGINNING = "the first line is missing: nobody's codes are known"
-#: What stands in a log that was cut off, or whose session still runs.
-NO_END = "the session has no end: it runs still, or it was cut off"
 
 
 class Roll:
@@ -35,10 +34,8 @@ class Roll:
             self._lines += 1
 
 
-def wholeness(
-    figures: SessionFigures, damage: Damage, actions: Sequence[Path], roll: Roll
-) -> Wholeness:
-    """As far as one pass over the files of `actions` can tell."""
+def wholeness(figures: SessionFigures, damage: Damage, files: LogFiles, roll: Roll) -> Wholeness:
+    """As far as one pass over the actions in `files` can tell."""
     sentences = damage.sentences()
     if not figures.schema:
         sentences.append(NO_BEGINNING)
@@ -46,12 +43,12 @@ def wholeness(
     missing = max(0, roll.short - known)
     if missing and not damage.missing:  # else their numbers are named
         sentences.append(f"{missing} line(s) of actions missing")
-    sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(actions)]
+    sentences += [f"went on in {path.name}: {head.reason}" for path, head in _moved(files.actions)]
     still_open = figures.whole.outcomes.open
     if figures.ended and still_open:
         sentences.append(f"{still_open} action(s) without an end")
     if not figures.ended:
-        sentences.append(NO_END)
+        sentences.append(files.no_end())
     return Wholeness(
         sentences=tuple(sentences),
         ended=bool(figures.ended),
@@ -59,7 +56,7 @@ def wholeness(
         dropped=damage.dropped,
         dropped_samples=damage.dropped_samples,
         missing=missing,
-        segments=max(1, len(actions)),
+        segments=max(1, len(files.actions)),
     )
 
 
@@ -80,7 +77,7 @@ def _moved(actions: Sequence[Path]) -> Iterator[tuple[Path, Segment]]:
 def _head(path: Path) -> Segment | None:
     """The line with which a segment begins; None if it cannot be read."""
     try:
-        with path.open("rb") as file:
+        with open_regular(path) as file:
             message = wire.decode_message(file.readline(wire.MAX_LINE))
     except (OSError, wire.WireError):
         return None

@@ -175,7 +175,11 @@ SCHEMA = 2
 
 
 class SessionStart(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.start"):
-    """First line of a log: who, what, with which software, and how clock and calendar meet."""
+    """First line of a log: who, what, with which software, and how clock and calendar meet.
+
+    `spill`: folders in which the log goes on if its own fails, best first; each as it is on that
+    machine and, where that differs, as seen from the log's.
+    """
 
     format: str = msgspec.field(default_factory=lambda: FORMAT)
     schema: int = msgspec.field(default_factory=lambda: SCHEMA)
@@ -188,6 +192,7 @@ class SessionStart(Message, frozen=True, kw_only=True, omit_defaults=True, tag="
     experiment_sha256: str
     seed: int
     clock: dict[str, str]
+    spill: list[str] = msgspec.field(default_factory=list)
 
 
 class SessionChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.changed"):
@@ -221,18 +226,22 @@ class Checkpoint(Message, frozen=True, kw_only=True, omit_defaults=True, tag="ch
 
 
 class Segment(Message, frozen=True, kw_only=True, omit_defaults=True, tag="segment"):
-    """First line of a file in which the log goes on, written by the recorder itself: it has no
-    `seq`, because it belongs to the file and not to the session's course.
+    """First line of a file in which the log goes on, and last line of one that was left; written by
+    the recorder itself. It has no `seq`, because it belongs to the file and not to the session's
+    course.
 
     `log` is the name all files of the session share, `number` counts its segments from 1,
-    `previous` is the file before (relative to this one) and `reason` why it was left. `dropped`
-    and `dropped_samples` count the lines that no file holds.
+    `previous` is the file before (relative to this one) and `reason` why it was left; with `copied`
+    that file was deleted, and this one has all that was in it. In a last line `next_file` is where
+    the log goes on. `dropped` and `dropped_samples` count the lines that no file holds.
     """
 
     log: str
     session: str
     number: int
     previous: str = ""
+    copied: bool = False
+    next_file: str = ""
     reason: str = ""
     dropped: int = 0
     dropped_samples: int = 0

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import codecs
-import os
 import re
-import stat
 from dataclasses import dataclass
 from pathlib import Path
+
+from woz_tui.core.regular import open_regular
 
 #: Bytes. The longest real experiment is a few dozen kilobytes.
 MAX_BYTES = 1 << 20
@@ -47,9 +47,7 @@ def read(path: Path, name: str) -> Source:
 
 def _bytes(path: Path) -> bytes:
     try:
-        with open(path, "rb", opener=_unblocked) as file:
-            if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-                raise SourceError("this is not a file")
+        with open_regular(path) as file:
             data = file.read(MAX_BYTES + 1)
     except FileNotFoundError:
         raise SourceError("there is no such file") from None
@@ -61,11 +59,6 @@ def _bytes(path: Path) -> bytes:
     if len(data) > MAX_BYTES:
         raise SourceError(f"the file is larger than {MAX_BYTES >> 20} MiB; is it the right one?")
     return data
-
-
-def _unblocked(path: str, flags: int) -> int:
-    """Opened without waiting for somebody at the other end of a pipe."""
-    return os.open(path, flags | os.O_NONBLOCK)
 
 
 def text_of(data: bytes) -> str:

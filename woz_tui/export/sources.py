@@ -43,12 +43,13 @@ class Source:
         return self.files.paths[0]
 
     # The files are those that were found: looked for again from the first one, a segment in
-    # another folder would be missing.
+    # a folder that it does not name would be missing.
 
     def lines(self, damage: Damage) -> Iterator[Line]:
         """Every line that is no sample, in order."""
-        actions = [path for path in self.files.paths if not _holds_samples(path)]
-        return (line for line in merge(actions, damage, gaps=False) if not line.sample)
+        damage.lacks(self.files.missing)
+        actions = merge(self.files.actions, damage, gaps=False)
+        return (line for line in actions if not line.sample)
 
     def samples(self, damage: Damage) -> Iterator[Reading]:
         """Every sample of a sensor, in order; memory stays flat."""
@@ -58,11 +59,6 @@ class Source:
     def everything(self, damage: Damage) -> Iterator[Line]:
         """Every line, in order."""
         return merge(self.files.paths, damage)
-
-
-def _holds_samples(path: Path) -> bool:
-    name = FileName.parse(path.name)
-    return name is not None and name.samples
 
 
 def redacted_line(line: Line) -> Line:
@@ -131,7 +127,8 @@ def read(source: Source, *, redact: bool = False) -> Session:
     told = nameless(damage) if redact else damage
     session.damage = [*told.sentences(), *sums.sentences()]
     if session.lines and not session.end_reason:
-        session.damage.append("the session has no end: it runs still, or it was cut off")
+        files = replace(source.files, spill="") if redact else source.files
+        session.damage.append(files.no_end())
     if session.lines and session.start is None:
         session.damage.append("the first line is missing: nobody's codes are known")
     session.name = _name(session)
@@ -141,7 +138,8 @@ def read(source: Source, *, redact: bool = False) -> Session:
 def nameless(damage: Damage) -> Damage:
     """The damage without names of files, which hold dates, and without names of unknown kinds."""
     unreadable = ["a file of the log could not be read to its end"] * len(damage.unreadable)
-    return replace(damage, places=[], kinds=[], unreadable=unreadable)
+    absent = ["its name is left out"] * len(damage.absent)
+    return replace(damage, places=[], kinds=[], unreadable=unreadable, absent=absent)
 
 
 def _name(session: Session) -> str:

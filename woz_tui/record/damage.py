@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -32,6 +33,7 @@ class Damage:
         kinds: The first 20 unknown kinds.
         gaps: The first 20 runs of missing numbers, as (first, last).
         unreadable: Files that could not be read to their end, with the reason.
+        absent: Files that others of the log name, and that are not there.
         places: The first damaged lines, as `file:byte`, at most 20.
     """
 
@@ -52,6 +54,7 @@ class Damage:
     kinds: list[str] = field(default_factory=list)
     gaps: list[tuple[int, int]] = field(default_factory=list)
     unreadable: list[str] = field(default_factory=list)
+    absent: list[str] = field(default_factory=list)
     places: list[str] = field(default_factory=list)
 
     @property
@@ -89,7 +92,12 @@ class Damage:
         if self.missing:
             runs = [f"{a}" if a == b else f"{a} to {b}" for a, b in self.gaps]
             found.append(f"{self.missing} line(s) missing: {_listed(runs)}")
+        found += [f"a file of the log is missing: {path}" for path in self.absent]
         return found + self.unreadable
+
+    def lacks(self, paths: Iterable[Path]) -> None:
+        """These files are not there."""
+        self.absent += map(str, paths)
 
     def at(self, path: Path, offset: int) -> None:
         """Remember where something damaged stands."""

@@ -42,13 +42,15 @@ class LogIndex:
         actions: Every message that is no sample, in order of `seq`, in memory. What this version
             does not know or cannot take is there as its `Line`.
         damage: What was wrong with the files; the same as `woz_tui.record.log.read` says.
+        no_end: What it may mean if no message says that the session ended.
         length_us: The last moment of the session, in microseconds since it began; 0 if the log is
             empty.
     """
 
-    def __init__(self, found: Scan, files: ExitStack) -> None:
+    def __init__(self, found: Scan, files: ExitStack, no_end: str) -> None:
         self.actions: list[Item] = found.actions
         self.damage: Damage = found.damage
+        self.no_end = no_end
         self._files = files
         self._samples = Samples(found.blocks)
         self._times = list(map(t_of, self.actions))
@@ -64,8 +66,10 @@ class LogIndex:
         raises; nothing damaged raises, now or later.
         """
         with ExitStack() as files:
-            found = scan(files_of(path, places), files, block)
-            return cls(found, files.pop_all())
+            log = files_of(path, places)
+            found = scan(log, files, block)
+            found.damage.lacks(log.missing)
+            return cls(found, files.pop_all(), log.no_end())
 
     def at(self, t_us: int) -> State:
         """The last reading of each sensor, and the engagement model, at `t_us` (included), however

@@ -12,6 +12,7 @@ import msgspec
 
 from woz_tui.core import wire
 from woz_tui.core.messages import SCHEMA, AnyMessage, Segment
+from woz_tui.core.regular import open_regular
 from woz_tui.record.damage import Damage
 
 #: Bytes that are read at once: small enough to stay in the processor's cache with what they hold,
@@ -159,7 +160,7 @@ def _message(raw: bytes) -> AnyMessage | None:
 def chunks_of(path: Path, damage: Damage, block: int = BLOCK) -> Iterator[Chunk]:
     """A file in pieces of whole lines, each about `block` bytes long."""
     try:
-        with path.open("rb", buffering=0) as file:
+        with open_regular(path) as file:
             yield from _cut(path, file.fileno(), damage, block)
     except OSError as error:
         damage.unreadable.append(f"{path}: {error.strerror}")

@@ -32,8 +32,10 @@ def read(
     of samples is opened, and missing numbers are not counted. Memory stays flat however long the
     log is. Raises at once what `files_of` raises; nothing damaged raises.
     """
-    paths = files_of(path, places, samples=samples).paths
-    return merge(paths, Damage() if damage is None else damage, gaps=samples)
+    files = files_of(path, places, samples=samples)
+    found = Damage() if damage is None else damage
+    found.lacks(files.missing)
+    return merge(files.paths, found, gaps=samples)
 
 
 def merge(paths: Sequence[Path], damage: Damage, *, gaps: bool = True) -> Iterator[Line]:

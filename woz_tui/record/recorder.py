@@ -13,6 +13,7 @@ import threading
 import time
 from collections.abc import Callable
 from contextlib import suppress
+from itertools import chain
 from pathlib import Path
 
 from woz_tui.core import wire
@@ -21,7 +22,14 @@ from woz_tui.core.messages import AnyMessage, RecorderState
 from woz_tui.record.backlog import Backlog
 from woz_tui.record.disk import Disk, RealDisk, in_words
 from woz_tui.record.gauge import Gauge, state_of
-from woz_tui.record.names import FileName, second_places, stem, unique, without_home
+from woz_tui.record.names import (
+    FileName,
+    from_folder,
+    second_places,
+    stem,
+    unique,
+    without_home,
+)
 from woz_tui.record.segment import (
     ACTIONS,
     SAMPLES,
@@ -169,6 +177,16 @@ class Recorder:
         """The file that takes the samples now."""
         return self._samples_path
 
+    @property
+    def spill(self) -> list[str]:
+        """Folders in which the log goes on if that of `path` fails, for the log's first line: each
+        as it is on this machine, and as seen from there, because they may be moved together.
+        """
+        folder = self._path.parent
+        others = [place for place in self._series.places if place != folder]
+        names = ((without_home(place), from_folder(place, folder)) for place in others)
+        return list(dict.fromkeys(chain.from_iterable(names)))
+
     def state(self) -> RecorderState:
         """How well the log keeps up at this moment."""
         with self._lock:
@@ -260,7 +278,7 @@ class Recorder:
             new.start()
             if old is not None:
                 self._left.append(old)
-                old.release(self._rescue)
+                old.release(self._rescue, self._goodbye(old, new, reason))
             return True
         with self._lock:
             self._failed = "; ".join(problems)
@@ -327,9 +345,22 @@ class Recorder:
         backlog.find_home()
         self._samples_path = path
 
-    def _header(self, path: Path, number: int, reason: str, previous: Path | None) -> bytes:
-        lost = (self._backlogs[ACTIONS].lost, self._backlogs[SAMPLES].lost)
-        return self._series.header(path, number, reason=reason, previous=previous, lost=lost)
+    def _header(
+        self, path: Path, number: int, reason: str, previous: Path | None, *, copied: bool = False
+    ) -> bytes:
+        return self._series.header(
+            path, number, reason=reason, previous=previous, copied=copied, lost=self._lost
+        )
+
+    def _goodbye(self, old: OpenSegment, new: OpenSegment, reason: str) -> bytes:
+        with self._lock:
+            return self._series.header(
+                old.path, old.number, reason=reason, next_file=new.path, lost=self._lost
+            )
+
+    @property
+    def _lost(self) -> tuple[int, int]:
+        return self._backlogs[ACTIONS].lost, self._backlogs[SAMPLES].lost
 
     def _rescue(self, old: OpenSegment) -> None:
         """Copy what somebody deleted while it was written; in the old segment's thread."""
@@ -350,7 +381,8 @@ class Recorder:
         with self._lock:
             name = self._series.claim(which == SAMPLES)
             what = "copy of a deleted file"
-            header = self._header(folder / str(name), name.number, what, file.path)
+            path = folder / str(name)
+            header = self._header(path, name.number, what, file.path, copied=True)
         file.copied(folder, str(name), header)
 
     # -- what is told -------------------------------------------------------------------------
@@ -384,7 +416,7 @@ class Recorder:
             left="" if self._moved_us is None else self._story,
             samples=self._segment is None or self._segment.takes_samples,
             uncopied=self._unrescued,
-            lost=(self._backlogs[ACTIONS].lost, self._backlogs[SAMPLES].lost),
+            lost=self._lost,
         )
 
     def _report(self) -> None:

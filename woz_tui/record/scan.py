@@ -15,6 +15,7 @@ import msgspec
 
 from woz_tui.core import wire
 from woz_tui.core.messages import EngagementShown, Reading
+from woz_tui.core.regular import open_regular
 from woz_tui.record.blocks import Block, Entry, Slim, entries_in, lasts
 from woz_tui.record.damage import Damage
 from woz_tui.record.files import LogFiles
@@ -82,7 +83,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int) -> Scan:
 
 def _open(path: Path, opened: ExitStack) -> BinaryIO | None:
     try:
-        return opened.enter_context(path.open("rb", buffering=0))
+        return opened.enter_context(open_regular(path))
     except OSError:
         return None  # `chunks_of` says so
 

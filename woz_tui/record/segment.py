@@ -18,9 +18,8 @@ SAMPLES = 1
 
 #: Samples are seen onto the disk five times a second: each time costs a flash card an erase.
 SAMPLES_EVERY_S = 0.2
-#: How often we look whether the files are still where they were.
-_LOOK_EVERY_S = 1.0
 _COPY_BLOCK = 1 << 20
+_DELETED = "the log was deleted"
 
 #: Does what it is given, from the caller's thread: at once, or when the caller has time for it.
 Defer = Callable[[Callable[[], None]], object]
@@ -46,13 +45,18 @@ class LogFile:
         self.sync_failed = False
 
     def append(self, data: bytes) -> None:
-        """Whole lines into the kernel with one write. A part that got in is cut off again."""
+        """Whole lines into the kernel with one write. A part that got in is cut off again.
+
+        Raises `OSError`, also if the file has no name any more: nobody would find the lines.
+        """
         taken = self._disk.write(self.fd, data)
         if taken != len(data):
             with suppress(OSError):
                 self._disk.truncate(self.fd, self.size)
             raise OSError(errno.ENOSPC, f"only {taken} of {len(data)} bytes were taken")
         self.size += taken
+        if self.deleted:
+            raise OSError(_DELETED)
 
     def sync(self) -> None:
         """Onto the disk. After one failure never again: the kernel has dropped the pages and
@@ -76,7 +80,7 @@ class LogFile:
     def trouble(self) -> str:
         """What became of the file's name; empty while it is in its place."""
         if self.deleted:
-            return "the log was deleted"
+            return _DELETED
         if not self._disk.is_at(self.fd, self.path):
             return "the log was moved or replaced"
         known = self.size
@@ -145,6 +149,7 @@ class OpenSegment:
         self._waking = False
         self._released = threading.Event()
         self._after: Callable[[OpenSegment], None] | None = None
+        self._last_line = b""
         self.folder = folder
         self.number = name.number
         self.current = True
@@ -210,9 +215,14 @@ class OpenSegment:
         for _, file in self.files:
             file.discard()
 
-    def release(self, after: Callable[[OpenSegment], None] | None = None) -> None:
-        """No more lines will come: one last sync, then `after(self)`, then the files are closed."""
+    def release(
+        self, after: Callable[[OpenSegment], None] | None = None, last_line: bytes = b""
+    ) -> None:
+        """No more lines will come but `last_line`, if the disk takes it: one last sync, then
+        `after(self)`, then the files are closed.
+        """
         self._after = after
+        self._last_line = self._last_line or last_line
         self._released.set()
         self._wake.set()
 
@@ -232,7 +242,7 @@ class OpenSegment:
 
     def _serve(self) -> None:
         settled = self._settle()
-        samples_due = look_due = time.monotonic()
+        samples_due = time.monotonic()
         while not self._released.is_set():
             self._wake.wait(SAMPLES_EVERY_S)
             self._wake.clear()
@@ -243,12 +253,10 @@ class OpenSegment:
                 settled = settled or self._settle()
                 self._sync(SAMPLES, self._samples)
                 samples_due = now + SAMPLES_EVERY_S
-            if now >= look_due:
-                look_due = now + _LOOK_EVERY_S
-                trouble = next(filter(None, (file.trouble() for _, file in self.files)), "")
-                if trouble:
-                    self._trouble(self, trouble)
-                    return
+            trouble = next(filter(None, (file.trouble() for _, file in self.files)), "")
+            if trouble:
+                self._trouble(self, trouble)
+                return
 
     def _settle(self) -> bool:
         """New files, and the folders' mention of them, onto the disk; True if both were there."""
@@ -273,11 +281,14 @@ class OpenSegment:
                 self._lock.notify_all()
 
     def _finish(self) -> None:
+        if self._last_line and not self._actions.deleted:
+            with suppress(OSError):
+                self._actions.append(self._last_line)
         for which, file in self.files:
             try:
                 if self.current:
                     self._sync(which, file)
-                else:
+                elif not file.deleted:
                     file.sync()
             except OSError as error:
                 if self.current:  # nobody has its lines elsewhere yet

@@ -9,7 +9,7 @@ from pathlib import Path
 from woz_tui.core import wire
 from woz_tui.core.clock import Clock, timestamp
 from woz_tui.core.messages import Segment
-from woz_tui.record.names import FileName, from_folder, session_code
+from woz_tui.record.names import FileName, from_folder, session_code, without_home
 from woz_tui.record.segment import OpenSegment
 
 _MOST_NAMES = 10_000
@@ -81,9 +81,13 @@ class Series:
         *,
         reason: str = "",
         previous: Path | None = None,
+        copied: bool = False,
+        next_file: Path | None = None,
         lost: tuple[int, int] = (0, 0),
     ) -> bytes:
-        """The line with which the file `path` begins; `lost` counts actions and samples."""
+        """The line with which the file `path` begins, or with `next_file` the one with which it
+        ends; `lost` counts actions and samples.
+        """
         now_us = self._clock.now_us()
         return wire.encode(
             Segment(
@@ -93,6 +97,8 @@ class Series:
                 session=session_code(self._stem),
                 number=number,
                 previous=from_folder(previous, path.parent) if previous else "",
+                copied=copied,
+                next_file=without_home(next_file) if next_file else "",
                 reason=reason,
                 dropped=lost[0],
                 dropped_samples=lost[1],

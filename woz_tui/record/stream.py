@@ -35,9 +35,10 @@ def messages(
     of `path`, `places`, `samples`, memory and errors holds here too. `block`: bytes of each file
     that are decoded at once.
     """
-    paths = files_of(path, places, samples=samples).paths
+    files = files_of(path, places, samples=samples)
     found = Damage() if damage is None else damage
-    every = batches(paths, found, gaps=samples, block=block)
+    found.lacks(files.missing)
+    every = batches(files.paths, found, gaps=samples, block=block)
     return (item for batch in every for item in batch)
 
 

@@ -33,6 +33,7 @@ class Verdict:
         unended: Requests without an end, by id.
         ended_twice: Requests with more than one end, by id.
         unasked: Ends without a request, by id.
+        no_end: What it may mean if it was not.
         damage: What the reader had to leave out or put right.
     """
 
@@ -41,6 +42,7 @@ class Verdict:
     checkpoints: int = 0
     broken_after: int | None = None
     ended: bool = False
+    no_end: str = ""
     unended: list[str] = field(default_factory=list)
     ended_twice: list[str] = field(default_factory=list)
     unasked: list[str] = field(default_factory=list)
@@ -57,7 +59,7 @@ class Verdict:
         if self.broken_after is not None:
             found.append(f"lines after number {self.broken_after} were changed or lost")
         if not self.ended:
-            found.append("the session has no end: it runs still, or it was cut off")
+            found.append(self.no_end)
         for what, ids in (
             ("without an end", self.unended),
             ("with more than one end", self.ended_twice),
@@ -75,9 +77,11 @@ def verify(path: Path, *, places: Iterable[Path] | None = None) -> Verdict:
     Needs memory for the ids of its actions and commands, not for its samples. Raises
     `FileNotFoundError` or `ValueError` as `woz_tui.record.log.files_of` does.
     """
-    verdict = Verdict()
+    files = files_of(path, places)
+    verdict = Verdict(no_end=files.no_end())
+    verdict.damage.lacks(files.missing)
     checker = _Checker(verdict)
-    for line in merge(files_of(path, places).paths, verdict.damage):
+    for line in merge(files.paths, verdict.damage):
         checker.take(line)
     checker.finish()
     return verdict

@@ -110,5 +110,5 @@ def notes_of(index: LogIndex, reel: Reel) -> tuple[str, ...]:
     if reel.start is None:
         notes.append("its beginning is missing: who took part in which session is not known")
     if not any(isinstance(line, m.SessionEnd) for line in index.actions):
-        notes.append("it has no end: the robot process was killed, or still writes it")
+        notes.append(index.no_end)
     return tuple(notes)

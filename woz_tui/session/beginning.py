@@ -23,9 +23,11 @@ _KEYS_TOLD = 8
 FILES_BYTES = 512 * 1024
 
 
-def begin(hub: Hub, identity: Identity, experiment: Experiment, clock: Clock) -> None:
-    """Publish what a log begins with."""
-    hub.publish(session_start(identity, experiment, clock))
+def begin(
+    hub: Hub, identity: Identity, experiment: Experiment, clock: Clock, spill: list[str]
+) -> None:
+    """Publish what a log begins with; `spill`: where it goes on if its folder fails."""
+    hub.publish(session_start(identity, experiment, clock, spill))
     hub.publish(experiment_files(experiment))
     _tell_keys(hub, experiment)
 
@@ -50,7 +52,9 @@ def _tell_keys(hub: Hub, experiment: Experiment) -> None:
         hub.publish(m.Notice(level="warning", text=text, remedy=remedy))
 
 
-def session_start(identity: Identity, experiment: Experiment, clock: Clock) -> m.SessionStart:
+def session_start(
+    identity: Identity, experiment: Experiment, clock: Clock, spill: list[str]
+) -> m.SessionStart:
     """Who, what, with which software, and how the clock and the calendar meet."""
     return m.SessionStart(
         session=identity.session,
@@ -67,6 +71,7 @@ def session_start(identity: Identity, experiment: Experiment, clock: Clock) -> m
             "wall_at_t0": timestamp(clock.wall()),
             "boot_id": _boot_id(),
         },
+        spill=spill,
     )
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.regular import open_regular
 from woz_tui.experiment.due import OVER
 from woz_tui.record.names import FileName
 from woz_tui.session.proposal import Past
@@ -119,7 +120,7 @@ def _bare(plan: m.SessionPlan) -> m.SessionPlan:
 
 def _candidates(path: Path) -> Iterator[bytes]:
     rest = b""
-    with path.open("rb") as file:
+    with open_regular(path) as file:
         while chunk := file.read(CHUNK):
             whole, newline, tail = (rest + chunk).rpartition(b"\n")
             if not newline and len(tail) > LONGEST:

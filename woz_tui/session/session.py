@@ -67,7 +67,7 @@ class Session:
         self.hub = Hub(self.clock, self.recorder.record)
         self.standing = Standing()
         self.hub.listen(self.standing.see)
-        begin(self.hub, self.identity, self.experiment, self.clock)
+        begin(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
         self.engagement = LiveEngagement(self)
         self.profiles = Profiles(self.hub.publish)
         self.study = LiveStudy(self)

@@ -243,3 +243,12 @@ def test_writing_leaves_one_file(tmp_path: Path) -> None:
     write([report], tmp_path / "report.html")
     write([report], tmp_path / "report.html")
     assert sorted(one.name for one in tmp_path.iterdir()) == ["logs", "report.html"]
+
+
+@pytest.mark.parametrize("years", [100, 70_000])
+def test_a_damaged_time_of_many_years_makes_no_more_ticks(tmp_path: Path, years: int) -> None:
+    story = ordinary("P01", "warm", "S01")
+    story.tell(years * 3e7, m.Note(text="a damaged line"))
+    page = Structure(render([story.report(tmp_path)]))
+    ticks = [attrs for attrs in page.all("text") if "tick" in str(attrs.get("class")).split()]
+    assert 2 <= len(ticks) < 100

@@ -10,6 +10,9 @@ from selenium.webdriver.common.by import By
 from selenium.webdriver.common.keys import Keys
 
 from tests.analysis.html.browser import Page
+from tests.analysis.html.sessions import ordinary
+from woz_tui.analysis.html.page import write
+from woz_tui.core import messages as m
 
 pytestmark = pytest.mark.browser
 
@@ -289,3 +292,15 @@ def test_seen_from_near_there_are_ticks_of_milliseconds(page: Page, single: Path
     assert 5 <= len(ticks) <= 16
     page.open(single)
     assert [tick.text for tick in page.all("svg.lanes .tick")][:3] == ["0:00", "0:10", "0:20"]
+
+
+@pytest.mark.parametrize("years", [100, 70_000])
+def test_a_damaged_time_of_many_years_makes_no_more_ticks(
+    page: Page, tmp_path: Path, years: int
+) -> None:
+    story = ordinary()
+    story.tell(years * 3e7, m.Note(text="a damaged line"))
+    write([story.report(tmp_path)], tmp_path / "report.html")
+    page.open(tmp_path / "report.html")
+    assert 2 <= len(page.all("svg.lanes .tick")) < 100
+    assert page.complaints() == []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
@@ -33,9 +34,14 @@ class Scale:
         return self.left + us / max(self.duration_us, 1) * self.width
 
     def ticks(self, room: float = 76) -> Iterator[tuple[float, str]]:
-        """Places of the ruler's ticks, at least `room` apart, and what stands there."""
+        """Places of the ruler's ticks, at least `room` apart, and what stands there.
+
+        Whole days apart where a damaged time makes a session last for years.
+        """
         seconds = max(self.duration_us, 1) / 1e6
-        step = next((one for one in _STEPS if one / seconds * self.width >= room), _STEPS[-1])
+        apart = room / self.width * seconds
+        days = math.ceil(apart / _STEPS[-1]) * _STEPS[-1]
+        step = next((one for one in _STEPS if one >= apart), days)
         for number in range(int(seconds / step) + 1):
             us = round(number * step * 1e6)
             yield self.x(us), clock(us, 1 if step < 1 else 0)

@@ -6,9 +6,13 @@ const STEPS = [
   900, 1800, 3600, 7200, 14400, 43200, 86400,
 ];
 
-// The smallest step at which labels of a ruler with `perSecond` pixels are `room` pixels apart.
+// The smallest step at which labels of a ruler with `perSecond` pixels are `room` pixels apart;
+// whole days where a damaged time makes a session last for years.
 function tickStep(perSecond, room) {
-  return STEPS.find((step) => step * perSecond >= room) ?? STEPS[STEPS.length - 1];
+  const day = STEPS[STEPS.length - 1];
+  return (
+    STEPS.find((step) => step * perSecond >= room) ?? day * Math.ceil(room / (perSecond * day))
+  );
 }
 
 function ticks(from, to, step) {

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import json
+import tracemalloc
 from pathlib import Path
 
 import pytest
@@ -13,7 +14,10 @@ from hypothesis import strategies as st
 from tests.cli.test_render import CALM
 from woz_tui.cli import inputs as inputs_command
 from woz_tui.cli import main, modes
+from woz_tui.cli.inputs import lines_of
 from woz_tui.cli.plot import Curve, chart, time_axis
+from woz_tui.motion.rendering import LONGEST_S
+from woz_tui.motion.scripted import read_inputs
 
 DOCS = Path(__file__).parents[2] / "docs"
 
@@ -310,3 +314,77 @@ def test_the_document_has_the_modes_as_they_are(capsys: pytest.CaptureFixture[st
     assert main(["modes"]) == 0
     assert "joint controls" in capsys.readouterr().out
     assert len(modes.rows()) == 11
+
+
+def test_a_large_file_is_read_line_by_line(tmp_path: Path) -> None:
+    """Of a session's log few lines are inputs of a body."""
+    file = tmp_path / "session.jsonl"
+    other = json.dumps({"kind": "note", "t": 1, "text": "x" * 1000}) + "\n"
+    pose = {"t": 0, "input": "pose", "joints": {"pitch": 20}}
+    file.write_text("\ufeff" + other * 20_000 + json.dumps(pose) + "\n" + "x" * 9_000_000)
+    complaints: list[str] = []
+    tracemalloc.start()
+    try:
+        read = read_inputs(lines_of(str(file)), ("pose",), "body", complaints.append)
+        _, most = tracemalloc.get_traced_memory()
+    finally:
+        tracemalloc.stop()
+    assert [one.place for one in read] == [f"{file}:20001"]
+    assert [complaint.split(": ")[0] for complaint in complaints] == [f"{file}:20002"]
+    assert most < 8_000_000
+
+
+@pytest.mark.parametrize("odd", ["[1]", "{}", "7", "null"])
+def test_a_log_whose_commands_have_no_names_is_told_or_read(
+    capsys: pytest.CaptureFixture[str], calm: Path, odd: str
+) -> None:
+    kinds = ("requested", "dispatched", "refused")
+    file = written(
+        calm.parent, *(f'{{"kind":"command.{kind}","t":1,"command":{odd}}}' for kind in kinds)
+    )
+    assert main(["render", str(calm), "idle", "--inputs", str(file), "--seconds", "0"]) == 0
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_text_that_is_no_utf_8_is_told_with_its_place(
+    capsys: pytest.CaptureFixture[str], calm: Path
+) -> None:
+    file = written(calm.parent, {"t": 0, "input": "blink"})
+    file.write_bytes(file.read_bytes() + b'{"t":0,"input":"\xff"}\n')
+    assert main(["render", str(calm), "idle", "--inputs", str(file)]) == 2
+    assert f"{file}:2: no UTF-8" in capsys.readouterr().err
+
+
+def test_a_damaged_time_far_away_does_not_make_a_mode_last_for_ever(
+    capsys: pytest.CaptureFixture[str], calm: Path
+) -> None:
+    file = written(calm.parent, {"t": 1e12, "input": "blink"})
+    words = ["render", str(calm), "tracking", "--rate", "1", "--inputs", str(file)]
+    assert main(words) == 0
+    out, err = capsys.readouterr()
+    assert len(out.splitlines()) <= LONGEST_S + 1
+    assert "--seconds" in err
+
+
+def test_a_log_that_went_on_in_a_second_folder_is_rendered_whole(
+    capsys: pytest.CaptureFixture[str], calm: Path
+) -> None:
+    def asked(command: str, pitch: float, t: float) -> str:
+        return json.dumps(
+            {
+                **{"kind": "command.requested", "seq": 1, "t": round(t * 1e6), "command": command},
+                **{"verb": "pose", "args": {"joints": {"pitch": pitch}}, "driver": "body"},
+            }
+        )
+
+    stem = "2026-03-01T10-00-00_P07_S01"
+    spill = calm.parent / "spill"
+    spill.mkdir()
+    first = calm.parent / f"{stem}.jsonl"
+    start = {"kind": "session.start", "seq": 0, "t": 0, "ts": "", "spill": ["spill"]}
+    first.write_text(json.dumps(start) + "\n" + asked("c1", 5, 0) + "\n")
+    head = json.dumps({"kind": "segment", "log": stem, "session": "S01", "number": 2})
+    (spill / f"{stem}.2.jsonl").write_text(head + "\n" + asked("c2", 20, 0.5) + "\n")
+    assert main(["render", str(calm), "idle", "--inputs", str(first)]) == 0
+    last = json.loads(capsys.readouterr().out.splitlines()[-1])
+    assert last["joints"]["pitch"] == pytest.approx(20)

@@ -1,4 +1,4 @@
-"""The inputs of `woz render`, described from the verbs themselves.
+"""The inputs of `woz render`: their lines, and a description made from the verbs themselves.
 
     python -m woz_tui.cli.inputs docs/render.md
 
@@ -7,15 +7,24 @@ writes the table of the document anew; a test keeps it fresh.
 
 from __future__ import annotations
 
+import codecs
+import re
 import sys
+from collections.abc import Iterator
 from pathlib import Path
+from typing import BinaryIO
 
+from woz_tui.core import wire
 from woz_tui.core.driver import Argument
+from woz_tui.core.regular import open_regular
 from woz_tui.motion.inputs import offered
 from woz_tui.motion.shapes import BodyShape, FaceShape
+from woz_tui.record.files import files_of
 
 BEGIN = "<!-- inputs: begin (python -m woz_tui.cli.inputs docs/render.md) -->"
 END = "<!-- inputs: end -->"
+
+_BEGINS_LOG = re.compile(rb'\s*\{\s*"kind"\s*:\s*"(?:session\.start|segment)"')
 
 #: Inputs that are no verb of a body.
 BEYOND = (
@@ -24,6 +33,36 @@ BEYOND = (
     ("freeze", "", "the emergency stop: stands still until `resume`"),
     ("resume", "", "the emergency stop is released"),
 )
+
+
+def lines_of(name: str) -> Iterator[tuple[str, bytes]]:
+    """Each line of the file called `name`, without its newline, with its place; `-` is standard
+    input. Of a session's log those of all its files. Raises `OSError`.
+    """
+    if name == "-":
+        yield from _numbered("standard input", sys.stdin.buffer)
+        return
+    path = Path(name)
+    with path.open("rb") as file:
+        first = file.readline(wire.MAX_LINE)
+        if not (path.is_file() and _BEGINS_LOG.match(first)):
+            yield from _numbered(name, file, first)
+            return
+    for each in files_of(path, samples=False).actions:
+        with open_regular(each) as file:
+            yield from _numbered(str(each), file)
+
+
+def _numbered(name: str, file: BinaryIO, first: bytes = b"") -> Iterator[tuple[str, bytes]]:
+    """Of a line that is longer than any message the beginning, which is no JSON."""
+    line = (first or file.readline(wire.MAX_LINE)).removeprefix(codecs.BOM_UTF8)
+    number = 0
+    while line:
+        number += 1
+        yield f"{name}:{number}", line.rstrip(b"\n")
+        while line and not line.endswith(b"\n"):
+            line = file.readline(wire.MAX_LINE)
+        line = file.readline(wire.MAX_LINE)
 
 
 def described() -> str:

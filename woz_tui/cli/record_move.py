@@ -193,16 +193,12 @@ def _told(move: KeyframeMove, file: Path) -> str:
 
 
 def _scripted(arguments: argparse.Namespace, stage: Stage, move: KeyframeMove) -> KeyframeMove:
+    from woz_tui.cli.inputs import lines_of  # noqa: PLC0415
     from woz_tui.cli.scripted_take import performed  # noqa: PLC0415
     from woz_tui.motion.puppeteer import Puppeteer  # noqa: PLC0415
     from woz_tui.motion.scripted import read_inputs  # noqa: PLC0415
 
-    name = "standard input" if arguments.inputs == "-" else arguments.inputs
-    try:
-        text = sys.stdin.read() if arguments.inputs == "-" else Path(name).read_text("utf-8")
-    except UnicodeDecodeError as error:
-        raise RecordError(f"{name}: no UTF-8 text: {error.reason}") from None
-    read = read_inputs(text.split("\n"), name, stage.verbs, stage.body)
+    read = read_inputs(lines_of(arguments.inputs), stage.verbs, stage.body)
     inputs = [stage.translated(one) for one in read]
     settings = stage.spec.settings
     puppeteer = Puppeteer(

@@ -112,6 +112,7 @@ def render(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]])
 
 def _inputs(arguments: argparse.Namespace, stage: Any) -> list[Input]:
     """All of them before the first line is printed: nothing comes out half."""
+    from woz_tui.cli.inputs import lines_of  # noqa: PLC0415
     from woz_tui.motion.scripted import read_inputs  # noqa: PLC0415
 
     if arguments.inputs is None:
@@ -121,18 +122,7 @@ def _inputs(arguments: argparse.Namespace, stage: Any) -> list[Input]:
         if (arguments.lenient)
         else None
     )
-    name = "standard input" if arguments.inputs == "-" else arguments.inputs
-    try:
-        text = (
-            sys.stdin.read()
-            if arguments.inputs == "-"
-            else Path(arguments.inputs).read_text(encoding="utf-8")
-        )
-    except UnicodeDecodeError as error:
-        raise RenderError(f"{name}: no UTF-8 text: {error.reason} at byte {error.start}") from None
-    read = read_inputs(
-        text.removeprefix("\ufeff").split("\n"), name, stage.verbs, stage.body, complain
-    )
+    read = read_inputs(lines_of(arguments.inputs), stage.verbs, stage.body, complain)
     return [stage.translated(one) for one in read]
 
 

@@ -16,7 +16,7 @@ from woz_tui.experiment.shape import Action, DriverSpec, Experiment, Together
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import BRIEF
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.rendering import Input, Score, Step, Tell
+from woz_tui.motion.rendering import CUT_OFF, LONGEST_S, Input, Score, Step, Tell
 
 IDLE = "idle"
 #: Modes by what `NAME` says; normal is `idle`.
@@ -99,7 +99,10 @@ class Stage:
             seconds = None if inputs else IDLE_S
         elif name in MODES:
             steps = [(self._input("mode", {"mode": name}),)]
-            seconds = None if name == Mode.DEMO.value else max(IDLE_S, last)
+            if name != Mode.DEMO.value:
+                seconds = min(max(IDLE_S, last), LONGEST_S)
+                if last > seconds:
+                    tell(seconds, CUT_OFF)
         elif name in self.playable:
             steps = [(self._input("play", {"move": name}),)]
         elif action is not None:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Sequence
 
 from woz_tui.motion.modes import Mode
@@ -25,7 +26,7 @@ def performed(
     Every input counts from its own moment on, also between two ticks. `tell` hears of those that
     were refused.
     """
-    waiting = list(inputs)
+    waiting = deque(inputs)
     end = start + seconds
     puppeteer.tick(0.0)
     began = False
@@ -35,7 +36,7 @@ def performed(
             puppeteer.begin()
             began = True
         while waiting and waiting[0].t <= moment:
-            _apply(puppeteer, waiting.pop(0), tell)
+            _apply(puppeteer, waiting.popleft(), tell)
 
 
 def _moments(inputs: Sequence[Input], start: float, end: float) -> list[float]:

@@ -6,6 +6,7 @@ between two ticks of the rate, so that what follows does not depend on the rate.
 
 from __future__ import annotations
 
+from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
@@ -18,6 +19,7 @@ from woz_tui.motion.ticks import Refused, Tick
 
 #: Nothing takes longer than this, in seconds, unless it is asked for.
 LONGEST_S = 600.0
+CUT_OFF = f"cut off after {LONGEST_S:g} s; --seconds allows more"
 #: Joints count as held when they are this near to where they are wanted, in degrees; after so many
 #: seconds a rendering ends even if one of them never is.
 HELD, PATIENCE_S = 0.01, 5.0
@@ -77,7 +79,7 @@ class Rendering:
         self._tell = tell
         self._awaited = score.awaited
         self._steps = list(score.steps)
-        self._inputs = list(score.inputs)
+        self._inputs = deque(score.inputs)
         self._running: set[int] = set()
         self._pending: set[int] = set()
         self._blinks = False  # on demand; those by itself keep nobody waiting
@@ -103,7 +105,7 @@ class Rendering:
                 if quiet_since is not None and self._held(tick, t - quiet_since, settle):
                     return
                 if t > LONGEST_S:
-                    self._tell(t, f"cut off after {LONGEST_S:g} s; --seconds allows more")
+                    self._tell(t, CUT_OFF)
                     return
             count += 1
 
@@ -121,7 +123,7 @@ class Rendering:
 
     def _due(self, t: float) -> float | None:
         """The first moment before `t` at which something is to be done."""
-        moments = [one.t for one in self._inputs[:1]]
+        moments = [self._inputs[0].t] if self._inputs else []
         if self._steps and not self._pending:
             moments.append(self._pause_until)
         due = [moment for moment in moments if moment < t]
@@ -132,7 +134,7 @@ class Rendering:
     def _take(self, now: float) -> None:
         """Everything that is to be done by `now`."""
         while self._inputs and self._inputs[0].t <= now:
-            self._apply(self._inputs.pop(0), now)
+            self._apply(self._inputs.popleft(), now)
         while self._steps and not self._pending and self._pause_until <= now:
             step = self._steps.pop(0)
             if isinstance(step, float | int):

@@ -24,8 +24,7 @@ class InputLineError(ValueError):
 
 
 def read_inputs(
-    lines: Iterable[str],
-    name: str,
+    lines: Iterable[tuple[str, bytes]],
     verbs: Iterable[str],
     body: str,
     complain: Any = None,
@@ -33,19 +32,18 @@ def read_inputs(
     """All inputs of `lines`, sorted by time.
 
     Args:
-        lines: Of the file called `name`.
-        name: For errors: `name:line: what is wrong`.
+        lines: Each with its place, for errors: `place: what is wrong`.
         verbs: What the body can be asked for.
         body: The body's name among the drivers, for logs.
         complain: Hears of every wrong line, which is then left out; without it the first one
             raises `InputLineError`.
     """
-    reader = _Reader(name, (*verbs, *BEYOND_VERBS), body)
-    for number, line in enumerate(lines, 1):
+    reader = _Reader((*verbs, *BEYOND_VERBS), body)
+    for place, line in lines:
         if not line.strip():
             continue
         try:
-            reader.line(number, line)
+            reader.line(place, line)
         except InputLineError as error:
             if complain is None:
                 raise
@@ -54,8 +52,7 @@ def read_inputs(
 
 
 class _Reader:
-    def __init__(self, name: str, verbs: tuple[str, ...], body: str) -> None:
-        self._name = name
+    def __init__(self, verbs: tuple[str, ...], body: str) -> None:
         self._verbs = verbs
         self._body = body
         self._hand = Hand.WIZARD
@@ -74,10 +71,11 @@ class _Reader:
         ]
         return sorted([*self._found, *commands], key=lambda one: one.t)
 
-    def line(self, number: int, line: str) -> None:
-        place = f"{self._name}:{number}"
+    def line(self, place: str, line: bytes) -> None:
         try:
-            read = json.loads(line, parse_constant=_no_constant)
+            read = json.loads(line.decode(), parse_constant=_no_constant)
+        except UnicodeDecodeError as error:
+            raise InputLineError(f"{place}: no UTF-8 text: {error.reason}") from None
         except (ValueError, RecursionError) as error:
             raise InputLineError(f"{place}: no JSON: {error}") from None
         if not isinstance(read, dict):
@@ -119,17 +117,17 @@ class _Reader:
     # -- a session's log ------------------------------------------------------------------------
 
     def _logged(self, place: str, read: Mapping[str, Any]) -> None:
-        kind = read["kind"]
+        kind, command = read["kind"], str(read.get("command"))
         if kind == "stop.pressed" and read.get("scope", "all") == "all":
             self._found.append(Input(self._seconds(place, read), FREEZE, {}, place=place))
         elif kind == "stop.released":
             self._found.append(Input(self._seconds(place, read), RESUME, {}, place=place))
         elif kind == "command.requested":
             self._command(place, read)
-        elif kind == "command.dispatched" and read.get("command") in self._asked:
-            self._begun[read["command"]] = self._seconds(place, read)
+        elif kind == "command.dispatched" and command in self._asked:
+            self._begun[command] = self._seconds(place, read)
         elif isinstance(kind, str) and kind in _NEVER_BEGAN:
-            self._unbegun.add(str(read.get("command")))
+            self._unbegun.add(command)
 
     def _command(self, place: str, read: Mapping[str, Any]) -> None:
         verb, args = read.get("verb"), read.get("args")

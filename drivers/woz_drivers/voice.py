@@ -16,6 +16,7 @@ from woz_drivers.speech_cache import SpeechCache, users_folder
 from woz_drivers.speech_settings import SpeechSettings
 from woz_drivers.wav import NoWav, Wav
 from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.regular import open_regular
 
 #: A synthesiser that takes longer than this hangs, in seconds; large neural voices need a few.
 _SYNTHESIS_S = 25.0
@@ -47,7 +48,8 @@ def spoken(text: str) -> str:
 def read_wav(path: Path) -> Wav:
     """A WAV file. `Rejected` says what is wrong with it and how to convert it."""
     try:
-        return wav.parse(path.read_bytes())
+        with open_regular(path) as file:
+            return wav.parse(file.read())
     except OSError as error:
         raise Rejected(
             f"{path} cannot be read: {error.strerror}", "check the path and its permissions"

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import os
 import random
 import signal
@@ -9,7 +10,7 @@ import subprocess
 import sys
 from pathlib import Path
 
-from tests.record.bench import STEM
+from tests.record.bench import STEM, until
 from woz_tui.record.log import Damage, read
 
 ROOT = Path(__file__).parents[2]
@@ -39,6 +40,36 @@ def test_kill_9_loses_no_line_that_was_acknowledged(tmp_path: Path) -> None:
             check(tmp_path / f"{stem}.jsonl", last)
         process.stdin.close()
         assert process.wait(20) == 0
+
+
+def test_what_is_acknowledged_after_the_log_was_deleted_survives_kill_9(tmp_path: Path) -> None:
+    with subprocess.Popen(
+        [sys.executable, "-m", "tests.record.writer", str(tmp_path)],
+        cwd=ROOT,
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+    ) as process:
+        assert process.stdin
+        assert process.stdout
+        process.stdin.write(f"{STEM}\n".encode())
+        process.stdin.flush()
+        child = int(process.stdout.readline().split()[1])
+        for _ in range(300):
+            process.stdout.readline()
+        (tmp_path / f"{STEM}.jsonl").unlink()
+        # What was acknowledged by now may still stand in the pipe: this line tells where it ends.
+        asked = json.loads((tmp_path / f"{STEM}.samples.jsonl").read_bytes().splitlines()[-1])
+        second = tmp_path / "spill" / f"{STEM}.2.jsonl"
+        until(second.exists, "the second folder")
+        last = int(process.stdout.readline())
+        while last < asked["seq"] + 20:
+            last = int(process.stdout.readline())
+        os.kill(child, signal.SIGKILL)
+        process.stdin.close()
+        told = [int(line) for line in process.stdout if line != b"dead\n"]
+        last = max([last, *told])
+    found = {line.seq for line in read(second, places=[tmp_path])}
+    assert found >= set(range(asked["seq"] + 1, last + 1))
 
 
 def check(path: Path, last: int) -> None:

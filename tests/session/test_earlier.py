@@ -88,6 +88,29 @@ def test_segments_of_a_session_are_one(tmp_path: Path) -> None:
     assert (found.logs, found.past[0].over) == (1, 2)
 
 
+def test_a_session_that_went_on_in_a_second_folder_is_read_to_its_end(tmp_path: Path) -> None:
+    folder, spill, stem = tmp_path / "recordings", tmp_path / "spill", "2026-03-01T10-00-00_S01"
+    path = log(folder, stem, had("P01", ORDER, "dd"), title="T")
+    lines = path.read_bytes().splitlines(keepends=True)
+    second = spill / f"{stem}.2.jsonl"
+    left = m.Segment(log=stem, session="S01", number=1, next_file=str(second))
+    path.write_bytes(b"".join([*lines[:6], wire.encode(left)]))
+    assert read(folder).unreadable == (second.name,)
+    spill.mkdir()
+    begun = m.Segment(log=stem, session="S01", number=2, previous=str(path))
+    second.write_bytes(b"".join([wire.encode(begun), *lines[6:]]))
+    found = read(folder)
+    assert (found.logs, found.past[0].over, found.unreadable) == (1, 2, ())
+
+
+def test_pipes_are_not_waited_for(tmp_path: Path) -> None:
+    log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER), title="T")
+    os.mkfifo(tmp_path / "2026-03-01T10-00-00_S01.2.jsonl")
+    os.mkfifo(tmp_path / "2026-03-02T10-00-00_S01.jsonl")
+    found = read(tmp_path)
+    assert (found.logs, len(found.unreadable)) == (1, 2)
+
+
 def test_no_folder_and_no_logs_are_nobody(tmp_path: Path) -> None:
     assert read(tmp_path / "recordings") == Found()
     (tmp_path / "notes.txt").write_text("x")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import wave
 from collections.abc import Iterator
 
+from woz_tui.core.regular import open_regular
 from woz_tui.export.course import Clip, Session
 from woz_tui.export.folder import Folder
 
@@ -45,7 +46,7 @@ def _readable(session: Session) -> tuple[_Clips, list[str]]:
     problems = []
     for clip in sorted(session.clips, key=lambda clip: clip.begin):
         try:
-            with wave.open(str(clip.path), "rb") as file:
+            with open_regular(clip.path) as clip_file, wave.open(clip_file) as file:
                 shape = file.getparams()
         except (OSError, EOFError, wave.Error) as error:
             problems.append(f"{clip.path.name} cannot be read and is left out: {error}")

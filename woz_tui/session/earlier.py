@@ -7,7 +7,7 @@ session has thousands of lines and a dozen of these. Whatever is damaged is pass
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -15,6 +15,7 @@ from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.regular import open_regular
 from woz_tui.experiment.due import OVER
+from woz_tui.record.files import files_of
 from woz_tui.record.names import FileName
 from woz_tui.session.proposal import Past
 
@@ -23,8 +24,11 @@ CHUNK = 64 << 10
 #: A piece without a line's end that is longer is no log.
 LONGEST = 4 << 20
 #: A line is looked at if it has one of these; a text in a line cannot, its quotes are escaped.
-_KINDS = ("session.start", "session.plan", "session.changed", "condition.assigned")
-_WORDS = tuple(f'"{kind}"'.encode() for kind in (*_KINDS, "trial.started", "trial.ended"))
+_KINDS = (
+    *("session.start", "session.plan", "session.changed", "session.end"),
+    *("condition.assigned", "trial.started", "trial.ended"),
+)
+_WORDS = tuple(f'"{kind}"'.encode() for kind in _KINDS)
 
 
 @dataclass(frozen=True, slots=True)
@@ -44,7 +48,8 @@ class Earlier:
     """The logs of one folder. Files that have not changed are read once.
 
     Args:
-        folder: Where recordings are. Those in a second folder (`--spill`) are not looked for.
+        folder: Where recordings are. Sessions that went on in a second folder (`--spill`) are read
+            to their end, those that began there are not looked for.
     """
 
     folder: Path
@@ -59,16 +64,22 @@ class Earlier:
         unreadable: list[str] = []
         logs = 0
         for paths in self._sessions():
-            lines: list[m.AnyMessage] = []
-            for path in paths:
-                try:
-                    lines += self._lines(path)
-                except OSError:
-                    unreadable.append(path.name)
+            lines = self._joined(paths, unreadable)
+            if not any(isinstance(line, m.SessionEnd) for line in lines):
+                lines += self._joined(_elsewhere(paths, unreadable), unreadable)
             if _is_of(lines, title, file):
                 logs += 1
                 _Attribution(people).follow(lines)
         return Found(tuple(people.values()), logs, tuple(unreadable))
+
+    def _joined(self, paths: Sequence[Path], unreadable: list[str]) -> list[m.AnyMessage]:
+        lines: list[m.AnyMessage] = []
+        for path in paths:
+            try:
+                lines += self._lines(path)
+            except OSError:
+                unreadable.append(path.name)
+        return lines
 
     def _sessions(self) -> Iterator[list[Path]]:
         """The action files of each session, oldest session first, segments in their order."""
@@ -92,6 +103,16 @@ class Earlier:
             known = (stamp, [*_messages(path)])
             self._known[path] = known
         return known[1]
+
+
+def _elsewhere(paths: Sequence[Path], unreadable: list[str]) -> list[Path]:
+    """Further action files of a session, in folders that these of its files name."""
+    try:
+        files = files_of(paths[0], samples=False)
+    except FileNotFoundError:  # a pipe, or a folder
+        return []
+    unreadable += [path.name for path in files.missing]
+    return [path for path in files.actions if path not in paths]
 
 
 def _messages(path: Path) -> Iterator[m.AnyMessage]:

@@ -78,6 +78,7 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
     folders = unique([path.parent, *(second_places() if places is None else places)])
     real = set(map(os.path.realpath, folders))
     found: dict[Path, FileName] = {}
+    known: set[tuple[str, int]] = set()
     links = _Links(name.stem)
     for folder in folders:  # grows while we walk it
         for each, parsed in _of_stem(folder, name.stem):
@@ -86,6 +87,9 @@ def files_of(path: Path, places: Iterable[Path] | None = None, *, samples: bool 
             first = _fields(_first_line(each))
             if folder != folders[0] and parsed.number > 1 and first.get("log") != name.stem:
                 continue
+            if (same := (each.name, _size(each))) in known:
+                continue  # copied from where it was; the one that lies nearer is read
+            known.add(same)
             found[each] = parsed
             for further in links.of(each, first):
                 if os.path.realpath(further) not in real:
@@ -141,6 +145,13 @@ def _of_stem(folder: Path, stem: str) -> list[tuple[Path, FileName]]:
         return []
     named = ((path, FileName.parse(path.name)) for path in paths)
     return [(path, name) for path, name in named if name is not None and name.stem == stem]
+
+
+def _size(path: Path) -> int:
+    try:
+        return path.stat().st_size
+    except OSError:
+        return -1
 
 
 def _first_line(path: Path) -> bytes:

@@ -41,6 +41,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
             "wall_at_t0": timestamp(BEGIN),
             "boot_id": "6ba7b810-9dad-11d1-80b4-00c04fd430c8",
         },
+        spill=["/mnt/stick/spill", "../spill"],
     ),
     m.ClockTie(wall=timestamp(BEGIN)),
     m.ConsoleAttached(console="con1", role="wizard"),
@@ -191,6 +192,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
         session="S01",
         number=1,
         previous="2026-03-01T10-00-00_P07_S01.jsonl",
+        copied=True,
         reason="no space left on device",
         dropped=2,
         dropped_samples=40,
@@ -199,6 +201,13 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     *COURSE,
     m.Checkpoint(sha256=SHA, lines=42),
     m.SessionEnd(reason="wizard", sha256=SHA),
+    m.Segment(
+        log="2026-03-01T10-00-00_P07_S01",
+        session="S01",
+        number=1,
+        next_file="/mnt/stick/spill/2026-03-01T10-00-00_P07_S01.2.jsonl",
+        reason="the disk is full",
+    ),
 )
 
 _PANELS = [

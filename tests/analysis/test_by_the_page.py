@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from pathlib import Path
 from typing import Any
 
@@ -159,18 +160,18 @@ def test_what_may_not_be_read_is_named(tmp_path: Path, monkeypatch: pytest.Monke
     closed, log = tmp_path / "closed", tmp_path / "odd.jsonl"
     closed.mkdir()
     log.touch()
-    listed, opened, looked = Path.iterdir, Path.open, Path.stat
+    listed, opened, looked = Path.iterdir, os.open, Path.stat
 
     def refused(real: Any, path: Path) -> Any:
-        def call(self: Path, *args: Any, **more: Any) -> Any:
-            if self == path:
+        def call(self: Path | str, *args: Any, **more: Any) -> Any:
+            if Path(self) == path:
                 raise PermissionError(13, "Permission denied", str(self))
             return real(self, *args, **more)
 
         return call
 
     monkeypatch.setattr(Path, "iterdir", refused(listed, closed))
-    monkeypatch.setattr(Path, "open", refused(opened, log))
+    monkeypatch.setattr(os, "open", refused(opened, log))
     monkeypatch.setattr(Path, "stat", refused(looked, tmp_path / "inside" / "x.jsonl"))
     named = [str(closed), str(tmp_path / "inside" / "x.jsonl")]
     assert sessions_in(named) == ([], [f"{name}: Permission denied" for name in named])

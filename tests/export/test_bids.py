@@ -14,11 +14,13 @@ from pathlib import Path
 from typing import Any
 
 import deno
+import pytest
 from hypothesis import HealthCheck, given, settings
 
 from tests.export.logs import Timed, courses, start, visit, write
 from tests.export.out import course_to, exported
 from woz_tui.core import messages as m
+from woz_tui.export import bids_physio
 
 VALIDATOR = resources.files("bids_validator_deno") / "bids-validator.js"
 #: What nobody but the researcher can know; the README's readers are told to add it.
@@ -120,6 +122,19 @@ def test_a_time_far_off_fills_no_disk(tmp_path: Path) -> None:
     assert "values after a gap of more than an hour were left out" in told.notes
     (path,) = (tmp_path / "out").rglob("*_physio.tsv.gz")
     assert len(gzip.decompress(path.read_bytes()).splitlines()) == 51
+
+
+def test_times_that_lead_far_off_in_small_steps_fill_no_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(bids_physio, "_LONGEST_US", 10_000_000)
+    course: list[Timed] = [(0, start())]
+    course += [(seconds, m.reading("distance", 1.5)) for seconds in range(0, 100, 2)]
+    log = write(tmp_path / "recordings", course)
+    (told,) = exported(log, "bids", tmp_path / "out", samples=True)
+    assert any("left out" in note for note in told.notes)
+    (path,) = (tmp_path / "out").rglob("*_physio.tsv.gz")
+    assert len(gzip.decompress(path.read_bytes()).splitlines()) == 501
 
 
 def test_many_sessions_are_one_valid_dataset(tmp_path: Path) -> None:

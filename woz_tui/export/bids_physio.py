@@ -20,6 +20,8 @@ RATE_HZ = 50
 _STEP_US = 1_000_000 // RATE_HZ
 #: A damaged time may lie years ahead; nobody pauses a session for so long.
 _LONGEST_GAP_US = 3600 * 1_000_000
+#: Rows are written for so long, however near to each other such times lie.
+_LONGEST_US = 48 * _LONGEST_GAP_US
 
 
 def write_physio(folder: Folder, stem: str, source: Source, common: Mapping[str, Any]) -> list[str]:
@@ -69,6 +71,9 @@ class _Resampled:
         for reading in source.samples(Damage()):
             if reading.t - last > _LONGEST_GAP_US:
                 self.notes.append("values after a gap of more than an hour were left out")
+                break
+            if reading.t > _LONGEST_US:
+                self.notes.append("values after the second day were left out")
                 break
             last = max(last, reading.t)
             while due < reading.t:

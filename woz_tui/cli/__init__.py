@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from typing import NoReturn
 
 from woz_tui import __version__
+from woz_tui.cli.streams import clean_streams
 from woz_tui.core.leaving import leave
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its options
@@ -41,6 +42,7 @@ COMMANDS = {
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
+    clean_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
     parser = argparse.ArgumentParser(
         prog="woz", description="A wizard plays a social robot from a terminal."

@@ -9,13 +9,13 @@ import sys
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from woz_tui import plugins
 from woz_tui.cli import study_summary
 from woz_tui.cli.engagement_summary import as_json, lines
+from woz_tui.console.text_console import TextConsole
 from woz_tui.core.driver import Argument, Driver, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment import keys
@@ -100,9 +100,7 @@ def _print_errors(problems: list[Problem], arguments: argparse.Namespace) -> Non
 def _print(
     experiment: Experiment, keymap: keys.KeyMap, terminal: keys.Terminal, layout: str
 ) -> None:
-    console = Console(highlight=False)
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(highlight=False, width=_PAGE)
+    console = TextConsole(page=_PAGE)
     console.print(Text(experiment.title, style="bold"))
     console.print(f"keys on a {terminal.name} terminal with a {layout} keyboard", style="dim")
     console.print(_keys_table(experiment, keymap))

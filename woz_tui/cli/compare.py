@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 from pathlib import Path
@@ -11,7 +10,9 @@ from pathlib import Path
 from woz_tui.analysis.compare import BY_COMMANDS, Comparison, Pair, compare, facts
 from woz_tui.analysis.played import Act, Played, played
 from woz_tui.cli.failure import explained
-from woz_tui.cli.rerun_table import clock, plain
+from woz_tui.cli.rerun_table import clock
+from woz_tui.cli.streams import json_text
+from woz_tui.core.cleaning import clean
 from woz_tui.record.log import Damage, files_of, read
 
 #: Lines of each part of the table, unless `--all` is given.
@@ -58,7 +59,7 @@ def _run(arguments: argparse.Namespace) -> int:
             return _TROUBLE
     comparison = compare(a, b)
     if arguments.json:
-        print(json.dumps({**facts(comparison), "experiments": trouble}, ensure_ascii=False))
+        print(json_text({**facts(comparison), "experiments": trouble}))
     else:
         print(*_page(comparison, everything=arguments.all), sep="\n")
     return 0 if comparison.same else _DIFFERENT
@@ -75,7 +76,7 @@ def _read(path: Path) -> Played | None:
         print(f"woz: {error}", file=sys.stderr)
         return None
     for sentence in damage.sentences():
-        print(f"woz: {path.name}: {plain(sentence)}", file=sys.stderr)
+        print(f"woz: {path.name}: {clean(sentence)}", file=sys.stderr)
     if found.start is None and not found.acts:
         print(f"woz: {path}: this is no session's log, or nothing of it is left", file=sys.stderr)
         return None
@@ -86,7 +87,7 @@ def _experiments(a: Played, b: Played) -> tuple[str, bool]:
     """How the experiments differ, in words (empty: not at all), and whether they are two."""
     if a.start is None or b.start is None:
         return "the first line of a log is missing: nobody knows its experiment", False
-    name_a, name_b = plain(a.start.experiment), plain(b.start.experiment)
+    name_a, name_b = clean(a.start.experiment), clean(b.start.experiment)
     if a.start.experiment_sha256 == b.start.experiment_sha256:
         return "", False
     if name_a != name_b:
@@ -114,8 +115,8 @@ def _page(comparison: Comparison, *, everything: bool) -> Iterator[str]:
 
 def _head(comparison: Comparison) -> Iterator[str]:
     for letter, log in (("A", comparison.a), ("B", comparison.b)):
-        again = f", a re-run of {plain(log.original)}" if log.original else ""
-        yield f"{letter}  {plain(log.name)}{again}"
+        again = f", a re-run of {clean(log.original)}" if log.original else ""
+        yield f"{letter}  {clean(log.name)}{again}"
     if comparison.by == BY_COMMANDS:
         yield "put side by side command by command, as the re-run's log says"
     else:
@@ -141,8 +142,8 @@ def _acts(title: str, acts: tuple[Act, ...], why: dict[str, str], limit: int) ->
         yield ""
         yield f"{title}:"
     for act in acts[:limit]:
-        reason = f"  {plain(why[act.id])}" if act.id in why else ""
-        yield f"  {clock(act.moment):>10}  {plain(act.name)} {act.id}  {act.end}{reason}".rstrip()
+        reason = f"  {clean(why[act.id])}" if act.id in why else ""
+        yield f"  {clock(act.moment):>10}  {clean(act.name)} {act.id}  {act.end}{reason}".rstrip()
     yield from _rest(len(acts), limit)
 
 
@@ -151,10 +152,10 @@ def _pairs(title: str, pairs: tuple[Pair, ...], limit: int) -> Iterator[str]:
         yield ""
         yield f"{title}:"
     for pair in pairs[:limit]:
-        told = "; ".join(map(plain, pair.differences))
+        told = "; ".join(map(clean, pair.differences))
         yield (
             f"  {clock(pair.a.moment):>10}  {clock(pair.b.moment):>10}"
-            f"  {pair.shift_us / 1000:+10.1f} ms  {plain(pair.a.name)}  {told}"
+            f"  {pair.shift_us / 1000:+10.1f} ms  {clean(pair.a.name)}  {told}"
         ).rstrip()
     yield from _rest(len(pairs), limit)
 

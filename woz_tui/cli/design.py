@@ -3,19 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
-import os
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from woz_tui import plugins
+from woz_tui.cli.streams import json_text
 from woz_tui.cli.study_summary import spoken, summary
+from woz_tui.console.text_console import TextConsole
 from woz_tui.core.driver import Driver
 from woz_tui.core.messages import Json
 from woz_tui.experiment.decode import load
@@ -80,7 +79,7 @@ def design(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]])
     found = Earlier(arguments.recordings).read(experiment.title, experiment.path.name)
     plan = _plan(experiment, experiment.study.design, found, arguments.participants)
     if arguments.format == "json":
-        print(json.dumps(_report(plan, arguments.recordings), indent=2, ensure_ascii=False))
+        print(json_text(_report(plan, arguments.recordings), indent=2))
     else:
         _print(plan, arguments.recordings, labels=arguments.labels)
     for name in found.unreadable:
@@ -137,9 +136,7 @@ def _missing(used: Used) -> int:
 
 
 def _print(plan: _Plan, recordings: Path, *, labels: bool) -> None:
-    console = Console(highlight=False)
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(highlight=False, width=_PAGE)
+    console = TextConsole(page=_PAGE)
     conditions = plan.experiment.conditions
     console.print(Text(plan.experiment.title, style="bold"))
     console.print(Text(summary(plan.design, len(conditions))), soft_wrap=True)

@@ -4,18 +4,18 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import json
 import os
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from woz_tui import plugins
+from woz_tui.cli.streams import json_text
+from woz_tui.console.text_console import TextConsole
 from woz_tui.core.driver import Driver, Finding, Probe
 from woz_tui.core.machine import ports, processor, storage, terminal, timekeeping
 from woz_tui.core.machine.bounded import bounded
@@ -57,7 +57,7 @@ def add(parser: argparse.ArgumentParser) -> None:
 
 def run(arguments: argparse.Namespace) -> int:
     """Show every finding as it comes in; 0 if none is an error, 1 otherwise."""
-    console = Console(highlight=False)
+    console = TextConsole()
     sections = []
     for section in examine(arguments.experiment, arguments.recordings):
         sections.append(section)
@@ -196,7 +196,7 @@ def _count(sections: list[Section], level: str) -> int:
 
 
 def _as_json(sections: list[Section]) -> str:
-    return json.dumps(
+    return json_text(
         {
             "errors": _count(sections, "error"),
             "warnings": _count(sections, "warning"),
@@ -207,11 +207,10 @@ def _as_json(sections: list[Section]) -> str:
             ],
         },
         indent=2,
-        ensure_ascii=False,
     )
 
 
-def _table(section: Section, console: Console) -> Table:
+def _table(section: Section, console: TextConsole) -> Table:
     glyphs = _GLYPHS if console.encoding.lower().startswith("utf") else _PLAIN_GLYPHS
     table = Table(box=None, show_header=False, padding=(0, 1, 0, 0), title_justify="left")
     table.title = Text(section.title, style="bold")

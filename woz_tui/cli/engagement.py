@@ -14,6 +14,7 @@ from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from woz_tui.cli.streams import json_text
 from woz_tui.experiment.engagement import (
     CONDITION,
     FILTERS,
@@ -332,7 +333,7 @@ def _rows(lines: _Lines, settings: EngagementSettings, live: bool) -> None:
     out = sys.stdout.buffer
     for row in lines:
         said = rows.no_row() if row is None else rows.take(row)
-        out.write(json.dumps(said, ensure_ascii=False).encode("utf-8") + b"\n")
+        out.write(json_text(said).encode("utf-8") + b"\n")
         if live:
             out.flush()
     out.flush()

@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING
 from woz_tui.experiment.engagement import CONDITION, SIGNS, EngagementSettings
 
 if TYPE_CHECKING:
-    from rich.console import Console
     from rich.table import Table
 
+    from woz_tui.console.text_console import TextConsole
     from woz_tui.sensing.bench.figures import Measured, Report
 
 #: Most runs of a scene that may be asked for.
@@ -95,15 +95,15 @@ def _runs(text: str) -> int:
 
 def _waiting(runs: int) -> AbstractContextManager[object]:
     """Says on a terminal that it is at work."""
-    from rich.console import Console  # noqa: PLC0415
+    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
 
-    return Console(stderr=True).status(f"{runs} runs of each scene ...")
+    return TextConsole(stderr=True).status(f"{runs} runs of each scene ...")
 
 
 def _show(report: Report) -> None:
-    from rich.console import Console  # noqa: PLC0415
+    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
 
-    console = Console(highlight=False)
+    console = TextConsole()
     tables = (_table_1, _steadiness, _delays, _variations, _goals)
     notes = (_ABOUT_TABLE, _ABOUT_STEADINESS, _ABOUT_DELAYS, _ABOUT_VARIATIONS, "")
     console.print(
@@ -150,7 +150,7 @@ def _plain_table(title: str, columns: list[str]) -> Table:
     return table
 
 
-def _table_1(report: Report, console: Console) -> Table:
+def _table_1(report: Report, console: TextConsole) -> Table:
     columns = ["sign", "s", "paper", "(95 %)", "model", "none", "fifo 8", "joint"]
     table = _plain_table("The paper's Table 1", columns)
     before = ""
@@ -165,7 +165,7 @@ def _table_1(report: Report, console: Console) -> Table:
     return table
 
 
-def _steadiness(report: Report, console: Console) -> Table:
+def _steadiness(report: Report, console: TextConsole) -> Table:
     table = _plain_table(
         "Stable for 30 s (%), and false engagements an hour",
         ["filter", "stays", "short gl.", "long gl.", "nobody", "nobody/h", "bystander/h"],
@@ -180,7 +180,7 @@ def _steadiness(report: Report, console: Console) -> Table:
     return table
 
 
-def _delays(report: Report, console: Console) -> Table:
+def _delays(report: Report, console: TextConsole) -> Table:
     table = _plain_table(
         "Delay until E changes (s): median, 95 %",
         ["filter", "arriving", "looks up", "leaving", "back", "walk", "turns"],
@@ -191,7 +191,7 @@ def _delays(report: Report, console: Console) -> Table:
     return table
 
 
-def _variations(report: Report, console: Console) -> Table:
+def _variations(report: Report, console: TextConsole) -> Table:
     table = _plain_table(
         "Under other circumstances: fifo 8 / joint",
         ["", "stays", "glances", "nobody", "arriving", "leaving", "turns"],
@@ -208,7 +208,7 @@ def _pairs(one: Measured, other: Measured) -> Iterator[str]:
         yield f"{_time(one.changes[name].most)}/{_time(other.changes[name].most)}"
 
 
-def _goals(report: Report, console: Console) -> Table:
+def _goals(report: Report, console: TextConsole) -> Table:
     plain = console.encoding.lower() not in ("utf-8", "utf8")
     yes, no = ("yes", "no") if plain else ("✓", "✗")
     table = _plain_table("The joint filter's goals", ["", "hoped", "found", "(95 %)", ""])

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-import json
-import os
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-from rich.console import Console
 from rich.table import Table
 
 from woz_tui.cli.engagement_log import Recount, line_of
 from woz_tui.cli.engagement_off import Off
+from woz_tui.cli.streams import json_text
+from woz_tui.console.text_console import TextConsole
 from woz_tui.core.messages import Json
 from woz_tui.sensing.machine import ENGAGED, State
 from woz_tui.sensing.model import Change
@@ -140,11 +139,9 @@ def show(recount: Recount, *, as_json: bool) -> None:
             }
             for pair in pairs
         ]
-        print(json.dumps({"rows": rows, "summary": summary(recount, pairs)}, ensure_ascii=False))
+        print(json_text({"rows": rows, "summary": summary(recount, pairs)}))
         return
-    console = Console(highlight=False)
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(highlight=False, width=_PAGE)
+    console = TextConsole(page=_PAGE)
     console.print(_table(pairs))
     for sentence in _sentences(summary(recount, pairs)):
         console.print(sentence)

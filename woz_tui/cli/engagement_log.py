@@ -8,7 +8,6 @@ said. What the robot did then it has done: its sentences stay where they were.
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
@@ -16,6 +15,7 @@ from pathlib import Path
 
 from woz_tui.cli.engagement_again import Above, Again
 from woz_tui.cli.engagement_off import OFF, Off, Recorded
+from woz_tui.cli.streams import json_text
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.record.log import Damage, Line, read
@@ -171,7 +171,7 @@ def line_of(change: Change) -> dict[str, m.Json]:
 
 
 def _print_change(change: Change) -> None:
-    print(json.dumps(line_of(change), ensure_ascii=False))
+    print(json_text(line_of(change)))
 
 
 def _keep_quiet(change: Change) -> None:

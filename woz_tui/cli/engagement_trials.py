@@ -13,7 +13,6 @@ import bisect
 import itertools
 import json
 import math
-import os
 import statistics
 from collections import Counter
 from collections.abc import Iterable, Iterator, Sequence
@@ -21,11 +20,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
-from rich.console import Console
 from rich.table import Table
 
 from woz_tui.cli.engagement_again import FILTER, Above, Again
 from woz_tui.cli.engagement_log import message_of
+from woz_tui.console.text_console import TextConsole
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import SIGNS, EngagementSettings
 from woz_tui.record.log import Damage, read
@@ -219,9 +218,7 @@ def show(log: Path, settings: EngagementSettings | None, above: Above, *, as_jso
     if as_json:
         print(json.dumps(found.as_json()))
         return
-    console = Console(highlight=False)
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(highlight=False, width=_PAGE)
+    console = TextConsole(page=_PAGE)
     if not found.stretches and not found.moments:
         console.print(
             f"no trials: put markers called {STEADY!r} and {NOW!r} into the session's log"

@@ -12,6 +12,8 @@ import time
 import tty
 from collections.abc import Callable, Iterator, Mapping
 
+from woz_tui.cli.streams import beneath
+from woz_tui.core.cleaning import clean
 from woz_tui.motion.puppeteer import Puppeteer
 from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.ticks import Refused, Tick
@@ -75,8 +77,9 @@ def _show(text: str) -> None:
     """
     if text.startswith("\r"):
         width = shutil.get_terminal_size().columns - 1
-        text = f"\r{text[1:width]}\x1b[K"
-    sys.stdout.write(text)
+        beneath(sys.stdout).write(f"\r{clean(text[1:width])}\x1b[K")
+    else:
+        sys.stdout.write(text)
     sys.stdout.flush()
 
 

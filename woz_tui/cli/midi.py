@@ -13,11 +13,11 @@ from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
-from rich.console import Console
 from rich.table import Table
 
 from woz_tui import plugins
 from woz_tui.cli.failure import explained
+from woz_tui.console.text_console import TextConsole
 from woz_tui.core.driver import Driver, DriverError
 from woz_tui.core.replacing import replace
 from woz_tui.experiment.given import settings_of
@@ -107,7 +107,7 @@ def _show(arguments: argparse.Namespace) -> int:
     table = Table("control", "sends", "does", box=None)
     for row in panel.table(settings):
         table.add_row(*row)
-    Console(highlight=False).print(table)
+    TextConsole().print(table)
     return 0
 
 

@@ -3,11 +3,10 @@
 from __future__ import annotations
 
 import argparse
-import os
 
-from rich.console import Console
 from rich.table import Table
 
+from woz_tui.console.text_console import TextConsole
 from woz_tui.motion.inputs import CONTROL_KINDS, KINDS
 from woz_tui.motion.modes import BLINKS, BREATHES, TABLE, Kind, Mode, Row
 
@@ -31,9 +30,7 @@ def run(arguments: argparse.Namespace) -> int:
     if arguments.markdown:
         print(markdown())
         return 0
-    console = Console(highlight=False)
-    if not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(highlight=False, width=_PAGE)
+    console = TextConsole(page=_PAGE)
     table = Table(box=None, pad_edge=False, padding=(0, 2, 0, 0))
     for title in _heads():
         table.add_column(title, overflow="fold")

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import argparse
 import itertools
-import json
-import os
 import shutil
 import sys
 from collections.abc import Iterator, Mapping
@@ -13,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.cli import numbers
+from woz_tui.cli.streams import json_text
 
 if TYPE_CHECKING:
     from woz_tui.core.driver import Driver
@@ -141,7 +140,7 @@ def line(tick: Tick) -> str:
     }
     if tick.move:
         said["move"] = tick.move
-    return json.dumps(said, ensure_ascii=False, separators=(",", ":")) + "\n"
+    return json_text(said, separators=(",", ":")) + "\n"
 
 
 def _tell(t: float, text: str) -> None:
@@ -150,11 +149,12 @@ def _tell(t: float, text: str) -> None:
 
 # -- curves -------------------------------------------------------------------------------------
 
-_COLOURS = (36, 33, 35, 32, 34, 31)
+_COLOURS = ("cyan", "yellow", "magenta", "green", "blue", "red")
 
 
 def _plot(ticks: Iterator[Tick], limits: Mapping[str, tuple[float, float]], name: str) -> None:
     from woz_tui.cli.plot import Curve, chart, time_axis  # noqa: PLC0415
+    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
 
     values: dict[str, list[float]] = {joint: [] for joint in limits}
     length = 0.0
@@ -163,9 +163,9 @@ def _plot(ticks: Iterator[Tick], limits: Mapping[str, tuple[float, float]], name
         for joint, angle in tick.joints.items():
             values[joint].append(angle)
     width = shutil.get_terminal_size((PAGE, 24)).columns
-    coloured = sys.stdout.isatty() and not os.environ.get("NO_COLOR")
+    console = TextConsole(width=width)
     print(f"{name}: {length:.2f} s")
     for (joint, (low, high)), colour in zip(limits.items(), itertools.cycle(_COLOURS)):
         for text in chart(Curve(joint, values[joint], low, high), width, CURVE_ROWS):
-            print(f"\x1b[{colour}m{text}\x1b[0m" if coloured else text)
+            console.print(text, style=colour, no_wrap=True, crop=False, overflow="ignore")
     print(*time_axis(length, width), sep="\n")

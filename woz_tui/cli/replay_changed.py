@@ -9,8 +9,8 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from woz_tui.cli.rerun_table import plain
 from woz_tui.console.study.blind import Blind, blind_of
+from woz_tui.core.cleaning import clean
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.replay import origin
 from woz_tui.replay.origin import Origin
@@ -30,7 +30,7 @@ def changed(told: Origin, experiment: Experiment, *, reveal: bool) -> list[str]:
     more = len(lines) - DIFFERENCE
     return [
         f"woz: {experiment.path} has changed since the session was played:",
-        *map(plain, lines[:DIFFERENCE]),
+        *map(clean, lines[:DIFFERENCE]),
         *([f"... {more} more lines"] if more > 0 else []),
         *([f"woz: {_KEPT}"] if kept else []),
     ]

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Iterator
 from contextlib import nullcontext
@@ -11,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from woz_tui.cli.numbers import number
+from woz_tui.cli.streams import json_text
 
 if TYPE_CHECKING:
     from woz_tui.analysis.gather import Options
@@ -193,7 +193,7 @@ def _print_json(sessions: list[object], grouped: Grouped, problems: list[str]) -
         "trainings": plain.trainings(grouped),
         "problems": problems,
     }
-    print(json.dumps(told, ensure_ascii=False, allow_nan=False))
+    print(json_text(told, allow_nan=False))
 
 
 def _write_page(reports: list[Report], path: Path) -> None:

@@ -4,14 +4,16 @@ from __future__ import annotations
 
 import io
 import locale
-import os
 import sys
 from dataclasses import dataclass
 from typing import TextIO
 
-from rich.console import Console, Group, RenderableType
+from rich.console import Group, RenderableType
 from rich.table import Table
 from rich.text import Text
+
+from woz_tui.cli.streams import beneath
+from woz_tui.console.text_console import TextConsole
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 80
@@ -77,7 +79,7 @@ Block = list[RenderableType]
 class Page:
     """Where it is printed, and with which signs."""
 
-    console: Console
+    console: TextConsole
     signs: Signs
 
     @property
@@ -92,7 +94,7 @@ class Page:
 
     def say(self, text: str | Text = "", style: str = "") -> None:
         """One line or more; what is too long goes on in the next one."""
-        self.console.print(text, style=style, highlight=False, markup=False)
+        self.console.print(text, style=style)
 
     def head(self, text: str) -> None:
         """What comes now."""
@@ -110,7 +112,7 @@ class Page:
         for block in filter(None, (left, right)):
             self.say()
             for each in block:
-                self.console.print(each, highlight=False)
+                self.console.print(each)
 
     def trouble(self, text: str) -> None:
         """Something that is wrong with the data."""
@@ -119,12 +121,10 @@ class Page:
 
 def page(stream: TextIO | None = None, width: int | None = None) -> Page:
     """For `stream`, by default standard output; a sign that it cannot show becomes another one."""
-    file = sys.stdout if stream is None else stream
+    file = beneath(sys.stdout) if stream is None else stream
     if isinstance(file, io.TextIOWrapper):
         file.reconfigure(errors="replace")
-    console = Console(file=file, highlight=False, width=width)
-    if width is None and not console.is_terminal and "COLUMNS" not in os.environ:
-        console = Console(file=file, highlight=False, width=_PAGE)
+    console = TextConsole(file=file, width=width, page=None if width else _PAGE)
     shown = all(_shows(name, Signs()) for name in (console.encoding, locale.getencoding()))
     return Page(console, Signs() if shown else PLAIN)
 

@@ -15,10 +15,11 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from woz_tui.cli.launch import Launch, LaunchError, RobotProcess
-from woz_tui.cli.rerun_table import clock, plain
+from woz_tui.cli.rerun_table import clock
 from woz_tui.console.study.blind import Blind
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.cleaning import clean
 from woz_tui.core.requests import AskStop, Hello, Request
 
 #: Ends of commands that are as planned.
@@ -52,21 +53,21 @@ class Progress:
         match message:
             case m.RerunStarted():
                 self.began = message.t
-                yield f"{message.commands} commands of {plain(message.original)}"
+                yield f"{message.commands} commands of {clean(message.original)}"
             case m.Command(source="replay"):
                 self.commands[message.command] = message
             case m.RerunSent():
                 yield from self._sent(message)
             case m.RerunSkipped():
                 yield f"{self._at(message.t)}  {message.original_command} is left out:" + (
-                    f" {plain(message.reason)}"
+                    f" {clean(message.reason)}"
                 )
             case m.RerunEnded():
                 self.over = message
             case m.Notice(level=level, text=text):
-                yield f"{self._at(message.t)}  {level}: {plain(text)}"
+                yield f"{self._at(message.t)}  {level}: {clean(text)}"
             case m.DriverLost() | m.DriverFaulted():
-                yield f"{self._at(message.t)}  {message.driver}: {plain(message.detail)}"
+                yield f"{self._at(message.t)}  {message.driver}: {clean(message.detail)}"
             case m.End():
                 yield from self._end(message)
 
@@ -74,8 +75,8 @@ class Progress:
         command = self.commands.get(sent.command)
         if command is None or (command.driver, command.verb) in self.streams:
             return
-        args = plain(", ".join(f"{name} {value}" for name, value in command.args.items()))
-        what = plain(f"{command.driver}.{command.verb}")
+        args = clean(", ".join(f"{name} {value}" for name, value in command.args.items()))
+        what = clean(f"{command.driver}.{command.verb}")
         yield f"{self._at(sent.due)}  {what} {args[:80]}  ({sent.late_us / 1000:.1f} ms late)"
 
     def _end(self, end: m.End) -> Iterator[str]:
@@ -84,8 +85,8 @@ class Progress:
             return
         self.failed += 1
         how = str(end.__struct_config__.tag).removeprefix("command.").replace("_", " ")
-        what = plain(f"{command.driver}.{command.verb}")
-        yield f"{self._at(end.t)}  {what} {how}: {plain(end.reason)}"
+        what = clean(f"{command.driver}.{command.verb}")
+        yield f"{self._at(end.t)}  {what} {how}: {clean(end.reason)}"
 
     def _at(self, t: int) -> str:
         return f"{clock(t - self.began):>10}"

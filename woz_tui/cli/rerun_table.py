@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from dataclasses import replace
 
 from woz_tui.console.study.blind import Blind
+from woz_tui.core.cleaning import clean
 from woz_tui.experiment.shape import Experiment
 from woz_tui.replay.fitting import unfit
 from woz_tui.replay.plan import Plan, Step
@@ -34,8 +35,8 @@ def veiled(plan: Plan, blind: Blind) -> Plan:
 def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[str]:
     """What will be run, on what, and what will not."""
     drives = sum(step.drives for step in plan.sent)
-    yield f"session     {plan.session or 'without a code'}  ({plain(plan.name)})"
-    yield f"experiment  {plain(experiment.title)}  ({experiment.path})"
+    yield f"session     {plan.session or 'without a code'}  ({clean(plan.name)})"
+    yield f"experiment  {clean(experiment.title)}  ({experiment.path})"
     yield f"robot       {_robot(plan, experiment)}"
     yield f"commands    {len(plan.sent)} in {clock(plan.duration)}{_counts(plan)}"
     if drives:
@@ -51,24 +52,24 @@ def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[s
     if not plan.ended:
         yield "the log has no end: its session was cut off, or goes on at this moment"
     for sentence in plan.damage:
-        yield f"damage      {plain(sentence)}"
+        yield f"damage      {clean(sentence)}"
 
 
 def _robot(plan: Plan, experiment: Experiment) -> str:
     types = {spec.name: spec.type for spec in experiment.drivers}
-    return ", ".join(f"{plain(name)} ({types.get(name, '?')})" for name in plan.drivers) or "none"
+    return ", ".join(f"{clean(name)} ({types.get(name, '?')})" for name in plan.drivers) or "none"
 
 
 def _counts(plan: Plan) -> str:
     by_driver: dict[str, list[str]] = {}
     for (driver, verb), count in plan.counts.items():
-        by_driver.setdefault(plain(driver), []).append(f"{count} {plain(verb)}")
+        by_driver.setdefault(clean(driver), []).append(f"{count} {clean(verb)}")
     return "".join(f"\n              {name}: {', '.join(c)}" for name, c in by_driver.items())
 
 
 def _reasons(plan: Plan) -> list[tuple[int, str]]:
     """The reasons, the most frequent first; rare ones beyond `REASONS` together."""
-    counted = Counter(plain(step.skip) for step in plan.skipped).most_common()
+    counted = Counter(clean(step.skip) for step in plan.skipped).most_common()
     told = [(count, reason) for reason, count in counted[:REASONS]]
     rest = sum(count for _, count in counted[REASONS:])
     return [*told, (rest, "for other reasons; --dry-run names each")] if rest else told
@@ -76,7 +77,7 @@ def _reasons(plan: Plan) -> list[tuple[int, str]]:
 
 def table(plan: Plan) -> Iterator[str]:
     """One line for each command of the original, in order."""
-    names = [f"{plain(step.command.driver)}.{plain(step.command.verb)}" for step in plan.steps]
+    names = [f"{clean(step.command.driver)}.{clean(step.command.verb)}" for step in plan.steps]
     width = min(28, max(map(len, names), default=8))
     yield f"{'time':>10}  {'command':{width}}  {'arguments':{ARGS}}  what"
     for name, step in zip(names, plan.steps, strict=True):
@@ -93,15 +94,15 @@ def verdict(plan: Plan) -> str:
 
 def _fate(step: Step, plan: Plan) -> str:
     if step.skip:
-        return f"left out: {plain(step.skip)}"
+        return f"left out: {clean(step.skip)}"
     cut = ""
     if step.cut >= 0:
-        cut = f", cut at {clock(step.cut - plan.start)} ({plain(step.why_cut)})"
+        cut = f", cut at {clock(step.cut - plan.start)} ({clean(step.why_cut)})"
     return f"{'drives' if step.drives else 'sent'}{cut}"
 
 
 def _args(step: Step) -> str:
-    said = plain(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
+    said = clean(json.dumps(step.command.args, ensure_ascii=False)) if step.command.args else ""
     return said if len(said) <= ARGS else f"{said[: ARGS - 3]}..."
 
 
@@ -110,8 +111,3 @@ def clock(us: int) -> str:
     sign, us = ("-", -us) if us < 0 else ("", us)
     minutes, rest = divmod(us, 60_000_000)
     return f"{sign}{minutes}:{rest / 1_000_000:06.3f}"
-
-
-def plain(text: str) -> str:
-    """Without what would move a terminal's cursor: a log may come from anywhere."""
-    return "".join(char if char.isprintable() else ascii(char)[1:-1] for char in text)

@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import argparse
-import json
 import sys
 from collections.abc import Mapping
 from typing import Any
 
 from woz_tui import plugins
+from woz_tui.cli.streams import json_text
 from woz_tui.core.driver import Driver
 from woz_tui.experiment.schema import experiment_schema, included_schema, robot_schema
 from woz_tui.motion.moveschema import move_schema
@@ -32,7 +32,7 @@ def run(arguments: argparse.Namespace) -> int:
     except plugins.PluginError as error:
         _tell(str(error))
         return 1
-    print(json.dumps(schema, indent=2, ensure_ascii=False))
+    print(json_text(schema, indent=2))
     return 0
 
 

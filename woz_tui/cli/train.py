@@ -136,10 +136,11 @@ _FIGURES = 73
 
 
 def _print(scores: Sequence[Score]) -> None:
-    from rich.console import Console  # noqa: PLC0415
     from rich.table import Table  # noqa: PLC0415
 
-    console = Console(highlight=False)
+    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
+
+    console = TextConsole()
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
     table.add_column("wizard", no_wrap=True, min_width=6)
     table.add_column("day (UTC)", no_wrap=True, min_width=10)

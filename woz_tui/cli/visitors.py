@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import argparse
 import difflib
-import json
-import os
 import sys
 from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 
-from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
 from woz_tui.cli.failure import explained
+from woz_tui.cli.streams import json_text
+from woz_tui.console.text_console import TextConsole
 from woz_tui.core.messages import Json
 from woz_tui.experiment.visitor_names import key_of, shown
 from woz_tui.sensing.people import (
@@ -128,7 +127,7 @@ def _list(store: Visitors, arguments: argparse.Namespace) -> int:
         visitors: list[Json] = [_fields(visitor) for visitor in everybody]
         _print_json({"file": str(store.path), "visitors": visitors})
     elif everybody:
-        _console().print(_table(everybody))
+        TextConsole(page=_PAGE).print(_table(everybody))
     else:
         missing = "" if store.path.exists() else " (there is no such file yet)"
         print(f"{store.path}: nobody{missing}")
@@ -274,12 +273,5 @@ def _table(visitors: list[Visitor]) -> Table:
     return table
 
 
-def _console() -> Console:
-    console = Console(highlight=False)
-    if console.is_terminal or "COLUMNS" in os.environ:
-        return console
-    return Console(highlight=False, width=_PAGE)
-
-
 def _print_json(found: Json) -> None:
-    print(json.dumps(found, indent=2, ensure_ascii=False))
+    print(json_text(found, indent=2))

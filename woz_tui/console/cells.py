@@ -17,6 +17,7 @@ from textual.strip import Strip
 from textual.widget import Widget
 
 from woz_tui.console.glyphs import Frame
+from woz_tui.core import cleaning
 
 Piece = tuple[str, str]
 Row = tuple[Piece, ...]
@@ -45,9 +46,8 @@ LOOKS = (
     "face-4",
 )
 
-#: Control characters would reach the terminal as they are: they become blanks.
-_CLEAN = dict.fromkeys((*range(32), *range(127, 160), 0x2028, 0x2029, 0x200E, 0x200F), " ")
-_CLEAN |= dict.fromkeys(range(0x202A, 0x202F), " ") | dict.fromkeys(range(0x2066, 0x206A), " ")
+#: Every text of a row goes through it.
+clean = cleaning.clean
 
 #: Texts all of whose characters take one cell each: Latin letters, lines, blocks, dots.
 _SINGLE = re.compile("[\\x20-\\x7e\\xa0-\\u02ff\\u2500-\\u25ff\\u2800-\\u28ff]*")
@@ -57,11 +57,6 @@ _WORD = re.compile(r"\s*\S+|\s+")
 
 #: Unchanged cells between two changed ones that are cheaper to paint again than to jump over.
 NEAR = 8
-
-
-def clean(text: str) -> str:
-    """`text` on one line, without anything a terminal would obey."""
-    return text.translate(_CLEAN)
 
 
 def pasted(text: str) -> str:

@@ -9,7 +9,7 @@ own: once it has been painted whole, it is painted whole for ever, and the dialo
 
 from __future__ import annotations
 
-from rich.console import Console, RenderableType
+from rich.console import Console, RenderableType  # noqa: TID251 - a type
 from rich.control import Control
 from textual._compositor import ChopsUpdate
 from textual.screen import Screen, ScreenResultType

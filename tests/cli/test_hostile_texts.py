@@ -1,0 +1,229 @@
+"""Texts of files and logs are shown as they are, whatever they look like, and command nothing."""
+
+from __future__ import annotations
+
+import json
+import os
+import re
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+from typing import Any
+
+import msgspec
+import pytest
+
+from tests.analysis.told import Told
+from tests.cli.test_report import session
+from tests.core import examples
+from tests.export.logs import Timed, visit
+from woz_tui.cli import main
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+
+#: Markup that would be obeyed or end in an error, an emoji's code; then what a terminal obeys:
+#: writing into the clipboard (OSC 52), a C1 sequence, right to left.
+MARKUP = "[/x] [bold]b[/bold] [link=http://e.x]l[/link] :smile:"
+HOSTILE = f"{MARKUP} \x1b]52;c;aGk=\x07 \x9b31m \x1b[2J \u202e\u2066\u200f"
+OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
+#: Fields whose words mean something to a reader of logs.
+_WORDS = {
+    *("kind", "ts", "clock", "experiment_sha256", "sha256", "files"),
+    *("source", "outcome", "reason", "state", "was", "now", "level", "role", "method", "scope"),
+    "signs",
+}
+
+EXPERIMENT = """
+title: "T H"
+robot: simulated
+conditions: ["warm H", "cold H"]
+variables: {room: "room H"}
+design: {trials: 2}
+questionnaires:
+  - name: ux
+    title: "How H"
+    when: end
+    items: [{name: hard, question: "How hard H?", scale: {low: 1, high: 5}}]
+preflight: ["the door H"]
+panels:
+  - title: "Speech H"
+    actions:
+      - {key: h, label: "Hello H", say: "Hi H {room}"}
+      - {key: g, label: "Guten H", say: "Tag H"}
+""".replace(" H", f" {json.dumps(HOSTILE)[1:-1]}")
+
+
+def marked(value: Any, name: str = "") -> Any:
+    """`value` with the hostile text behind each text in it."""
+    if name in _WORDS:
+        return value
+    match value:
+        case str():
+            return f"{value} {HOSTILE}" if value else value
+        case list():
+            return [marked(each) for each in value]
+        case dict():
+            return {key: marked(each, key) for key, each in value.items()}
+    return value
+
+
+def written(folder: Path, messages: Iterable[m.AnyMessage], stem: str) -> Path:
+    path = folder / f"{stem}.jsonl"
+    lines = [json.loads(wire.encode(message)) for message in messages]
+    for number, line in enumerate(lines):
+        line["seq"] = number
+    path.write_text(
+        "".join(json.dumps(marked(line), ensure_ascii=False) + "\n" for line in lines),
+        encoding="utf-8",
+    )
+    return path
+
+
+def timed(course: Iterable[Timed]) -> list[m.AnyMessage]:
+    return [
+        msgspec.structs.replace(message, t=round(seconds * 1_000_000))
+        for seconds, message in course
+        if not wire.is_sample(message)
+    ]
+
+
+@pytest.fixture
+def logs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    for name in ("COLUMNS", "NO_COLOR", "FORCE_COLOR"):
+        monkeypatch.delenv(name, raising=False)
+    folder = tmp_path / "recordings"
+    folder.mkdir()
+    note = Told().add(1, m.Note(text="laughs")).add(2, m.Marker(text="unclear")).end(3)
+    written(folder, session().messages, "2026-03-01T10-00-00_P07_S01")
+    written(folder, timed(visit()), "2026-03-01T11-00-00_P08_S02")
+    written(folder, examples.messages(), "2026-03-01T12-00-00_P09_S03")
+    written(folder, note.messages, "2026-03-01T13-00-00_P10_S04")
+    (tmp_path / "e.yaml").write_text(EXPERIMENT, encoding="utf-8")
+    return folder
+
+
+#: A command, and whether its table or page shows texts of the log or of the file.
+COMMANDS = [
+    ("report recordings/2026-03-01T10-00-00_P07_S01.jsonl", True),
+    ("report recordings/2026-03-01T11-00-00_P08_S02.jsonl --all", True),
+    ("report recordings/2026-03-01T12-00-00_P09_S03.jsonl --verify", True),
+    ("report recordings/2026-03-01T13-00-00_P10_S04.jsonl", True),
+    ("report recordings --csv csv --html page.html", True),
+    ("report recordings --json", True),
+    ("methods recordings", True),
+    ("methods recordings --markdown", True),
+    ("check e.yaml", True),
+    ("check e.yaml --format json", True),
+    ("design e.yaml", True),
+    ("design e.yaml --labels --format json", True),
+    ("doctor e.yaml", False),
+    ("doctor e.yaml --json", False),
+    ("train --history --recordings recordings", True),
+    ("replay recordings/2026-03-01T11-00-00_P08_S02.jsonl --robot --dry-run", False),
+    (
+        "compare recordings/2026-03-01T11-00-00_P08_S02.jsonl"
+        " recordings/2026-03-01T12-00-00_P09_S03.jsonl --changed --all",
+        True,
+    ),
+    ("compare recordings/2026-03-01T11-00-00_P08_S02.jsonl recordings/none --json", False),
+    ("engagement recordings/2026-03-01T11-00-00_P08_S02.jsonl", False),
+    ("engagement recordings/2026-03-01T12-00-00_P09_S03.jsonl", False),
+    ("engagement recordings/2026-03-01T11-00-00_P08_S02.jsonl --compare", False),
+    ("engagement recordings/2026-03-01T12-00-00_P09_S03.jsonl --compare --json", True),
+    ("engagement recordings/2026-03-01T11-00-00_P08_S02.jsonl --trials", False),
+    ("export recordings --to csv --out exported --samples", False),
+    ("render e.yaml idle --seconds 0.1", False),
+    ("visitors --recordings recordings list", False),
+    ("midi show e.yaml", False),
+    ("convert e.yaml", False),
+    ("schema", False),
+    ("modes", False),
+]
+
+
+@pytest.mark.parametrize(("words", "shows"), COMMANDS, ids=[words for words, _ in COMMANDS])
+def test_every_command_shows_texts_as_they_are(
+    logs: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    words: str,
+    shows: bool,
+) -> None:
+    monkeypatch.setenv("COLUMNS", "2000")
+    main(words.split())
+    out, err = capsys.readouterr()
+    assert not OBEYED.search(out)
+    assert not OBEYED.search(err)
+    assert not shows or MARKUP in out
+
+
+def test_colours_are_all_that_a_terminal_gets_to_obey(
+    logs: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("FORCE_COLOR", "1")
+    monkeypatch.setenv("TERM", "xterm-256color")
+    for words in ("check e.yaml", "report recordings", "design e.yaml"):
+        main(words.split())
+        out, looks = re.subn("\x1b\\[[0-9;]*m", "", capsys.readouterr().out)
+        assert looks
+        assert not OBEYED.search(out)
+
+
+def test_a_program_gets_the_texts_unchanged(logs: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    main(["report", "recordings/2026-03-01T13-00-00_P10_S04.jsonl", "--json"])
+    found = json.loads(capsys.readouterr().out)
+    marks = found["sessions"][0]["marks"]
+    assert [mark["text"] for mark in marks] == [f"laughs {HOSTILE}", f"unclear {HOSTILE}"]
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["check", f"nowhere {HOSTILE}.yaml"],
+        ["check", "broken.yaml"],
+        ["report", f"nowhere {HOSTILE}"],
+        ["replay", f"nowhere {HOSTILE}"],
+        ["compare", f"nowhere {HOSTILE}", "recordings"],
+        ["export", f"nowhere {HOSTILE}", "--to", "csv", "--out", "out"],
+        ["design", "e.yaml", f"--{HOSTILE}"],
+        [HOSTILE],
+    ],
+    ids=lambda words: repr(words[0][:8]),
+)
+def test_errors_command_nothing(
+    logs: Path, capsys: pytest.CaptureFixture[str], words: list[str]
+) -> None:
+    Path("broken.yaml").write_text(f"title: T\npanels: [{HOSTILE}\n", encoding="utf-8")
+    try:
+        assert main(words) > 0
+    except SystemExit as error:
+        assert error.code
+    out, err = capsys.readouterr()
+    assert err
+    assert not OBEYED.search(out + err)
+
+
+def test_a_traceback_commands_nothing(logs: Path) -> None:
+    program = f"""
+import sys
+from woz_tui import cli
+from woz_tui.cli import check
+def run(arguments):
+    raise ValueError({HOSTILE!r})
+check.run = run
+sys.argv = ["woz", "check", "e.yaml"]
+cli.program()
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program],
+        env={**os.environ, "PYTHONUTF8": "1"},
+        capture_output=True,
+        encoding="utf-8",
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 1
+    assert "ValueError: [/x]" in done.stderr
+    assert not OBEYED.search(done.stderr)

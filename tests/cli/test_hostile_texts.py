@@ -9,7 +9,6 @@ import subprocess
 import sys
 from collections.abc import Iterable
 from pathlib import Path
-from typing import Any
 
 import msgspec
 import pytest
@@ -18,21 +17,10 @@ from tests.analysis.told import Told
 from tests.cli.test_report import session
 from tests.core import examples
 from tests.export.logs import Timed, visit
+from tests.fakes.hostile import HOSTILE, MARKUP, OBEYED, hostile
 from woz_tui.cli import main
 from woz_tui.core import messages as m
 from woz_tui.core import wire
-
-#: Markup that would be obeyed or end in an error, an emoji's code; then what a terminal obeys:
-#: writing into the clipboard (OSC 52), a C1 sequence, right to left.
-MARKUP = "[/x] [bold]b[/bold] [link=http://e.x]l[/link] :smile:"
-HOSTILE = f"{MARKUP} \x1b]52;c;aGk=\x07 \x9b31m \x1b[2J \u202e\u2066\u200f"
-OBEYED = re.compile("[\x00-\x08\x0b-\x1f\x7f-\x9f\u200e\u200f\u2028-\u202e\u2066-\u2069]")
-#: Fields whose words mean something to a reader of logs.
-_WORDS = {
-    *("kind", "ts", "clock", "experiment_sha256", "sha256", "files"),
-    *("source", "outcome", "reason", "state", "was", "now", "level", "role", "method", "scope"),
-    "signs",
-}
 
 EXPERIMENT = """
 title: "T H"
@@ -54,27 +42,13 @@ panels:
 """.replace(" H", f" {json.dumps(HOSTILE)[1:-1]}")
 
 
-def marked(value: Any, name: str = "") -> Any:
-    """`value` with the hostile text behind each text in it."""
-    if name in _WORDS:
-        return value
-    match value:
-        case str():
-            return f"{value} {HOSTILE}" if value else value
-        case list():
-            return [marked(each) for each in value]
-        case dict():
-            return {key: marked(each, key) for key, each in value.items()}
-    return value
-
-
 def written(folder: Path, messages: Iterable[m.AnyMessage], stem: str) -> Path:
     path = folder / f"{stem}.jsonl"
     lines = [json.loads(wire.encode(message)) for message in messages]
     for number, line in enumerate(lines):
         line["seq"] = number
     path.write_text(
-        "".join(json.dumps(marked(line), ensure_ascii=False) + "\n" for line in lines),
+        "".join(json.dumps(hostile(line), ensure_ascii=False) + "\n" for line in lines),
         encoding="utf-8",
     )
     return path

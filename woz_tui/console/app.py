@@ -26,6 +26,7 @@ from woz_tui.console.screens.dialog import Dialog, give_keys
 from woz_tui.console.status import Line
 from woz_tui.console.stopbar import Bar, News, hints
 from woz_tui.console.surface import Surface
+from woz_tui.console.text_console import TextConsole
 from woz_tui.console.thrift import ThriftyScreen, tight
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.messages import StopPressed
@@ -89,6 +90,7 @@ class Console(App[str]):
         # Told at once, so that NO_COLOR leaves no colours at all instead of greys.
         sixteen = look.theme == SIXTEEN.name or None
         super().__init__(driver_class=driver_class, ansi_color=sixteen)
+        self.error_console = TextConsole(stderr=True)  # for a crash, whose traceback quotes texts
         for theme in THEMES:
             self.register_theme(theme)
         self.look, self.theme = look, look.theme

@@ -46,7 +46,7 @@ LOOKS = (
     "face-4",
 )
 
-#: Every text of a row goes through it.
+#: Every text that is drawn goes through it; before it is measured, where it may be anybody's.
 clean = cleaning.clean
 
 #: Texts all of whose characters take one cell each: Latin letters, lines, blocks, dots.
@@ -177,7 +177,7 @@ class Cells(Widget):
         if y >= len(self._rows):
             return Strip.blank(width, base)
         segments = [
-            Segment(text, self.get_component_rich_style(f"cells--{look}"))
+            Segment(clean(text), self.get_component_rich_style(f"cells--{look}"))
             for text, look in self._rows[y]
             if text
         ]

@@ -22,6 +22,7 @@ from woz_tui.console.look import SIXTEEN, THEMES, Look
 from woz_tui.console.picture import Picture
 from woz_tui.console.study.questions import Asked
 from woz_tui.console.study.sheet import Sheet, Words
+from woz_tui.console.text_console import TextConsole
 from woz_tui.console.thrift import ThriftyScreen
 from woz_tui.core import messages as m
 from woz_tui.core.clock import Clock, RealClock
@@ -75,6 +76,7 @@ class Participant(App[str]):
     ) -> None:
         look = look or Look(UNICODE)
         super().__init__(driver_class=driver_class, ansi_color=look.theme == SIXTEEN.name or None)
+        self.error_console = TextConsole(stderr=True)  # for a crash, whose traceback quotes texts
         for theme in THEMES:
             self.register_theme(theme)
         self.look, self.theme = look, look.theme

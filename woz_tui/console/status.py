@@ -185,7 +185,7 @@ def _drivers(picture: Picture, glyphs: Glyphs) -> Row:
     row: list[Piece] = [(" ", "plain")]
     for driver in picture.drivers.values():
         sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
-        row.append((f"{getattr(glyphs, sign)} {driver.name}{word}", look))
+        row.append((f"{getattr(glyphs, sign)} {clean(driver.name)}{word}", look))
         mode = picture.modes.get(driver.name, "")
         if mode and mode != "normal":
             row.append((f" {mode}", "wait"))

@@ -27,7 +27,7 @@ from textual.app import App
 from textual.drivers.linux_driver import LinuxDriver
 
 from woz_tui.console.camera.side import Side, question
-from woz_tui.console.cells import pasted
+from woz_tui.console.cells import clean, pasted
 from woz_tui.console.endings import GONE, Endings, aside
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.line import QUESTION, Line
@@ -280,8 +280,8 @@ class WizardDriver(LinuxDriver):
         try:
             self._carry_out(tokens)
         except Exception as error:  # noqa: BLE001
-            text = f"a key could not be handled: {type(error).__name__}: {error}"
-            self._in_app(lambda: self._app.notify(text, severity="error"))
+            text = clean(f"a key could not be handled: {type(error).__name__}: {error}")
+            self._in_app(lambda: self._app.notify(text, severity="error", markup=False))
 
     def _carry_out(self, tokens: list[Token]) -> None:
         for token in tokens:

@@ -57,6 +57,11 @@ def content(rows: Iterable[Row]) -> Content:
     return Content.assemble(*pieces)
 
 
+def plain(text: str) -> Content:
+    """A text from anywhere on one line, for what would read a `str` as markup."""
+    return content([((text, "plain"),)])
+
+
 class Dialog(ThriftyScreen[None], ModalScreen[None]):
     """A framed dialog. Subclasses give `heading`, `hint` and `body`."""
 
@@ -234,4 +239,4 @@ class Form(Dialog):
     def complain(self, wrong: str) -> None:
         """Say what is wrong in the field `#wrong`; nothing, if nothing is."""
         for place in self.query("#wrong").results(Static):
-            place.update(Content(wrong))
+            place.update(plain(wrong))

@@ -9,6 +9,7 @@ from textual.content import Content
 from woz_tui.console.cells import Row, fit
 from woz_tui.console.figures import elapsed
 from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.dialog import content
 from woz_tui.console.sentences import Event
 from woz_tui.core.requests import AskMistake
 
@@ -34,10 +35,14 @@ class MistakeDialog(Choice):
         """When, what, and whether it is labelled already."""
         self._offered = self._events()
         return [
-            Content.assemble(
-                (f"{elapsed(event.t):>7}  ", "$woz-muted"),
-                fit(event.text, 40, self.glyphs.ellipsis),
-                ("  mistake" if event.mistake else f"  {event.mark}", "$woz-muted"),
+            content(
+                [
+                    (
+                        (f"{elapsed(event.t):>7}  ", "muted"),
+                        (fit(event.text, 40, self.glyphs.ellipsis), "plain"),
+                        ("  mistake" if event.mistake else f"  {event.mark}", "muted"),
+                    )
+                ]
             )
             for event in self._offered
         ]

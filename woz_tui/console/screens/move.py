@@ -6,7 +6,6 @@ from collections.abc import Iterable
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
-from textual.content import Content
 from textual.suggester import Suggester
 from textual.widget import Widget
 from textual.widgets import Input, Static
@@ -14,7 +13,7 @@ from textual.widgets import Input, Static
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.picture import Picture
 from woz_tui.console.robot.names import begin_with, holding, meant
-from woz_tui.console.screens.dialog import Entry, content
+from woz_tui.console.screens.dialog import Entry, content, plain
 
 #: Lines of matching names under the field.
 MATCHES = 8
@@ -79,7 +78,7 @@ class MoveDialog(Entry):
         self._names = list(dict.fromkeys(known_moves(self.picture, self._driver)))
         self.entry.suggester = _Completer(self._names)
         text = f"robot: {self._driver}  (ctrl+o: another)" if len(playing) > 1 else ""
-        self.query_one("#player", Static).update(Content(text))
+        self.query_one("#player", Static).update(plain(text))
         self._show_matches(self.entry.value)
 
     def _show_matches(self, typed: str) -> None:

@@ -12,7 +12,7 @@ from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.engagement.hand import Order, needs_name, verb, ways
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.screens.choice import Choice
-from woz_tui.console.screens.dialog import Dialog, Entry, Form, content
+from woz_tui.console.screens.dialog import Dialog, Entry, Form, content, plain
 
 #: Cells of an outcome in the list.
 _OUTCOME = 16
@@ -54,7 +54,7 @@ class ForceDialog(Choice):
         self._ways = ways(shown)
         arrow = self.glyphs.next
         return [
-            Content(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}")
+            plain(f"{fit(to, _OUTCOME)} {arrow} {state}" if state else f"{'':16} {arrow} {to}")
             for to, state in self._ways
         ]
 

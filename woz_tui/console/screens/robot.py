@@ -10,11 +10,10 @@ from functools import cached_property
 from typing import ClassVar
 
 from textual import events
-from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, Static
 
-from woz_tui.console.cells import Row
+from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.parts import RobotPicture
 from woz_tui.console.robot.hand import Hand
@@ -24,7 +23,7 @@ from woz_tui.console.robot.swatch import Swatches
 from woz_tui.console.robot.trouble import is_stale
 from woz_tui.console.robot.values import WrongValue, about, next_value, typed_value, value_text
 from woz_tui.console.robot.view import Viewer
-from woz_tui.console.screens.dialog import Entry, give_keys
+from woz_tui.console.screens.dialog import Entry, give_keys, plain
 from woz_tui.console.screens.drawing import Drawing
 from woz_tui.core.messages import Json
 from woz_tui.experiment.textual_names import from_textual
@@ -240,15 +239,15 @@ class ValueDialog(Entry):
     def on_mount(self) -> None:
         """Say what it is about."""
         for box in self.query(".dialog"):
-            box.border_title = f"{self._driver}: {self._line.setting.label}"
+            box.border_title = plain(f"{self._driver}: {self._line.setting.label}")
         for entry in self.query("#entry").results(Input):
-            entry.placeholder = f"now {self._now}"
+            entry.placeholder = clean(f"now {self._now}")
 
     def below(self) -> Iterable[Widget]:
         """What may be typed, and what is wrong with what was."""
         setting = self._line.setting
         told = about(setting) or setting.help
-        yield Static(Content(self.glyphs.plain(told)), classes="caption")
+        yield Static(plain(self.glyphs.plain(told)), classes="caption")
         yield Static("", id="wrong", classes="wrong")
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
@@ -261,7 +260,7 @@ class ValueDialog(Entry):
         try:
             value = typed_value(self._line.setting, typed)
         except WrongValue as wrong:
-            self.query_one("#wrong", Static).update(Content(str(wrong)))
+            self.query_one("#wrong", Static).update(plain(str(wrong)))
             return
         self.sent()
         self._asks.typed(self._driver, self._line, value)

@@ -7,7 +7,6 @@ from typing import ClassVar
 
 from rich.cells import cell_len
 from textual.binding import Binding, BindingType
-from textual.content import Content
 from textual.suggester import Suggester
 from textual.widget import Widget
 from textual.widgets import Input, Static
@@ -15,7 +14,7 @@ from textual.widgets import Input, Static
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.picture import Picture
 from woz_tui.console.robot.tags import Begun, Numbered, Offer, begun_tag, completed, offers
-from woz_tui.console.screens.dialog import Entry, content
+from woz_tui.console.screens.dialog import Entry, content, plain
 from woz_tui.core.robots import RobotOutline
 
 #: Lines of matching utterances under the field, and of matching tags or animations.
@@ -109,7 +108,7 @@ class SayDialog(Entry):
             text = "No driver of this session can speak."
         elif len(voices) > 1:
             text = f"voice: {voices[self._voice]}  (ctrl+o: another)"
-        self.query_one("#voice", Static).update(Content(text))
+        self.query_one("#voice", Static).update(plain(text))
         self.entry.placeholder = self._WITH_TAGS if self._outline.tags else self.placeholder
         self._show_matches()
 

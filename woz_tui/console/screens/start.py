@@ -7,13 +7,12 @@ import re
 from collections.abc import Iterable
 from dataclasses import dataclass
 
-from textual.content import Content
 from textual.widget import Widget
 from textual.widgets import Input, RadioButton, RadioSet, Static
 
-from woz_tui.console.cells import Row
+from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.screens.dialog import Form, content
+from woz_tui.console.screens.dialog import Form, content, plain
 from woz_tui.console.screens.trial import order_row
 from woz_tui.core.requests import AskAssign, AskProposal, AskSet, Reply
 
@@ -85,7 +84,7 @@ class Choice(RadioButton):
         self._sign(chosen)
         if glyphs.ascii:
             self.BUTTON_LEFT, self.BUTTON_RIGHT = "(", ")"
-        super().__init__(Content(label), value=chosen)
+        super().__init__(plain(label), value=chosen)
 
     def _sign(self, chosen: bool) -> None:
         self.BUTTON_INNER = self._chosen_sign if chosen else " "
@@ -117,7 +116,7 @@ class StartDialog(Form):
         """Fields filled in with what holds now."""
         picture = self.picture
         yield Static("Code of the participant (never a name)", classes="caption")
-        yield Input(self._present(), placeholder=self._pattern(), id="participant")
+        yield Input(clean(self._present()), placeholder=clean(self._pattern()), id="participant")
         own = Static("Order; another one is written instead", classes="caption", id="order-caption")
         for field in (Static("", id="proposal"), own, Input(id="order")):
             field.display = False

@@ -59,9 +59,7 @@ class TrialDialog(Dialog):
         yield field
 
     def _line(self, step: Step) -> Content:
-        return Content.assemble(
-            (f" {step.key} ", "bold $woz-key on $woz-key-ground"), f"  {step.text}"
-        )
+        return content([((f" {step.key} ", "key"), (f"  {step.text}", "plain"))])
 
     def lines(self) -> list[Row]:
         """Trial or break with its time, the order of the conditions."""

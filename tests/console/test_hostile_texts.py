@@ -1,0 +1,76 @@
+"""The console shows texts as they are, whatever they look like: no markup, no sequences."""
+
+from __future__ import annotations
+
+import json
+import re
+
+import pytest
+from rich.text import Text
+
+from tests.console import scenes, studied
+from tests.console.dialogs import OPENERS
+from tests.console.driving import sitting
+from tests.console.robot import pepper
+from tests.fakes.hostile import HOSTILE, MARKUP, OBEYED, WORDS, hostile
+from woz_tui.console.screens.robot import ValueDialog
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core import wire
+from woz_tui.core.robots import RobotOutline, Setting
+
+#: What else is no text but chosen from a list, or a pattern.
+_CHOSEN = WORDS | {"keyboard", "key", "role", "when", "order", "health", "participant_pattern"}
+
+
+def made_hostile(welcome: r.Welcome) -> r.Welcome:
+    found = wire.decode_incoming(
+        json.dumps(hostile(json.loads(wire.encode(welcome)), _CHOSEN)).encode()
+    )
+    assert isinstance(found, r.Welcome)
+    return found
+
+
+def guide() -> r.Welcome:
+    state = [*scenes.healthy(), *scenes.sensors(), studied.assigned()]
+    settings: dict[str, m.Json] = {"study": studied.told(due=["robot"])}
+    return scenes.welcome(state, scenes.history(), settings=settings)
+
+
+SESSIONS = {"guide": guide, "pepper": lambda: pepper.welcome(pepper.shown())}
+
+
+@pytest.mark.parametrize("name", SESSIONS)
+async def test_nothing_of_a_text_reaches_the_terminal_as_a_command(name: str) -> None:
+    async with sitting(made_hostile(SESSIONS[name]()), size=(160, 50)) as seat:
+        assert not OBEYED.search(seat.drawn())
+        for dialog, key in OPENERS.items():
+            await seat.press(key)
+            assert not OBEYED.search(seat.drawn()), dialog
+            await seat.press("enter")
+            assert not OBEYED.search(seat.drawn()), f"{dialog} after enter"
+            while seat.console.dialog is not None:
+                await seat.press("ctrl+q")
+
+
+async def test_a_dialogs_title_is_no_markup() -> None:
+    volume = Setting(
+        name="volume", section="Voice", label=f"Volume {MARKUP}", verb="volume",
+        argument="level", kind="number", low=0.0, high=1.0, help=HOSTILE,
+    )  # fmt: skip
+    outlines: dict[str, m.Json] = {"pepper": RobotOutline(settings=[volume]).told()}
+    first = pepper.welcome(pepper.shown(), outlines=outlines)
+    async with sitting(first, size=(160, 50)) as seat:
+        await seat.press("@", "enter")
+        assert isinstance(seat.console.dialog, ValueDialog)
+        assert "pepper: Volume [/x] [bold]b[/bold]" in seat.drawn()
+        assert not OBEYED.search(seat.drawn())
+
+
+async def test_a_crash_commands_nothing(capsys: pytest.CaptureFixture[str]) -> None:
+    async with sitting() as seat:
+        pass
+    seat.console.error_console.print(Text(HOSTILE))
+    err = capsys.readouterr().err
+    assert MARKUP in err
+    assert not OBEYED.search(re.sub("\x1b\\[[0-9;]*m", "", err))

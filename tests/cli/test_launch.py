@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import os
 import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -148,3 +150,43 @@ def test_empty_codes_are_left_out_of_the_command_line(tmp_path: Path) -> None:
         codes={"session": "S01", "participant": ""},
     )
     assert words[3:] == ["--spill", str(tmp_path / "spill"), "--name", "lab", "--session", "S01"]
+
+
+@pytest.fixture
+def modules(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    """The current folder: modules with the names of others, which say that they were run."""
+    folder = tmp_path / "study"
+    folder.mkdir()
+    for name in ("msgspec", "random", "json", "yaml", "rich"):
+        text = f"open({str(folder / 'run')!r}, 'a').write({name!r})\nraise ValueError({name!r})\n"
+        (folder / f"{name}.py").write_text(text)
+    monkeypatch.chdir(folder)
+    return folder
+
+
+def test_the_robot_process_runs_no_module_of_the_current_folder(
+    tmp_path: Path, modules: Path, started: list[Launch]
+) -> None:
+    started.append(launch(tmp_path))
+    assert place.answers(started[0].wait().socket)
+    assert not (modules / "run").exists()
+
+
+@pytest.mark.parametrize(
+    "command",
+    [[str(Path(sys.executable).with_name("woz"))], [sys.executable, "-m", "woz_tui"]],
+    ids=["woz", "python -m woz_tui"],
+)
+def test_a_command_runs_no_module_of_the_current_folder(
+    tmp_path: Path, modules: Path, monkeypatch: pytest.MonkeyPatch, command: list[str]
+) -> None:
+    monkeypatch.delenv("PYTHONPATH")
+    done = subprocess.run(
+        [*command, "check", str(ROOT / "experiments" / "demo.yaml")],
+        capture_output=True,
+        text=True,
+        timeout=60,
+        check=False,
+    )
+    assert done.returncode == 0, done.stderr
+    assert not (modules / "run").exists()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Callable
 
 import pytest
 from rich.text import Text
@@ -37,7 +38,10 @@ def guide() -> r.Welcome:
     return scenes.welcome(state, scenes.history(), settings=settings)
 
 
-SESSIONS = {"guide": guide, "pepper": lambda: pepper.welcome(pepper.shown())}
+SESSIONS: dict[str, Callable[[], r.Welcome]] = {
+    "guide": guide,
+    "pepper": lambda: pepper.welcome(pepper.shown()),
+}
 
 
 @pytest.mark.parametrize("name", SESSIONS)

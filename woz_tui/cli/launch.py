@@ -45,8 +45,9 @@ class Launch:
     def __init__(self, arguments: list[str]) -> None:
         # A file and not a pipe: a thousand errors in an experiment must not block its process.
         self._errors = tempfile.TemporaryFile()  # noqa: SIM115 - lives as long as this object
+        # -P: a `random.py` beside the experiment is its owner's, and no module of this program.
         self._process = subprocess.Popen(
-            [sys.executable, "-m", "woz_tui", "host", *arguments, "--announce"],
+            [sys.executable, "-P", "-m", "woz_tui", "host", *arguments, "--announce"],
             stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE,
             stderr=self._errors,

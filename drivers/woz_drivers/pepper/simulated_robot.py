@@ -78,6 +78,7 @@ class SimulatedRobot:
 
         words = (
             sys.executable,
+            "-P",  # no modules of the folder of the experiment
             "-m",
             "woz_drivers.naoqi",
             "--port",

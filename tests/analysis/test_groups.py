@@ -17,8 +17,9 @@ from woz_tui.analysis.groups import Grouped, Row, totals
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.session import examine
 from woz_tui.analysis.sheets import SHEETS
-from woz_tui.analysis.tidy import Folder, cell, dictionary
+from woz_tui.analysis.tidy import Folder, dictionary, rounded
 from woz_tui.core import messages as m
+from woz_tui.core.cleaning import cell
 
 
 def sessions(folder: Path) -> list[SessionFigures]:
@@ -185,9 +186,41 @@ def test_answers_are_long_and_wide(written: dict[str, list[dict[str, str]]]) -> 
 
 
 def test_cells() -> None:
-    assert [cell(value) for value in (None, True, 2.0, 0.1234567894, "a", 3)] == [
-        *("", "true", 2, 0.123456789, "a", 3)
+    assert [cell(rounded(value)) for value in (None, True, 2.0, 0.1234567894, "a", 3)] == [
+        *("", "true", "2", "0.123456789", "a", "3")
     ]
+
+
+_FORMULA = '=HYPERLINK("http://e.x";"click")'
+
+
+def formulas(text: str) -> list[str]:
+    """Cells that a spreadsheet would take for a formula."""
+    rows = csv.reader(text.splitlines())
+    return [value for row in rows for value in row if re.match(r"[=+@]|-(?![0-9.]+$)", value)]
+
+
+def test_no_text_is_a_formula_to_a_spreadsheet(tmp_path: Path) -> None:
+    it = Told(participant=_FORMULA, condition=_FORMULA, session=_FORMULA)
+    it.add(0.5, m.TrialStarted(trial=1, condition=_FORMULA)).speech(1, 2).act(3, _FORMULA, _FORMULA)
+    answer = m.QuestionnaireAnswered(
+        questionnaire=_FORMULA, item="+i", question=_FORMULA, text=_FORMULA, answered_us=1
+    )
+    it.add(4, answer).add(5, m.TrialEnded(trial=1, outcome="done", text=_FORMULA)).end(6)
+    with Folder(tmp_path) as folder:
+        folder.add(figures_of(in_time(it)))
+    files = [path.read_text(encoding="utf-8") for path in tmp_path.glob("*.csv")]
+    assert any(f"'{_FORMULA}".replace('"', '""') in text for text in files)
+    assert not [found for text in files for found in formulas(text)]
+
+
+def test_tables_are_for_their_owner_only_as_logs_are(tmp_path: Path) -> None:
+    before = tmp_path / "tables" / "sessions.csv"
+    before.parent.mkdir()
+    before.touch(0o644)
+    with Folder(before.parent) as folder:
+        folder.add(figures_of(in_time(Told().act(1).end(2))))
+    assert {path.stat().st_mode & 0o777 for path in before.parent.iterdir()} == {0o600}
 
 
 def test_texts_with_commas_and_lines_stay_in_their_cell(tmp_path: Path) -> None:

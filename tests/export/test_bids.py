@@ -86,6 +86,25 @@ def test_a_visit_is_valid(tmp_path: Path) -> None:
     ]
 
 
+def test_no_text_is_a_formula_to_a_spreadsheet(tmp_path: Path) -> None:
+    formula = '=HYPERLINK("http://e.x";"click")'
+    course: list[Timed] = [
+        (0, start(condition=formula)),
+        (1, m.TrialStarted(trial=1, condition=formula)),
+        (2, m.Note(text=f" {formula}")),
+        (3, m.Marker(text="@SUM(A1)")),
+        (4, m.QuestionnaireAnswered(questionnaire="q", item="i", question="?", text="+1+cmd")),
+    ]
+    dataset = course_to(tmp_path, "bids", course)
+    validated(dataset)
+    cells = [
+        cell for path in dataset.rglob("*.tsv") for row in table(path) for cell in row.values()
+    ]
+    assert {f"'{formula}", "'@SUM(A1)", "'+1+cmd"} <= set(cells)
+    assert not [cell for cell in cells if cell.startswith(("=", "+", "@"))]
+    assert {path.stat().st_mode & 0o777 for path in dataset.rglob("*.tsv")} == {0o600}
+
+
 def test_every_column_is_described(tmp_path: Path) -> None:
     dataset = course_to(tmp_path, "bids", visit())
     for path in dataset.rglob("*_events.tsv"):

@@ -14,7 +14,7 @@ from hypothesis import HealthCheck, given, settings
 from tests.export.logs import STEM, Timed, courses, session_of, start, visit, write
 from tests.export.out import course_to, exported
 from woz_tui.core import messages as m
-from woz_tui.export.text import visible
+from woz_tui.core.cleaning import visible
 
 Rows = list[dict[str, str]]
 

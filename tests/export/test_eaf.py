@@ -9,7 +9,7 @@ import wave
 import xml.etree.ElementTree as ET
 from functools import cache
 from itertools import pairwise
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import pympi
 import pytest
@@ -19,8 +19,8 @@ from hypothesis import HealthCheck, given, settings
 from tests.export.logs import STEM, Timed, courses, session_of, speak, start, visit, write
 from tests.export.out import course_to, exported
 from woz_tui.core import messages as m
+from woz_tui.core.cleaning import one_line, visible
 from woz_tui.export.eaf import SHORTEST_MS, in_milliseconds
-from woz_tui.export.text import one_line, visible
 from woz_tui.export.tiers import tiers_of
 
 SCHEMAS = sorted((Path(__file__).parent / "schemas").glob("*.xsd"))
@@ -169,6 +169,22 @@ def test_sound_that_is_none_is_told(tmp_path: Path) -> None:
     (told,) = exported(log, "eaf", tmp_path / "out")
     assert any("speech-2.wav cannot be read" in note for note in told.notes)
     assert ("note", told.notes[0]) in properties(tmp_path / "out" / f"{STEM}.eaf")
+
+
+@pytest.mark.parametrize("to", ["eaf", "textgrid"])
+@pytest.mark.parametrize("way", ["up", "absolute", "link"])
+def test_sound_outside_of_the_logs_folder_is_left_out_and_named(
+    tmp_path: Path, way: str, to: str
+) -> None:
+    recordings = tmp_path / "recordings"
+    secret = speak(tmp_path, "secret.wav", 0.5)
+    name = {"up": "../secret.wav", "absolute": str(secret), "link": "linked.wav"}[way]
+    recordings.mkdir()
+    (recordings / "linked.wav").symlink_to(secret)
+    ended = m.SpeechEnded(driver="ears", segment=1, began=0, ended=500_000, file=name)
+    (told,) = exported(write(recordings, [(0, start()), (1, ended)]), to, tmp_path / "out")
+    assert not list((tmp_path / "out").glob("*.wav"))
+    assert any(PurePath(name).name in note for note in told.notes)
 
 
 @pytest.mark.parametrize(("offset", "origin"), [(0.0, None), (12.5, "12500")])

@@ -16,7 +16,7 @@ from praatio.data_classes.textgrid import Textgrid
 from tests.export.logs import STEM, Timed, courses, session_of, speak, start, visit, write
 from tests.export.out import course_to, exported
 from woz_tui.core import messages as m
-from woz_tui.export.text import one_line
+from woz_tui.core.cleaning import one_line
 from woz_tui.export.textgrid import for_praat
 
 

@@ -1,12 +1,14 @@
 """The figures as tidy CSV files: one fact a row, one variable a column, with a dictionary of them.
 
 UTF-8, comma, one head line; an empty cell is a value that does not exist; truth values are `true`
-and `false`; times in seconds unless the column's name ends in `_ms`.
+and `false`; times in seconds unless the column's name ends in `_ms`. No text is a formula to a
+spreadsheet. Files are for their owner only, as logs are.
 """
 
 from __future__ import annotations
 
 import csv
+import os
 from collections.abc import Iterable, Sequence
 from contextlib import ExitStack
 from pathlib import Path
@@ -15,6 +17,7 @@ from typing import TYPE_CHECKING, Self
 
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.sheets import SHEETS, Value
+from woz_tui.core.cleaning import cell
 
 if TYPE_CHECKING:
     from _csv import Writer
@@ -49,7 +52,7 @@ class Folder:
         self._items: dict[str, None] = {}
 
     def __enter__(self) -> Self:
-        self._folder.mkdir(parents=True, exist_ok=True)
+        self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         for sheet in SHEETS:
             self._open(sheet.name, [column.name for column in sheet.columns])
         return self
@@ -69,14 +72,16 @@ class Folder:
         for sheet in SHEETS:
             write = self._writers[sheet.name].writerow
             for entry in sheet.rows(figures):
-                write([cell(column.of(entry)) for column in sheet.columns])
+                write([cell(rounded(column.of(entry))) for column in sheet.columns])
         self._wide += self._rounds(figures)
 
     def _open(self, name: str, head: Sequence[str]) -> Writer:
         path = self._folder / f"{name}.csv"
-        file = self._files.enter_context(path.open("w", encoding="utf-8", newline=""))
+        taken = os.open(path, os.O_WRONLY | os.O_CREAT | os.O_TRUNC | os.O_CLOEXEC, 0o600)
+        file = self._files.enter_context(os.fdopen(taken, "w", encoding="utf-8", newline=""))
+        os.fchmod(taken, 0o600)  # also where it was there
         writer = self._writers[name] = csv.writer(file, lineterminator="\n")
-        writer.writerow(head)
+        writer.writerow(map(cell, head))
         return writer
 
     def _rounds(self, figures: SessionFigures) -> Iterable[dict[str, Value]]:
@@ -103,7 +108,7 @@ class Folder:
         head = [*_WIDE_HEAD, *self._items]
         writer = self._open(WIDE, head)
         for row in self._wide:
-            writer.writerow([cell(row.get(name)) for name in head])
+            writer.writerow([cell(rounded(row.get(name))) for name in head])
         writer = self._open(DICTIONARY, ["file", "column", "unit", "meaning"])
         writer.writerows(dictionary())
 
@@ -120,12 +125,8 @@ def dictionary() -> list[tuple[str, str, str, str]]:
     return [*rows, (f"{WIDE}.csv", _ITEMS, "", told)]
 
 
-def cell(value: Value) -> str | int | float:
-    """A value as it stands in a file."""
-    if value is None:
-        return ""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, float):
-        return int(value) if value.is_integer() and abs(value) < 1e15 else round(value, 9)
-    return value
+def rounded(value: Value) -> Value:
+    """A figure with the digits that count, a whole one without a dot; all else as it is."""
+    if not isinstance(value, float):
+        return value
+    return int(value) if value.is_integer() and abs(value) < 1e15 else round(value, 9)

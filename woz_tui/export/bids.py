@@ -11,7 +11,13 @@ from pathlib import PurePath
 from typing import Any
 
 from woz_tui import __version__
-from woz_tui.export.bids_files import write_answers, write_events, write_json, write_table
+from woz_tui.export.bids_files import (
+    bids_cell,
+    write_answers,
+    write_events,
+    write_json,
+    write_table,
+)
 from woz_tui.export.bids_physio import write_physio
 from woz_tui.export.course import Session
 from woz_tui.export.folder import README, Folder
@@ -134,7 +140,10 @@ class BidsExporter:
             path.rename(path.with_name(path.name.replace(f"_run-{number}_", "_", 1)))
 
     def _participants(self) -> None:
-        rows = [[f"sub-{label}", ", ".join(found)] for label, found in self._conditions.items()]
+        rows = [
+            [f"sub-{label}", bids_cell(", ".join(found))]
+            for label, found in self._conditions.items()
+        ]
         write_table(self._folder, "participants.tsv", ["participant_id", "conditions"], rows)
         meaning = "Conditions in which the participant was, in order."
         write_json(self._folder, "participants.json", {"conditions": {"Description": meaning}})

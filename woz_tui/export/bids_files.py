@@ -6,11 +6,11 @@ import json
 from collections.abc import Iterable, Mapping
 from typing import Any, get_args
 
+from woz_tui.core.cleaning import cell, one_line
 from woz_tui.core.messages import AnyMessage
 from woz_tui.export.course import Answer, Event, Session
 from woz_tui.export.folder import Folder
 from woz_tui.export.tables import ANSWERS, EVENTS, Cell, Column, Table
-from woz_tui.export.text import one_line
 
 #: What stands where there is no value.
 NONE = "n/a"
@@ -52,7 +52,10 @@ def write_events(
     """`<stem>_events.tsv` and its sidecar."""
     events = list(events)
     columns = _columns(EVENTS, _OF_EVENTS)
-    rows = ([_event_cell(session, event, column) for column in columns] for event in events)
+    rows = (
+        [bids_cell(_event_cell(session, event, of), text=of.type == "string") for of in columns]
+        for event in events
+    )
     names = [_RENAMED.get(column.name, column.name) for column in columns]
     write_table(folder, f"{stem}_events.tsv", names, rows)
     meanings: dict[str, Any] = {
@@ -75,20 +78,23 @@ def write_answers(
 ) -> None:
     """`<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
     columns = _columns(ANSWERS, _OF_ANSWERS)
-    rows = ([column.cell(session, answer) for column in columns] for answer in answers)
+    rows = (
+        [bids_cell(of.cell(session, answer), text=of.type == "string") for of in columns]
+        for answer in answers
+    )
     write_table(folder, f"{stem}_beh.tsv", [column.name for column in columns], rows)
     meanings = {column.name: _meaning(column) for column in columns}
     write_json(folder, f"{stem}_beh.json", {**common, **meanings})
 
 
 def write_table(
-    folder: Folder, name: str, columns: Iterable[str], rows: Iterable[Iterable[Cell]]
+    folder: Folder, name: str, columns: Iterable[str], rows: Iterable[Iterable[str]]
 ) -> None:
-    """A file of tab-separated values with a row of names."""
+    """A file of tab-separated cells with a row of names."""
     with folder.text(name) as file:
         file.write("\t".join(columns) + "\n")
         for row in rows:
-            file.write("\t".join(map(_written, row)) + "\n")
+            file.write("\t".join(row) + "\n")
 
 
 def write_json(folder: Folder, name: str, content: Mapping[str, Any]) -> None:
@@ -119,13 +125,6 @@ def _meaning(column: Column[Any]) -> dict[str, str]:
     return {"Description": column.meaning, **units}
 
 
-def _written(cell: Cell) -> str:
-    match cell:
-        case None:
-            return NONE
-        case bool():
-            return "true" if cell else "false"
-        case str():
-            # BIDS has no quoting, and nothing may begin or end in a blank.
-            return one_line(cell).strip() or NONE
-    return repr(cell)
+def bids_cell(value: Cell, *, text: bool = True) -> str:
+    """A value as BIDS has it: no quoting, and nothing begins or ends in a blank."""
+    return cell(one_line(value).strip() if isinstance(value, str) else value, text=text) or NONE

@@ -10,6 +10,7 @@ from functools import lru_cache
 from typing import Any, TextIO
 
 from woz_tui import __version__
+from woz_tui.core.cleaning import cell
 from woz_tui.core.messages import Reading
 from woz_tui.export.course import Session
 from woz_tui.export.folder import README, Folder
@@ -24,10 +25,8 @@ from woz_tui.export.tables import (
     SAMPLES,
     SESSIONS,
     SETTINGS,
-    Cell,
     Table,
 )
-from woz_tui.export.text import guarded, visible
 from woz_tui.record.log import Damage
 
 _GUARDED = (
@@ -96,6 +95,10 @@ class CsvExporter:
         self._files.close()
 
 
+#: The same few texts come again and again.
+_cell = lru_cache(maxsize=4096, typed=True)(cell)
+
+
 class _Rows:
     def __init__(self, file: TextIO, table: Table[Any]) -> None:
         self._table = table
@@ -105,24 +108,8 @@ class _Rows:
     def write(self, session: Session, rows: Iterable[object]) -> None:
         columns = [(column.cell, column.type == "string") for column in self._table.columns]
         self._writer.writerows(
-            [_written(cell(session, row), text) for cell, text in columns] for row in rows
+            [_cell(of(session, row), text=text) for of, text in columns] for row in rows
         )
-
-
-def _written(cell: Cell, text: bool) -> str:
-    if cell is None:
-        return ""
-    if isinstance(cell, str):
-        return _text(cell) if text else cell
-    if isinstance(cell, bool):
-        return "true" if cell else "false"
-    return repr(cell)
-
-
-@lru_cache(maxsize=4096)
-def _text(cell: str) -> str:
-    """A text as it stands in a cell; the same few come again and again."""
-    return guarded(visible(cell))
 
 
 def _package(tables: Iterable[Table[Any]], told: list[Told]) -> dict[str, Any]:

@@ -5,9 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 from woz_tui import __version__
+from woz_tui.core.cleaning import one_line
 from woz_tui.export.folder import SIGN
 from woz_tui.export.options import Told
-from woz_tui.export.text import one_line, seconds
+from woz_tui.export.text import seconds
 
 _TIMES = (
     "All times are in seconds since the beginning of the session, on a clock that never jumps. "

@@ -44,7 +44,11 @@ _Clips = list[tuple[Clip, "wave._wave_params"]]
 def _readable(session: Session) -> tuple[_Clips, list[str]]:
     clips: _Clips = []
     problems = []
+    folder = session.log.parent.resolve()
     for clip in sorted(session.clips, key=lambda clip: clip.begin):
+        if not clip.path.resolve().is_relative_to(folder):
+            problems.append(f"{clip.path} lies outside of the log's folder and is left out")
+            continue
         try:
             with open_regular(clip.path) as clip_file, wave.open(clip_file) as file:
                 shape = file.getparams()

@@ -224,12 +224,18 @@ def test_figures_stand_in_the_page_as_they_were_found(text: str, tmp_path: Path)
     assert "It was friendly." in plain
 
 
-def test_a_file_that_cannot_be_written_leaves_the_old_one(tmp_path: Path) -> None:
-    (tmp_path / "report.html").write_text("old")
-    (tmp_path / ".report.html.part").mkdir()
+def test_a_page_that_cannot_be_written_leaves_what_was_there(tmp_path: Path) -> None:
+    (tmp_path / "report.html").mkdir()
+    (tmp_path / "report.html" / "old").touch()
     with pytest.raises(OSError, match=r"report\.html'$"):
         write([Story().report(tmp_path)], tmp_path / "report.html")
-    assert (tmp_path / "report.html").read_text() == "old"
+    assert (tmp_path / "report.html" / "old").exists()
+
+
+def test_a_page_is_for_its_owner_only_as_logs_are(tmp_path: Path) -> None:
+    (tmp_path / "report.html").touch(0o644)
+    write([Story().report(tmp_path)], tmp_path / "report.html")
+    assert (tmp_path / "report.html").stat().st_mode & 0o777 == 0o600
 
 
 def test_a_folder_that_is_not_there_is_named(tmp_path: Path) -> None:

@@ -8,7 +8,6 @@ from __future__ import annotations
 import base64
 import hashlib
 from collections.abc import Sequence
-from contextlib import suppress
 from importlib.resources import files
 from pathlib import Path
 from string import Template
@@ -19,6 +18,7 @@ from woz_tui.analysis.html.overview import overview
 from woz_tui.analysis.html.section import Entry, entries, section
 from woz_tui.analysis.html.sorts import SORTS, symbols
 from woz_tui.analysis.report import Report
+from woz_tui.core.replacing import replace
 
 #: Up to so many events in all sessions together, the lists of events are whole without a script.
 #: Beyond, they hold what is notable and the script adds the rest, so that the page stays light.
@@ -28,18 +28,14 @@ _ASSETS = files("woz_tui.analysis.html") / "assets"
 
 
 def write(reports: Sequence[Report], path: Path) -> None:
-    """Write the page to `path`, in whole or not at all.
+    """Write the page to `path`, in whole or not at all; for its owner only, as logs are.
 
     Raises:
         OSError: It cannot be written; a file that was there stays as it was.
     """
-    draft = path.with_name(f".{path.name}.part")
     try:
-        draft.write_text(render(reports), encoding="utf-8")
-        draft.replace(path)
+        replace(path, render(reports), mode=0o600)
     except OSError as error:
-        with suppress(OSError):
-            draft.unlink(missing_ok=True)
         # Nobody asked for the draft: what cannot be written is the page.
         error.filename = str(path)
         raise

@@ -33,7 +33,8 @@ A dataset as in the Brain Imaging Data Structure (BIDS), without imaging: events
 `sub-*/ses-*/beh/*_events.tsv`, answers to questionnaires in `*_beh.tsv`, values of sensors in
 `*_physio.tsv.gz` (only with `--samples`). The `.json` beside each file says what its columns mean.
 Sessions without a participant's code are those of `sub-unknown01` and so on. Tabs and line ends in
-texts are shown as ␉ and ␊."""
+texts are shown as ␉ and ␊. Texts that begin with = + - @ ' have one ' more before them, so that no
+spreadsheet takes them for a formula."""
 
 
 @dataclass(slots=True)

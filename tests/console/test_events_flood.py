@@ -42,7 +42,7 @@ async def test_after_the_flood_the_last_line_is_shown() -> None:
 async def test_a_new_size_is_drawn_in_the_flood_too() -> None:
     async with sitting(size=SIZE) as seat:
         await rows_repainted(seat, 5.0)
-        await seat.pilot.resize_terminal(120, 40)
         await seat.tell_quietly(m.Notice(level="info", text="the last line", t=scenes.NOW))
+        await seat.pilot.resize_terminal(120, 40)
         await seat.until(lambda: len(seat.text("Events").splitlines()[0]) < SIZE[0])
         assert "the last line" in seat.text("Events")

@@ -34,6 +34,11 @@ class Register:
             raise ValueError(f"{len(data)} bytes for a register of {self.size}")
         return int.from_bytes(data, "little", signed=self.signed)
 
+    def within(self, block: Register, data: bytes) -> int:
+        """The number at this place in `data`, which was read from the longer stretch `block`."""
+        first = self.address - block.address
+        return self.decode(data[first : first + self.size])
+
     def encode(self, value: int) -> bytes:
         """The bytes of `value`; `OverflowError` if it does not fit."""
         return value.to_bytes(self.size, "little", signed=self.signed)
@@ -44,7 +49,9 @@ class Table:
     """The registers this driver uses; None where a family has no such register.
 
     `speed_limit` bounds the servo's own speed on its way to a goal: Profile Velocity in the X
-    series, Moving Speed in protocol 1. `unlimited` is the value that lifts it.
+    series, Moving Speed in protocol 1.
+
+    `torque_limit` gets the value of `max_torque`, which is stored, whenever the power comes on.
     """
 
     name: str
@@ -65,17 +72,28 @@ class Table:
     drive_mode: Register | None = None
     alarm: Register | None = None
     watchdog: Register | None = None
+    max_torque: Register | None = None
+    torque_limit: Register | None = None
     #: Protocol 1 keeps the sign of the load in bit 10 instead of two's complement.
     load_sign_bit: int | None = None
 
     def status_block(self) -> Register:
-        """The stretch from torque to watchdog (X series), read in one go."""
-        last = self.watchdog or self.torque
-        return Register(self.torque.address, last.end - self.torque.address)
+        """Torque to watchdog (X series) or to present position (protocol 1), read in one go."""
+        return _stretch(self.torque, self.watchdog or self.present)
 
     def sensor_block(self) -> Register:
         """The stretch from load to temperature, read in one go."""
-        return Register(self.load.address, self.temperature.end - self.load.address)
+        return _stretch(self.load, self.temperature)
+
+    def goal_block(self) -> Register:
+        """What a setpoint is written to. In protocol 1 a goal switches the torque on, also of a
+        servo that lost its power a moment ago: there its speed limit goes into the same packet.
+        """
+        return self.goal if self.protocol == 2 else _stretch(self.goal, self.speed_limit)
+
+
+def _stretch(first: Register, last: Register) -> Register:
+    return Register(first.address, last.end - first.address)
 
 
 @dataclass(frozen=True, slots=True)
@@ -140,9 +158,11 @@ PROTOCOL_1 = Table(
     return_delay=Register(5, 1),
     low_limit=Register(6, 2),
     high_limit=Register(8, 2),
+    max_torque=Register(14, 2),
     torque=Register(24, 1),
     goal=Register(30, 2),
     speed_limit=Register(32, 2),
+    torque_limit=Register(34, 2),
     present=Register(36, 2),
     load=Register(40, 2),
     voltage=Register(42, 1),

@@ -129,3 +129,15 @@ async def test_latency_timer_and_what_it_costs(
         assert "udev" in slow.remedy
         timer.write_text("1\n")
         assert "latency timer 1 ms" in said(await examined(bus.link), "ok")
+
+
+@pytest.mark.parametrize("model", ["MX-28", "XL330-M288"])
+async def test_an_adapter_whose_answers_come_late_is_named(tmp_path: Path, model: str) -> None:
+    with ServoBus([11, 12, 13], tmp_path / "servos", model=model) as bus:
+        bus.faults.latency = 0.03
+        findings = await examined(bus.link, protocol=bus.protocol, reply_timeout=None)
+        (late,) = (one for one in findings if "answers on" in one.text)
+        assert late.level == "warning"
+        assert "latency timer" in late.remedy and "reply_timeout" in late.remedy
+        assert f"pan (id 11): is a {model}" in said(findings, "ok")
+        assert said(findings, "error") == ""

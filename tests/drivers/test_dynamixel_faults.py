@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import threading
 from pathlib import Path
 
@@ -16,7 +17,7 @@ from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
 from woz_tui.core.conformance import check
 from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
-from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost
+from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost, Notice
 
 pytestmark = pytest.mark.real_clock
 
@@ -318,3 +319,24 @@ async def test_protocol_1_alarm(tmp_path: Path) -> None:
         faulted = await it.heard.first(DriverFaulted)
         assert "overheated" in faulted.detail
         assert "power off and on" in faulted.remedy
+
+
+@pytest.mark.parametrize(("protocol", "model"), [(1, "MX-28"), (2, "XL330-M288")])
+async def test_a_slow_adapter_is_waited_for_and_named(
+    tmp_path: Path, protocol: int, model: str
+) -> None:
+    def late(bus: ServoBus) -> None:
+        bus.faults.latency = 0.03
+
+    async with stand(
+        tmp_path, model=model, prepare=late, protocol=protocol, reply_timeout=None
+    ) as it:
+        await it.heard.first(DriverConnected)
+        await it.noticed("answers on")
+        (notice,) = (one for one in it.heard.all(Notice) if "answers on" in one.text)
+        assert re.search(r"up to \d+ ms", notice.text)
+        assert "latency timer" in notice.remedy and "reply_timeout" in notice.remedy
+        await it.do("torque", on=True)
+        await it.do("pose", joints={"pan": 5.0}, seconds=0.1)
+        assert it.bus.goals(11)[-1] == 2048 + round(5 / (360 / 4096))
+        assert it.heard.all(DriverLost) == []

@@ -110,7 +110,7 @@ def test_units() -> None:
 def test_blocks_cover_what_is_cut_out_of_them() -> None:
     assert tables.X_SERIES.status_block() == Register(64, 35)
     assert tables.X_SERIES.sensor_block() == Register(126, 21)
-    assert tables.PROTOCOL_1.status_block() == Register(24, 1)
+    assert tables.PROTOCOL_1.status_block() == Register(24, 14)
     assert tables.PROTOCOL_1.sensor_block() == Register(40, 4)
 
 

@@ -31,7 +31,10 @@ KINDS = {
 }
 #: The fastest an unlimited motor turns, in degrees a second (XL330-M288: 103 rev/min).
 FASTEST = 618.0
-REBOOT_S = 0.15
+#: From power on until it answers, in seconds.
+BOOT_S = 0.15
+#: Revolutions a minute in one count of a speed register.
+X_RPM, MX_RPM, AX_RPM = 0.229, 0.114, 0.111
 
 
 @dataclass(slots=True)
@@ -49,6 +52,8 @@ class Motor:
     heard: float | None = None
     booting_until: float = 0.0
     bites: int = 0
+    #: The fastest it has turned by its own force, in degrees a second.
+    driven: float = 0.0
 
     def __post_init__(self) -> None:
         if self.position < 0:
@@ -80,7 +85,9 @@ class Motor:
     @property
     def torque(self) -> bool:
         """Whether it holds."""
-        return self.memory[64 if self.protocol == 2 else 24] == 1
+        if self.protocol == 2:
+            return self.memory[64] == 1
+        return self.memory[24] == 1 and self.get(34, 2) > 0
 
     @property
     def goal(self) -> int:
@@ -117,6 +124,7 @@ class Motor:
             self.put(3, 1, self.number)
             self.put(5, 1, 250)
             self.put(8, 2, self.counts - 1)
+            self.put(14, 2, 1023)
             self.put(42, 1, 120)
             self.put(43, 1, 34)
         self._forget()
@@ -128,9 +136,11 @@ class Motor:
                 self.put(address, size, 0)
             self.put(116, 4, round(self.position))
         else:
-            self.put(24, 1, 0)
-            self.put(32, 2, 0)
+            for address, size in ((24, 1), (25, 1), (32, 2), (44, 1), (47, 1)):
+                self.put(address, size, 0)
             self.put(30, 2, round(self.position))
+            self.put(34, 2, self.get(14, 2))
+        self.registered = None
         self._show()
 
     def _show(self) -> None:
@@ -147,15 +157,18 @@ class Motor:
         if self.torque:
             way = self.goal - self.position
             step = self._speed() / self.degrees_per_count * elapsed
-            self.position += min(max(way, -step), step)
+            moved = min(max(way, -step), step)
+            self.position += moved
+            if elapsed > 0:
+                self.driven = max(self.driven, abs(moved) * self.degrees_per_count / elapsed)
             self._show()
         return bitten
 
     def _speed(self) -> float:
         if self.protocol == 2:
-            limit, unit = self.get(112, 4), 0.229 * 6
+            limit, unit = self.get(112, 4), X_RPM * 6
         else:
-            limit, unit = self.get(32, 2), 0.114 * 6
+            limit, unit = self.get(32, 2), (MX_RPM if self.kind.startswith("MX") else AX_RPM) * 6
         return min(limit * unit, FASTEST) if limit else FASTEST
 
     def _watch(self, now: float) -> bool:
@@ -172,18 +185,24 @@ class Motor:
     # -- alarms ----------------------------------------------------------------------------------
 
     def raise_alarm(self, bits: int) -> None:
-        """Shut down: torque off until a restart."""
+        """Shut down: no torque until a restart. Protocol 1 does it by a torque limit of 0."""
         self.alarm = bits
         if self.protocol == 2:
             self.put(70, 1, bits)
             self.put(64, 1, 0)
         else:
-            self.put(24, 1, 0)
+            self.put(34, 2, 0)
 
-    def reboot(self, now: float) -> None:
-        """Restart; it answers nothing for a moment."""
+    def reboot(
+        self, now: float, *, seconds: float = 0.0, boot: float = BOOT_S, fall: float = 0.0
+    ) -> None:
+        """Restart after `seconds` without power; it answers again `boot` seconds after that.
+
+        Limp meanwhile, it sags by `fall` counts.
+        """
         self.alarm = 0
-        self.booting_until = now + REBOOT_S
+        self.booting_until = now + seconds + boot
+        self.position = min(max(self.position + fall, 0.0), self.counts - 1.0)
         self._forget()
 
     def error_byte(self, code: int = 0) -> int:
@@ -202,7 +221,7 @@ class Motor:
         if self.protocol == 2 and address == 64 and data[:1] == b"\x01" and not self.torque:
             self.put(116, 4, round(self.position))  # torque on never jumps: goal = present
         self.memory[address : address + len(data)] = data
-        if self.protocol == 1 and address <= 30 < address + len(data) and not self.alarm:
+        if self.protocol == 1 and address <= 30 < address + len(data):
             self.put(24, 1, 1)  # a goal switches the torque on
         return 0
 

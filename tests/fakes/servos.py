@@ -17,14 +17,15 @@ As a process, for end-to-end tests and benchmarks::
 
 It prints one line `ready PATH` and runs until SIGTERM or SIGINT. Lines on its standard input are
 orders: `pull`, `plug`, `silent ID`, `alive ID`,
-`overload ID`, `reset ID`, `corrupt N`, `slow SECONDS`, `noise`, `witness PATH`.
+`overload ID`, `reset ID`, `brownout ID [SECONDS [BOOT [FALL]]]`, `corrupt N`, `slow SECONDS`,
+`latency SECONDS`, `noise`, `witness PATH`.
 
 The journal has one JSON object a line, flushed at once, `t_ns` being CLOCK_MONOTONIC:
 
     {"t_ns": 123, "event": "write", "id": 11, "address": 116, "data": [0, 8, 0, 0], "value": 2048,
      "error": 0, "position": 2047.5}
     {"t_ns": 124, "event": "watchdog", "id": 11, "position": 2050.0}
-    {"t_ns": 125, "event": "reboot" | "pulled" | "plugged" | "witness", ...}
+    {"t_ns": 125, "event": "reboot" | "brownout" | "pulled" | "plugged" | "witness", ...}
 
 `write` stands for every register write that arrived for a servo (write, sync write, action), also
 for those it refused (`error` not 0). `position` is where the motor stood, in counts. With a witness
@@ -42,7 +43,7 @@ import termios
 import threading
 import time
 import tty
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
@@ -66,6 +67,8 @@ class Faults:
     noise: int = 0
     #: Seconds that every answer comes late.
     slow: float = 0.0
+    #: The adapter's latency timer in seconds: so long after a byte, it passes on what has come.
+    latency: float = 0.0
 
 
 @dataclass(frozen=True, slots=True)
@@ -96,6 +99,7 @@ class ServoBus:
         model: str = "XL330-M288",
         journal: Path | None = None,
         baud: int | None = None,
+        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         kinds = dict(ids) if isinstance(ids, Mapping) else dict.fromkeys(ids, model)
         self.link = link
@@ -113,7 +117,13 @@ class ServoBus:
         self._master = self._slave = -1
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="emulated servos", daemon=True)
-        self._last_step = time.monotonic()
+        #: What motors go by, in seconds.
+        self._clock = clock
+        self._last_step = clock()
+        #: Servos that will lose their power: instructions still to come, and the rest.
+        self._brownouts: list[tuple[int, Motor, dict[str, float]]] = []
+        #: Answers that the adapter has not passed on yet, and when it will.
+        self._outbox, self._flush_at = b"", 0.0
 
     def __enter__(self) -> ServoBus:
         self.plug()
@@ -158,10 +168,23 @@ class ServoBus:
             tty.setraw(self._slave)
             os.set_blocking(self._master, False)
             self._reader = Reader(self.protocol)
+            self._outbox = b""
             fresh = self.link.with_name(f"{self.link.name}.new")
             fresh.symlink_to(os.ttyname(self._slave))
             fresh.replace(self.link)
             self._note("plugged")
+
+    def brownout(self, number: int, after: int = 0, **how: float) -> None:
+        """A servo loses its power, once `after` more instructions have come; see `reboot`."""
+        with self._lock:
+            self._brownouts.append((after, self.servos[number], how))
+            self._cut_power()
+
+    def _cut_power(self) -> None:
+        for _, motor, how in (entry for entry in self._brownouts if entry[0] <= 0):
+            motor.reboot(self._clock(), **how)
+            self._note("brownout", id=motor.number, position=motor.position)
+        self._brownouts = [entry for entry in self._brownouts if entry[0] > 0]
 
     def watch(self, witness: Path) -> None:
         """Note the size of a file with every write that arrives from now on."""
@@ -171,9 +194,9 @@ class ServoBus:
 
     def goals(self, number: int) -> list[int]:
         """Every goal position that arrived for a servo and was taken, oldest first."""
-        address = 116 if self.protocol == 2 else 30
+        address, size = (116, 4) if self.protocol == 2 else (30, 2)
         return [
-            write.value
+            int.from_bytes(write.data[:size], "little", signed=size == 4)
             for write in self.written(number)
             if write.address == address and not write.error
         ]
@@ -214,6 +237,9 @@ class ServoBus:
                 for instruction in self._reader.feed(data):
                     self.instructions.append(instruction)
                     self._obey(instruction)
+                    self._brownouts = [(left - 1, *rest) for left, *rest in self._brownouts]
+                    self._cut_power()
+                self._pass_on()
 
     def _receive(self) -> bytes:
         if self._master < 0:
@@ -231,14 +257,14 @@ class ServoBus:
         return bool(speed == getattr(termios, f"B{self.baud}"))
 
     def _step(self) -> None:
-        now = time.monotonic()
+        now = self._clock()
         elapsed, self._last_step = now - self._last_step, now
         for motor in self.servos.values():
             if motor.advance(now, elapsed):
                 self._note("watchdog", id=motor.number, position=motor.position)
 
     def _obey(self, instruction: Instruction) -> None:
-        now = time.monotonic()
+        now = self._clock()
         if not instruction.intact:
             return
         for motor in self.servos.values():
@@ -367,8 +393,16 @@ class ServoBus:
         if faults.noise > 0:
             faults.noise -= 1
             packet = b"\xff\xff\x00\xfd\x13" + packet
-        with contextlib.suppress(OSError):
-            os.write(self._master, packet)
+        if not self._outbox:
+            self._flush_at = time.monotonic() + faults.latency
+        self._outbox += packet
+        self._pass_on()
+
+    def _pass_on(self) -> None:
+        if self._outbox and time.monotonic() >= self._flush_at:
+            packets, self._outbox = self._outbox, b""
+            with contextlib.suppress(OSError):
+                os.write(self._master, packets)
 
     def _note(self, event: str, **fields: Any) -> None:
         if self._journal is not None:

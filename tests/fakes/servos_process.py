@@ -28,12 +28,16 @@ def order(bus: ServoBus, line: str) -> None:
             bus.servo(int(rest)).raise_alarm(OVERLOAD)
         elif word == "reset":
             bus.servo(int(rest)).reboot(time.monotonic())
+        elif word == "brownout":
+            number, *how = rest.split()
+            named = zip(("seconds", "boot", "fall"), map(float, how), strict=False)
+            bus.brownout(int(number), **dict(named))
         elif word == "corrupt":
             bus.faults.corrupt = int(rest)
         elif word == "noise":
             bus.faults.noise = 1
-        elif word == "slow":
-            bus.faults.slow = float(rest)
+        elif word in ("slow", "latency"):
+            setattr(bus.faults, word, float(rest))
         elif word == "witness":
             bus.watch(Path(rest))
         elif word:

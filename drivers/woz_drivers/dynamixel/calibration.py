@@ -46,6 +46,13 @@ class Calibration:
         top = 32_767 if self.model.table.protocol == 2 else 1023
         return min(max(1, math.ceil(servo_speed / self.model.speed_unit)), top)
 
+    def goal_value(self, raw: int, degrees_per_s: float) -> int:
+        """The number for the table's `goal_block`: the goal, in protocol 1 with the speed."""
+        table = self.model.table
+        if table.goal_block() == table.goal:
+            return raw
+        return raw | self.speed_count(degrees_per_s) << 8 * table.goal.size
+
 
 def calibrate(joint: Joint, model: Model, servo_limits: tuple[int, int] | None) -> Calibration:
     """Put a joint's settings, its model and the limits stored in the servo together.

@@ -13,11 +13,12 @@ from dataclasses import dataclass, field
 from woz_drivers.dynamixel import servo as servos
 from woz_drivers.dynamixel.following import Following
 from woz_drivers.dynamixel.motion import ARRIVED, Follow, Keyframe, Plan, plan
+from woz_drivers.dynamixel.port import slow_answers
 from woz_drivers.dynamixel.servo import MISSES, Servo, SilentError, Standing, UnfitError
 from woz_drivers.dynamixel.settings import Settings
 from woz_drivers.dynamixel.upkeep import Upkeep
 from woz_drivers.dynamixel.wire import Wire
-from woz_drivers.tables import Register
+from woz_drivers.tables import Table
 from woz_tui.core.driver import DriverError, Lost, Outlet, Rejected
 from woz_tui.motion.safety import guard
 
@@ -69,11 +70,20 @@ class Chain:
     # -- coming up ---------------------------------------------------------------------------
 
     def connect(self) -> None:
-        """Check every servo. `Lost` if none answers at all."""
+        """Check every servo, with more patience if it needs any. `Lost` if none answers at all."""
         for servo in self.servos.values():
             self._check(servo, fresh=True)
-        if all(servo.standing is Standing.SILENT for servo in self.servos.values()):
+        silent = self._silent()
+        longest = self.wire.measure(servo.joint.id for servo in silent) if silent else None
+        if longest is not None:
+            self._outlet.notice("warning", *slow_answers(self.settings.port, longest))
+            for servo in silent:
+                self._check(servo, fresh=True)
+        if len(self._silent()) == len(self.servos):
             raise self._nobody()
+
+    def _silent(self) -> list[Servo]:
+        return [one for one in self.servos.values() if one.standing is Standing.SILENT]
 
     def _check(self, servo: Servo, *, fresh: bool) -> bool:
         try:
@@ -85,12 +95,20 @@ class Chain:
         return servo.standing is not Standing.SILENT
 
     def _nobody(self) -> Lost:
-        found = self.wire.scan(servo.joint.id for servo in self.servos.values())
+        ids = {servo.joint.id for servo in self.servos.values()}
+        found = self.wire.scan(ids)
         where = f"{self.settings.port} at {self.settings.baud} baud"
-        if found:
-            ids = ", ".join(map(str, sorted(found)))
+        if ids & found.keys():
+            late = ", ".join(map(str, sorted(ids & found.keys())))
             return Lost(
-                f"none of the configured servos answers on {where}; ids that do: {ids}",
+                f"the servos on {where} are there (ids {late}), but their answers come late or not"
+                " at all",
+                "raise `reply_timeout`; `woz doctor` looks at adapter and servos",
+            )
+        if found:
+            others = ", ".join(map(str, sorted(found)))
+            return Lost(
+                f"none of the configured servos answers on {where}; ids that do: {others}",
                 "correct the ids in the robot file",
             )
         return Lost(
@@ -223,18 +241,34 @@ class Chain:
         self._upkeep.one_chore(now)
 
     def _read(self) -> None:
-        for register, group in self._groups(lambda servo: servo.standing is Standing.READY).items():
-            found = self.wire.read_group((servo.joint.id for servo in group), register)
+        for table, group in self._tables(lambda servo: servo.standing is Standing.READY).items():
+            if table.protocol == 1:
+                for servo in group:
+                    self._read_status(servo, table)
+                continue
+            found = self.wire.read_group((servo.joint.id for servo in group), table.present)
             for servo in group:
-                raw = found.get(servo.joint.id)
-                if raw is None:
-                    self._missed(servo)
-                    continue
-                servo.misses = 0
-                assert servo.calibration is not None
-                servo.present = servo.calibration.degrees(raw)
-                if not servo.torque:
-                    servo.settle()  # a limp joint's setpoint follows the hand that moves it
+                self._found(servo, found.get(servo.joint.id))
+
+    def _read_status(self, servo: Servo, table: Table) -> None:
+        """Position and torque together: no goal may go to a servo that has lost its power."""
+        block = table.status_block()
+        answer = self.wire.read(servo.joint.id, block)
+        if answer is None:
+            self._found(servo, None)
+            return
+        self._found(servo, table.present.within(block, answer.data))
+        self._upkeep.torque(servo, table, answer)
+
+    def _found(self, servo: Servo, raw: int | None) -> None:
+        if raw is None:
+            self._missed(servo)
+            return
+        servo.misses = 0
+        assert servo.calibration is not None
+        servo.present = servo.calibration.degrees(raw)
+        if not servo.torque:
+            servo.settle()  # a limp joint's setpoint follows the hand that moves it
 
     def _missed(self, servo: Servo) -> None:
         servo.misses += 1
@@ -280,23 +314,24 @@ class Chain:
         return True
 
     def _write(self, *, everything: bool) -> None:
-        for register, group in self._groups(lambda servo: servo.moves, goal=True).items():
+        for table, group in self._tables(lambda servo: servo.moves).items():
             values = {}
             for servo in group:
+                if table.protocol == 1 and servo.misses:
+                    continue  # silent just now: it may be starting, and a goal would switch it on
                 assert servo.calibration is not None
                 raw = servo.calibration.raw(servo.setpoint)
                 if everything or raw != servo.written:
-                    values[servo.joint.id] = servo.written = raw
-            self.wire.write_group(register, values)
+                    servo.written = raw
+                    speed = servo.joint.speed
+                    values[servo.joint.id] = servo.calibration.goal_value(raw, speed)
+            self.wire.write_group(table.goal_block(), values)
 
-    def _groups(
-        self, chosen: Callable[[Servo], bool], *, goal: bool = False
-    ) -> dict[Register, list[Servo]]:
-        groups: dict[Register, list[Servo]] = {}
+    def _tables(self, chosen: Callable[[Servo], bool]) -> dict[Table, list[Servo]]:
+        groups: dict[Table, list[Servo]] = {}
         for servo in self.servos.values():
             if servo.calibration is not None and chosen(servo):
-                table = servo.calibration.model.table
-                groups.setdefault(table.goal if goal else table.present, []).append(servo)
+                groups.setdefault(servo.calibration.model.table, []).append(servo)
         return groups
 
     def _probe(self, now: float) -> None:
@@ -304,8 +339,7 @@ class Chain:
         if now < self._next_probe:
             return
         self._next_probe = now + PROBE_S
-        silent = [s for s in self.servos.values() if s.standing is Standing.SILENT]
-        for servo in silent:
+        for servo in self._silent():
             if servo not in self._probes:
                 self._probes.append(servo)
         while self._probes:

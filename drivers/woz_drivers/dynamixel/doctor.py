@@ -5,7 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from woz_drivers import tables
-from woz_drivers.dynamixel.port import ServoPort, latency_file, latency_timer
+from woz_drivers.dynamixel.port import (
+    AMPLE_MS,
+    ServoPort,
+    latency_file,
+    latency_timer,
+    slow_answers,
+)
 from woz_drivers.dynamixel.settings import Joint, Settings
 from woz_drivers.dynamixel.wire import Wire
 from woz_tui.core.driver import Finding, Lost
@@ -84,6 +90,9 @@ def _watchdog(settings: Settings) -> Finding:
 
 def _servos(wire: Wire, settings: Settings) -> Iterator[Finding]:
     ids = [joint.id for joint in settings.joints.values()]
+    longest = wire.measure(ids)
+    if longest is not None:
+        yield Finding("warning", settings.port, *slow_answers(settings.port, longest))
     found = wire.scan(ids)
     # The broadcast can lose answers on a noisy line: ask the configured ones by name.
     for servo in ids:
@@ -136,7 +145,9 @@ def _condition(
     table = model.table
     voltage = wire.read(joint.id, table.voltage)
     if voltage is None:
-        yield Finding("error", subject, "stopped answering", "check its cable")
+        yield Finding(
+            "error", subject, "stopped answering", "check its cable, or raise `reply_timeout`"
+        )
         return
     volts = table.voltage.decode(voltage.data) * tables.VOLT
     firmware = wire.number(joint.id, table.firmware)
@@ -194,7 +205,7 @@ def _elsewhere(settings: Settings, missing: list[int]) -> Iterator[Finding]:
     for baud in USUAL_BAUDS:
         if baud == settings.baud:
             continue
-        port = ServoPort(settings.port, baud, settings.reply_timeout)
+        port = ServoPort(settings.port, baud, settings.reply_timeout or AMPLE_MS)
         other = Wire(port, settings.protocol)
         try:
             port.open()

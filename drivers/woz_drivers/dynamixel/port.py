@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import contextlib
 import errno
+import math
 import os
 import select
 import time
@@ -26,6 +27,8 @@ from woz_tui.core.driver import Lost
 WAIT_MS = 2.0
 #: What an adapter takes to pass bytes on, in milliseconds, where the system does not say.
 LATENCY_MS = 2.0
+#: Ample time for an answer, in milliseconds: an FTDI adapter as delivered passes it on after 16.
+AMPLE_MS = 100.0
 #: A line that never falls silent is given up so long after the deadline, in milliseconds.
 BABBLE_MS = 50.0
 #: A line that takes nothing for so long is broken, in milliseconds.
@@ -41,7 +44,8 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
 
     Attributes:
         waits: How often it slept for bytes, for tests and figures.
-        latency_ms: The adapter's latency timer, 2 ms if unknown.
+        patience_ms: How long it waits for an answer, beside the time its bytes take.
+        longest_ms: The longest wait for bytes that came, since somebody set this to 0.
     """
 
     def __init__(self, path: str, baud: int, reply_timeout_ms: float | None = None) -> None:
@@ -51,8 +55,9 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self.ser: serial.Serial | None = None
         self.waits = 0
         self.low_latency = False
-        self.latency_ms = LATENCY_MS
-        self._reply_timeout_ms = reply_timeout_ms
+        self.patience_ms = reply_timeout_ms or patience(LATENCY_MS)
+        self.longest_ms = 0.0
+        self._by_adapter = reply_timeout_ms is None
         self._poll, self._room = select.poll(), select.poll()
 
     def open(self) -> None:
@@ -80,7 +85,8 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         except (ValueError, OSError, NotImplementedError):
             self.low_latency = False  # pseudo-terminals and CDC adapters have no such switch
         self.is_open = True
-        self.latency_ms = latency_timer(self.port_name) or LATENCY_MS
+        if self._by_adapter:
+            self.patience_ms = patience(latency_timer(self.port_name) or LATENCY_MS)
         # A byte on the wire has ten bits: start, eight of data, stop.
         self.tx_time_per_byte = 10_000.0 / self.baudrate
         self._poll, self._room = select.poll(), select.poll()
@@ -133,14 +139,12 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         data = os.read(self._open().fileno(), length)
         if not data:
             raise OSError(errno.EIO, "the device is ready to read, but has nothing to say")
+        self.longest_ms = max(self.longest_ms, self.getTimeSinceStart())
         return data
 
     def setPacketTimeout(self, packet_length: int) -> None:  # noqa: N802
         """Begin to wait for a packet of `packet_length` bytes."""
-        patience = self._reply_timeout_ms
-        if patience is None:
-            patience = self.latency_ms * 2.0 + 2.0
-        self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + patience)
+        self.setPacketTimeoutMillis(self.tx_time_per_byte * packet_length + self.patience_ms)
 
     def getCurrentTime(self) -> float:  # noqa: N802
         """Milliseconds of the monotonic clock."""
@@ -163,6 +167,22 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
                 f"the line to the servos broke ({self.port_name}: {reason_of(error)})",
                 "check cable and adapter; it is looked for until it is back",
             ) from error
+
+
+def patience(latency_ms: float) -> float:
+    """How long to wait for an answer, by the time that it takes at least."""
+    return latency_ms * 2.0 + 2.0
+
+
+def slow_answers(path: str, longest_ms: float) -> tuple[str, str]:
+    """What to say about answers that come later than the driver would wait, and the remedy."""
+    timer = latency_file(path)
+    how = f": echo 1 | sudo tee {timer}" if timer.exists() else ", if it has one"
+    return (
+        f"answers on {path} take up to {longest_ms:.0f} ms, so the joints get fewer setpoints",
+        f"set the adapter's latency timer to 1 ms{how}; or set"
+        f" `reply_timeout: {math.ceil(patience(longest_ms))}`, and nothing is measured any more",
+    )
 
 
 def latency_file(path: str) -> Path:

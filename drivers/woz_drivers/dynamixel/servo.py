@@ -10,7 +10,7 @@ from woz_drivers.dynamixel.calibration import Calibration, calibrate
 from woz_drivers.dynamixel.motion import Follow, Track
 from woz_drivers.dynamixel.settings import Joint, Settings
 from woz_drivers.dynamixel.wire import Wire, refusal
-from woz_drivers.tables import Model, Table
+from woz_drivers.tables import Model, Register, Table
 from woz_tui.core.driver import DriverError
 from woz_tui.motion.safety import Limits
 
@@ -19,6 +19,8 @@ MISSES = 3
 #: A servo this far beyond its own limits, in degrees of the joint, is still taken to its limit
 #: when its torque goes on: gears have play, and the limit may be the joint's mechanical stop.
 HOLDABLE = 2.0
+#: A protocol 1 servo that shut itself down cannot be restarted over the wire.
+PROTOCOL_1_REMEDY = "take the load off and let it cool, then switch the servos' power off and on"
 
 
 class Standing(enum.Enum):
@@ -58,6 +60,8 @@ class Servo:
     torque: bool = False
     misses: int = 0
     alarms: tuple[str, ...] = ()
+    #: What the torque limit was set to when the torque went on; any other value: it restarted.
+    torque_limit: int | None = None
     #: What drives the setpoint now: a track since `track_began`, or a target to follow.
     track: Track | None = None
     track_began: float = 0.0
@@ -115,9 +119,11 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
     model = _model(servo.joint, settings.protocol, number)
     table = model.table
     # Before anything is judged: a servo found turning like a wheel must not go on doing so.
-    torque = _need(wire.number(servo.joint.id, table.torque)) != 0
-    keep = torque and servo.torque and not fresh
-    if torque and not keep:
+    status = wire.read(servo.joint.id, table.status_block())
+    if status is None:
+        raise SilentError()
+    keep = servo.torque and not fresh and holds(servo, table, status.data)
+    if enabled(table, status.data) and not keep:
         _must(wire, servo.joint.id, table, table.torque, 0)
         servo.torque = False
     extended = _mode(wire, servo.joint.id, table)
@@ -129,7 +135,11 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
             " itself allows",
             "correct zero, min and max, or the position limits stored in the servo",
         )
-    _prepare(wire, servo, settings, calibration)
+    if settings.return_delay is not None:
+        wanted = settings.return_delay // 2
+        if _need(wire.number(servo.joint.id, table.return_delay)) != wanted:
+            _must(wire, servo.joint.id, table, table.return_delay, wanted)
+    _fence(wire, servo, settings, calibration)
     raw = _need(wire.number(servo.joint.id, table.present))
     servo.model, servo.calibration = model, calibration
     servo.limits = Limits(
@@ -184,15 +194,29 @@ def _servo_limits(wire: Wire, servo: int, model: Model) -> tuple[int, int]:
     return low, high
 
 
-def _prepare(wire: Wire, servo: Servo, settings: Settings, calibration: Calibration) -> None:
+def enabled(table: Table, status: bytes) -> bool:
+    """Whether the torque is on, by the status block."""
+    return table.torque.within(table.status_block(), status) != 0
+
+
+def holds(servo: Servo, table: Table, status: bytes) -> bool:
+    """Whether the torque is on, by the status block, and has been since `torque_on`.
+
+    A protocol 1 servo that restarted may have been switched on again by a goal; but then its torque
+    limit is no longer the one it was given. A servo of 0 has shut itself down.
+    """
+    if table.torque_limit is None:
+        return enabled(table, status)
+    limit = table.torque_limit.within(table.status_block(), status)
+    return enabled(table, status) and limit == servo.torque_limit
+
+
+def _fence(wire: Wire, servo: Servo, settings: Settings, calibration: Calibration) -> None:
+    """Set what a servo forgets without power, and what stops it where this program does not."""
     table = calibration.model.table
     number = servo.joint.id
     if table.watchdog is not None:
         rearm(wire, number, table, settings.watchdog)
-    if settings.return_delay is not None:
-        wanted = settings.return_delay // 2
-        if _need(wire.number(number, table.return_delay)) != wanted:
-            _must(wire, number, table, table.return_delay, wanted)
     timed = (
         table.drive_mode is not None
         and _need(wire.number(number, table.drive_mode)) & tables.TIME_PROFILE_BIT
@@ -237,11 +261,30 @@ def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
             " turn it back by hand first",
             "turn it back by hand, then `torque: on`",
         )
-    if table.watchdog is not None:
-        rearm(wire, number, table, settings.watchdog)
-    _must(wire, number, table, table.goal, servo.written)
+    _fence(wire, servo, settings, calibration)
+    if table.torque_limit is not None and table.max_torque is not None:
+        servo.torque_limit = _mark(wire, number, table, table.torque_limit, table.max_torque)
+    goal = calibration.goal_value(servo.written, servo.joint.speed)
+    _must(wire, number, table, table.goal_block(), goal)
     _must(wire, number, table, table.torque, 1)
     servo.torque = True
+
+
+def _mark(
+    wire: Wire, servo: int, table: Table, torque_limit: Register, max_torque: Register
+) -> int:
+    """Make sure that the torque limit is not what it is after a restart: one count (0.1 %) less."""
+    limit = _need(wire.number(servo, torque_limit))
+    stored = _need(wire.number(servo, max_torque))
+    if limit == 0:
+        raise UnfitError(
+            "has a torque limit of 0: it shut itself down, or its Max Torque (14) is 0",
+            PROTOCOL_1_REMEDY,
+        )
+    if limit == stored > 1:
+        limit = stored - 1
+        _must(wire, servo, table, torque_limit, limit)
+    return limit
 
 
 def torque_off(wire: Wire, servo: Servo) -> None:
@@ -253,7 +296,7 @@ def torque_off(wire: Wire, servo: Servo) -> None:
     servo.hold()
 
 
-def _must(wire: Wire, servo: int, table: Table, register: tables.Register, value: int) -> None:
+def _must(wire: Wire, servo: int, table: Table, register: Register, value: int) -> None:
     """Write, once more if it went unanswered; `SilentError` or `UnfitError` if it was not taken."""
     error = wire.write(servo, register, value)
     if error is None:

@@ -10,7 +10,7 @@ from woz_drivers import tables
 from woz_drivers.dynamixel import servo as servos
 from woz_drivers.dynamixel.servo import Servo, SilentError, Standing, UnfitError
 from woz_drivers.dynamixel.settings import Settings
-from woz_drivers.dynamixel.wire import Wire
+from woz_drivers.dynamixel.wire import Answer, Wire
 from woz_tui.core.driver import Health, Outlet
 
 #: Every servo is looked after once in so many seconds.
@@ -19,7 +19,7 @@ ROUND_S = 1.0
 EASING = 0.05
 
 X_REMEDY = "take the load off and let it cool, then `reboot` and `torque: on`"
-PROTOCOL_1_REMEDY = "take the load off and let it cool, then switch the servos' power off and on"
+POWER_REMEDY = "check its power supply and plugs, then `torque: on` when nobody is in reach"
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,19 +93,26 @@ class Upkeep:
         if servo.standing is not Standing.READY or servo.model is None:
             return
         table = servo.model.table
-        block = table.status_block()
-        answer = self._wire.read(servo.joint.id, block)
+        answer = self._wire.read(servo.joint.id, table.status_block())
         if answer is None:
             return
-        holds = _part(table.torque, block, answer.data) != 0
-        bits = answer.error if table.alarm is None else _part(table.alarm, block, answer.data)
-        self._alarms(servo, tuple(tables.alarms(table, bits)))
-        if servo.torque and not holds:
-            self._went_limp(servo)
+        self._alarms(servo, table, answer)
+        self.torque(servo, table, answer)
         if table.watchdog is not None:
-            self._watchdog(servo, _part(table.watchdog, block, answer.data))
+            self._watchdog(servo, table.watchdog.within(table.status_block(), answer.data))
 
-    def _alarms(self, servo: Servo, alarms: tuple[str, ...]) -> None:
+    def torque(self, servo: Servo, table: tables.Table, status: Answer) -> None:
+        """Compare the torque with what it should be: off by itself, or on without a command."""
+        if servo.torque and not servos.holds(servo, table, status.data):
+            self._alarms(servo, table, status)
+            self._went_limp(servo)
+        if not servo.torque and servos.enabled(table, status.data):
+            self._wire.write(servo.joint.id, table.torque, 0)  # unanswered: the next look finds it
+
+    def _alarms(self, servo: Servo, table: tables.Table, status: Answer) -> None:
+        block = table.status_block()
+        bits = status.error if table.alarm is None else table.alarm.within(block, status.data)
+        alarms = tuple(tables.alarms(table, bits))
         if alarms == servo.alarms:
             return
         servo.alarms = alarms
@@ -118,7 +125,8 @@ class Upkeep:
         servo.torque = False
         why = f"lost its torque ({', '.join(servo.alarms) or 'it may have restarted'})"
         self._let_go(servo, why)
-        self._outlet.notice("error", f"{servo.label} {why}", _remedy(servo))
+        remedy = _remedy(servo) if servo.alarms else POWER_REMEDY
+        self._outlet.notice("error", f"{servo.label} {why}", remedy)
 
     def _watchdog(self, servo: Servo, value: int) -> None:
         """Clear it if it bit; set it again also where that was cut short the last time."""
@@ -152,9 +160,9 @@ class Upkeep:
         answer = self._wire.read(servo.joint.id, block)
         if answer is None:
             return
-        heat = _part(table.temperature, block, answer.data)
-        volt = _part(table.voltage, block, answer.data)
-        load = signed_load(table, _part(table.load, block, answer.data))
+        heat = table.temperature.within(block, answer.data)
+        volt = table.voltage.within(block, answer.data)
+        load = signed_load(table, table.load.within(block, answer.data))
         self._publish(servo, "temperature", float(heat), "C", heat)
         self._publish(servo, "voltage", volt * tables.VOLT, "V", volt)
         self._publish(servo, "load", 100.0 * abs(load) / servo.model.full_load, "%", load)
@@ -199,11 +207,6 @@ def signed_load(table: tables.Table, raw: int) -> int:
     return -(raw & (sign - 1)) if raw & sign else raw & (sign - 1)
 
 
-def _part(register: tables.Register, block: tables.Register, data: bytes) -> int:
-    first = register.address - block.address
-    return register.decode(data[first : first + register.size])
-
-
 def _remedy(servo: Servo) -> str:
     old = servo.model is not None and servo.model.table.protocol == 1
-    return PROTOCOL_1_REMEDY if old else X_REMEDY
+    return servos.PROTOCOL_1_REMEDY if old else X_REMEDY

@@ -5,12 +5,13 @@ Every method may raise `Lost`; a servo that does not answer, or answers nonsense
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
 from dynamixel_sdk import GroupSyncRead, GroupSyncWrite, PacketHandler
 
-from woz_drivers.dynamixel.port import ServoPort
+from woz_drivers.dynamixel.port import AMPLE_MS, ServoPort, patience
 from woz_drivers.tables import Register
 
 #: `dynamixel_sdk.robotis_def.COMM_SUCCESS`.
@@ -27,6 +28,9 @@ REFUSALS = {
     6: "value beyond its limit",
     7: "not writable now",
 }
+#: A servo is asked so often when the time of its answers is measured: an adapter's timer runs on,
+#: so one answer may by chance come at once.
+MEASURED = 5
 #: Ids tried one by one where the protocol has no broadcast ping.
 USUAL_IDS = tuple(range(31))
 
@@ -60,6 +64,28 @@ class Wire:
             self._abandon()
             return None
         return int(number) if result == SUCCESS else None
+
+    def measure(self, servos: Iterable[int]) -> float | None:
+        """Wait for answers as long as they take, from now on; blocks for half a second or so.
+
+        Returns the longest time in milliseconds if it is more than was waited for before, else
+        None, also if nobody answers.
+        """
+        port = self.port
+        before = port.patience_ms
+        if before >= AMPLE_MS:
+            return None
+        time.sleep(AMPLE_MS / 1000.0)  # what is still to come answers older questions
+        port.patience_ms, port.longest_ms = AMPLE_MS, 0.0
+        found = [servo for servo in servos if self.ping(servo) is not None]
+        for _ in range(MEASURED - 1):
+            for servo in found:
+                self.ping(servo)
+        port.patience_ms = before
+        if not found or port.longest_ms <= before:
+            return None
+        port.patience_ms = patience(port.longest_ms)
+        return port.longest_ms
 
     def scan(self, also: Iterable[int] = ()) -> dict[int, int]:
         """Model numbers by id of everything that answers.
@@ -99,13 +125,13 @@ class Wire:
     def read_group(self, servos: Iterable[int], register: Register) -> dict[int, int]:
         """The same register of several servos; those that did not answer are missing.
 
-        One servo that stays silent spoils a whole sync read, so the others are then asked one by
-        one. Protocol 1 has no sync read and always asks one by one.
+        Protocol 2 only. One servo that stays silent spoils a whole sync read, so the others are
+        then asked one by one.
         """
         wanted = tuple(servos)
         if not wanted:
             return {}
-        found = self._sync_read(wanted, register) if self.protocol == 2 else {}
+        found = self._sync_read(wanted, register)
         for servo in wanted:
             if servo not in found:
                 value = self.number(servo, register)

@@ -1,0 +1,190 @@
+"""Servos that lose their power for a moment: what they forget must never make them leap.
+
+A protocol 1 servo that restarted switches its torque on again with the next goal it gets, and its
+speed limit is gone. An X-series servo stays limp, but has forgotten its speed limit as well.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import tempfile
+from pathlib import Path
+
+import pytest
+from hypothesis import example, given, settings
+from hypothesis import strategies as st
+from woz_drivers.dynamixel import Joint
+from woz_drivers.dynamixel.chain import Chain, Move
+from woz_drivers.dynamixel.motion import Keyframe
+from woz_drivers.dynamixel.port import ServoPort
+from woz_drivers.dynamixel.wire import Wire
+
+from tests.drivers.heard import Heard, until
+from tests.drivers.servo_stand import PATIENT_MS, head, stand
+from tests.fakes.servo_motor import OVERLOAD
+from tests.fakes.servos import ServoBus
+from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.messages import Notice
+
+SPEED = 60.0
+#: Speed limits are rounded up to one count of their register, positions to one count a tick.
+ROUNDING = 1.4 + 0.3 / 0.02
+TICK = 0.02
+MODELS = {1: {1: "MX-28", 2: "AX-12A"}, 2: {1: "XL330-M288", 2: "XM430-W350"}}
+JOINTS = {
+    "pan": Joint(id=1, min=-90, max=90, speed=SPEED),
+    "tilt": Joint(id=2, min=-90, max=90, speed=SPEED),
+}
+
+
+async def test_a_brownout_in_a_move_leaves_a_protocol_1_joint_limp(tmp_path: Path) -> None:
+    joints = {"pan": JOINTS["pan"]}
+    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
+        servo = it.bus.servo(1)
+        await until(lambda: servo.torque)
+        running = it.begin("pose", joints={"pan": 80.0}, seconds=20.0)
+        await until(lambda: servo.position > 2060)
+        it.bus.brownout(1, boot=0.0, fall=-650.0)
+        with pytest.raises(DriverError, match="lost its torque"):
+            await running
+        await it.noticed("pan (id 1) lost its torque")
+        (notice,) = (one for one in it.heard.all(Notice) if "lost its torque" in one.text)
+        assert "power" in notice.remedy and "cool" not in notice.remedy
+        fallen = servo.position
+        await it.ticks(5)
+        assert not servo.torque and servo.position == fallen
+        assert servo.driven <= SPEED + ROUNDING
+        with pytest.raises(Rejected, match="torque of pan is off"):
+            await it.do("pose", joints={"pan": 0.0})
+
+        await it.do("torque", on=True)
+        assert abs(it.bus.goals(1)[-1] - fallen) <= 1
+        await it.do("pose", joints={"pan": 0.0}, seconds=0.0)
+        await until(lambda: abs(servo.position - 2048) < 1)
+        assert servo.driven <= SPEED + ROUNDING
+        assert 0 < servo.get(32, 2) * 0.114 * 6 <= SPEED + ROUNDING
+
+
+async def test_no_goal_goes_to_a_protocol_1_servo_that_may_just_be_starting(
+    tmp_path: Path,
+) -> None:
+    joints = {"pan": JOINTS["pan"]}
+    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
+        servo = it.bus.servo(1)
+        await until(lambda: servo.torque)
+        running = it.begin("pose", joints={"pan": 80.0}, seconds=4.0)
+        await until(lambda: servo.position > 2200)
+        it.bus.faults.corrupt = 2  # and nobody can read that its torque is off
+        it.bus.brownout(1, boot=0.0, fall=-650.0)
+        with pytest.raises(DriverError, match="lost its torque"):
+            await running
+        assert not [one for one in it.bus.written(1) if one.address == 30 and one.position < 2000]
+
+
+async def test_an_x_servo_that_restarted_gets_its_speed_limit_back(tmp_path: Path) -> None:
+    async with stand(tmp_path, torque=True) as it:
+        servo = it.bus.servo(11)
+        await until(lambda: servo.torque)
+        limit = servo.get(112, 4)
+        assert limit > 0
+        it.bus.brownout(11, boot=0.0)
+        await it.noticed("pan (id 11) lost its torque")
+        await it.ticks(3)
+        assert not servo.torque and servo.get(112, 4) == 0
+        await it.do("torque", on=True)
+        assert servo.torque and servo.get(112, 4) == limit
+
+
+async def test_a_protocol_1_servo_that_shut_down_is_not_said_to_hold(tmp_path: Path) -> None:
+    joints = {"pan": JOINTS["pan"]}
+    async with stand(tmp_path, ids={1: "MX-28"}, protocol=1, joints=joints, torque=True) as it:
+        await until(lambda: it.bus.servo(1).torque)
+        it.bus.servo(1).raise_alarm(OVERLOAD)
+        await it.noticed("lost its torque (overload)")
+        with pytest.raises(DriverError, match="torque limit"):
+            await it.do("torque", on=True)
+        it.bus.brownout(1, boot=0.0)
+        await it.do("torque", on=True)
+        assert it.bus.servo(1).torque
+
+
+BROWNOUT = st.fixed_dictionaries(
+    {
+        "tick": st.integers(0, 24),
+        "number": st.sampled_from((1, 2)),
+        "after": st.integers(0, 7),
+        "seconds": st.sampled_from((0.0, 0.0, 0.01, 0.05)),
+        "boot": st.sampled_from((0.0, 0.0, 0.005, 0.017, 0.03, 0.15)),
+        "fall": st.sampled_from((0.0, -150.0, 150.0)),
+    }
+)
+#: Between reading where it is and writing where to go: nothing was amiss when it was looked at.
+UNSEEN = {"tick": 20, "number": 2, "after": 2, "seconds": 0.0, "boot": 0.0, "fall": -150.0}
+#: Back before the next look.
+AT_ONCE = {"tick": 9, "number": 1, "after": 0, "seconds": 0.0, "boot": 0.0, "fall": -150.0}
+
+
+class CountingPort(ServoPort):
+    """Counts what it sends: the emulated time stands still until all of it has arrived."""
+
+    packets = 0
+
+    def writePort(self, packet: list[int]) -> int:  # noqa: N802
+        self.packets += 1
+        return super().writePort(packet)
+
+
+@pytest.mark.toolkit("R4")
+@pytest.mark.parametrize("protocol", [1, 2])
+@settings(max_examples=25, deadline=None)
+@given(brownouts=st.lists(BROWNOUT, min_size=1, max_size=3))
+@example(brownouts=[UNSEEN])
+@example(brownouts=[AT_ONCE])
+def test_no_joint_is_faster_than_its_limit_or_holds_unbidden_after_a_brownout(
+    protocol: int, brownouts: list[dict[str, float]]
+) -> None:
+    with tempfile.TemporaryDirectory() as folder:
+        asyncio.run(_brown_out(Path(folder), protocol, brownouts))
+
+
+async def _brown_out(folder: Path, protocol: int, brownouts: list[dict[str, float]]) -> None:
+    """A move of two joints in a time of its own, then torque on again."""
+    now = 0.0
+    values = head(folder / "servos", joints=JOINTS, protocol=protocol)
+    with ServoBus(MODELS[protocol], folder / "servos", clock=lambda: now) as bus:
+        port = CountingPort(values.port, values.baud, values.reply_timeout)
+        port.open()
+        chain = Chain(Wire(port, protocol), values, Heard(folder).outlet)
+        try:
+            chain.connect()
+            assert chain.set_torque(JOINTS, on=True) == {}
+            # A look that takes longer on a busy machine has no answer; that must do no harm.
+            port.patience_ms = 30.0
+            chain.begin(Move(), [Keyframe({"pan": 60.0, "tilt": -50.0}, 1.2)], now)
+            for tick in range(36):
+                for entry in (one for one in brownouts if one["tick"] == tick):
+                    how = {key: entry[key] for key in ("seconds", "boot", "fall")}
+                    bus.brownout(int(entry["number"]), after=int(entry["after"]), **how)
+                now += TICK
+                chain.tick(now)
+                await until(lambda: len(bus.instructions) == port.packets)
+            hit = {int(entry["number"]) for entry in brownouts}
+            looks = 0
+            while any(bus.servo(number).torque for number in hit):
+                now, looks = now + TICK, looks + 1
+                assert looks < 500, "it holds, and nobody has switched it on"
+                chain.tick(now)
+            port.patience_ms = PATIENT_MS
+            before = {number: bus.servo(number).position for number in hit}
+            chain.set_torque(JOINTS, on=True)
+            for _ in range(5):
+                now += TICK
+                chain.tick(now)
+                await until(lambda: len(bus.instructions) == port.packets)
+            for number in hit:
+                servo = bus.servo(number)
+                assert abs(servo.position - before[number]) <= 1.0, "it left the pose it was in"
+            for servo in bus.servos.values():
+                assert servo.driven <= SPEED + ROUNDING, f"{servo.driven:.0f} degrees a second"
+        finally:
+            chain.wire.close()

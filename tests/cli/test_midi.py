@@ -86,7 +86,7 @@ def test_learn_without_a_panel_says_what_to_do(
 def test_show(capsys: pytest.CaptureFixture[str], tmp_path: Path) -> None:
     assert main(["midi", "show", "thesis"]) == 0
     assert any(
-        line.split() == ["button-15", "cc", "54", "saccade"]
+        line.split() == ["button-21", "cc", "68", "saccade"]
         for line in capsys.readouterr().out.splitlines()
     )
     (tmp_path / "bad.yaml").write_text("controls: {a: {controll: pitch}}", encoding="utf-8")

@@ -1,11 +1,11 @@
 """Maps that need no file, both for a panel laid out as the Korg nanoKONTROL2.
 
 `nanokontrol2` is how the EyePi robot was played in its published program (UTRobotics, University
-of Twente). `thesis` is appendix A of J. Oosterkamp's thesis, where controls have names and no
-numbers: buttons 1-8 are the upper row (S, control changes 32-39), 9-16 the middle one (M, 48-55),
-17-24 the lower one (R, 64-71); knobs are 16-23, sliders 0-7. The thesis leaves out button 15; the
-mode without a button, saccade following, lies there. Neither source uses the transport keys: the
-session's own things are there.
+of Twente). `thesis` is appendix A of J. Oosterkamp's thesis. Here buttons 1-8 are the upper row
+(S, control changes 32-39), 9-16 the middle one (M, 48-55), 17-24 the lower one (R, 64-71); the
+appendix counts its buttons from above to below, then from left to right, so its 7, 8 and 9 are
+S3, M3 and R3. It leaves out button 15; the mode without a button, saccade following, lies there.
+Neither source uses the transport keys: the session's own things are there.
 """
 
 from __future__ import annotations
@@ -75,21 +75,21 @@ THESIS = PanelMap(
         "knob-3": Mapped(control="smoothing"),
         "knob-4": Mapped(control="compression"),
         "knob-8": Mapped(control="eye-x"),
-        "button-7": _play("nod"),
-        "button-8": _play("shake"),
-        "button-9": _play("dance"),
-        "button-10": Mapped(stop="normal"),
-        "button-11": Mapped(stop="normal"),
+        "button-3": _play("nod"),  # 7 in the appendix, and so on down each column
+        "button-11": _play("shake"),
+        "button-19": _play("dance"),
+        "button-4": Mapped(stop="normal"),
         "button-12": Mapped(stop="normal"),
-        "button-13": Mapped(mode="demo"),
-        "button-14": Mapped(mode="tracking"),
-        "button-15": Mapped(mode="saccade"),
-        "button-18": Mapped(emotion="crash"),
-        "button-19": Mapped(emotion="neutral"),
-        "button-20": Mapped(emotion="sleepy"),
-        "button-21": Mapped(emotion="sad"),
-        "button-22": Mapped(emotion="happy"),
-        "button-23": Mapped(emotion="amazed"),
+        "button-20": Mapped(stop="normal"),
+        "button-5": Mapped(mode="demo"),
+        "button-13": Mapped(mode="tracking"),
+        "button-21": Mapped(mode="saccade"),  # 15, which the appendix leaves out
+        "button-22": Mapped(emotion="crash"),  # 18
+        "button-7": Mapped(emotion="neutral"),
+        "button-15": Mapped(emotion="sleepy"),
+        "button-23": Mapped(emotion="sad"),
+        "button-8": Mapped(emotion="happy"),
+        "button-16": Mapped(emotion="amazed"),
         "button-24": Mapped(emotion="angry"),
         "slider-1": Mapped(control="middle"),
         "slider-2": Mapped(control="top"),

@@ -1,5 +1,8 @@
 """Every control of the thesis's appendix A, from recorded bytes to what the robot does.
 
+The appendix counts its 24 buttons from above to below, then from left to right: button 7 is the
+upper one of the third column, which sends control change 34, button 8 the one below it, 50.
+
 The body is EyePi's own, moved by its engine: the panel's asks go into it as the bus would hand them
 on, and time passes tick by tick.
 """
@@ -146,7 +149,7 @@ def test_a_control_of_the_body(stage: Stage, number: int, control: str) -> None:
 
 @pytest.mark.toolkit("P2")
 def test_knob_2_at_its_lowest_end_still_plays(stage: Stage) -> None:
-    stage.turn(17, 0).press(38).play(30.0)
+    stage.turn(17, 0).press(34).play(30.0)
     assert stage.tick.move == ""
     assert stage.values()["tempo"] > 0
 
@@ -154,9 +157,9 @@ def test_knob_2_at_its_lowest_end_still_plays(stage: Stage) -> None:
 @pytest.mark.parametrize(
     ("number", "move"),
     [
-        pytest.param(38, "nod", id="K1 button 7"),
-        pytest.param(39, "shake", id="K1 button 8"),
-        pytest.param(48, "dance", id="K1 button 9"),
+        pytest.param(34, "nod", id="K1 button 7"),
+        pytest.param(50, "shake", id="K1 button 8"),
+        pytest.param(66, "dance", id="K1 button 9"),
     ],
 )
 def test_a_press_starts_a_move_and_letting_go_does_nothing(
@@ -171,8 +174,8 @@ def test_a_press_starts_a_move_and_letting_go_does_nothing(
 
 
 @pytest.mark.toolkit("M3")
-@pytest.mark.parametrize("number", [49, 50, 51], ids=lambda n: f"K1 button {n - 39}")
-@pytest.mark.parametrize("going", [38, 52, 53, 54])
+@pytest.mark.parametrize("number", [35, 51, 67], ids=[f"K1 button {n}" for n in (10, 11, 12)])
+@pytest.mark.parametrize("going", [34, 36, 52, 68])
 def test_all_three_stops_end_whatever_goes_on(stage: Stage, number: int, going: int) -> None:
     stage.press(going).play(1.0)
     assert stage.tick.move or stage.tick.mode.value != "normal"
@@ -186,9 +189,9 @@ def test_all_three_stops_end_whatever_goes_on(stage: Stage, number: int, going: 
 @pytest.mark.parametrize(
     ("number", "mode"),
     [
-        pytest.param(52, "demo", id="K1 button 13"),
-        pytest.param(53, "tracking", id="K1 button 14"),
-        pytest.param(54, "saccade", id="K1 button 15"),
+        pytest.param(36, "demo", id="K1 button 13"),
+        pytest.param(52, "tracking", id="K1 button 14"),
+        pytest.param(68, "saccade", id="K1 button 15"),
     ],
 )
 def test_a_mode(stage: Stage, number: int, mode: str) -> None:
@@ -201,19 +204,19 @@ def test_a_mode(stage: Stage, number: int, mode: str) -> None:
 @pytest.mark.parametrize(
     ("number", "emotion"),
     [
-        pytest.param(65, "crash", id="K1 button 18"),
-        pytest.param(66, "neutral", id="K1 button 19"),
-        pytest.param(67, "sleepy", id="K1 button 20"),
-        pytest.param(68, "sad", id="K1 button 21"),
-        pytest.param(69, "happy", id="K1 button 22"),
-        pytest.param(70, "amazed", id="K1 button 23"),
+        pytest.param(69, "crash", id="K1 button 18"),
+        pytest.param(38, "neutral", id="K1 button 19"),
+        pytest.param(54, "sleepy", id="K1 button 20"),
+        pytest.param(70, "sad", id="K1 button 21"),
+        pytest.param(39, "happy", id="K1 button 22"),
+        pytest.param(55, "amazed", id="K1 button 23"),
         pytest.param(71, "angry", id="K1 button 24"),
     ],
 )
 def test_an_emotion_with_the_intensity_that_was_set(
     stage: Stage, number: int, emotion: str
 ) -> None:
-    stage.press(69).turn(6, 80).play(1.0)
+    stage.press(39).turn(6, 80).play(1.0)
     joints = dict(stage.tick.joints)
     stage.press(number).play(0.5)
     assert stage.tick.emotion == emotion
@@ -223,7 +226,7 @@ def test_an_emotion_with_the_intensity_that_was_set(
 
 @pytest.mark.toolkit("F3")
 def test_slider_7_sets_the_intensity(stage: Stage) -> None:
-    stage.press(69)
+    stage.press(39)
     for value in (0, 64, 127):
         stage.turn(6, value).play(0.5)
         assert stage.tick.intensity == pytest.approx((0, 0.5, 1)[value // 63], abs=0.01)
@@ -253,9 +256,9 @@ def test_slider_3_zooms_both_upper_joints_in_opposite_directions(stage: Stage) -
 
 FREE = {
     **{f"K1 knob {number}": 15 + number for number in (5, 6, 7)},
-    **{f"K1 button {number}": 31 + number for number in range(1, 7)},
-    **{f"K1 button {number}": 39 + number for number in (16,)},
-    "K1 button 17": 64,
+    **{f"K1 button {it}": cc for it, cc in enumerate((32, 48, 64, 33, 49, 65), 1)},
+    "K1 button 16": 37,
+    "K1 button 17": 53,
     "K1 slider 4": 3,
 }
 
@@ -306,10 +309,10 @@ def test_whatever_the_panel_sends_the_body_stays_within_its_limits(
 
 @pytest.mark.toolkit("M3")
 def test_sliders_moved_during_the_demo_count_for_the_way_back(stage: Stage) -> None:
-    stage.turn(16, 64).press(52).play(3.0)
+    stage.turn(16, 64).press(36).play(3.0)
     stage.turn(16, 127)
     assert stage.refused == []
-    stage.press(49).play(3.0)
+    stage.press(35).play(3.0)
     assert stage.tick.mode.value == "normal"
     assert stage.tick.joints["pitch"] == pytest.approx(90, abs=0.01)
 

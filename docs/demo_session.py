@@ -108,8 +108,9 @@ EYEPI: tuple[Step, ...] = (
     (29.6, play("Point left")),
 )
 EYEPI_MOMENT = 30.1
-SHOW: tuple[Step, ...] = tuple((at, space) for at in (1.0, 3.5, 10.0, 17.0, 21.0))
-SHOW_MOMENT = 24.6
+SHOW: tuple[Step, ...] = tuple((at, space) for at in (1.0, 4.0, 10.0, 15.5, 21.0, 24.0))
+#: Joy breaks down before Grim.
+SHOW_MOMENT = 30.6
 
 #: The guide by itself: a visitor has asked something, the robot thinks.
 GUIDE_MOMENT = 171.4

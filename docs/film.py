@@ -49,16 +49,16 @@ class Film:
 
 
 #: When the wizard presses space in the show.
-_SCENES = (1.0, 3.5, 10.0, 17.0, 21.0, 28.0, 38.0, 45.0)
+_SCENES = (1.0, 4.0, 10.0, 15.5, 21.0, 24.0, 33.0, 40.5)
 FILMS = (
     Film("demo", "eyepi", ((1.0, play("Demo")),), 10.0, 58.0, "EyePi's demonstration"),
     Film(
         "show",
         "show",
         tuple((at, space) for at in _SCENES),
-        4.0,
-        36.0,
-        "Two robots in a show, one in high spirits and one that is not",
+        6.0,
+        40.0,
+        "Two robots in a show: the happy one dances and breaks down, the grumpy one is sad",
     ),
 )
 

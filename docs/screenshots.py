@@ -120,7 +120,7 @@ def knobs() -> ScriptedFeed:
     moved = bodies.moved(
         {**places, "slider-7": 112},
         {"knob-4": 0, "slider-1": 101},
-        ("button-22", "cycle"),
+        ("button-8", "cycle"),
     )
     return _told(bodies.welcome([*bodies.alive(), moved]))
 

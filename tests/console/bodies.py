@@ -33,9 +33,9 @@ _LABELS = {
     **{f"slider-{n}": label for n, label in ((1, "middle"), (2, "top"), (3, "zoom"),
                                              (5, "arousal"), (6, "valence"), (7, "intensity"))},
     **{f"button-{n}": label for n, label in (
-        (7, "nod"), (8, "shake"), (9, "dance"), (10, "normal"), (13, "demo"), (14, "tracking"),
-        (15, "saccade"), (18, "crash"), (19, "neutral"), (20, "sleepy"), (21, "sad"),
-        (22, "happy"), (23, "amazed"), (24, "angry"))},
+        (3, "nod"), (11, "shake"), (19, "dance"), (4, "normal"), (12, "normal"), (20, "normal"),
+        (5, "demo"), (13, "tracking"), (21, "saccade"), (22, "crash"), (7, "neutral"),
+        (15, "sleepy"), (23, "sad"), (8, "happy"), (16, "amazed"), (24, "angry"))},
     "stop": "stop", "cycle": "release", "play": "script", "record": "mark",
 }  # fmt: skip
 _LEFT = {"cycle": (1, 2), "marker-set": (1, 3), "stop": (3, 4), "play": (1, 5), "record": (2, 5)}

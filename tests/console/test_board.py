@@ -81,7 +81,7 @@ def test_a_knob_shows_how_far_it_is_turned() -> None:
 @pytest.mark.toolkit("K2")
 def test_lights_are_lit_and_pressed_buttons_flash() -> None:
     rows = board_rows(
-        Board(outline(), knobs(bodies.moved({"button-7": 127}, lit=("button-22",)))), SMALL
+        Board(outline(), knobs(bodies.moved({"button-3": 127}, lit=("button-8",)))), SMALL
     )
     looks = {piece.strip("●○ "): (piece[0], look) for row in rows for piece, look in row if piece}
     assert looks["nod"] == ("●", "flash")

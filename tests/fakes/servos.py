@@ -99,7 +99,6 @@ class ServoBus:
         model: str = "XL330-M288",
         journal: Path | None = None,
         baud: int | None = None,
-        clock: Callable[[], float] = time.monotonic,
     ) -> None:
         kinds = dict(ids) if isinstance(ids, Mapping) else dict.fromkeys(ids, model)
         self.link = link
@@ -118,8 +117,8 @@ class ServoBus:
         self._ending = threading.Event()
         self._thread = threading.Thread(target=self._run, name="emulated servos", daemon=True)
         #: What motors go by, in seconds.
-        self._clock = clock
-        self._last_step = clock()
+        self.clock: Callable[[], float] = time.monotonic
+        self._last_step = 0.0
         #: Servos that will lose their power: instructions still to come, and the rest.
         self._brownouts: list[tuple[int, Motor, dict[str, float]]] = []
         #: Answers that the adapter has not passed on yet, and when it will.
@@ -127,6 +126,7 @@ class ServoBus:
 
     def __enter__(self) -> ServoBus:
         self.plug()
+        self._last_step = self.clock()
         self._thread.start()
         return self
 
@@ -182,7 +182,7 @@ class ServoBus:
 
     def _cut_power(self) -> None:
         for _, motor, how in (entry for entry in self._brownouts if entry[0] <= 0):
-            motor.reboot(self._clock(), **how)
+            motor.reboot(self.clock(), **how)
             self._note("brownout", id=motor.number, position=motor.position)
         self._brownouts = [entry for entry in self._brownouts if entry[0] > 0]
 
@@ -237,7 +237,7 @@ class ServoBus:
                 for instruction in self._reader.feed(data):
                     self.instructions.append(instruction)
                     self._obey(instruction)
-                    self._brownouts = [(left - 1, *rest) for left, *rest in self._brownouts]
+                    self._brownouts = [(left - 1, it, how) for left, it, how in self._brownouts]
                     self._cut_power()
                 self._pass_on()
 
@@ -257,14 +257,14 @@ class ServoBus:
         return bool(speed == getattr(termios, f"B{self.baud}"))
 
     def _step(self) -> None:
-        now = self._clock()
+        now = self.clock()
         elapsed, self._last_step = now - self._last_step, now
         for motor in self.servos.values():
             if motor.advance(now, elapsed):
                 self._note("watchdog", id=motor.number, position=motor.position)
 
     def _obey(self, instruction: Instruction) -> None:
-        now = self._clock()
+        now = self.clock()
         if not instruction.intact:
             return
         for motor in self.servos.values():

@@ -31,7 +31,7 @@ def order(bus: ServoBus, line: str) -> None:
         elif word == "brownout":
             number, *how = rest.split()
             named = zip(("seconds", "boot", "fall"), map(float, how), strict=False)
-            bus.brownout(int(number), **dict(named))
+            bus.brownout(int(number), 0, **dict(named))
         elif word == "corrupt":
             bus.faults.corrupt = int(rest)
         elif word == "noise":

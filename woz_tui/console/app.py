@@ -270,16 +270,18 @@ class Console(App[str]):
         return key_name(found.press, self.look.glyphs) if found is not None else ""
 
     def _measure(self) -> None:
-        """Give all parts their places; those that have moved are painted when they are there."""
+        """Give all parts their places; each that has moved asks to be painted (`Cells.Resized`)."""
         base, glyphs = self.screen_stack[0], self.look.glyphs
-        if self._surface.measure(self.size, base, self.picture, glyphs):
-            self.call_after_refresh(self.paint)
+        self._surface.measure(self.size, base, self.picture, glyphs)
 
     def on_resize(self) -> None:
         """Paint every cell: small and back in a moment is no change, but the window lost it."""
         self._measure()
         self.refresh()
-        self.call_after_refresh(self.paint)
+
+    def on_cells_resized(self) -> None:
+        """Fill the part that has another size."""
+        self.paint()
 
     def _display(self, screen: Screen[object], renderable: RenderableType | None) -> None:
         """As Textual does, with fewer bytes."""

@@ -13,6 +13,7 @@ from typing import ClassVar
 from rich.cells import cell_len, set_cell_size
 from rich.segment import Segment
 from textual.geometry import Region
+from textual.message import Message
 from textual.strip import Strip
 from textual.widget import Widget
 
@@ -144,6 +145,13 @@ class Cells(Widget):
     COMPONENT_CLASSES: ClassVar[set[str]] = {f"cells--{look}" for look in LOOKS}
     can_focus = False
 
+    class Resized(Message):
+        """The widget has a new size; its rows are still those of the old one."""
+
+        def can_replace(self, message: Message) -> bool:
+            """One painting serves all widgets that are resized together."""
+            return isinstance(message, Cells.Resized)
+
     def __init__(self, *, id: str | None = None, classes: str | None = None) -> None:  # noqa: A002
         super().__init__(id=id, classes=classes)
         self._rows: list[Row] = []
@@ -157,6 +165,10 @@ class Cells(Widget):
     def text(self) -> str:
         """What is shown, without looks."""
         return "\n".join("".join(text for text, _ in row) for row in self._rows)
+
+    def on_resize(self) -> None:
+        """Ask for rows that fit the new size."""
+        self.post_message(self.Resized())
 
     def show(self, rows: Sequence[Row]) -> None:
         """Show `rows` from the top; only cells that differ are repainted."""

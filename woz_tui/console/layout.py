@@ -89,12 +89,12 @@ class Body(Container):
 
     _laid_out: tuple[object, ...] | None = None
 
-    def lay_out(self, screen: Size, needs: Needs) -> bool:
-        """Give every part its place; says whether one has moved."""
+    def lay_out(self, screen: Size, needs: Needs) -> None:
+        """Give every part its place."""
         below, beside = beneath(screen, needs), at_side(screen, needs)
         wanted = (shape(screen), upper(screen, needs), below, beside and screen.width)
         if wanted == self._laid_out:
-            return False
+            return
         self._laid_out = wanted
         for name in ("narrow", "wide", "roomy"):
             self.set_class(name == wanted[0], f"-{name}")
@@ -102,4 +102,3 @@ class Body(Container):
         columns = f"{(screen.width + beside) // 2} 1fr" if beside else "1fr 1fr"
         self.styles.grid_columns = columns if wanted[0] == "narrow" else "1fr 50"
         self.query_one(Side).lay_out(below, beside)
-        return True

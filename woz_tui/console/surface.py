@@ -51,12 +51,12 @@ class Surface:
         yield self.small
         yield self.bar
 
-    def measure(self, size: Size, base: Screen[object], picture: Picture, glyphs: Glyphs) -> bool:
-        """Choose what fits: everything, no side, or a sentence and the stop. True: parts moved."""
+    def measure(self, size: Size, base: Screen[object], picture: Picture, glyphs: Glyphs) -> None:
+        """Choose what fits: everything, no side, or a sentence and the stop."""
         width, height = size
         base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
         base.set_class(width < LEAST.width or height < LEAST.height, "-tiny")
-        return self.body.lay_out(
+        self.body.lay_out(
             size,
             Needs(
                 self.panels.needs(picture, glyphs),

@@ -52,10 +52,6 @@ class Drawing(Dialog):
         """What stands there if there are none; short lines."""
         raise NotImplementedError
 
-    def on_resize(self) -> None:
-        """Draw in the new size."""
-        self.call_after_refresh(self.refreshed)
-
     def on_key(self, event: events.Key) -> None:
         """Choose another one."""
         by = (event.key == _NEXT) - (event.key == _BACK)

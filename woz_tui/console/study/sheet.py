@@ -122,13 +122,12 @@ class Sheet(Vertical):
         return self._taken
 
     def on_mount(self) -> None:
-        """Draw as soon as the size is known."""
+        """Take the keys; it is drawn as soon as its parts have their sizes."""
         self.focus()
-        self.call_after_refresh(self.draw)
 
-    def on_resize(self) -> None:
+    def on_cells_resized(self) -> None:
         """Draw in the new size."""
-        self.call_after_refresh(self.draw)
+        self.draw()
 
     # -- what is asked ------------------------------------------------------------------------
 
@@ -244,7 +243,6 @@ class Sheet(Vertical):
         height = max(_FIELD_LEAST, min(_FIELD, room - 1))
         if height != self._field_height:
             self._field_height = field.styles.height = height
-            self.call_after_refresh(self.draw)
         item = taken.item if taken is not None and taken.page is Page.ITEM else None
         wanted = item.name if item is not None and item.text else ""
         if wanted == self._written_for:
@@ -258,4 +256,3 @@ class Sheet(Vertical):
             field.focus()
         else:
             self.focus()
-        self.call_after_refresh(self.draw)

@@ -94,8 +94,7 @@ class Console(App[str]):
         for theme in THEMES:
             self.register_theme(theme)
         self.look, self.theme = look, look.theme
-        self.feed = feed
-        self.keyboard = keyboard
+        self.feed, self.keyboard = feed, keyboard
         self.clock = clock or RealClock()
         self.picture = Picture()
         self.pictures = pictures
@@ -110,8 +109,7 @@ class Console(App[str]):
         self._edition = 0
         self._was_lost = False
         self._news = News()
-        self._news_until = 0
-        self._flash_until = 0
+        self._news_until = self._flash_until = 0
         self._stop_asked: int | None = None
         self._painted = 0
         self._surface = Surface()

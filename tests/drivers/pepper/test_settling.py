@@ -106,5 +106,5 @@ async def test_attempts_of_different_losses_are_not_added_up(
 async def test_a_simulated_robot_runs_no_module_of_the_experiments_folder(tmp_path: Path) -> None:
     (tmp_path / "random.py").write_text("raise ValueError\n")
     robot = SimulatedRobot(PACE, tmp_path)
-    assert await robot.address()
+    assert (await robot.address()).port
     await robot.close()

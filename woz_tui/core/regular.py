@@ -9,6 +9,10 @@ from io import BufferedReader
 from pathlib import Path
 
 
+class NotRegularError(OSError):
+    """A pipe, a device or a socket stands where a file should be."""
+
+
 def open_regular(path: Path) -> BufferedReader:
     """`path` for reading bytes. Raises `OSError`, also for pipes, devices and folders.
 
@@ -19,7 +23,7 @@ def open_regular(path: Path) -> BufferedReader:
     if stat.S_ISREG(os.fstat(file.fileno()).st_mode):
         return file
     file.close()
-    raise OSError(errno.EINVAL, "this is not a file", str(path))
+    raise NotRegularError(errno.EINVAL, "this is not a file", str(path))
 
 
 def _unblocked(path: str, flags: int) -> int:

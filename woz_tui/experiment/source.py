@@ -7,7 +7,7 @@ import re
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.core.regular import open_regular
+from woz_tui.core.regular import NotRegularError, open_regular
 
 #: Bytes. The longest real experiment is a few dozen kilobytes.
 MAX_BYTES = 1 << 20
@@ -53,6 +53,8 @@ def _bytes(path: Path) -> bytes:
         raise SourceError("there is no such file") from None
     except IsADirectoryError:
         raise SourceError("this is a folder, not a file") from None
+    except NotRegularError:
+        raise SourceError("this is not a file") from None
     except (OSError, ValueError) as error:
         reason = getattr(error, "strerror", None) or str(error)
         raise SourceError(f"cannot be read: {reason}") from error

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections import deque
+from typing import cast
 
 from hypothesis import given
 from hypothesis import strategies as st
@@ -134,6 +135,26 @@ def test_too_many_acks_mark_the_subscription_and_lose_nothing() -> None:
         subscription.offer(False, ack)
     assert subscription.overrun
     assert subscription.take() == acks
+
+
+class Looked:
+    """Whether a line is a sample, and how often anybody has looked."""
+
+    looks = 0
+
+    def __bool__(self) -> bool:
+        Looked.looks += 1
+        return False
+
+
+def test_a_line_for_a_full_buffer_needs_no_look_at_those_that_wait() -> None:
+    """A hundred listeners that never take would hold up everybody at each message."""
+    subscription = Subscription(1000, True, Diary().wake)
+    for _ in range(1000):
+        subscription.offer(cast(bool, Looked()), b"ack")
+    Looked.looks = 0
+    subscription.offer(cast(bool, Looked()), b"one more")
+    assert Looked.looks < 10
 
 
 class BoundedBuffer(RuleBasedStateMachine):

@@ -27,38 +27,39 @@ class Subscription:
 
     def __init__(self, capacity: int, samples: bool, wake: Callable[[], None]) -> None:
         self._capacity = capacity
-        self._samples = samples
+        self._wants_samples = samples
         self._wake = wake
-        self._lines: deque[tuple[bool, bytes]] = deque()
+        # Two queues of numbered lines: the oldest sample is at hand, however many acks wait.
+        self._acks: deque[tuple[int, bytes]] = deque()
+        self._samples: deque[tuple[int, bytes]] = deque()
+        self._offered = 0
         self.dropped = 0
         self.overrun = False
 
     def offer(self, sample: bool, line: bytes) -> None:
         """Take a line in, making room by dropping the oldest sample if there is none."""
-        if sample and not self._samples:
+        if sample and not self._wants_samples:
             return
-        if len(self._lines) >= self._capacity and not self._make_room(sample):
-            return
-        self._lines.append((sample, line))
-        if len(self._lines) == 1:
-            self._wake()
-
-    def _make_room(self, sample: bool) -> bool:
-        for index, (is_sample, _) in enumerate(self._lines):
-            if is_sample:
-                del self._lines[index]
+        waiting = len(self._acks) + len(self._samples)
+        if waiting >= self._capacity:
+            if self._samples:
+                self._samples.popleft()
                 self.dropped += 1
-                return True
-        if sample:
-            self.dropped += 1
-            return False
-        self.overrun = True
-        return True
+            elif sample:
+                self.dropped += 1
+                return
+            else:
+                self.overrun = True
+        self._offered += 1
+        (self._samples if sample else self._acks).append((self._offered, line))
+        if not waiting:
+            self._wake()
 
     def take(self) -> list[bytes]:
         """All waiting lines, oldest first."""
-        lines = [line for _, line in self._lines]
-        self._lines.clear()
+        lines = [line for _, line in sorted([*self._acks, *self._samples])]
+        self._acks.clear()
+        self._samples.clear()
         return lines
 
 

@@ -29,10 +29,10 @@ class Subscription:
         self._capacity = capacity
         self._wants_samples = samples
         self._wake = wake
-        # Two queues of numbered lines: the oldest sample is at hand, however many acks wait.
-        self._acks: deque[tuple[int, bytes]] = deque()
+        # Two queues: the oldest sample is at hand, however many acks wait. A sample has the number
+        # of acks in front of it; acks are bare lines, which the garbage collector need not visit.
+        self._acks: deque[bytes] = deque()
         self._samples: deque[tuple[int, bytes]] = deque()
-        self._offered = 0
         self.dropped = 0
         self.overrun = False
 
@@ -50,14 +50,21 @@ class Subscription:
                 return
             else:
                 self.overrun = True
-        self._offered += 1
-        (self._samples if sample else self._acks).append((self._offered, line))
+        if sample:
+            self._samples.append((len(self._acks), line))
+        else:
+            self._acks.append(line)
         if not waiting:
             self._wake()
 
     def take(self) -> list[bytes]:
         """All waiting lines, oldest first."""
-        lines = [line for _, line in sorted([*self._acks, *self._samples])]
+        lines, acks, given = [], list(self._acks), 0
+        for ahead, sample in self._samples:
+            lines += acks[given:ahead]
+            lines.append(sample)
+            given = ahead
+        lines += acks[given:]
         self._acks.clear()
         self._samples.clear()
         return lines

@@ -1,27 +1,98 @@
-"""One connection to the robot process: lines in, lines out, and neither can hold up the robot."""
+"""One connection to the robot process: lines in, lines out, and neither can hold up the robot.
+
+A stop is looked for in whatever has been received; everything else waits for its turn.
+"""
 
 from __future__ import annotations
 
 import asyncio
+import os
 from collections import deque
 from collections.abc import Callable
+from contextlib import suppress
 
 import msgspec
 
 from woz_tui.core import wire
 from woz_tui.core.hub import Hub, Subscription
-from woz_tui.core.requests import AnyRequest, Hello, Reply
+from woz_tui.core.requests import (
+    AnyRequest,
+    AskAnswer,
+    AskAssign,
+    AskCheck,
+    AskEnd,
+    AskMarker,
+    AskMistake,
+    AskNote,
+    AskQuestionnaire,
+    AskRelease,
+    AskSet,
+    AskStop,
+    AskTrial,
+    Hello,
+    Reply,
+)
 
 #: Lines that may wait for a client that does not read; then its samples are dropped.
 CAPACITY = 4096
 #: Bytes that the kernel and asyncio may hold for it before lines begin to wait.
 HIGH_WATER = 256 * 1024
-#: Requests of one client that are carried out before all others have their turn.
-REQUESTS_A_TURN = 64
+#: Requests of all clients together that are carried out in one turn of the loop, and the seconds
+#: after which no further one begins.
+REQUESTS_A_TURN, TURN_S = 8, 0.005
+#: Bytes of requests that are read ahead, to find a stop behind them.
+READ_AHEAD = 1 << 20
+#: What is carried out although its sender has left: the stop, the end, and what the log is for.
+LASTING = (
+    AskStop
+    | AskEnd
+    | AskMarker
+    | AskNote
+    | AskMistake
+    | AskSet
+    | AskAssign
+    | AskTrial
+    | AskQuestionnaire
+    | AskAnswer
+    | AskCheck
+)
 #: Bytes of answers that may wait for a client that asks and asks and never reads.
 MOST_WAITING = 8 << 20
 #: How long a closed connection may take to deliver what was written, in seconds.
 LINGER_S = 1.0
+
+
+class Turns:
+    """Has waiting requests carried out: so many in one turn of the loop, one of each client after
+    the other. However much is asked and by however many, the robot and a stop come in between.
+    """
+
+    def __init__(self) -> None:
+        self._waiting: deque[Client] = deque()
+        self._under_way = False
+
+    def join(self, client: Client) -> None:
+        """`client` has requests again; unless this turn had its requests, the first begin now."""
+        self._waiting.append(client)
+        if not self._under_way:
+            self._serve()
+
+    def _serve(self) -> None:
+        self._under_way = bool(self._waiting)
+        if not self._under_way:
+            return
+        loop = asyncio.get_running_loop()
+        loop.call_soon(self._serve)
+        until = loop.time() + TURN_S
+        for _ in range(REQUESTS_A_TURN):
+            client = self._waiting.popleft()
+            try:
+                client.serve()
+            finally:
+                if client.waits:
+                    self._waiting.append(client)
+            if not self._waiting or loop.time() >= until:
+                return
 
 
 class Client(asyncio.Protocol):
@@ -30,6 +101,7 @@ class Client(asyncio.Protocol):
     Args:
         name: How the log calls this connection: `con1`, `con2` ...
         hub: Source of the stream.
+        turns: Decides when a request is carried out.
         on_request: Called with each decoded request.
         on_gone: Called once when the connection has ended.
     """
@@ -38,6 +110,7 @@ class Client(asyncio.Protocol):
         self,
         name: str,
         hub: Hub,
+        turns: Turns,
         on_request: Callable[[Client, AnyRequest], None],
         on_gone: Callable[[Client, str], None],
     ) -> None:
@@ -49,12 +122,16 @@ class Client(asyncio.Protocol):
         #: Done when the connection has ended.
         self.gone: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._hub = hub
+        self._turns = turns
         self._on_request = on_request
         self._on_gone = on_gone
         self._transport: asyncio.Transport | None = None
         self._subscription: Subscription | None = None
-        self._rest = b""
+        self._rest = bytearray()
         self._lines: deque[bytes] = deque()
+        self._ahead = 0
+        self._overtaken = 0
+        self._ended = False
         self._paused = False
         self._wake_due = False
         self._due: list[bytes] = []
@@ -70,12 +147,20 @@ class Client(asyncio.Protocol):
 
     def connection_lost(self, exc: Exception | None) -> None:
         """The peer is gone."""
-        if self._subscription is not None:
-            self._hub.unsubscribe(self._subscription)
-            self._subscription = None
-        self._transport = None
+        self._unsubscribe()
+        transport, self._transport = self._transport, None
+        if exc is not None and transport is not None:
+            # Found out by writing: asyncio reads no more, but a stop may have come before.
+            self.data_received(_left_unread(transport))
         self.gone.set_result(None)
         self._on_gone(self, self._why)
+
+    def eof_received(self) -> bool:
+        """It sends no more: what it has sent is carried out and answered, then it is closed."""
+        self._ended = True
+        if not self._lines:
+            self.close("closed")
+        return True
 
     def pause_writing(self) -> None:
         """The peer does not read: lines wait in the subscription, where samples may be dropped."""
@@ -87,30 +172,52 @@ class Client(asyncio.Protocol):
         self._wake()
 
     def data_received(self, data: bytes) -> None:
-        """Whole lines become requests at once; an over-long line ends the connection."""
-        *lines, self._rest = (self._rest + data).split(b"\n")
-        self._lines.extend(lines)
+        """A stop is pressed at once; other whole lines wait; an over-long one ends the connection.
+
+        Only the last stop overtakes what is in front of it: a thousand are no more than one.
+        """
+        self._rest += data
+        lines: list[bytes] = []
+        if b"\n" in data:
+            *lines, rest = bytes(self._rest).split(b"\n")
+            self._rest = bytearray(rest)
         if len(self._rest) > wire.MAX_LINE:
-            self._lines.append(self._rest)
-        self._work()
-
-    def _work(self) -> None:
-        """Some requests now, the others when everybody else has had a turn; until then no more."""
-        for _ in range(min(len(self._lines), REQUESTS_A_TURN)):
-            line = self._lines.popleft()
-            if line.strip():
-                self._line(line)
-        if self._transport is None:
-            self._lines.clear()
-        elif self._lines:
+            lines.append(bytes(self._rest))
+            self._rest.clear()
+        lines = [line for line in lines if line.strip()]
+        place, stop = _last_stop(lines)
+        if stop is not None:
+            del lines[place]
+            self._overtaken = len(self._lines) + place
+            self._on_request(self, stop)
+        idle = not self._lines
+        self._lines.extend(lines)
+        self._ahead += sum(map(len, lines))
+        if self._transport is not None and self._ahead > READ_AHEAD:
             self._transport.pause_reading()
-            asyncio.get_running_loop().call_soon(self._work)
-        else:
-            self._transport.resume_reading()
+        if idle and lines:
+            self._turns.join(self)
 
-    def _line(self, line: bytes) -> None:
-        if self._transport is None or self._transport.is_closing():
+    @property
+    def waits(self) -> bool:
+        """Whether it has sent requests that have not been carried out."""
+        return bool(self._lines)
+
+    def serve(self) -> None:
+        """Carry out the first request that waits."""
+        line = self._lines.popleft()
+        overtaken, self._overtaken = self._overtaken > 0, max(0, self._overtaken - 1)
+        self._ahead -= len(line)
+        self._line(line, overtaken)
+        if self._transport is None:
             return
+        if self._ahead <= READ_AHEAD:
+            self._transport.resume_reading()
+        if self._ended and not self._lines:
+            self.close("closed")
+
+    def _line(self, line: bytes, overtaken: bool) -> None:
+        left = self._transport is None or self._transport.is_closing()
         if len(line) > wire.MAX_LINE:
             self.send(Reply(ref=0, ok=False, reason=f"a line may have {wire.MAX_LINE} bytes"))
             self.close("line too long")
@@ -122,7 +229,12 @@ class Client(asyncio.Protocol):
                 Reply(ref=wire.ref_of(line), ok=False, reason=str(error), hint="docs/protocol.md")
             )
             return
-        self._on_request(self, request)
+        if overtaken and isinstance(request, AskRelease):
+            # It was sent before the stop, and so not because of it.
+            reason = "a stop came behind it on the same connection"
+            self.send(Reply(ref=request.ref, ok=False, reason=reason, hint="release it again"))
+        elif not left or isinstance(request, LASTING):
+            self._on_request(self, request)
 
     # -- out ---------------------------------------------------------------------------------
 
@@ -177,5 +289,37 @@ class Client(asyncio.Protocol):
             return
         self._why = why
         self._flush()
+        self._unsubscribe()
         self._transport.close()
-        asyncio.get_running_loop().call_later(LINGER_S, self._transport.abort)
+        asyncio.get_running_loop().call_later(LINGER_S, self._abort)
+
+    def _abort(self) -> None:
+        # A transport that has delivered everything in the meantime cannot be aborted any more.
+        if self._transport is not None:
+            self._transport.abort()
+
+    def _unsubscribe(self) -> None:
+        if self._subscription is not None:
+            self._hub.unsubscribe(self._subscription)
+            self._subscription = None
+
+
+def _last_stop(lines: list[bytes]) -> tuple[int, AskStop | None]:
+    """The last stop among `lines` and where it is."""
+    for index in reversed(range(len(lines))):
+        if b'"stop"' in lines[index] and len(lines[index]) <= wire.MAX_LINE:
+            with suppress(wire.WireError):
+                request = wire.decode_request(lines[index])
+                if isinstance(request, AskStop):
+                    return index, request
+    return 0, None
+
+
+def _left_unread(transport: asyncio.Transport) -> bytes:
+    """What the peer sent before it left and nobody has read; no more than is read ahead."""
+    pieces: list[bytes] = []
+    with suppress(OSError):
+        file = transport.get_extra_info("socket").fileno()
+        while (piece := os.read(file, READ_AHEAD)) and sum(map(len, pieces)) < READ_AHEAD:
+            pieces.append(piece)
+    return b"".join(pieces)

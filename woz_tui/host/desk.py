@@ -7,6 +7,7 @@ import logging
 from collections.abc import Callable, Mapping
 
 import msgspec
+from msgspec.structs import replace
 
 from woz_tui.core.driver import Finding
 from woz_tui.core.messages import Json
@@ -54,6 +55,8 @@ WATCHER_MAY = (AskPreflight, AskMarker, AskNote, AskPicture)
 PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 #: What takes its time, because it reads files or asks devices.
 Slow = AskReload | AskPreflight | AskProposal
+#: So many of one kind may wait for each client, while the one before is worked on.
+SLOW_WAITING = 16
 
 
 class Desk:
@@ -69,6 +72,7 @@ class Desk:
         self._load = load
         self._pictures = Pictures(session)
         self._tasks: set[asyncio.Task[None]] = set()
+        self._slow: dict[tuple[Client, type[Slow]], list[Slow]] = {}
         self._reading = asyncio.Lock()  # what was read last is what counts
         self._looking = asyncio.Lock()  # into the earlier logs, one after the other
         self.on_end: Callable[[str], None] = lambda reason: None
@@ -91,9 +95,7 @@ class Desk:
         elif isinstance(request, AskPicture):
             self._pictures.ask(client, request)
         elif isinstance(request, Slow):
-            task = asyncio.get_running_loop().create_task(self._later(client, request))
-            self._tasks.add(task)
-            task.add_done_callback(self._tasks.discard)
+            self._later(client, request)
         else:
             client.send(self._now(client, request))
 
@@ -206,13 +208,41 @@ class Desk:
 
     # -- what takes its time -----------------------------------------------------------------
 
-    async def _later(self, client: Client, request: Slow) -> None:
+    def _later(self, client: Client, request: Slow) -> None:
+        """One of a kind at a time for each client; the others wait, and are no work once it left."""
+        waiting = self._slow.get((client, type(request)))
+        if waiting is None:
+            waiting = self._slow[client, type(request)] = []
+            task = asyncio.get_running_loop().create_task(self._work_off(client, type(request)))
+            self._tasks.add(task)
+            task.add_done_callback(self._tasks.discard)
+        if len(waiting) < SLOW_WAITING:
+            waiting.append(request)
+        else:
+            reason = f"{SLOW_WAITING} requests of this kind are waiting already"
+            client.send(
+                Reply(ref=request.ref, ok=False, reason=reason, hint="wait for their answers")
+            )
+
+    async def _work_off(self, client: Client, kind: type[Slow]) -> None:
+        waiting = self._slow[client, kind]
+        while waiting and not client.gone.done():
+            request = waiting[0]
+            # Whoever asks the same from here on gets an answer of its own: things may have changed.
+            same = [each for each in waiting if replace(each, ref=request.ref) == request]
+            waiting[:] = [each for each in waiting if each not in same]
+            reply = await self._reply(request)
+            for each in same:
+                client.send(replace(reply, ref=each.ref))
+        del self._slow[client, kind]
+
+    async def _reply(self, request: Slow) -> Reply:
         try:
             data = await self._data(request)
         except AskError as error:
-            reply = Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint)
+            return Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint)
         except ExperimentError as error:
-            reply = Reply(
+            return Reply(
                 ref=request.ref,
                 ok=False,
                 reason=f"the file has {len(error.problems)} error(s); nothing was changed",
@@ -221,10 +251,8 @@ class Desk:
         except Exception as error:
             # Whoever asked waits for an answer, also when a driver's package is broken.
             log.exception("%s failed", type(request).__name__)
-            reply = Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
-        else:
-            reply = Reply(ref=request.ref, ok=True, data=data)
-        client.send(reply)
+            return Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
+        return Reply(ref=request.ref, ok=True, data=data)
 
     async def _data(self, request: Slow) -> Json:
         if isinstance(request, AskPreflight):

@@ -23,7 +23,7 @@ from woz_tui.core.requests import (
     Welcome,
 )
 from woz_tui.host import place
-from woz_tui.host.client import LINGER_S, Client
+from woz_tui.host.client import LINGER_S, Client, Turns
 from woz_tui.host.desk import Desk
 from woz_tui.host.plan import Shown, plan_for_log, plan_of
 from woz_tui.session.plan import panels_changed, welcome
@@ -55,6 +55,7 @@ class Host:
         self.path = path
         self.desk = desk
         self._clients: list[Client] = []
+        self._turns = Turns()
         self._count = 0
         self._listener: socket.socket | None = None
         self._server: asyncio.Task[None] | None = None
@@ -142,7 +143,9 @@ class Host:
             connection.close()
             return
         self._count += 1
-        client = Client(f"con{self._count}", self.session.hub, self._request, self._gone)
+        client = Client(
+            f"con{self._count}", self.session.hub, self._turns, self._request, self._gone
+        )
         await asyncio.get_running_loop().connect_accepted_socket(lambda: client, connection)
 
     # -- clients -----------------------------------------------------------------------------

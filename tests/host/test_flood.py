@@ -3,13 +3,17 @@
 from __future__ import annotations
 
 import asyncio
+import threading
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
-from tests.host.rig import Peer, Served, served
+from tests.host.rig import WAIT_S, Peer, Served, served
+from tests.session.rig import experiment
 from woz_tui.core import messages as m
+from woz_tui.experiment.shape import Experiment
+from woz_tui.host import client, desk
 
 FLOOD = b'{"kind":"action","ref":1,"action":"Hello"}\n' * 3000
 
@@ -121,3 +125,185 @@ async def test_no_request_is_too_deep_to_be_answered(tmp_path: Path) -> None:
             )
             reply = await peer.kind("reply")
             assert reply["ref"] in {depth, 0}
+
+
+# -- the stop is looked for first ----------------------------------------------------------------
+
+
+async def test_a_stop_overtakes_what_its_connection_asked_before(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        markers = b'{"kind":"marker","text":"no \\"stop\\""}\n' * 1000
+        peer.writer.write(markers + b'{"kind":"stop","ref":7}\n' + markers)
+        assert (await peer.kind("reply"))["ref"] == 7
+        stop = await host.published(lambda line: isinstance(line, m.StopPressed))
+        for _ in range(2000):
+            await peer.kind("reply")
+        markers_before = [line for line in host.lines if isinstance(line, m.Marker)]
+        assert len(markers_before) == 2000
+        assert not [line for line in markers_before if line.seq < stop.seq]
+
+
+async def test_a_stop_that_came_in_pieces_overtakes_too(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        peer.writer.write(b'{"kind":"marker"}\n' * 1000 + b'{"kind":"st')
+        await turns(lambda: None, 5)
+        peer.writer.write(b'op"}\n')
+        stop = await host.published(lambda line: isinstance(line, m.StopPressed))
+        assert len([line for line in host.lines[: stop.seq] if isinstance(line, m.Marker)]) < 1000
+
+
+@pytest.mark.parametrize(
+    ("asked", "pressed"),
+    [
+        (["stop", "release"], False),
+        (["release", "stop"], True),
+        (["stop", "release", "stop"], True),
+        (["release", "marker", "stop", "marker"], True),
+        (["release", "stop", "release"], False),
+    ],
+)
+async def test_no_release_that_was_sent_before_a_stop_releases_it(
+    tmp_path: Path, asked: list[str], pressed: bool
+) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        peer.writer.write(b"".join(b'{"kind":"%b"}\n' % kind.encode() for kind in asked))
+        for _ in asked:
+            await peer.kind("reply")
+        assert host.session.bus.latched is pressed
+
+
+# -- requests are rated --------------------------------------------------------------------------
+
+
+async def test_one_turn_has_few_requests_however_many_ask(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peers = [await host.connect() for _ in range(10)]
+        for peer in peers:
+            await peer.hello(stream="nothing")
+        for peer in peers:
+            peer.writer.write(b'{"kind":"marker"}\n' * 100)
+        marked = 0
+        while marked < 1000:
+            await asyncio.sleep(0)
+            now = len([line for line in host.lines if isinstance(line, m.Marker)])
+            assert now - marked <= client.REQUESTS_A_TURN
+            marked = now
+
+
+async def test_who_asks_one_thing_waits_for_no_flood(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        floods, one = [await host.connect() for _ in range(5)], await host.connect()
+        for peer in [*floods, one]:
+            await peer.hello(stream="nothing")
+        for peer in floods:
+            peer.writer.write(b'{"kind":"marker","text":"flood"}\n' * 2000)
+        one.writer.write(b'{"kind":"marker","text":"one"}\n')
+        await host.published(lambda line: isinstance(line, m.Marker) and line.text == "one")
+        assert len([line for line in host.lines if isinstance(line, m.Marker)]) < 10_000
+
+
+class File:
+    """An experiment file that counts how often it is read, each time until it is told."""
+
+    def __init__(self, tmp_path: Path) -> None:
+        self._made = experiment(tmp_path)
+        self._read = threading.Semaphore(0)
+        self.reading = threading.Event()
+        self.times = 0
+
+    def load(self) -> Experiment:
+        self.times += 1
+        self.reading.set()
+        assert self._read.acquire(timeout=WAIT_S)
+        return self._made
+
+    def finish(self, times: int = 1) -> None:
+        self._read.release(times)
+
+
+async def test_reloads_of_one_client_that_wait_are_one_reading(tmp_path: Path) -> None:
+    file = File(tmp_path)
+    async with served(tmp_path, load=file.load) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        peer.writer.write(b'{"kind":"reload","ref":1}\n')
+        await asyncio.to_thread(file.reading.wait, WAIT_S)
+        peer.writer.write(
+            b"".join(b'{"kind":"reload","ref":%d}\n' % ref for ref in range(2, 1000))
+        )
+        replies = [await peer.kind("reply") for _ in range(998 - desk.SLOW_WAITING)]
+        assert not any(reply["ok"] for reply in replies)
+        file.finish(2)
+        replies = [await peer.kind("reply") for _ in range(desk.SLOW_WAITING + 1)]
+        assert [reply["ref"] for reply in replies if reply["ok"]] == [*range(1, 18)]
+        assert file.times == 2
+
+
+async def test_what_waits_for_a_client_that_left_is_not_worked_on(tmp_path: Path) -> None:
+    file = File(tmp_path)
+    async with served(tmp_path, load=file.load) as host:
+        peer, other = await host.connect(), await host.connect()
+        await peer.hello(stream="nothing")
+        await other.hello(stream="nothing")
+        peer.writer.write(b'{"kind":"reload"}\n{"kind":"reload","dry_run":true}\n' * 20)
+        await asyncio.to_thread(file.reading.wait, WAIT_S)
+        peer.leave()
+        await lost(host, "closed")
+        file.finish(3)
+        assert (await other.ask("reload"))["ok"]
+        assert file.times == 2
+
+
+async def test_of_a_client_that_left_only_what_the_log_is_for_is_done(tmp_path: Path) -> None:
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        one = b'{"kind":"action","action":"Hello"}\n{"kind":"marker"}\n'
+        peer.writer.write(one * 1000 + b'{"kind":"note","text":"the last"}\n')
+        peer.leave()
+        await host.published(lambda line: isinstance(line, m.Note))
+        assert len([line for line in host.lines if isinstance(line, m.Marker)]) == 1000
+        assert len([line for line in host.lines if isinstance(line, m.ActionRequested)]) < 1000
+
+
+async def test_a_stop_counts_whose_sender_left_before_it_was_read(tmp_path: Path) -> None:
+    """It is noticed by writing to it; what it sent is still to be read then."""
+    async with served(tmp_path) as host:
+        peer = await host.connect()
+        await peer.hello(stream="nothing")
+        made = host.host._clients[0]
+        assert made._transport is not None
+        made._transport.pause_reading()
+        await peer.say(kind="stop")
+        peer.leave()
+        await peer.writer.wait_closed()
+        made.send(m.Note(text="are you there?"))
+        await host.published(lambda line: isinstance(line, m.StopPressed))
+
+
+async def test_who_is_closed_and_then_reads_leaves_no_error(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(client, "LINGER_S", 0.2)
+    loop, errors = asyncio.get_running_loop(), list[str]()
+    loop.set_exception_handler(lambda _, context: errors.append(str(context)))
+    async with served(tmp_path) as host:
+        peer = deaf(await host.connect())
+        await peer.say(kind="hello", role="program", stream="nothing")
+        await host.published(lambda line: isinstance(line, m.ConsoleAttached))
+        for _ in range(1000):
+            host.host._clients[0].send(m.Note(text="x" * 1000))
+        host.host._clients[0].close("silent")
+        lingered = loop.create_future()
+        loop.call_later(client.LINGER_S, lingered.set_result, None)
+        peer.writer.transport.resume_reading()  # type: ignore[attr-defined]
+        assert len(await peer.reader.read(-1)) > 1_000_000
+        await lost(host, "silent")
+        await lingered
+    assert not errors

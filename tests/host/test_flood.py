@@ -234,9 +234,7 @@ async def test_reloads_of_one_client_that_wait_are_one_reading(tmp_path: Path) -
         await peer.hello(stream="nothing")
         peer.writer.write(b'{"kind":"reload","ref":1}\n')
         await asyncio.to_thread(file.reading.wait, WAIT_S)
-        peer.writer.write(
-            b"".join(b'{"kind":"reload","ref":%d}\n' % ref for ref in range(2, 1000))
-        )
+        peer.writer.write(b"".join(b'{"kind":"reload","ref":%d}\n' % ref for ref in range(2, 1000)))
         replies = [await peer.kind("reply") for _ in range(998 - desk.SLOW_WAITING)]
         assert not any(reply["ok"] for reply in replies)
         file.finish(2)

@@ -209,7 +209,7 @@ class Desk:
     # -- what takes its time -----------------------------------------------------------------
 
     def _later(self, client: Client, request: Slow) -> None:
-        """One of a kind at a time for each client; the others wait, and are no work once it left."""
+        """One of a kind at a time for each client; what waits for one that left is dropped."""
         waiting = self._slow.get((client, type(request)))
         if waiting is None:
             waiting = self._slow[client, type(request)] = []

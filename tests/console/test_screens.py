@@ -25,7 +25,7 @@ from woz_tui.console.screens.dialog import Dialog
 from woz_tui.console.screens.drivers import DriversDialog
 from woz_tui.console.screens.help import HelpDialog
 from woz_tui.console.screens.preflight import kind_finding, line_finding
-from woz_tui.console.screens.start import wrong_code, wrong_trial
+from woz_tui.console.screens.start import wrong_trial
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.driver import Finding
@@ -184,10 +184,9 @@ async def test_the_start_is_asked_only_if_nobody_is_chosen_yet() -> None:
     first = scenes.welcome(state=[scenes.start("", "")])
     async with sitting(first, ask_participant=True) as seat:
         await seat.until(lambda: seat.console.dialog is not None)
-        await seat.type("P1")
         await seat.press("enter")
-        assert "does not match" in seat.drawn()
-        await seat.type("2")
+        assert "needs a code" in seat.drawn()
+        await seat.type("P12")
         await seat.press("enter")
         assert "Choose a condition" in seat.drawn()
         await seat.press("tab", "down", "enter", "tab")
@@ -222,11 +221,20 @@ async def test_the_robot_process_may_refuse_a_participant() -> None:
         await seat.until(lambda: "P07 took part before" in seat.drawn())
 
 
-def test_codes_and_trials() -> None:
-    assert wrong_code("P07", "P\\d\\d") == ""
-    assert wrong_code("", "P\\d\\d")
-    assert wrong_code("P7", "P\\d\\d")
-    assert wrong_code("P7", "(") == ""
+async def test_the_console_leaves_it_to_the_robot_process_which_codes_there_are() -> None:
+    """With some patterns a comparison takes seconds, in which the console would take no key."""
+    first = scenes.welcome(settings={"participant_pattern": "(([A-Z]+)+)+[0-9]"})
+    async with sitting(first) as seat:
+        seat.feed.answers[r.AskSet] = lambda _, ref: r.Reply(
+            ref=ref, ok=False, reason="it does not match the pattern"
+        )
+        await opened(seat, "StartDialog")
+        await seat.type("ABCDEFGH")
+        await seat.press("enter")
+        await seat.until(lambda: "does not match the pattern" in seat.drawn())
+
+
+def test_trials() -> None:
     assert wrong_trial("") == wrong_trial("3") == ""
     assert wrong_trial("-1")
 

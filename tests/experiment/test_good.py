@@ -202,3 +202,14 @@ def test_a_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) 
 
 def test_every_action_may_lack_a_key_but_not_a_name(tmp_path: Path) -> None:
     assert not errors(tmp_path, panel("{name: A, say: Hi}", "{label: B, say: Hi}"))
+
+
+def test_a_pattern_that_takes_long_is_warned_of_and_stays_valid(tmp_path: Path) -> None:
+    text = panel("{key: a, label: A, say: Hi}")
+    endless = "(?:(?:A|A)+(?:A|A|A|A)*(?:A|A|A|A)*)+1"
+    slow = read(tmp_path, text + f"participants: {{pattern: '{endless}'}}\n")
+    assert slow.participant_pattern == endless
+    (warning,) = slow.warnings
+    assert warning.path == "participants.pattern"
+    for quick in (r"P\d\d", "(([A-Z]+)+)+[0-9]"):
+        assert not read(tmp_path, text + f"participants: {{pattern: '{quick}'}}\n").warnings

@@ -14,11 +14,13 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Finding
 from woz_tui.experiment import template
 from woz_tui.experiment.shape import Place, Problem
-from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.identity import AskError, Identity, check_participant
 from woz_tui.session.preflight import preflight
 from woz_tui.session.runner import Origin
 
 KEY = Origin("key", "h", "con1")
+#: What `re` compares with sixteen letters for hours.
+ENDLESS = "(?:(?:A|A)+(?:A|A|A|A)*(?:A|A|A|A)*)+1"
 
 
 def on_stage(
@@ -332,3 +334,31 @@ def test_mistakes_name_what_was_played(tmp_path: Path) -> None:
 
 def test_the_session_fills_in_just_the_variables_that_files_may_use() -> None:
     assert set(Identity().values()) == set(template.BUILT_IN)
+
+
+# -- patterns of codes -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(
+    ("pattern", "fits", "does_not"),
+    [
+        (r"P\d\d", "P07", "P7"),
+        (r"([A-Z])\1\d+", "AA1", "AB1"),
+        (r"(?!P00)P\d\d", "P01", "P00"),
+        (r"(?i:vp)(?P<n>\d)(?P=n)", "Vp33", "Vp34"),
+        (r"(([A-Z]+)+)+[0-9]", "ABC1", "A" * 16),
+        (r"B{e}*|P", "P", "B"),
+    ],
+)
+def test_a_code_is_compared_with_whatever_pattern_the_file_has(
+    pattern: str, fits: str, does_not: str
+) -> None:
+    check_participant(fits, pattern)
+    with pytest.raises(AskError, match="does not match"):
+        check_participant(does_not, pattern)
+
+
+def test_a_comparison_without_end_is_broken_off() -> None:
+    with pytest.raises(AskError, match="too long") as caught:
+        check_participant("A" * 16, ENDLESS)
+    assert "participants.pattern" in caught.value.hint

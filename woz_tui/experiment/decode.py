@@ -14,7 +14,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from woz_tui.core.driver import Driver, Verb
-from woz_tui.experiment import check, template, woz4u
+from woz_tui.experiment import check, pattern, template, woz4u
 from woz_tui.experiment.actions import PanelReader, StepReader, titles
 from woz_tui.experiment.asked import check_asks
 from woz_tui.experiment.by_condition import read_variables
@@ -199,6 +199,11 @@ def _pattern(spot: Spot | None) -> str:
         except (re.error, OverflowError, RecursionError) as error:
             entry.error(f"{quoted(text or '')} is no regular expression: {error}")
         else:
+            if text and pattern.is_slow(text):
+                entry.warning(
+                    f"some codes cannot be compared with {quoted(text)} within"
+                    f" {pattern.LIMIT_S * 1000:.0f} ms, and are refused; {pattern.SIMPLER}"
+                )
             return text or default
     return default
 

@@ -6,6 +6,8 @@ import re
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from woz_tui.experiment.pattern import SIMPLER, matches
+
 if TYPE_CHECKING:
     from woz_tui.experiment.shape import Experiment
 
@@ -73,7 +75,16 @@ def check_code(code: str, what: str) -> None:
 def check_participant(code: str, pattern: str) -> None:
     """Raises `AskError` unless `code` is a code and matches the experiment's `pattern`."""
     check_code(code, "participant")
-    if not re.fullmatch(pattern, code):
+    if pattern == CODE.pattern:
+        return
+    try:
+        fits = matches(pattern, code)
+    except TimeoutError:
+        raise AskError(
+            f"it takes too long to compare {code!r} with the experiment's pattern {pattern}",
+            SIMPLER,
+        ) from None
+    if not fits:
         raise AskError(f"{code!r} does not match the experiment's pattern {pattern}")
 
 

@@ -76,6 +76,13 @@ def test_tags_are_not_spoken_but_count(tagged: str, text: str, seconds: float) -
     assert heard.seconds == pytest.approx(seconds)
 
 
+@pytest.mark.parametrize("begun", ["<prosody ", '<prosody rate="1%"', "^run(", "<break"])
+def test_a_text_of_tags_that_are_never_closed_is_looked_through_quickly(begun: str) -> None:
+    """With a search that begins anew at each of them this test does not end."""
+    text = begun * 100_000
+    assert utterance(text, 14.0).text == " ".join(text.split())
+
+
 async def test_every_move_moves_and_ends_where_it_began(it: Rig) -> None:
     for name in MOVES:
         it.outlet.readings.clear()

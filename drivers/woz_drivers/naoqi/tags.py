@@ -12,8 +12,9 @@ from dataclasses import asdict, dataclass, replace
 
 #: Letters a second at speed 100, about three words.
 LETTERS_PER_S = 15.0
-_TAG = re.compile(r"\\\s*([a-z]+)\s*(?:=\s*([^\\]*?)\s*)?\\", re.IGNORECASE)
-_RUN = re.compile(r"\^([A-Za-z]+)\(\s*((?:[^()]|\([^()]*\))*?)\s*\)")
+# Blanks around a value are taken off afterwards: beside them, the search would take hours.
+_TAG = re.compile(r"\\\s*([a-z]+)\s*(?:=([^\\]*))?\\", re.IGNORECASE)
+_RUN = re.compile(r"\^([A-Za-z]+)\(((?:[^()]|\([^()]*\))*)\)")
 _RANGES = {"vct": (50, 200), "rspd": (50, 400), "vol": (0, 100), "pau": (0, 65535)}
 
 
@@ -70,7 +71,7 @@ def animated(text: str) -> list[Piece]:
         pieces += _voiced(text[position:end], manner)
         manner = _manner_after(text[position:end], manner)
         if match:
-            pieces.append(Animate(match[1], match[2]))
+            pieces.append(Animate(match[1], match[2].strip()))
             position = match.end()
     return pieces
 
@@ -105,4 +106,5 @@ def _changed(manner: Manner, match: re.Match[str]) -> Manner:
 def _number(match: re.Match[str]) -> int:
     """The value within its range; 100 when there is none."""
     low, high = _RANGES[match[1].lower()]
-    return min(high, max(low, int(match[2]))) if (match[2] or "").isdigit() else 100
+    value = (match[2] or "").strip()
+    return min(high, max(low, int(value))) if value.isdigit() else 100

@@ -10,11 +10,13 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 
+# No part may look further than the next tag's beginning: the search has to stay quick in a text of
+# nothing but beginnings.
 _TAG = re.compile(
     r"""\\(?P<name>[a-z]+)(?:=(?P<value>-?\d+(?:\.\d+)?))?\\
-      | \^(?:run|start|stop|wait|mode|runTag|startTag)\([^)]*\)
+      | \^(?:run|start|stop|wait|mode|runTag|startTag)\([^()]*\)
       | <break\s+time=["'](?P<time>\d+(?:\.\d+)?)(?P<unit>ms|s)["']\s*/?>
-      | <prosody\s[^>]*?rate=["'](?P<rate>\d+(?:\.\d+)?)%["'][^>]*>
+      | <prosody\s(?>[^<>]*?rate=["'](?P<rate>\d+(?:\.\d+)?)%["'])[^<>]*>
       | (?P<reset></prosody>)
       | </?[a-zA-Z][^<>]*>""",
     re.VERBOSE,

@@ -23,7 +23,7 @@ GOODBYE = "Thank you, goodbye!"
 _LETTERS, _SHORTEST = 12.0, 0.8
 
 _ASKS_NAME = re.compile(r"\byour name\b|\bcall you\b|\bwho are you\b", re.IGNORECASE)
-_ASKS_WHETHER = re.compile(r"\b(right|correct)\b[^?]*\?", re.IGNORECASE)
+_WHETHER = re.compile(r"\b(right|correct)\b", re.IGNORECASE)
 
 
 def reply(name: str, said: str, chance: Random) -> str:
@@ -38,15 +38,19 @@ def reply(name: str, said: str, chance: Random) -> str:
         return "Yes."
     if _ASKS_NAME.search(said):
         return f"{name}."
-    if _ASKS_WHETHER.search(said):
+    if _asks_whether(said):
         return "No."
     return chance.choice(ANSWERS)
+
+
+def _asks_whether(said: str) -> bool:
+    return _WHETHER.search(said[: said.rfind("?")]) is not None
 
 
 def is_about_the_name(name: str, said: str) -> bool:
     """Whether the robot asks who they are: politeness answers that, however often."""
     known = re.search(rf"\b{re.escape(name)}\b", said, re.IGNORECASE)
-    return "?" in said and bool(known or _ASKS_NAME.search(said) or _ASKS_WHETHER.search(said))
+    return "?" in said and bool(known or _ASKS_NAME.search(said) or _asks_whether(said))
 
 
 def seconds(text: str) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from woz_drivers.naoqi.tags import LETTERS_PER_S
+from woz_drivers.naoqi.tags import LETTERS_PER_S, Animate, Pause, Words, animated
 
 from tests.drivers.naoqi.hands import Said, Wired
 
@@ -234,3 +234,16 @@ async def test_all_behaviours_are_listed(wired: Wired) -> None:
     there = await wired.call("ALBehaviorManager.getInstalledBehaviors")
     assert {HEY, YES} <= set(there)
     assert len(there) == len(set(there)) > 300
+
+
+@pytest.mark.parametrize("begun", ["\\a=", "^run(", "^run(()"])
+def test_a_tag_that_is_never_closed_is_looked_for_quickly(begun: str) -> None:
+    """With a search that goes back over the blanks this test does not end."""
+    (words,) = animated(begun + " " * 20_000)
+    assert isinstance(words, Words)
+    assert words.text == begun
+
+
+def test_blanks_in_a_tag_do_not_count() -> None:
+    pieces = animated("\\ pau = 500 \\ ^run( a/b )")
+    assert pieces == [Pause(0.5), Animate("run", "a/b")]

@@ -1,9 +1,12 @@
 from __future__ import annotations
 
+import math
 import shutil
 import threading
 import time
+from collections.abc import Callable
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -248,6 +251,64 @@ def test_a_slow_disk_is_told(tmp_path: Path, waits_s: float, level: str) -> None
             return any(state.level == "ok" for state in it.states[before:])
 
         until(calm, "ok again")
+
+
+class Standstill(threading.Event):
+    """What the log's keeper waits for. In its first wait the whole process stands still; `awakes` is
+    what others do before the keeper's turn.
+    """
+
+    def __init__(self, clock: ManualClock, seconds: float, awakes: Callable[[], object]) -> None:
+        super().__init__()
+        self._clock = clock
+        self._seconds = seconds
+        self._awakes = awakes
+        self.passed = 0.0
+        self.waits = 0
+
+    def monotonic(self) -> float:
+        return time.monotonic() + self.passed
+
+    def wait(self, timeout: float | None = None) -> bool:
+        self.waits += 1
+        if self.waits == 1:
+            self.passed = self._seconds
+            self._clock.advance(self._seconds)
+            self._awakes()
+        return super().wait(timeout)
+
+
+@pytest.mark.parametrize("synced_first", [True, False])
+@pytest.mark.parametrize("seconds", [2.0, 30.0])
+def test_a_process_that_stood_still_blames_no_disk(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, seconds: float, synced_first: bool
+) -> None:
+    with bench(tmp_path) as it:
+        it.told("ok")
+        it.synced()
+
+        def sync() -> None:
+            it.disk.gate.set()
+            it.synced()
+
+        standstill = Standstill(it.clock, seconds, sync if synced_first else int)
+        monkeypatch.setattr(recorder, "STANDSTILL_S", 1.0)
+        monkeypatch.setattr(recorder, "time", SimpleNamespace(monotonic=standstill.monotonic))
+        it.disk.gate.clear()
+        it.note("waits for the disk while nothing goes on")
+        it.recorder._wake = standstill
+        until(lambda: standstill.waits > 1, "the keeper's next wait")
+        assert it.recorder.state().level == "ok"
+        sync()
+        it.note()
+        it.synced()
+        assert {state.level for state in it.states} == {"ok"}
+        assert it.recorder.path.parent == it.home
+        monkeypatch.setattr(recorder, "STANDSTILL_S", math.inf)
+        it.disk.gate.clear()
+        it.note()
+        it.clock.advance(1.2)
+        assert "slow" in it.told("alarm").detail
 
 
 def test_a_disk_that_has_stopped_answering_is_left(tmp_path: Path) -> None:

@@ -57,6 +57,13 @@ class Backlog:
             self._size -= len(self._entries.popleft().line)
         self._forgotten = min(self._forgotten, waiting - len(self._entries))
 
+    def excuse(self, pause_us: int, now_us: int) -> None:
+        """In a pause that has just ended nothing could reach the disk: it does not count."""
+        self._worst_us = max(0, self._worst_us - pause_us)
+        self._entries = deque(
+            Entry(min(entry.at_us + pause_us, now_us), entry.line) for entry in self._entries
+        )
+
     def lose_home(self) -> None:
         """The file that took the lines failed: what memory has let go may be lost."""
         self.lost += self._forgotten

@@ -48,6 +48,8 @@ MEMORY = (32 << 20, 8 << 20)
 CLOSE_WAIT_S = 2.0
 #: The longest that one line waits for the next segment, and two pauses of the keeper.
 _SWITCH_WAIT_S, _POLL_S, _RETRY_S = 0.05, 0.1, 3.0
+#: The keeper wakes up so much too late only if the whole process did.
+STANDSTILL_S = 0.05
 #: A disk that has not answered for this long is left; the time doubles with every leaving.
 _STALL_US = 10_000_000
 #: How long after a move the state stays `alarm` before it becomes a standing `warn`.
@@ -226,7 +228,9 @@ class Recorder:
 
     def _keep(self) -> None:
         while True:
+            began = time.monotonic()
             self._wake.wait(_POLL_S)
+            self._stood_still(time.monotonic() - began - _POLL_S)
             self._wake.clear()
             closing = self._closed
             self._report()
@@ -234,6 +238,13 @@ class Recorder:
             self._report()
             if closing:
                 return
+
+    def _stood_still(self, seconds: float) -> None:
+        """The process was stopped, or had no processor: no fault of the disk."""
+        if seconds > STANDSTILL_S:
+            with self._lock:
+                for backlog in self._backlogs:
+                    backlog.excuse(round(seconds * 1e6), self._clock.now_us())
 
     def _mend(self) -> None:
         """Whatever has to be opened is opened, or tried again when its time has come."""

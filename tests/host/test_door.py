@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import shutil
 import socket
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
 
 from tests.host.rig import Peer, Served, served
 from woz_tui.experiment.shape import Experiment
-from woz_tui.host.place import PlaceError, answers, bind, inode
+from woz_tui.host.place import PlaceError, answers, bind, folder, inode
 from woz_tui.plugins import PluginError
 
 
@@ -115,3 +116,55 @@ async def test_a_reload_that_fails_in_an_unforeseen_way_is_answered(tmp_path: Pa
         reply = await peer.ask("reload")
         assert "'arm' cannot be loaded" in reply["reason"]
         assert not reply["ok"]
+
+
+# -- what may be in the place of a folder ----------------------------------------------------------
+
+
+def a_file(place: Path) -> None:
+    place.write_text("")
+
+
+def a_dangling_link(place: Path) -> None:
+    place.symlink_to("nowhere")
+
+
+def a_link_to_a_folder(place: Path) -> None:
+    (place.parent / "elsewhere").mkdir()
+    place.symlink_to("elsewhere")
+
+
+@pytest.mark.parametrize("lay", [a_file, a_dangling_link, a_link_to_a_folder])
+def test_what_is_no_folder_in_the_runtime_folders_place_is_named_with_a_remedy(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, lay: Callable[[Path], None]
+) -> None:
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    lay(tmp_path / "woz")
+    with pytest.raises(PlaceError) as caught:
+        folder()
+    assert str(tmp_path / "woz") in str(caught.value)
+    assert "remove it" in str(caught.value)
+
+
+@pytest.mark.parametrize("lay", [a_file, a_dangling_link])
+def test_what_is_no_folder_above_a_socket_is_named_with_a_remedy(
+    tmp_path: Path, lay: Callable[[Path], None]
+) -> None:
+    lay(tmp_path / "woz")
+    with pytest.raises(PlaceError) as caught:
+        bind(tmp_path / "woz" / "S01.sock")
+    assert str(tmp_path / "woz") in str(caught.value)
+    assert "WOZ_SOCKET" in str(caught.value)
+
+
+@pytest.mark.parametrize("lay", [a_file, a_dangling_link, Path.mkdir])
+def test_what_is_no_socket_in_its_place_is_left_there(
+    tmp_path: Path, lay: Callable[[Path], None]
+) -> None:
+    place = tmp_path / "S01.sock"
+    lay(place)
+    with pytest.raises(PlaceError) as caught:
+        bind(place)
+    assert str(place) in str(caught.value)
+    assert "WOZ_SOCKET" in str(caught.value)
+    assert inode(place) is not None

@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 import socket
 import stat
+from contextlib import suppress
 from pathlib import Path
 
 #: Longest path that fits into a Unix socket's address.
@@ -20,16 +21,23 @@ class PlaceError(OSError):
 def folder() -> Path:
     """The user's folder for sockets: `$XDG_RUNTIME_DIR/woz`, else `/tmp/woz-<uid>`.
 
-    Made with mode 0700 if missing. Raises `PlaceError` if it belongs to somebody else.
+    Made with mode 0700 if missing. Raises `PlaceError` if it belongs to somebody else, or if there
+    is something else in its place.
     """
     runtime = os.environ.get("XDG_RUNTIME_DIR", "")
     if runtime and Path(runtime).is_dir() and os.access(runtime, os.W_OK):
         place = Path(runtime) / "woz"
     else:
         place = Path("/tmp") / f"woz-{os.getuid()}"
-    place.mkdir(mode=0o700, parents=True, exist_ok=True)
+    with suppress(FileExistsError):  # a file or a link, which is told below
+        place.mkdir(mode=0o700, parents=True, exist_ok=True)
     status = place.lstat()
-    if not stat.S_ISDIR(status.st_mode) or status.st_uid != os.getuid():
+    if not stat.S_ISDIR(status.st_mode):
+        raise PlaceError(
+            f"{place} is no folder; the sockets of sessions belong there: remove it, or set"
+            " XDG_RUNTIME_DIR to another folder"
+        )
+    if status.st_uid != os.getuid():
         raise PlaceError(f"{place} is not yours; remove it or set XDG_RUNTIME_DIR")
     if stat.S_IMODE(status.st_mode) & 0o077:
         place.chmod(0o700)
@@ -78,11 +86,17 @@ def running() -> list[Path]:
 def bind(path: Path) -> socket.socket:
     """A listening socket with mode 0600; a dead one's leftover is replaced.
 
-    Raises `PlaceError` if a living robot process has it, or if it is no socket, and `OSError` if
-    its folder is not there and cannot be made.
+    Raises `PlaceError` if a living robot process has it, if it is no socket, or if its folder is
+    not there and cannot be made.
     """
-    path.parent.mkdir(mode=0o700, exist_ok=True)
-    if path.exists():
+    try:
+        path.parent.mkdir(mode=0o700, exist_ok=True)
+    except OSError as error:
+        raise PlaceError(
+            f"no folder for sockets at {path.parent}: {error.strerror}; put a folder there, or set"
+            " WOZ_SOCKET elsewhere"
+        ) from error
+    if inode(path) is not None:
         if not path.is_socket():
             raise PlaceError(f"{path} is there already and no socket; set WOZ_SOCKET elsewhere")
         if answers(path):

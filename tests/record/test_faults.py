@@ -254,8 +254,8 @@ def test_a_slow_disk_is_told(tmp_path: Path, waits_s: float, level: str) -> None
 
 
 class Standstill(threading.Event):
-    """What the log's keeper waits for. In its first wait the whole process stands still; `awakes` is
-    what others do before the keeper's turn.
+    """What the log's keeper waits for. In its first wait the whole process stands still; others
+    do what `awakes` does before it is the keeper's turn.
     """
 
     def __init__(self, clock: ManualClock, seconds: float, awakes: Callable[[], object]) -> None:

@@ -7,7 +7,8 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from unittest.mock import patch
+
+import pytest
 
 from tests.record.disks import FaultyDisk
 from woz_tui.core import messages as m
@@ -102,7 +103,8 @@ def bench(folder: Path, memory: tuple[int, int] = MEMORY) -> Iterator[Bench]:
     """
     it = Bench(folder, memory).begin()
     try:
-        with patch.object(recorder, "STANDSTILL_S", math.inf):
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(recorder, "STANDSTILL_S", math.inf)
             yield it
     finally:
         it.disk.gate.set()

@@ -103,6 +103,7 @@ class Client(asyncio.Protocol):
         hub: Source of the stream.
         turns: Decides when a request is carried out.
         on_request: Called with each decoded request.
+        on_stop: Called with a stop as soon as it has been received; its answer waits for its turn.
         on_gone: Called once when the connection has ended.
     """
 
@@ -111,7 +112,9 @@ class Client(asyncio.Protocol):
         name: str,
         hub: Hub,
         turns: Turns,
+        *,
         on_request: Callable[[Client, AnyRequest], None],
+        on_stop: Callable[[Client, AskStop], None],
         on_gone: Callable[[Client, str], None],
     ) -> None:
         self.name = name
@@ -124,11 +127,13 @@ class Client(asyncio.Protocol):
         self._hub = hub
         self._turns = turns
         self._on_request = on_request
+        self._on_stop = on_stop
         self._on_gone = on_gone
         self._transport: asyncio.Transport | None = None
         self._subscription: Subscription | None = None
         self._rest = bytearray()
-        self._lines: deque[bytes] = deque()
+        #: Lines that wait, and the answer to a stop that has overtaken those in front of it.
+        self._lines: deque[bytes | Reply] = deque()
         self._ahead = 0
         self._overtaken = 0
         self._ended = False
@@ -185,14 +190,16 @@ class Client(asyncio.Protocol):
             lines.append(bytes(self._rest))
             self._rest.clear()
         lines = [line for line in lines if line.strip()]
+        idle = not self._lines
+        self._ahead += sum(map(len, lines))
         place, stop = _last_stop(lines)
         if stop is not None:
-            del lines[place]
+            self._ahead -= len(lines[place])
             self._overtaken = len(self._lines) + place
-            self._on_request(self, stop)
-        idle = not self._lines
+            self._on_stop(self, stop)
         self._lines.extend(lines)
-        self._ahead += sum(map(len, lines))
+        if stop is not None:
+            self._lines[self._overtaken] = Reply(ref=stop.ref, ok=True)
         if self._transport is not None and self._ahead > READ_AHEAD:
             self._transport.pause_reading()
         if idle and lines:
@@ -207,8 +214,11 @@ class Client(asyncio.Protocol):
         """Carry out the first request that waits."""
         line = self._lines.popleft()
         overtaken, self._overtaken = self._overtaken > 0, max(0, self._overtaken - 1)
-        self._ahead -= len(line)
-        self._line(line, overtaken)
+        if isinstance(line, Reply):
+            self.send(line)
+        else:
+            self._ahead -= len(line)
+            self._line(line, overtaken)
         if self._transport is None:
             return
         if self._ahead <= READ_AHEAD:

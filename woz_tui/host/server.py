@@ -144,7 +144,12 @@ class Host:
             return
         self._count += 1
         client = Client(
-            f"con{self._count}", self.session.hub, self._turns, self._request, self._gone
+            f"con{self._count}",
+            self.session.hub,
+            self._turns,
+            on_request=self._request,
+            on_stop=self._stop,
+            on_gone=self._gone,
         )
         await asyncio.get_running_loop().connect_accepted_socket(lambda: client, connection)
 
@@ -162,7 +167,7 @@ class Host:
 
     def _request(self, client: Client, request: AnyRequest) -> None:
         if isinstance(request, AskStop):  # before everything: it needs no hello and no role
-            self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
+            self._stop(client, request)
             client.send(Reply(ref=request.ref, ok=True))
         elif isinstance(request, Hello):
             self._hello(client, request)
@@ -172,6 +177,9 @@ class Host:
             self._beat(client, request.line_ok)
         else:
             self.desk.answer(client, request)
+
+    def _stop(self, client: Client, request: AskStop) -> None:
+        self.session.stop("the participant" if client.role == PARTICIPANT else request.source)
 
     def _hello(self, client: Client, hello: Hello) -> None:
         if hello.protocol != PROTOCOL:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import argparse
 import socket
+import sys
+import threading
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from tests.fakes.terminal import FakeTerminal
 from woz_tui.cli import attach
 from woz_tui.host import place
 
@@ -59,3 +62,25 @@ def test_a_questionnaire_of_a_session(sessions: list[Path]) -> None:
     given = arguments("S01", "--questionnaire", "S02")
     assert attach.chosen(given) == sessions[0]
     assert given.questionnaire == "S02"
+
+
+@pytest.mark.parametrize("words", [[], ["--watch"], ["--questionnaire"]])
+def test_a_robot_process_that_ends_before_the_console_opens_is_told_in_a_sentence(
+    tmp_path: Path, words: list[str]
+) -> None:
+    path = tmp_path / "s"
+    listener = place.bind(path)
+    listener.setblocking(True)
+
+    def answer_once() -> None:  # whoever looks whether it is there; then it is killed
+        listener.accept()[0].close()
+        listener.close()
+
+    threading.Thread(target=answer_once, daemon=True).start()
+    command = [sys.executable, "-m", "woz_tui", "attach", str(path), *words]
+    with FakeTerminal(command, columns=120) as terminal:
+        assert terminal.wait_exit() == 1
+        told = terminal.wait_for(lambda text: str(path) in text.replace("\n", ""))
+    assert "woz run" in told.replace("\n", " ")
+    assert "Traceback" not in told
+    assert "Errno" not in told

@@ -78,7 +78,7 @@ def test_it_says_hello_first_and_is_welcomed(host: FakeHost, link: Link, ears: E
 
 
 def test_nobody_listens(tmp_path: Path, ears: Ears) -> None:
-    with pytest.raises(FileNotFoundError):
+    with pytest.raises(ConnectionError, match="woz run"):
         Link(tmp_path / "nothing.sock").start(ears.on_messages, ears.on_lost)
 
 

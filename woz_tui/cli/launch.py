@@ -65,10 +65,10 @@ class Launch:
             raise LaunchError(
                 self._errors.read().decode("utf-8", "replace").strip()
                 or (
-                    f"the robot process ended with code {self._process.returncode} before it said"
-                    " where it listens"
+                    f"woz: the robot process ended with code {self._process.returncode} before it"
+                    " said where it listens; start it again"
                     if ended
-                    else f"the robot process did not start within {seconds:g} s"
+                    else f"woz: the robot process did not start within {seconds:g} s"
                 )
             )
         return RobotProcess(

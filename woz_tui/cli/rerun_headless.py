@@ -100,8 +100,10 @@ def watch(launch: Launch, streams: frozenset[tuple[str, str]], blind: Blind) -> 
         print(error, file=sys.stderr)
         return 1
     progress = Progress(streams, blind)
+    stopped = False
     try:
-        stopped = _watch(robot, progress)
+        with contextlib.suppress(ConnectionError, FileNotFoundError):  # gone, as is told below
+            stopped = _watch(robot, progress)
     except BaseException:
         launch.abandon()
         raise

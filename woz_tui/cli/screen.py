@@ -62,7 +62,9 @@ def open_console(options: ScreenOptions) -> tuple[str, int]:
 
 
 def make_console(options: ScreenOptions) -> Console:
-    """The console, ready to run; nothing has been connected or drawn."""
+    """The console, connected and ready to run; nothing has been drawn. Raises `ConnectionError`
+    if the robot process has ended already.
+    """
     from woz_tui.console.app import Console  # noqa: PLC0415
     from woz_tui.console.keyboard import Keyboard  # noqa: PLC0415
     from woz_tui.console.link import Link  # noqa: PLC0415
@@ -76,6 +78,7 @@ def make_console(options: ScreenOptions) -> Console:
         name=os.environ.get("TERM", ""),
         take_over=options.take_over,
     )
+    link.connect()
     app = Console(
         link,
         Keyboard(link),
@@ -103,6 +106,7 @@ def open_questionnaire(socket: Path, only: str) -> tuple[str, int]:
     from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
 
     link = Link(socket, role="participant", name=os.environ.get("TERM", ""))
+    link.connect()
     app = Participant(
         link,
         Keyboard(link),

@@ -78,13 +78,29 @@ class Link:
         self._ended = False
         self._left_us = 0
         self._ref = 0
+        self._opened: socket.socket | None = None
 
     # -- the feed ----------------------------------------------------------------------------
 
+    def connect(self) -> None:
+        """Connect before a screen is opened. Raises `ConnectionError`, in a sentence, if nobody
+        listens at the path.
+        """
+        try:
+            self._opened = self._connect(self._hello)
+        except OSError as error:
+            raise ConnectionError(
+                f"no robot process answers at {self._path} ({error.strerror or error}): it has"
+                " ended. `woz run FILE` starts one; its last words are in the *.host.log beside"
+                " the session's log"
+            ) from error
+
     def start(self, on_messages: OnMessages, on_lost: OnLost) -> None:
-        """Connect and begin. Raises `OSError` if nobody listens at the path."""
+        """Begin, and connect unless that is done. Raises as `connect`."""
         self._on_messages, self._on_lost = on_messages, on_lost
-        connection = self._connect(self._hello)
+        if self._opened is None:
+            self.connect()
+        connection, self._opened = self._opened, None
         for work, argument in ((self._run, (connection,)), (self._write, ()), (self._beat, ())):
             threading.Thread(
                 target=work, args=argument, name=f"link{work.__name__}", daemon=True

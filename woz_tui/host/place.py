@@ -79,8 +79,16 @@ def running() -> list[Path]:
     """Sockets of all sessions of this user that answer, newest first."""
     override = os.environ.get("WOZ_SOCKET", "")
     candidates = [Path(override)] if override else list(folder().glob("*.sock"))
-    living = [path for path in candidates if answers(path)]
-    return sorted(living, key=lambda path: path.stat().st_mtime, reverse=True)
+    living = [(_made(path), path) for path in candidates if answers(path)]
+    return [path for _, path in sorted(living, reverse=True)]
+
+
+def _made(path: Path) -> float:
+    """When the file was made; long ago, if it has gone meanwhile."""
+    try:
+        return path.stat().st_mtime
+    except OSError:
+        return 0.0
 
 
 def bind(path: Path) -> socket.socket:

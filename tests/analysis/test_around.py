@@ -95,6 +95,16 @@ def test_a_driver_of_several_parts_tells_which_of_them_stand_still() -> None:
     assert (stop.confirmed, stop.missing) == (("head",), ("pepper (tablet)",))
 
 
+def test_a_driver_that_a_stop_did_not_reach_is_named_as_that() -> None:
+    it = Told().add(1, m.StopPressed(source="key"))
+    confirmed = m.StopConfirmed(
+        confirmed=["head"], missing=["base", "robot"], unreached=["robot"], elapsed_us=1
+    )
+    [stop] = told(it.add(2, confirmed).end(9)).stops
+    assert (stop.confirmed, stop.missing) == (("head",), ("base", "robot (not reached)"))
+    assert stop.unreached == ("robot",)
+
+
 def test_marks_are_in_order() -> None:
     it = Told().add(1, m.Note(text="shy")).add(2, m.Marker(text="laughs", source="wizard"))
     it.add(3, m.Marker(text="4 checks", source="preflight")).act(4)

@@ -66,6 +66,18 @@ def test_one_of_each_is_singular() -> None:
     assert not re.search(r"\b1 \w+s (was|were)\b|\b1 were\b", found)
 
 
+def test_a_robot_that_a_stop_did_not_reach_is_said() -> None:
+    it = Told().act(1)
+    for at in (3, 5):
+        it.add(at, m.StopPressed(source="key"))
+        missing = ["robot"] if at == 3 else ["base", "robot"]
+        it.add(at, m.StopConfirmed(confirmed=[], missing=missing, unreached=["robot"], elapsed_us=1))
+    found = text(told(it.end(60)))
+    assert "The emergency stop was pressed twice in 1 session." in found
+    assert "It did not reach robot (twice), which was not connected." in found
+    assert "base" not in found
+
+
 def test_what_was_not_recorded_is_said() -> None:
     it = Told(participant="", condition="", wizard="").end(60)
     found = text(told(it))

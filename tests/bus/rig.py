@@ -32,7 +32,7 @@ class Scripted:
 
     name: str
     stop_takes: float = 0.0
-    stop_raises: bool = False
+    stop_raises: Exception | None = None
     stop_tells: StopReport | None = None
     calls: list[tuple[str, str]] = field(default_factory=list)
     #: Commands that reached it while the stop was latched: there must be none, ever.
@@ -80,8 +80,8 @@ class Scripted:
         self.calls.append(("stop", scope.value))
         if self.stop_takes:
             await asyncio.sleep(self.stop_takes)
-        if self.stop_raises:
-            raise OSError("port gone")
+        if self.stop_raises is not None:
+            raise self.stop_raises
         return self.stop_tells
 
 
@@ -101,6 +101,9 @@ class Rig:
             capacity=capacity,
         )
         self.head.latched = self.base.latched = lambda: self.bus.latched
+        for name in ("head", "base"):
+            self.hub.publish(m.DriverConnected(driver=name))
+        self.lines.clear()
         self._count = 0
 
     def send(

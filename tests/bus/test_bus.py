@@ -6,11 +6,12 @@ from typing import Any
 
 import pytest
 
-from tests.bus.rig import Rig
+from tests.bus.rig import VERBS, Rig, Scripted
 from tests.fakes.virtual_time import run_virtual
+from woz_tui.bus.bus import Bus
 from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, DriverError, Job, StopReport, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, StopReport, Verb
 from woz_tui.core.messages import Command, Json
 
 
@@ -234,7 +235,7 @@ def test_stop_ends_all_at_once_latches_and_names_who_confirmed() -> None:
 
 def test_a_driver_whose_stop_raises_or_whose_job_goes_on_has_not_confirmed() -> None:
     async def scenario(rig: Rig) -> None:
-        rig.base.stop_raises = True
+        rig.base.stop_raises = OSError("port gone")
         rig.send("say", "deaf", 3)
         await asyncio.sleep(0.1)
         rig.bus.stop("key")
@@ -257,6 +258,97 @@ def test_a_driver_of_several_parts_tells_of_each_and_has_not_confirmed_with_one_
     assert (told.confirmed, told.missing) == (["head"], ["base"])
     assert told.parts == {"head": ["speech", "motion"], "base": ["motion"]}
     assert told.missing_parts == {"base": ["tablet"]}
+
+
+@pytest.mark.parametrize(
+    ("before", "reached"),
+    [
+        ([m.DriverLost(driver="base")], False),
+        ([m.DriverConnecting(driver="base")], False),
+        ([m.DriverLost(driver="base"), m.DriverFaulted(driver="base")], False),
+        ([m.DriverLost(driver="base"), m.DriverConnected(driver="base")], True),
+        ([m.DriverFaulted(driver="base")], True),  # a part of it: the driver knows of the others
+    ],
+)
+def test_a_driver_that_is_not_connected_confirms_nothing_and_is_not_reached(
+    before: list[m.DriverHealth], reached: bool
+) -> None:
+    async def scenario(rig: Rig) -> None:
+        for health in before:
+            rig.hub.publish(health)  # type: ignore[type-var]
+        rig.bus.stop("key")
+        await asyncio.sleep(1)
+
+    rig = in_rig(scenario)
+    (told,) = rig.of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert told.confirmed == ["head", "base"][: 1 + reached]
+    assert told.missing == told.unreached == ["base"][reached:]
+    assert rig.base.calls == [("stop", "all")], "perhaps it hears it all the same"
+
+
+def test_a_driver_that_never_said_that_it_is_connected_is_not_reached() -> None:
+    async def scenario(rig: Rig) -> None:
+        lamp = Scripted("lamp")
+        bus = Bus(rig.hub, {"lamp": lamp}, {"lamp": VERBS})
+        rig.hub.publish(m.DriverFaulted(driver="lamp", detail="it did not open"))
+        bus.stop("key")
+        await asyncio.sleep(1)
+
+    (told,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert (told.confirmed, told.unreached) == ([], ["lamp"])
+
+
+def test_a_driver_that_is_lost_while_others_confirm_is_not_reached() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.base.stop_takes = 0.4
+        rig.bus.stop("key")
+        await asyncio.sleep(0.2)
+        rig.hub.publish(m.DriverLost(driver="head"))
+        await asyncio.sleep(1)
+
+    (told,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert (told.confirmed, told.missing, told.unreached) == (["base"], ["head"], ["head"])
+
+
+def test_a_driver_that_is_found_while_others_confirm_was_not_reached() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.base.stop_takes = 0.4
+        rig.hub.publish(m.DriverLost(driver="head"))
+        rig.bus.stop("key")
+        await asyncio.sleep(0.2)
+        rig.hub.publish(m.DriverConnected(driver="head"))
+        await asyncio.sleep(1)
+
+    (told,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert (told.confirmed, told.unreached) == (["base"], ["head"])
+
+
+def test_a_driver_whose_stop_finds_its_hardware_gone_is_not_reached() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.base.stop_raises = Lost("port gone")
+        rig.bus.stop("key")
+        await asyncio.sleep(1)
+
+    (told,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert (told.confirmed, told.unreached) == (["head"], ["base"])
+
+
+def test_a_faulted_driver_that_was_never_whole_confirms_by_naming_its_parts() -> None:
+    async def scenario(rig: Rig) -> None:
+        rig.head.stop_tells = StopReport(("pan", "tilt"))
+        rig.hub.publish(m.DriverConnecting(driver="head"))
+        rig.hub.publish(m.DriverFaulted(driver="head", detail="roll does not answer"))
+        rig.bus.stop("key")
+        await asyncio.sleep(1)
+
+    (told,) = in_rig(scenario).of(m.StopConfirmed)
+    assert isinstance(told, m.StopConfirmed)
+    assert (told.confirmed, told.missing, told.unreached) == (["head", "base"], [], [])
 
 
 def test_a_second_press_after_the_first_round_calls_the_drivers_again() -> None:

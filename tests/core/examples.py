@@ -180,10 +180,11 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.ActionStopped(run="a00005", action="Bye", reason="stop pressed"),
     m.StopConfirmed(
         confirmed=["voice"],
-        missing=["pepper"],
+        missing=["pepper", "base"],
         elapsed_us=500_000,
         parts={"pepper": ["speech", "motion"]},
         missing_parts={"pepper": ["tablet"]},
+        unreached=["base"],
     ),
     m.StopReleased(source="key"),
     m.ConsoleLost(console="con1", role="wizard", why="closed"),

@@ -166,6 +166,9 @@ async def test_servo_missing_from_the_start(tmp_path: Path) -> None:
         assert not it.bus.servo(13).torque
         with pytest.raises(DriverError, match="tilt does not answer"):
             await it.do("torque", on=True, joint="tilt")
+        report = await it.driver.stop(Scope.ALL)
+        assert report is not None
+        assert (report.confirmed, report.missing) == (("pan", "roll"), ())
 
 
 async def test_wrong_model_is_never_moved(tmp_path: Path) -> None:

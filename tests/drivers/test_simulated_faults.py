@@ -99,6 +99,9 @@ async def test_a_lost_part_leaves_the_others_alone(it: Rig) -> None:
     with pytest.raises(Lost):
         await it.do("say", text="Hello")
     await it.do("play", move="nod")
+    report = await it.robot.stop(Scope.ALL)
+    assert report is not None
+    assert report.missing == ("voice",)
 
 
 async def test_slow_takes_four_times_as_long_and_says_so(it: Rig) -> None:

@@ -87,7 +87,9 @@ def test_one_bad_driver_harms_no_other(tmp_path: Path, how: str, where: str) -> 
     stage = on_stage(tmp_path, hello_and_stop, bad)
     assert [verb for verb, _ in stage.puppet().calls] == ["say", "stop", "rest", "close"]
     confirmed = next(line for line in stage.lines if isinstance(line, m.StopConfirmed))
-    assert ("robot" in confirmed.confirmed, bad in confirmed.missing) == (True, where == "stop")
+    assert "robot" in confirmed.confirmed
+    assert (bad in confirmed.missing) == (where in ("open", "stop"))
+    assert (bad in confirmed.unreached) == (where == "open")
     told = [line for line in stage.lines if isinstance(line, m.Notice | m.DriverFaulted)]
     assert len(told) == (where != "stop")
     assert all(bad.encode() in wire.encode(line) for line in told)

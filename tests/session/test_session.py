@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import asyncio
 import json
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 
@@ -11,7 +11,7 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Finding
+from woz_tui.core.driver import Finding, Job, Scope
 from woz_tui.experiment import template
 from woz_tui.experiment.shape import Place, Problem
 from woz_tui.session.identity import AskError, Identity, check_participant
@@ -234,6 +234,80 @@ def test_the_end_rests_closes_and_signs_the_log(tmp_path: Path) -> None:
     assert len(lines[-1]["sha256"]) == 64
     with pytest.raises(AskError, match="ending"):
         stage.session.play("Hello", KEY)
+
+
+class Slow(Puppet):
+    """Takes its time for everything."""
+
+    async def perform(self, job: Job) -> Mapping[str, m.Json]:
+        try:
+            return await super().perform(job)
+        except asyncio.CancelledError:
+            await asyncio.sleep(0.3)
+            raise
+
+    async def stop(self, scope: Scope) -> None:
+        await asyncio.sleep(0.2)
+
+    async def rest(self) -> None:
+        await asyncio.sleep(1.0)
+
+    async def close(self) -> None:
+        await asyncio.sleep(0.5)
+
+
+@pytest.mark.parametrize("at", [0.0, 0.1, 0.25, 0.5, 1.0, 1.25, 1.29, 1.31, 1.5, 1.75, 1.79])
+def test_a_stop_at_any_moment_of_the_end_is_confirmed_in_the_log(
+    tmp_path: Path, at: float
+) -> None:
+    async def go() -> Stage:
+        stage = Stage(tmp_path, catalogue={"puppet": Slow})
+        await stage.session.open()
+        stage.session.play("Hello", KEY)
+        await asyncio.sleep(0.1)
+        closing = asyncio.create_task(stage.session.close("test"))
+        await asyncio.sleep(at)
+        stage.session.stop("key")
+        await asyncio.sleep(0.15)
+        stage.session.stop("key")  # a second press joins the first
+        await closing
+        return stage
+
+    stage = run_virtual(go())
+    kinds = [json.loads(line)["kind"] for line in stage.recorder.path.read_text().splitlines()]
+    stops = [kind for kind in kinds if kind.startswith("stop.")]
+    assert stops == ["stop.pressed", "stop.confirmed"] * (len(stops) // 2)
+    assert stops
+    assert kinds[-1] == "session.end"
+
+
+def test_a_driver_that_has_closed_confirms_no_stop(tmp_path: Path) -> None:
+    class Closing(Slow):
+        async def close(self) -> None:
+            if self.name == "robot":
+                await super().close()
+
+    async def go() -> Stage:
+        stage = Stage(tmp_path, ("robot", "head"), catalogue={"puppet": Closing})
+        await stage.session.open()
+        closing = asyncio.create_task(stage.session.close("test", rest=False))
+        await asyncio.sleep(0.1)
+        stage.session.stop("key")
+        await closing
+        return stage
+
+    (told,) = [line for line in run_virtual(go()).lines if isinstance(line, m.StopConfirmed)]
+    assert (told.confirmed, told.unreached) == (["robot"], ["head"])
+
+
+def test_the_stop_is_not_released_any_more_while_the_session_ends(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.stop("key")
+        await stage.session.close("test")
+        with pytest.raises(AskError, match="ending"):
+            stage.session.release("key")
+
+    on_stage(tmp_path, scenario)
 
 
 def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:

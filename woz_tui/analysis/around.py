@@ -44,7 +44,10 @@ class Stops:
                 self.stops[at] = replace(
                     stop,
                     confirmed=_with_parts(message.confirmed, message.parts),
-                    missing=_with_parts(message.missing, message.missing_parts),
+                    missing=_with_parts(
+                        message.missing, {**message.missing_parts, **_unreached(message)}
+                    ),
+                    unreached=tuple(message.unreached),
                     elapsed_us=message.elapsed_us,
                 )
                 return
@@ -54,6 +57,10 @@ class Stops:
         self.stops = [
             stop if stop.released is not None else replace(stop, released=t) for stop in self.stops
         ]
+
+
+def _unreached(message: m.StopConfirmed) -> dict[str, list[str]]:
+    return {name: ["not reached"] for name in message.unreached}
 
 
 def _with_parts(drivers: list[str], parts: Mapping[str, list[str]]) -> tuple[str, ...]:

@@ -287,6 +287,9 @@ def _performance(facts: Facts) -> Iterator[str]:
             f"The emergency stop was pressed {times(facts.stops)}"
             f" in {some(facts.stopped_sessions, 'session')}."
         )
+    if facts.unreached:
+        names = listed([f"{name} ({times(n)})" for name, n in sorted(facts.unreached.items())])
+        yield f"It did not reach {names}, which {was(len(facts.unreached))} not connected."
 
 
 #: Fates of cues to which an answer was not due within the window, in words.

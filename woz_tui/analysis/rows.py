@@ -77,7 +77,8 @@ class Span:
 @dataclass(frozen=True, slots=True)
 class Stop:
     """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log;
-    a driver of several parts is followed by those in brackets.
+    a driver of several parts is followed by those in brackets. `unreached`: those of `missing`
+    that were not connected.
     """
 
     t: int
@@ -85,6 +86,7 @@ class Stop:
     scope: str
     confirmed: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
+    unreached: tuple[str, ...] = ()
     elapsed_us: int | None = None
     released: int | None = None
 

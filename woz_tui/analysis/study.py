@@ -39,6 +39,7 @@ class Facts:
         people: Condition -> participants.
         unnamed: Sessions without a participant's code.
         wizards: Wizard -> sessions led.
+        unreached: Driver -> how many stops did not reach it, as it was not connected.
         seen: What the wizard could not see -> in how many sessions.
         shaped: How answers were held back -> in how many sessions.
         open_logs: Sessions whose log has no end.
@@ -71,6 +72,7 @@ class Facts:
     reactions: Series = field(default_factory=Series)
     stops: int = 0
     stopped_sessions: int = 0
+    unreached: Counter[str] = field(default_factory=Counter)
     held: Series = field(default_factory=Series)
     seen: Counter[tuple[tuple[str, ...], tuple[str, ...]]] = field(default_factory=Counter)
     shaped: Counter[tuple[int, int, tuple[str, ...]]] = field(default_factory=Counter)
@@ -151,6 +153,7 @@ class Facts:
                 self.reactions.extend(part.reactions[ALL_CUES].times)
         self.stops += len(figures.stops)
         self.stopped_sessions += bool(figures.stops)
+        self.unreached.update(name for stop in figures.stops for name in stop.unreached)
         for seen in {_hidden(each) for each in figures.restrictions} - {((), ())}:
             self.seen[seen] += 1
 

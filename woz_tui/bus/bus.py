@@ -17,10 +17,22 @@ import msgspec
 from woz_tui.bus.arguments import ArgumentError, checked
 from woz_tui.bus.guard import guarded
 from woz_tui.bus.lane import Lane, Ticket
-from woz_tui.core.driver import Performer, Scope, StopReport, Verb
+from woz_tui.core.driver import Lost, Performer, Scope, StopReport, Verb
 from woz_tui.core.hiding import hidden
 from woz_tui.core.hub import Hub
-from woz_tui.core.messages import Command, End, Json, StopConfirmed, StopPressed, StopReleased
+from woz_tui.core.messages import (
+    AnyMessage,
+    Command,
+    DriverConnected,
+    DriverConnecting,
+    DriverFaulted,
+    DriverLost,
+    End,
+    Json,
+    StopConfirmed,
+    StopPressed,
+    StopReleased,
+)
 
 #: Commands that may wait in one lane.
 CAPACITY = 16
@@ -67,6 +79,10 @@ class Bus:
         self._lanes: dict[tuple[str, str], Lane] = {}
         self._stopping: asyncio.Task[None] | None = None
         self._asides: set[asyncio.Task[None]] = set()
+        self._connected: set[str] = set()
+        #: Those of which a part may be connected: they say which.
+        self._faulted: set[str] = set()
+        hub.listen(self._hear)
         self.latched = False
         #: Why the robot may not drive at this moment; empty while a wizard watches.
         self.unwatched = ""
@@ -150,6 +166,28 @@ class Bus:
             return False
         return self.cancel(run, reason)
 
+    # -- who is connected --------------------------------------------------------------------
+
+    def _hear(self, message: AnyMessage) -> None:
+        """A driver with a fault is as connected as it was before."""
+        match message:
+            case DriverConnected(driver=driver):
+                self._connected.add(driver)
+                self._faulted.discard(driver)
+            case DriverFaulted(driver=driver):
+                self._faulted.add(driver)
+            case DriverLost(driver=driver) | DriverConnecting(driver=driver):
+                self.disconnected(driver)
+
+    def disconnected(self, driver: str) -> None:
+        """From here on no stop reaches it, whatever its `stop` returns."""
+        self._connected.discard(driver)
+        self._faulted.discard(driver)
+
+    def _reaches(self, driver: str, report: StopReport | None) -> bool:
+        parts = driver in self._faulted and report is not None and bool(report.confirmed)
+        return driver in self._connected or parts
+
     # -- the stop ----------------------------------------------------------------------------
 
     def stop(self, source: str) -> asyncio.Task[None]:
@@ -215,19 +253,23 @@ class Bus:
     async def _confirm(self, stops: Mapping[str, Stop], began_us: int, jobs: bool = True) -> None:
         """Wait until each driver's `stop` has returned and its jobs have ended, then report."""
         loop = asyncio.get_running_loop()
+        absent = {name for name in stops if name not in self._connected | self._faulted}
         waits = {
             name: loop.create_task(self._still(name, stop, jobs)) for name, stop in stops.items()
         }
         if waits:
             await asyncio.wait(waits.values(), timeout=STOP_WAIT_S)
-        confirmed, missing = [], []
+        told = {name: report for name, stop in stops.items() if (report := _told(stop))}
+        confirmed, missing, unreached = [], [], []
         for name, wait in waits.items():
-            if wait.done() and wait.result():
+            if name in absent or _lost(stops[name]) or not self._reaches(name, told.get(name)):
+                unreached.append(name)
+                told.pop(name, None)
+            if wait.done() and wait.result() and name not in unreached:
                 confirmed.append(name)
             else:
                 missing.append(name)
                 wait.cancel()
-        told = {name: report for name, stop in stops.items() if (report := _told(stop))}
         self._hub.publish(
             StopConfirmed(
                 confirmed=confirmed,
@@ -235,6 +277,7 @@ class Bus:
                 elapsed_us=self._hub.now() - began_us,
                 parts={name: [*told[name].confirmed] for name in told if told[name].confirmed},
                 missing_parts={name: [*told[name].missing] for name in told if told[name].missing},
+                unreached=unreached,
             )
         )
 
@@ -257,6 +300,13 @@ class Bus:
 
     # -- ending ------------------------------------------------------------------------------
 
+    async def settled(self) -> None:
+        """Every stop that was pressed has been confirmed, or has not; `STOP_WAIT_S` at most for
+        each.
+        """
+        while self._asides:
+            await asyncio.wait(self._asides)
+
     async def drain(self, seconds: float) -> None:
         """End every command and wait up to `seconds` for the jobs to be gone."""
         for lane in list(self._lanes.values()):
@@ -272,6 +322,11 @@ def _shown(verb: Verb | None, command: Command) -> Command:
     """The command as it may be recorded, and no other is carried out."""
     args = hidden(verb, command.args)
     return command if args == command.args else msgspec.structs.replace(command, args=args)
+
+
+def _lost(stop: Stop) -> bool:
+    """Whether the driver found its hardware gone."""
+    return stop.done() and not stop.cancelled() and isinstance(stop.exception(), Lost)
 
 
 def _told(stop: Stop) -> StopReport | None:

@@ -74,6 +74,7 @@ class SensorPicture:
 @dataclass(slots=True)
 class StopPicture:
     """A latched stop: since when, by whom, and who confirmed. `settled`: the host has decided.
+    `unreached`: those of `missing` that were not connected.
 
     `parts` and `missing_parts`: of drivers that have several, which did and which did not.
     """
@@ -82,6 +83,7 @@ class StopPicture:
     source: str
     confirmed: tuple[str, ...] = ()
     missing: tuple[str, ...] = ()
+    unreached: tuple[str, ...] = ()
     settled: bool = False
     parts: dict[str, tuple[str, ...]] = field(default_factory=dict)
     missing_parts: dict[str, tuple[str, ...]] = field(default_factory=dict)

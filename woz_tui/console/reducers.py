@@ -81,6 +81,7 @@ def _confirmed(picture: Picture, message: m.StopConfirmed) -> None:
         return
     # The confirmation of a stop of driving may come in between: whoever was missing stays missing.
     stop.missing = tuple(dict.fromkeys((*stop.missing, *message.missing)))
+    stop.unreached = tuple(dict.fromkeys((*stop.unreached, *message.unreached)))
     both = dict.fromkeys((*stop.confirmed, *message.confirmed))
     stop.confirmed = tuple(name for name in both if name not in stop.missing)
     stop.missing_parts = _parts(message.missing_parts, stop.missing_parts)

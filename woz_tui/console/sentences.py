@@ -165,7 +165,9 @@ def _stop(message: m.StopPressed, picture: Picture) -> Event:
 def _confirmed(message: m.StopConfirmed, picture: Picture) -> Event:
     if message.missing:
         parts = picture.stop.missing_parts if picture.stop is not None else {}
-        return Event(message.t, "error", "Not confirmed", missing_words(message.missing, parts))
+        words = "; ".join(missing_words(message.missing, message.unreached, parts))
+        what, _, names = words.partition(": ")
+        return Event(message.t, "error", what.capitalize(), names)
     return Event(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
 
 

@@ -11,7 +11,7 @@ from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import StopPicture
 from woz_tui.console.picture import Picture
-from woz_tui.console.robot.stopping import confirmed_words, missing_words
+from woz_tui.console.robot.stopping import confirmed_words, missing_row
 from woz_tui.console.script import script_row
 
 #: Keys named on the lowest line, as far as there is room: id and word.
@@ -121,10 +121,7 @@ def _stopped(stop: StopPicture, release: str, glyphs: Glyphs, width: int) -> lis
 
 def _settled(stop: StopPicture, glyphs: Glyphs, width: int) -> Row:
     """Who did not confirm and who did; parts are named where there is room."""
-    row: Row = ()
-    if stop.missing:
-        missing = clean(missing_words(stop.missing, stop.missing_parts))
-        row = ((f" {glyphs.error} NOT CONFIRMED: {missing} ", "alarm"),)
+    row = missing_row(stop, glyphs)
     said = " confirmed: "
     room = width - length(row) - len(said)
     row = (*row, (f"{said}{clean(confirmed_words(stop, room))}", "alarm-soft"))

@@ -155,6 +155,7 @@ class StopPressed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="s
 class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.confirmed"):
     """Which drivers confirmed within 0.5 s and which did not, by name.
 
+    `unreached`: those of `missing` whose hardware was not connected, so that no stop came to it.
     `parts` and `missing_parts` tell of drivers that have several: driver -> speech, motion ...
     """
 
@@ -163,6 +164,7 @@ class StopConfirmed(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
     elapsed_us: int
     parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
     missing_parts: dict[str, list[str]] = msgspec.field(default_factory=dict)
+    unreached: list[str] = msgspec.field(default_factory=list)
 
 
 class StopReleased(Message, frozen=True, kw_only=True, omit_defaults=True, tag="stop.released"):

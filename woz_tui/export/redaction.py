@@ -25,7 +25,7 @@ KEPT = frozenset(
         *("experiment_sha256", "sha256", "original_sha256", "original_session"),
         *("run", "action", "panel", "source", "key", "console", "role", "profile"),
         *("command", "original_command", "verb", "driver", "when_busy", "code", "by", "lane"),
-        *("scope", "confirmed", "missing", "sensor", "unit", "bad", "state", "level"),
+        *("scope", "confirmed", "missing", "unreached", "sensor", "unit", "bad", "state", "level"),
         *("now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what"),
         *("questionnaire", "item", "cue", "expects", "judged"),

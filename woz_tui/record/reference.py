@@ -93,6 +93,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "loudest": ("", "RMS of the loudest part, 0 to 1 of full scale; null: not measured"),
     "method": ("", "how the order was found: see the line's description"),
     "missing": ("", "drivers that did not say in time that they stand still"),
+    "unreached": ("", "those of `missing` whose hardware was not connected; absent: none"),
     "missing_parts": ("", "driver -> those of its parts that did not say so; absent: none"),
     "next": ("", "where the machine would go if it were not held; absent: it would stay"),
     "next_file": ("", "file in which the log goes on; absent: this line begins a file"),

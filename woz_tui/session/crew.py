@@ -26,11 +26,15 @@ class Crew:
     Args:
         drivers: By name.
         hub: What goes wrong is published here.
+        on_closed: Called with the name of each driver that has let go of its hardware.
     """
 
-    def __init__(self, drivers: Mapping[str, Driver], hub: Hub) -> None:
+    def __init__(
+        self, drivers: Mapping[str, Driver], hub: Hub, on_closed: Callable[[str], None]
+    ) -> None:
         self._drivers = drivers
         self._hub = hub
+        self._on_closed = on_closed
         self._resting: list[asyncio.Task[None]] = []
         self._preparing: dict[str, asyncio.Task[None]] = {}
         self._asides: set[asyncio.Task[None]] = set()
@@ -109,7 +113,10 @@ class Crew:
         """Let go of the hardware."""
         for task in self._preparing.values():
             task.cancel()
-        await self._tell("close", self._call("close"), CLOSE_WAIT_S)
+        calls = self._call("close")
+        for call in calls:
+            call.add_done_callback(lambda closed: self._on_closed(closed.get_name()))
+        await self._tell("close", calls, CLOSE_WAIT_S)
 
     async def _tell(self, what: str, calls: list[asyncio.Task[None]], seconds: float) -> None:
         for name, problem in (await self._finished(calls, seconds)).items():

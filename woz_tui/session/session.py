@@ -73,7 +73,6 @@ class Session:
         self.study = LiveStudy(self)
         make_drivers(self, self._asked)
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
-        self._crew = Crew(self.drivers, self.hub)
         self.verbs = {spec.name: spec.verbs for spec in self.experiment.drivers}
         by_name = {
             name: {verb.name: verb for verb in offered}
@@ -100,6 +99,7 @@ class Session:
             motionless=frozenset({SESSION, ENGAGEMENT}),
             unstopped=frozenset({ENGAGEMENT}),
         )
+        self._crew = Crew(self.drivers, self.hub, self.bus.disconnected)
         self.runner = Runner(
             self.hub,
             self.bus,
@@ -153,6 +153,7 @@ class Session:
             await self._crew.rest()
         await self._crew.close()
         await self.engagement.finish()
+        await self.bus.settled()  # nothing may come between this and the last line
         digest, _ = self.recorder.digest()
         self.hub.publish(m.SessionEnd(reason=reason, sha256=digest))
         self.recorder.close()
@@ -299,6 +300,8 @@ class Session:
 
     def release(self, source: str) -> None:
         """Take actions again."""
+        if self.ended:
+            raise AskError("the session is ending")
         if not self.bus.release(source):
             raise AskError("the stop is not pressed")
         self._crew.resume()

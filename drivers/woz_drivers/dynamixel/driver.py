@@ -24,6 +24,7 @@ from woz_tui.core.driver import (
     Probe,
     Rejected,
     Scope,
+    StopReport,
     Verb,
 )
 from woz_tui.core.fields import Range
@@ -104,19 +105,19 @@ class DynamixelServos:
             return await self._reboot(job)
         raise Rejected(f"servos cannot {job.verb!r}")
 
-    async def stop(self, scope: Scope) -> None:
-        """Hold every joint where it is now.
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Hold every joint where it is now; names those that do where others are not there.
 
         `Lost` if the line is gone and joints were held when it went, `DriverError` if only some
         of them fell silent: then nobody knows.
         """
         if scope is Scope.DRIVE:
-            return
+            return None
         self._stopped = True
         self._follow_body(False)
         if not self._started or not (self.loop.online or self.loop.holding):
-            return  # every joint is limp
-        await self._ask(lambda chain, _now: chain.freeze())
+            return None  # every joint is limp
+        return await self._ask(_frozen)
 
     async def resume(self) -> None:
         """The stop was released: follow the body again, slowly until each joint has met it."""
@@ -324,3 +325,10 @@ def _sent(plan: Plan, move: Move) -> dict[str, Any]:
     if move.taken:
         sent["taken_over"] = list(move.taken)
     return sent
+
+
+def _frozen(chain: Chain, _now: float) -> StopReport | None:
+    chain.freeze()
+    servos = chain.servos.values()
+    ready = tuple(servo.name for servo in servos if servo.standing is Standing.READY)
+    return StopReport(ready) if len(ready) < len(servos) else None

@@ -31,6 +31,7 @@ from woz_tui.core.driver import (
     Probe,
     Rejected,
     Scope,
+    StopReport,
     Verb,
 )
 from woz_tui.core.fields import Range
@@ -165,8 +166,8 @@ class SimulatedRobot:
             await self._hold_out(hang.seconds)
         return await self._performance.act(job)
 
-    async def stop(self, scope: Scope) -> None:
-        """Freeze at once. While `deaf`, that is confirmed late."""
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """Freeze at once. While `deaf`, that is confirmed late, and an unplugged part never is."""
         now = self._advance()
         self._stops[scope] += 1
         if scope is Scope.ALL:
@@ -176,6 +177,8 @@ class SimulatedRobot:
         deaf = self._faults.holding("deaf", "", now)
         if deaf is not None:
             await self._pace.sleep(deaf.end - now)
+        unplugged = self._faults.partial("disconnect", now)
+        return StopReport(missing=(unplugged.part,)) if unplugged is not None else None
 
     async def rest(self) -> None:
         """Home pose, gently; `Lost` while the hardware is gone."""

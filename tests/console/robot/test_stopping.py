@@ -8,6 +8,7 @@ from tests.console import scenes
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
+from woz_tui.console.replay.timeline import replay_rows
 from woz_tui.console.stopbar import Bar, bar_rows
 from woz_tui.core import messages as m
 
@@ -55,6 +56,36 @@ def test_a_part_that_is_missing_is_named_and_so_are_those_that_stand_still() -> 
     shown = bar(stopped(told))
     assert "NOT CONFIRMED: pepper: tablet " in shown
     assert shown.endswith("confirmed: range, pepper (speech, motion)")
+
+
+def test_a_driver_that_is_not_connected_is_named_as_not_reached() -> None:
+    gone = m.StopConfirmed(
+        confirmed=["head"], missing=["robot"], unreached=["robot"], elapsed_us=1, t=NOW
+    )
+    shown = bar(stopped(gone))
+    assert "NOT REACHED: robot" in shown
+    assert "NOT CONFIRMED" not in shown
+    assert shown.endswith("confirmed: head")
+    both = m.StopConfirmed(
+        confirmed=[], missing=["base", "robot"], unreached=["robot"], elapsed_us=1, t=NOW
+    )
+    shown = bar(stopped(both))
+    assert "NOT REACHED: robot" in shown
+    assert "NOT CONFIRMED: base" in shown
+    assert shown.endswith("confirmed: nobody")
+
+
+@pytest.mark.parametrize("missing", [["robot"], ["base", "robot"]])
+def test_events_and_the_replay_name_what_was_not_reached_too(missing: list[str]) -> None:
+    told = m.StopConfirmed(
+        confirmed=["head"], missing=missing, unreached=["robot"], elapsed_us=1, t=NOW
+    )
+    picture = stopped(told)
+    event = picture.events[-1]
+    assert "not reached" in f"{event.text} {event.detail}".lower()
+    assert "robot" in event.detail
+    row = replay_rows(picture, Frame(120, 2, NOW), Bar())[0]
+    assert "NOT REACHED: robot" in "".join(text for text, _ in row)
 
 
 def test_a_driver_without_parts_is_missing_by_its_name_alone() -> None:

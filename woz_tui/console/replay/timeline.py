@@ -12,7 +12,7 @@ from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import StopPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.replay.standing import Place, ReplayPicture, wall_at
-from woz_tui.console.robot.stopping import missing_words
+from woz_tui.console.robot.stopping import missing_row
 from woz_tui.console.script import script_row
 from woz_tui.console.stopbar import Bar, StopBar, hint_row
 
@@ -59,9 +59,7 @@ def _then(picture: Picture, frame: Frame, bar: Bar) -> Row:
 def _stopped(stop: StopPicture, glyphs: Glyphs, width: int) -> Row:
     """The stop of then in one row, and who had confirmed."""
     row: Row = ((f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.t)} ", "alarm"),)
-    if stop.missing:
-        missing = clean(missing_words(stop.missing, stop.missing_parts))
-        row += ((f"{glyphs.error} NOT CONFIRMED: {missing} ", "alarm"),)
+    row += missing_row(stop, glyphs)
     if stop.settled:
         row += ((f" confirmed: {clean(', '.join(stop.confirmed)) or 'nobody'}", "alarm-soft"),)
     return cut((*row, (" " * width, "alarm-soft")), width, " ")

@@ -2,24 +2,40 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 
 from rich.cells import cell_len
 
+from woz_tui.console.cells import Row, clean
+from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.parts import StopPicture
 
 Parts = Mapping[str, Iterable[str]]
 
 
-def missing_words(names: Iterable[str], parts: Parts) -> str:
-    """`base, pepper: tablet`; a driver that told of no part stands there by its name alone.
+def missing_words(missing: Iterable[str], unreached: Collection[str], parts: Parts) -> list[str]:
+    """`not reached: robot` and `not confirmed: base, pepper: tablet`, as far as there are such.
+
+    A driver that told of no part stands there by its name alone.
 
     Args:
-        names: Drivers that did not confirm.
-        parts: Driver -> those of its parts that did not.
+        missing: Drivers that did not confirm.
+        unreached: Those of them that were not connected.
+        parts: Driver -> those of its parts that did not confirm.
     """
-    told = {name: ", ".join(parts.get(name, ())) for name in names}
-    return ", ".join(f"{name}: {which}" if which else name for name, which in told.items())
+    told = {name: ", ".join(parts.get(name, ())) for name in missing if name not in unreached}
+    named = ", ".join(f"{name}: {which}" if which else name for name, which in told.items())
+    found = [f"not reached: {', '.join(unreached)}"] if unreached else []
+    return [*found, f"not confirmed: {named}"] if named else found
+
+
+def missing_row(stop: StopPicture, glyphs: Glyphs) -> Row:
+    """The same as an alarm at the bottom; nothing if all confirmed."""
+    words = missing_words(stop.missing, stop.unreached, stop.missing_parts)
+    alarms = (each.partition(":") for each in map(clean, words))
+    return tuple(
+        (f" {glyphs.error} {what.upper()}:{names} ", "alarm") for what, _, names in alarms
+    )
 
 
 def confirmed_words(stop: StopPicture, room: int) -> str:

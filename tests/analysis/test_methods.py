@@ -71,7 +71,9 @@ def test_a_robot_that_a_stop_did_not_reach_is_said() -> None:
     for at in (3, 5):
         it.add(at, m.StopPressed(source="key"))
         missing = ["robot"] if at == 3 else ["base", "robot"]
-        it.add(at, m.StopConfirmed(confirmed=[], missing=missing, unreached=["robot"], elapsed_us=1))
+        it.add(
+            at, m.StopConfirmed(confirmed=[], missing=missing, unreached=["robot"], elapsed_us=1)
+        )
     found = text(told(it.end(60)))
     assert "The emergency stop was pressed twice in 1 session." in found
     assert "It did not reach robot (twice), which was not connected." in found

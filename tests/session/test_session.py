@@ -257,9 +257,7 @@ class Slow(Puppet):
 
 
 @pytest.mark.parametrize("at", [0.0, 0.1, 0.25, 0.5, 1.0, 1.25, 1.29, 1.31, 1.5, 1.75, 1.79])
-def test_a_stop_at_any_moment_of_the_end_is_confirmed_in_the_log(
-    tmp_path: Path, at: float
-) -> None:
+def test_a_stop_at_any_moment_of_the_end_is_confirmed_in_the_log(tmp_path: Path, at: float) -> None:
     async def go() -> Stage:
         stage = Stage(tmp_path, catalogue={"puppet": Slow})
         await stage.session.open()

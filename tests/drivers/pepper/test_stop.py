@@ -15,7 +15,14 @@ from tests.fakes.naoqi import stand_in
 from woz_tui.bus.bus import Bus
 from woz_tui.core.driver import DriverError, Lost, Scope
 from woz_tui.core.hub import Hub
-from woz_tui.core.messages import AnyMessage, Command, DriverLost, Json, StopConfirmed
+from woz_tui.core.messages import (
+    AnyMessage,
+    Command,
+    DriverConnected,
+    DriverLost,
+    Json,
+    StopConfirmed,
+)
 
 LONG = "A very long story that nobody wants to hear to its end. " * 60
 MUSIC = "/home/nao/sounds/music.mp3"
@@ -200,6 +207,7 @@ async def test_the_bus_ends_the_jobs_and_names_the_parts(tmp_path: Path) -> None
         hub = Hub(it.heard.clock, lambda message, line: None)
         hub.listen(told.append)
         bus = Bus(hub, {"it": it.driver}, {"it": Pepper.verbs(PepperSettings(robots=()))})
+        hub.publish(DriverConnected(driver="it"))
         for verb, value in (("say", LONG), ("drive", 5.0), ("play", "Waiting/ShowSky_1")):
             args: dict[str, Json] = {
                 "text" if verb == "say" else "x" if verb == "drive" else "move": value

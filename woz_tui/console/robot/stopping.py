@@ -33,9 +33,7 @@ def missing_row(stop: StopPicture, glyphs: Glyphs) -> Row:
     """The same as an alarm at the bottom; nothing if all confirmed."""
     words = missing_words(stop.missing, stop.unreached, stop.missing_parts)
     alarms = (each.partition(":") for each in map(clean, words))
-    return tuple(
-        (f" {glyphs.error} {what.upper()}:{names} ", "alarm") for what, _, names in alarms
-    )
+    return tuple((f" {glyphs.error} {what.upper()}:{names} ", "alarm") for what, _, names in alarms)
 
 
 def confirmed_words(stop: StopPicture, room: int) -> str:

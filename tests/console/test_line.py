@@ -145,8 +145,11 @@ def test_text_pasted_without_marks_is_stale_at_any_time(rig: Rig) -> None:
     assert rig.line.arrived(list("hello world"))
 
 
-def test_keys_that_came_while_the_process_stood_still_are_stale(rig: Rig) -> None:
-    rig.clock.advance(5)
+@pytest.mark.parametrize("asleep", [False, True])
+def test_keys_that_came_while_process_or_computer_stood_still_are_stale(
+    rig: Rig, asleep: bool
+) -> None:
+    (rig.clock.sleep if asleep else rig.clock.advance)(5)
     rig.line.awake()
 
     assert rig.line.arrived(["a"])

@@ -9,6 +9,7 @@ import pytest
 from tests.fakes.host import WAIT_S, FakeHost, stops
 from woz_tui.console.feed import Incoming
 from woz_tui.console.link import WAITING_LIMIT, Link
+from woz_tui.core.clock import ManualClock, boot_id
 from woz_tui.core.messages import Marker, Notice, SessionEnd
 from woz_tui.core.requests import (
     AskAction,
@@ -202,6 +203,42 @@ def test_on_a_lost_link_asking_does_nothing_and_the_stop_still_tries(
 
     assert host.wait(AskStop).source == "escape"
     assert host.all(AskMarker) == []
+
+
+@pytest.mark.parametrize("same", [True, False])
+def test_requests_are_stamped_where_the_host_has_the_same_clock(
+    host: FakeHost, ears: Ears, same: bool
+) -> None:
+    host.boot_id = boot_id() if same else "another-machine"
+    clock = ManualClock()
+    clock.advance(7)
+    clock.sleep(3)
+    link = Link(host.path, clock=clock)
+    link.start(ears.on_messages, ears.on_lost)
+    ears.until_heard(Welcome)
+    link.ask(AskAction(action="Hello"))
+    link.ask(AskStop())
+    link.close()
+    stamp = 10_000_000 if same else 0
+    assert (host.wait(AskAction).sent_us, host.wait(AskStop).sent_us) == (stamp, stamp)
+
+
+def test_a_host_that_is_found_again_gets_only_stops_until_it_speaks(
+    host: FakeHost, ears: Ears
+) -> None:
+    link = Link(host.path, silence_s=0.5)
+    link.start(ears.on_messages, ears.on_lost)
+    ears.until_heard(Welcome)
+    host.frozen = True  # it neither reads nor speaks, but the kernel takes connections for it
+    ears.until(lambda: bool(ears.lost))
+    link.ask(AskAction(action="Hello"))
+    link.ask(AskStop(source="escape"))
+    host.frozen = False
+    ears.until_heard(Welcome, 2)
+    link.ask(AskAction(action="Bye"))
+    assert host.wait(AskStop).source == "escape"
+    assert host.wait(AskAction).action == "Bye"
+    link.close()
 
 
 def test_what_was_asked_before_leaving_arrives(host: FakeHost, link: Link, ears: Ears) -> None:

@@ -233,7 +233,7 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True),
     r.Beat(ref=2),
     r.Beat(ref=3, line_ok=False),
-    r.AskAction(ref=4, action="Hello", source="key", key="h", age_us=2300),
+    r.AskAction(ref=4, sent_us=5_400_000_000, action="Hello", source="key", key="h", age_us=2300),
     r.AskAction(ref=5, action="Map", source="key", key="m", age_us=4_000_000, stale=True),
     r.AskVerb(
         ref=6,
@@ -321,6 +321,7 @@ def answers() -> list[r.AnyAnswer]:
                     "panel": {"kind": "panel", "controls": ["pitch", "tempo"]},
                 },
             },
+            boot_id="6ba7b810-9dad-11d1-80b4-00c04fd430c8",
         ),
         r.Reply(ref=4, ok=True, run="a00001"),
         r.Reply(ref=5, ok=False, reason="stale: the press was 4.0 s old", hint="press it again"),

@@ -67,6 +67,8 @@ class FakeHost:
         self.closed: list[int] = []
         #: Set: it neither reads nor speaks, as a stopped process.
         self.frozen = False
+        #: What the welcome says of the machine.
+        self.boot_id = ""
         #: Set: it reads and answers, but does not pulse.
         self.silent = False
         self._keys = keys or {}
@@ -218,6 +220,7 @@ class FakeHost:
             conditions=[],
             keyboard="us",
             drivers=list(self._verbs),
+            boot_id=self.boot_id,
         )
 
     def _pulse(self) -> None:

@@ -55,9 +55,14 @@ class LoopClock:
     def __init__(self, loop: asyncio.AbstractEventLoop) -> None:
         self._loop = loop
         self._start = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
+        #: How long the process has stood still so far.
+        self.stood_still_us = 0
 
     def now_us(self) -> int:
         return round(self._loop.time() * 1_000_000)
+
+    def boot_us(self) -> int:
+        return self.now_us() + self.stood_still_us
 
     def wall(self) -> datetime:
         return self._start + timedelta(microseconds=self.now_us())

@@ -122,9 +122,10 @@ async def served(
     made: Experiment | None = None,
     *,
     catalogue: Mapping[str, type[Driver]] | None = None,
+    clock: RealClock | None = None,
 ) -> AsyncIterator[Served]:
     """A host that serves until the block ends."""
-    clock = RealClock()
+    clock = clock or RealClock()
     recorder = Recorder(tmp_path / "recordings", "made", clock)
     made = made or experiment(tmp_path)
     made = replace(made, session=settings) if settings else made

@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 
-from tests.fakes.virtual_time import run_virtual
+from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.session.rig import Puppet, Stage
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Ask
@@ -102,6 +102,62 @@ def test_an_action_the_script_a_mark_and_the_stop(tmp_path: Path) -> None:
     assert [line.text for line in stage.lines if isinstance(line, m.Marker)] == ["map", "a smile"]
     assert stage.kinds(m.StopPressed, m.StopReleased) == ["StopPressed", "StopReleased"]
     assert [ear.told for ear in ears] == [[(True, "")]] * 5
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        Ask("action", "Map", source="midi"),
+        Ask("verb", "play", {"move": "nod"}, source="midi", key="knob 1"),
+        Ask("script", source="midi"),
+        Ask("release", source="midi", key="button 3"),
+    ],
+)
+def test_a_hand_on_a_panel_counts_as_old_as_the_process_stood_still(
+    tmp_path: Path, ask: Ask
+) -> None:
+    ear = Ear()
+
+    async def scenario(stage: Stage) -> None:
+        assert isinstance(stage.session.clock, LoopClock)
+        await asyncio.sleep(1)
+        stage.session.stop("test")
+        stage.session.clock.stood_still_us += 5_000_000
+        from_a_thread(stage, ask, ear)  # it reads late what waited in its port
+        await asyncio.sleep(0)
+        await asyncio.sleep(0)
+        assert stage.session.bus.latched
+
+    stage = on_stage(tmp_path, scenario)
+    [(carried, why)] = ear.told
+    assert not carried
+    assert "stale" in why
+    assert {verb for verb, _ in stage.puppet().calls} <= {"stop", "close"}
+    logged = [
+        getattr(line, "reason", "") or getattr(line, "text", "")
+        for line in stage.lines
+        if isinstance(line, m.ActionRefused | m.Refused | m.Notice)
+    ]
+    assert any("stale" in text for text in logged)
+
+
+def test_the_stop_of_a_panel_and_what_a_body_asks_for_by_itself_are_never_too_old(
+    tmp_path: Path,
+) -> None:
+    ears = [Ear(), Ear()]
+
+    async def scenario(stage: Stage) -> None:
+        assert isinstance(stage.session.clock, LoopClock)
+        stage.session.clock.stood_still_us += 5_000_000
+        from_a_thread(stage, Ask("verb", "say", {"text": "Hi"}), ears[0])
+        await asyncio.sleep(1.5)
+        stage.session.clock.stood_still_us += 5_000_000
+        from_a_thread(stage, Ask("stop", source="midi", key="button 1"), ears[1])
+        await asyncio.sleep(1)
+        assert stage.session.bus.latched
+
+    on_stage(tmp_path, scenario)
+    assert [ear.told for ear in ears] == [[(True, "")]] * 2
 
 
 @pytest.mark.parametrize(

@@ -108,6 +108,7 @@ class Console(App[str]):
         self._inbox = Inbox(self._wake)
         self._edition = 0
         self._was_lost = False
+        self._lost_t = 0
         self._news = News()
         self._news_until = self._flash_until = 0
         self._stop_asked: int | None = None
@@ -198,7 +199,7 @@ class Console(App[str]):
             self.picture.lose(why)
             self.desk.forget()
             if not self._was_lost:
-                self._was_lost = True
+                self._was_lost, self._lost_t = True, self.picture.now(local)
                 self.desk.open_lost()
         if self.picture.stop is not None:
             self._stop_asked = None
@@ -212,11 +213,25 @@ class Console(App[str]):
         if self._was_lost:
             self._was_lost = False
             self.desk.close_lost()
-            self.news("the robot process is back", "good")
+            self._back()
         asks = self.ask_participant and welcome.role == "wizard" and welcome.log != self._asked_in
         if asks and not self.picture.participant:
             self._asked_in = welcome.log
             self.desk.do("start")
+
+    def _back(self) -> None:
+        """The robot process is there again: what it did not play of the keys pressed before."""
+        late = {
+            self.picture.label(action): ended.reason
+            for action, ended in self.picture.runs.outcomes.items()
+            if ended.how == "refused" and ended.t > self._lost_t
+        }
+        back = "the robot process is back"
+        if late:
+            why = next(reversed(late.values()))
+            self.news(f"{back}; not played: {', '.join(late)} ({why})", "warn")
+        else:
+            self.news(back, "good")
 
     def _adopt(self) -> None:
         """A new set of panels: bind its keys and show their caps."""
@@ -309,7 +324,7 @@ class Console(App[str]):
         if chord in STOPS:
             self._stopping()
             return
-        if action:
+        if action and not self.picture.lost:
             self._panels.press(action)
             self._flash_until = self.clock.now_us() + round(FLASH_S * 1_000_000)
             self.paint()

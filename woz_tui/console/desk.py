@@ -43,6 +43,10 @@ class Desk:
 
     def ask(self, request: r.AnyRequest, on_reply: OnReply | None = None) -> None:
         """Send a request; without `on_reply` a refusal is shown above the hints."""
+        if self._console.picture.lost:
+            gone = r.Reply(ref=0, ok=False, reason=GONE)
+            self._console.call_later(on_reply or self.refused, gone)
+            return
         ref = self._console.feed.ask(request)
         self._waiting[ref] = on_reply or self.refused
 

@@ -68,8 +68,8 @@ class Line:
         self._hurried = False
         self._first_us: int | None = None
         self._due_us = now
-        self._heard_us = now
-        self._awake_us = now
+        self._heard_us = self._clock.boot_us()
+        self._awake_us = self._clock.boot_us()
         self._slept = False
         self._burst = False
         self._away = False
@@ -127,22 +127,22 @@ class Line:
 
     def awake(self) -> None:
         """The reading thread runs; to be called at least every half second."""
-        now = self._clock.now_us()
-        if now - self._awake_us > (STALE_S + 0.5) * 1_000_000:
+        boot = self._clock.boot_us()
+        if boot - self._awake_us > (STALE_S + 0.5) * 1_000_000:
             self._slept = True
-        self._awake_us = now
-        self._judge(now)
+        self._awake_us = boot
+        self._judge(self._clock.now_us())
 
     def arrived(self, chords: Sequence[str]) -> bool:
         """A read with these key presses (perhaps none) came: whether they are stale.
 
         `answered`, called between the keys of one read, makes those behind it fresh.
         """
-        now = self._clock.now_us()
-        silence_us = now - self._heard_us
+        now, boot = self._clock.now_us(), self._clock.boot_us()
+        silence_us = boot - self._heard_us
         stood_still = silence_us > STALE_S * 1_000_000 and (self._stalled(now) or self._slept)
         self._burst = stood_still or (self._burst and silence_us < PAUSE_S * 1_000_000)
-        self._heard_us = now
+        self._heard_us = boot
         self._slept = False
         self._judge(now)
         return self._burst or _untyped(chords, silence_us > STALE_S * 1_000_000)
@@ -162,7 +162,8 @@ class Line:
     def _judge(self, now: int) -> None:
         """A terminal that never answered a question counts as well, with unknown round trip."""
         waited_us = min(
-            now - self._asked_us if self._asked_us is not None else 0, now - self._heard_us
+            now - self._asked_us if self._asked_us is not None else 0,
+            self._clock.boot_us() - self._heard_us,
         )
         alive = not self._answers or waited_us <= DEAD_S * 1_000_000
         self.ok = alive and not self._away

@@ -18,9 +18,9 @@ import msgspec
 
 from woz_tui.console.feed import Incoming, OnLost, OnMessages
 from woz_tui.core import wire
-from woz_tui.core.clock import Clock, RealClock
+from woz_tui.core.clock import Clock, RealClock, boot_id
 from woz_tui.core.messages import Notice, SessionEnd
-from woz_tui.core.requests import AnyRequest, AskStop, Beat, Hello
+from woz_tui.core.requests import AnyRequest, AskStop, Beat, Hello, Welcome
 
 BEAT_S = 0.5
 #: The host pulses every second; after so long without a byte from it something is wrong.
@@ -41,14 +41,15 @@ class Link:
 
     When the host closes, dies or goes silent, `on_lost` is told why and the link looks for it
     again, until the session has ended or `close` is called; a host that is found again begins
-    with a new `Welcome`, and if it is lost again `on_lost` is called again.
+    with a new `Welcome`, and if it is lost again `on_lost` is called again. Between the two only a
+    stop is sent: a host that stood still would carry out the rest when it wakes.
 
     Args:
         path: The host's socket.
         role: wizard, watcher, program or participant.
         name: What the host may call this console.
         take_over: Whether a wizard who is there already has to watch from now on.
-        clock: For the host's silence.
+        clock: For the host's silence and the stamps of requests.
         silence_s: Seconds without a byte from the host after which it counts as lost.
     """
 
@@ -78,6 +79,9 @@ class Link:
         self._ended = False
         self._left_us = 0
         self._ref = 0
+        self._lost = False
+        #: Whether host and console share a clock, so that it can tell how old a request is.
+        self._stamps = False
         self._opened: socket.socket | None = None
 
     # -- the feed ----------------------------------------------------------------------------
@@ -111,7 +115,10 @@ class Link:
         with self._lock:
             self._ref += 1
             ref = self._ref
-            line = wire.encode(msgspec.structs.replace(request, ref=ref))
+            if self._lost and not isinstance(request, AskStop | Beat):
+                return ref
+            sent_us = self._clock.boot_us() if self._stamps else 0
+            line = wire.encode(msgspec.structs.replace(request, ref=ref, sent_us=sent_us))
             behind = bool(self._waiting) or self._socket is None
             self._send(line)
         if behind and isinstance(request, AskStop):
@@ -229,6 +236,7 @@ class Link:
     def _disconnect(self, connection: socket.socket) -> None:
         with self._lock:
             self._socket = None
+            self._lost = True
             self._waiting.clear()
             connection.close()
 
@@ -269,8 +277,12 @@ class Link:
     def _deliver(self, batch: list[Incoming]) -> None:
         if not batch or self._closed.is_set():
             return
-        if any(isinstance(message, SessionEnd) for message in batch):
-            self._ended = True
+        for message in batch:
+            if isinstance(message, SessionEnd):
+                self._ended = True
+            elif isinstance(message, Welcome):
+                self._stamps = bool(message.boot_id) and message.boot_id == boot_id()
+                self._lost = False
         self._on_messages(batch)
 
 

@@ -78,7 +78,7 @@ def bar_rows(picture: Picture, frame: Frame, bar: Bar) -> list[Row]:
         return _undelivered(glyphs, width)
     if picture.lost:
         why = f" {glyphs.error} The robot process is gone: {picture.lost}"
-        what = " It stops driving by itself. enter shows what can be done"
+        what = " No key is sent. It stops driving by itself. enter shows what can be done"
         return [((fit(why, width), "alarm"),), ((fit(what, width), "alarm-soft"),)]
     if picture.stop is not None:
         return _stopped(picture.stop, bar.release, glyphs, width)

@@ -29,9 +29,14 @@ class Request(
     forbid_unknown_fields=True,
     tag_field="kind",
 ):
-    """What all requests carry."""
+    """What all requests carry.
+
+    `sent_us`: CLOCK_BOOTTIME in microseconds when it was sent, from clients with the `boot_id` of
+    the welcome; 0: unknown.
+    """
 
     ref: int = 0
+    sent_us: int = 0
 
 
 class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello"):
@@ -314,7 +319,8 @@ class Welcome(
     names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
     `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
     whole `handshake` and how many `attempts` it has; `study`: what the file says of the study, and
-    how it stands (see `docs/protocol.md`).
+    how it stands (see `docs/protocol.md`). `boot_id`: of the robot process's machine; a client with
+    the same one may stamp its requests with `sent_us`.
     """
 
     protocol: int
@@ -334,6 +340,7 @@ class Welcome(
     state: list[msgspec.Raw] = []
     recent: list[msgspec.Raw] = []
     settings: dict[str, Json] = {}
+    boot_id: str = ""
 
 
 class Pulse(

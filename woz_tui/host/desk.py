@@ -108,16 +108,18 @@ class Desk:
 
     def _carry(self, client: Client, request: AnyRequest) -> str:
         session = self._session
-        run = ""
+        run, stale = "", self._stale(request)
         match request:
             case AskAction():
-                run = self._action(client, request)
+                run = self._action(client, request, stale)
             case AskVerb():
-                run = self._verb(client, request)
+                run = self._verb(client, request, stale)
             case AskScript():
-                run = self._script(client, request)
+                run = self._script(client, request, stale)
             case AskRelease(source=source):
-                session.release(source)
+                session.release(source, stale)
+            case _ if stale and (undone := _undone(request)):
+                session.refuse(undone, stale)
             case AskCancel(run=wanted):
                 session.cancel(wanted)
             case AskSet(participant=participant, condition=condition, trial=trial):
@@ -163,26 +165,25 @@ class Desk:
             case AskMistake(run=wrong, text=text):
                 self._session.mistake(wrong, text)
 
-    def _action(self, client: Client, request: AskAction) -> str:
+    def _action(self, client: Client, request: AskAction, stale: str) -> str:
         return self._session.play(
             request.action,
             Origin(request.source, request.key, client.name),
             request.when_busy,
-            self._stale(request.age_us, request.stale),
+            stale,
         )
 
-    def _script(self, client: Client, request: AskScript) -> str:
+    def _script(self, client: Client, request: AskScript, stale: str) -> str:
         if request.to is not None:
+            if stale:
+                self._session.refuse("Script not moved", stale)
             self._session.script_to(request.to)
         if not request.play:
             return ""
-        return self._session.script_next(
-            Origin("script", request.key, client.name), self._stale(request.age_us, request.stale)
-        )
+        return self._session.script_next(Origin("script", request.key, client.name), stale)
 
-    def _verb(self, client: Client, request: AskVerb) -> str:
+    def _verb(self, client: Client, request: AskVerb, stale: str) -> str:
         """Send it with its variables filled in, as in the experiment file."""
-        stale = self._stale(request.age_us, request.stale)
         # First of all: a sentence about a variable would quote what stands between braces.
         args = self._session.bus.hidden(request.verb, request.args)
         if not stale:
@@ -199,12 +200,14 @@ class Desk:
             stale=stale,
         )
 
-    def _stale(self, age_us: int, stale: bool = False) -> str:
-        if stale:
-            return "stale: it came in a burst after the line had stalled"
-        if age_us > self._session.experiment.session.stale_after * 1_000_000:
-            return f"stale: the press was {age_us / 1_000_000:.1f} s old"
-        return ""
+    def _stale(self, request: AnyRequest) -> str:
+        """Why it is too old to move anything; its time in the socket counts."""
+        age_us = self._session.standstill.waited_us(request.sent_us)
+        if isinstance(request, AskAction | AskVerb | AskScript):
+            if request.stale:
+                return "stale: it came in a burst after the line had stalled"
+            age_us += max(0, request.age_us)
+        return self._session.too_old(age_us)
 
     # -- what takes its time -----------------------------------------------------------------
 
@@ -283,6 +286,22 @@ class Desk:
             self._session.adopt(experiment, changes)
             self.on_panels()
         return [*changes]
+
+
+def _undone(request: AnyRequest) -> str:
+    """What is not done if the request is too old: it would let something move, or mean another
+    thing by now. Empty: it is done all the same, as are records and whatever takes away.
+    """
+    match request:
+        case AskLock(panel=panel, locked=False):
+            return f"Panel {panel!r} not unlocked"
+        case AskProfile():
+            return "Profile not changed"
+        case AskMistake(run=""):
+            return "Last action not marked as a mistake"
+        case AskEnd():
+            return "Session not ended"
+    return ""
 
 
 def _plain(findings: list[Finding]) -> Json:

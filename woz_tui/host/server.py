@@ -12,6 +12,7 @@ import msgspec
 
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.clock import boot_id
 from woz_tui.core.requests import (
     PROTOCOL,
     AnyRequest,
@@ -235,7 +236,9 @@ class Host:
             log=str(session.recorder.path),
         )
         state, recent = session.standing.state(), session.standing.recent()
-        return msgspec.structs.replace(told, state=_raw(state), recent=_raw(recent))
+        return msgspec.structs.replace(
+            told, state=_raw(state), recent=_raw(recent), boot_id=boot_id()
+        )
 
     def _panels_changed(self) -> None:
         shown = Shown.of(self.session)

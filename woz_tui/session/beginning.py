@@ -10,7 +10,7 @@ from pathlib import Path
 
 from woz_tui import __version__
 from woz_tui.core import messages as m
-from woz_tui.core.clock import Clock, timestamp
+from woz_tui.core.clock import Clock, boot_id, timestamp
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Experiment
 from woz_tui.session.identity import Identity
@@ -69,18 +69,10 @@ def session_start(
             "source": "monotonic",
             "unit": "us",
             "wall_at_t0": timestamp(clock.wall()),
-            "boot_id": _boot_id(),
+            "boot_id": boot_id(),
         },
         spill=spill,
     )
-
-
-def _boot_id() -> str:
-    """Identifies this boot of the machine (it is random, so it tells nothing about it)."""
-    try:
-        return Path("/proc/sys/kernel/random/boot_id").read_text(encoding="ascii").strip()
-    except OSError:
-        return ""
 
 
 def experiment_files(experiment: Experiment) -> m.ExperimentFiles:

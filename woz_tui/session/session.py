@@ -9,10 +9,11 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import NoReturn
 
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
-from woz_tui.core.clock import Clock, timestamp
+from woz_tui.core.clock import Clock, Standstill, timestamp
 from woz_tui.core.driver import Ask, Driver, Performer
 from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
@@ -35,6 +36,8 @@ from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, Sessio
 
 #: Seconds between two lines that tie the session's clock to the calendar.
 CLOCK_TIE_S = 30.0
+#: What helps against a press that came too late.
+AGAIN = "press it again"
 #: Seconds between two checkpoints of the log.
 CHECKPOINT_S = 10.0
 
@@ -61,9 +64,12 @@ class Session:
     locked: dict[str, bool] = field(init=False, default_factory=dict)
     script_at: int = field(init=False, default=0)
     ended: bool = field(init=False, default=False)
+    #: Tells how old a request without a time stamp may be.
+    standstill: Standstill = field(init=False)
 
     def __post_init__(self) -> None:
         self._loop = asyncio.get_running_loop()
+        self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.standing = Standing()
         self.hub.listen(self.standing.see)
@@ -111,10 +117,10 @@ class Session:
         self._by_name = by_name
         self._asking = Asking(
             {
-                "action": lambda ask, origin: self.play(ask.name, origin),
-                "script": lambda ask, origin: self.script_next(origin),
+                "action": lambda ask, origin: self.play(ask.name, origin, stale=self._old(ask)),
+                "script": lambda ask, origin: self.script_next(origin, self._old(ask)),
                 "stop": lambda ask, origin: self.stop(origin.source),
-                "release": lambda ask, origin: self.release(origin.source),
+                "release": lambda ask, origin: self.release(origin.source, self._old(ask)),
                 "mark": lambda ask, origin: self.mark(ask.name, origin.source),
             },
             self._call,
@@ -133,6 +139,7 @@ class Session:
         self.study.begin()
         await self._crew.open()
         self._tie_clock()
+        self._look()
         self._checkpoint()
         self._prepare()
 
@@ -171,6 +178,10 @@ class Session:
         self.hub.publish(m.ClockTie(wall=timestamp(self.clock.wall())))
         self._timers["clock"] = self._loop.call_later(CLOCK_TIE_S, self._tie_clock)
 
+    def _look(self) -> None:
+        self.standstill.look()
+        self._timers["look"] = self._loop.call_later(Standstill.EVERY_S, self._look)
+
     def _checkpoint(self) -> None:
         digest, lines = self.recorder.digest()
         if lines > self._checkpointed:
@@ -195,6 +206,8 @@ class Session:
         reason = stale or self._why_not(name)
         if reason or action is None:
             self.runner.refuse(name, panel, origin, reason)
+            if stale:
+                raise AskError(f"{name!r} not played ({stale})", AGAIN)
             raise AskError(reason)
         run, refused = self.runner.play(action, origin, when_busy)
         if refused:
@@ -233,7 +246,7 @@ class Session:
         refusal = Refusal("stale", stale) if stale else self._no_verb(verb, args)
         command = self.runner.send(call, origin, when_busy or "queue", refusal).command
         if refusal is not None:
-            raise AskError(refusal.reason)
+            raise AskError(refusal.reason, AGAIN if stale else "")
         return command
 
     def _no_verb(self, verb: str, args: Mapping[str, m.Json]) -> Refusal | None:
@@ -241,7 +254,24 @@ class Session:
         return self.profiles.no_verb(verb, args) or covered(self.experiment, self.locked, verb)
 
     def _no_ask(self, ask: Ask) -> Refusal | None:
+        if stale := self._old(ask):
+            return Refusal("stale", stale)
         return self._no_verb(ask.name, ask.args) if by_hand(ask) else None
+
+    def _old(self, ask: Ask) -> str:
+        """Why a hand's ask is too old: a driver reads late what waited while nobody read."""
+        return self.too_old(self.standstill.look()) if by_hand(ask) else ""
+
+    def too_old(self, age_us: int) -> str:
+        """Why a press of this age is not played; empty if it may be."""
+        if age_us > self.experiment.session.stale_after * 1_000_000:
+            return f"stale: the press was {age_us / 1_000_000:.1f} s old"
+        return ""
+
+    def refuse(self, what: str, why: str) -> NoReturn:
+        """Log that something was not done which is neither an action nor a command."""
+        self.hub.publish(m.Notice(level="warning", text=f"{what} ({why})"))
+        raise AskError(f"{what} ({why})", AGAIN)
 
     def _call(self, verb: str, args: Mapping[str, m.Json], on: str) -> Call:
         if self.ended:
@@ -298,10 +328,12 @@ class Session:
         self._crew.stop_resting()
         self.runner.stop_waiting("stop pressed")
 
-    def release(self, source: str) -> None:
-        """Take actions again."""
+    def release(self, source: str, stale: str = "") -> None:
+        """Take actions again. `stale`: why it is too old to be done."""
         if self.ended:
             raise AskError("the session is ending")
+        if stale:
+            self.refuse("Stop not released", stale)
         if not self.bus.release(source):
             raise AskError("the stop is not pressed")
         self._crew.resume()

@@ -1,0 +1,139 @@
+"""Keys pressed while the robot process stands still are not played when it wakes."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.host.rig import Peer, Served, served
+from woz_tui.core import messages as m
+from woz_tui.core.clock import RealClock, boot_id
+
+S = 1_000_000
+
+
+class BootClock(RealClock):
+    """The process is as awake as the test says."""
+
+    def __init__(self) -> None:
+        self.boot = 100 * S
+
+    def boot_us(self) -> int:
+        return self.boot
+
+
+#: Everything that moves something, lets something move, or means another thing when it comes late.
+TIMELY: list[tuple[str, dict[str, Any]]] = [
+    ("action", {"action": "Hello", "source": "key"}),
+    ("verb", {"verb": "play", "args": {"move": "nod"}}),
+    ("script", {}),
+    ("script", {"play": False, "to": 1}),
+    ("release", {}),
+    ("lock", {"panel": "Base", "locked": False}),
+    ("profile", {}),
+    ("mistake", {}),
+    ("end", {}),
+]
+
+
+async def refused(place: Served, peer: Peer, kind: str, fields: dict[str, Any]) -> str:
+    """Ask for it; the reason. Nothing has reached the driver, and the log says why."""
+    before = len(place.lines)
+    reply = await peer.ask(kind, **fields)
+    assert not reply["ok"], (kind, reply)
+    assert {verb for verb, _ in place.puppet().calls} <= {"stop"}
+    logged = [
+        line
+        for line in place.lines[before:]
+        if isinstance(line, m.ActionRefused | m.Refused | m.Notice)
+    ]
+    told = [line.text if isinstance(line, m.Notice) else line.reason for line in logged]
+    assert len(told) == 1, (kind, told)
+    assert "stale" in told[0]
+    return str(reply["reason"])
+
+
+@pytest.mark.parametrize(("kind", "fields"), TIMELY)
+@pytest.mark.parametrize("stamped", [True, False])
+async def test_what_waited_in_the_socket_too_long_is_refused_and_logged(
+    tmp_path: Path, kind: str, fields: dict[str, Any], stamped: bool
+) -> None:
+    clock = BootClock()
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        await peer.hello()
+        place.session.lock("Base", True)
+        place.session.stop("test")
+        stamp = {"sent_us": clock.boot} if stamped else {}
+        clock.boot += 5 * S
+        assert "5.0 s old" in await refused(place, peer, kind, {**fields, **stamp})
+        assert place.session.bus.latched
+        assert place.session.locked["Base"]
+        assert not place.session.ended
+
+
+@pytest.mark.parametrize("stamped", [True, False])
+async def test_the_stop_and_what_takes_away_or_records_count_however_old(
+    tmp_path: Path, stamped: bool
+) -> None:
+    clock = BootClock()
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        await peer.hello()
+        stamp = {"sent_us": clock.boot} if stamped else {}
+        clock.boot += 60 * S
+        assert (await peer.ask("stop", **stamp))["ok"]
+        assert place.session.bus.latched
+        assert (await peer.ask("lock", panel="Base", locked=True, **stamp))["ok"]
+        assert (await peer.ask("note", text="odd", **stamp))["ok"]
+        assert (await peer.ask("marker", text="odd", **stamp))["ok"]
+
+
+async def test_a_fresh_stamp_counts_right_after_the_process_woke(tmp_path: Path) -> None:
+    clock = BootClock()
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        welcome = await peer.hello()
+        assert welcome["boot_id"] == boot_id()
+        clock.boot += 5 * S
+        fresh = {"sent_us": clock.boot - S // 10}
+        assert not (await peer.ask("action", action="Hello"))["ok"]
+        assert (await peer.ask("action", action="Hello", **fresh))["ok"]
+
+
+async def test_age_at_the_sender_and_on_the_way_are_added(tmp_path: Path) -> None:
+    clock = BootClock()
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        await peer.hello()
+        sent = {"action": "Hello", "sent_us": clock.boot, "age_us": S}
+        clock.boot += S
+        assert "2.0 s old" in (await peer.ask("action", **sent))["reason"]
+        young = {**sent, "age_us": -60 * S}  # nobody makes it younger than its way
+        clock.boot += S
+        assert "2.0 s old" in (await peer.ask("action", **young))["reason"]
+
+
+async def test_a_client_that_comes_while_the_process_stands_still_is_no_exception(
+    tmp_path: Path,
+) -> None:
+    clock = BootClock()
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        clock.boot += 5 * S
+        await peer.hello()
+        assert "5.0 s old" in await refused(place, peer, "action", {"action": "Hello"})
+
+
+@pytest.mark.parametrize("stamp", [10**18, -5])
+async def test_a_stamp_that_makes_no_sense_is_none(tmp_path: Path, stamp: int) -> None:
+    clock = BootClock()
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        await peer.hello()
+        assert (await peer.ask("action", action="Hello", sent_us=stamp))["ok"]
+        clock.boot += 5 * S
+        reply = await peer.ask("action", action="Hello", sent_us=stamp)
+        assert "5.0 s old" in reply["reason"]

@@ -275,7 +275,7 @@ def test_a_driver_that_is_not_connected_confirms_nothing_and_is_not_reached(
 ) -> None:
     async def scenario(rig: Rig) -> None:
         for health in before:
-            rig.hub.publish(health)  # type: ignore[type-var]
+            rig.hub.publish(health)
         rig.bus.stop("key")
         await asyncio.sleep(1)
 

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 import sys
+import time
 
 import pytest
 
 from tests.e2e import crashes, scenes
-from tests.e2e.lab import Lab, Log, until
+from tests.e2e.lab import Lab, Log, stopped, until
 from tests.e2e.program import Program
 from tests.e2e.servos import TORQUE, Servos
 
@@ -69,6 +70,35 @@ def test_left_alone_it_rests_and_ends(lab: Lab) -> None:
     assert lab.sockets() == []
     _, damage = log.whole()
     assert damage.sentences() == []
+
+
+def test_what_waited_while_it_stood_still_is_not_played_and_the_stop_is(lab: Lab) -> None:
+    lab.host(
+        lab.file("guide.yaml", scenes.guide().replace("dead_man", "stale_after: 1 s, dead_man"))
+    )
+    log = lab.log
+    log.wait("driver.connected")
+    robot = lab.host_process()
+    with Program(lab.socket()) as program, Program(lab.socket()) as stamping:
+        now_us = time.clock_gettime_ns(time.CLOCK_BOOTTIME) // 1000
+        assert stamping.welcome["boot_id"]
+        with stopped(robot):
+            asked = [
+                (program, program.send("action", action="Long story")),
+                (program, program.send("verb", verb="play", args={"move": "nod"})),
+                (stamping, stamping.send("script", sent_us=now_us)),
+                (program, program.send("stop")),
+                (program, program.send("release")),
+            ]
+            time.sleep(1.5)  # it stands still for longer than a press may wait
+        oks = [each.until(kind="reply", ref=ref)["ok"] for each, ref in asked]
+    assert oks == [False, False, False, True, False]
+    log.wait("stop.confirmed")
+    refused = [line.fields for line in log.lines() if str(line.fields["kind"]).endswith(".refused")]
+    assert len(refused) == 3
+    assert all("stale" in str(each["reason"]) for each in refused)
+    kinds = {line.fields["kind"] for line in log.lines()}
+    assert kinds.isdisjoint({"command.dispatched", "stop.released"})
 
 
 @pytest.mark.timeout(300)  # twelve robot processes one after the other

@@ -154,7 +154,7 @@ class Lab:
     def host_process(self) -> psutil.Process:
         """The robot process."""
         found = until(
-            lambda: [p for p in self.processes() if "host" in p.cmdline()[:4]], "a robot process"
+            lambda: [p for p in self.processes() if "host" in p.cmdline()[:5]], "a robot process"
         )
         assert len(found) == 1
         return psutil.Process(found[0].pid)

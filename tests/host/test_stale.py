@@ -137,3 +137,23 @@ async def test_a_stamp_that_makes_no_sense_is_none(tmp_path: Path, stamp: int) -
         clock.boot += 5 * S
         reply = await peer.ask("action", action="Hello", sent_us=stamp)
         assert "5.0 s old" in reply["reason"]
+
+
+async def test_what_waits_here_behind_other_requests_grows_older(tmp_path: Path) -> None:
+    clock = BootClock()
+
+    def takes_long(message: m.AnyMessage) -> None:
+        if isinstance(message, m.Marker):
+            clock.boot += S
+
+    async with served(tmp_path, clock=clock) as place:
+        peer = await place.connect()
+        await peer.hello()
+        place.session.hub.listen(takes_long)
+        clock.boot += 5 * S
+        peer.writer.write(
+            b'{"kind":"marker","ref":1,"text":"in front"}\n'
+            b'{"kind":"action","ref":2,"action":"Hello","source":"key"}\n'
+        )
+        reply = await peer.until(lambda line: line.get("ref") == 2)
+        assert "6.0 s old" in reply["reason"]

@@ -118,6 +118,10 @@ class Standstill:
         self._pauses = [pause for pause in self._pauses if now - pause[1] <= after_us]
         return now - min((began for began, _ in self._pauses), default=now)
 
+    def since_us(self) -> int:
+        """`Clock.boot_us` of the moment since which something may have waited that came just now."""
+        return self._clock.boot_us() - self.look()
+
     def waited_us(self, sent_us: int) -> int:
         """How long a request was under way that was stamped with `sent_us` of `Clock.boot_us`
         (0: it was not), in microseconds.

@@ -14,6 +14,7 @@ from contextlib import suppress
 import msgspec
 
 from woz_tui.core import wire
+from woz_tui.core.clock import Standstill
 from woz_tui.core.hub import Hub, Subscription
 from woz_tui.core.requests import (
     AnyRequest,
@@ -102,6 +103,7 @@ class Client(asyncio.Protocol):
         name: How the log calls this connection: `con1`, `con2` ...
         hub: Source of the stream.
         turns: Decides when a request is carried out.
+        standstill: Knows how long what is read now has waited in the socket.
         on_request: Called with each decoded request.
         on_stop: Called with a stop as soon as it has been received; its answer waits for its turn.
         on_gone: Called once when the connection has ended.
@@ -112,6 +114,7 @@ class Client(asyncio.Protocol):
         name: str,
         hub: Hub,
         turns: Turns,
+        standstill: Standstill,
         *,
         on_request: Callable[[Client, AnyRequest], None],
         on_stop: Callable[[Client, AskStop], None],
@@ -126,14 +129,16 @@ class Client(asyncio.Protocol):
         self.gone: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._hub = hub
         self._turns = turns
+        self._standstill = standstill
         self._on_request = on_request
         self._on_stop = on_stop
         self._on_gone = on_gone
         self._transport: asyncio.Transport | None = None
         self._subscription: Subscription | None = None
         self._rest = bytearray()
-        #: Lines that wait, and the answer to a stop that has overtaken those in front of it.
-        self._lines: deque[bytes | Reply] = deque()
+        #: Lines that wait, and the answer to a stop that has overtaken those in front of it; each
+        #: with the `Clock.boot_us` since which it may have waited, here and in the socket.
+        self._lines: deque[tuple[bytes | Reply, int]] = deque()
         self._ahead = 0
         self._overtaken = 0
         self._ended = False
@@ -197,9 +202,10 @@ class Client(asyncio.Protocol):
             self._ahead -= len(lines[place])
             self._overtaken = len(self._lines) + place
             self._on_stop(self, stop)
-        self._lines.extend(lines)
+        since_us = self._standstill.since_us() if lines else 0
+        self._lines.extend((line, since_us) for line in lines)
         if stop is not None:
-            self._lines[self._overtaken] = Reply(ref=stop.ref, ok=True)
+            self._lines[self._overtaken] = Reply(ref=stop.ref, ok=True), since_us
         if self._transport is not None and self._ahead > READ_AHEAD:
             self._transport.pause_reading()
         if idle and lines:
@@ -212,13 +218,13 @@ class Client(asyncio.Protocol):
 
     def serve(self) -> None:
         """Carry out the first request that waits."""
-        line = self._lines.popleft()
+        line, since_us = self._lines.popleft()
         overtaken, self._overtaken = self._overtaken > 0, max(0, self._overtaken - 1)
         if isinstance(line, Reply):
             self.send(line)
         else:
             self._ahead -= len(line)
-            self._line(line, overtaken)
+            self._line(line, since_us, overtaken)
         if self._transport is None:
             return
         if self._ahead <= READ_AHEAD:
@@ -226,7 +232,7 @@ class Client(asyncio.Protocol):
         if self._ended and not self._lines:
             self.close("closed")
 
-    def _line(self, line: bytes, overtaken: bool) -> None:
+    def _line(self, line: bytes, since_us: int, overtaken: bool) -> None:
         left = self._transport is None or self._transport.is_closing()
         if len(line) > wire.MAX_LINE:
             self.send(Reply(ref=0, ok=False, reason=f"a line may have {wire.MAX_LINE} bytes"))
@@ -244,6 +250,8 @@ class Client(asyncio.Protocol):
             reason = "a stop came behind it on the same connection"
             self.send(Reply(ref=request.ref, ok=False, reason=reason, hint="release it again"))
         elif not left or isinstance(request, LASTING):
+            if not request.sent_us:
+                request = msgspec.structs.replace(request, sent_us=since_us)
             self._on_request(self, request)
 
     # -- out ---------------------------------------------------------------------------------

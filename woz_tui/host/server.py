@@ -148,6 +148,7 @@ class Host:
             f"con{self._count}",
             self.session.hub,
             self._turns,
+            self.session.standstill,
             on_request=self._request,
             on_stop=self._stop,
             on_gone=self._gone,

@@ -119,7 +119,7 @@ class Standstill:
         return now - min((began for began, _ in self._pauses), default=now)
 
     def since_us(self) -> int:
-        """`Clock.boot_us` of the moment since which something may have waited that came just now."""
+        """`Clock.boot_us` since which something may have waited that came just now."""
         return self._clock.boot_us() - self.look()
 
     def waited_us(self, sent_us: int) -> int:

@@ -77,6 +77,9 @@ def test_settings_of_another_version_are_read() -> None:
         ({"samples": "many"}, "samples"),
         ({"rate": 0}, "rate is no number"),
         ({"gaze": {"filter": "median"}}, "gaze.filter: a median is for distance"),
+        ({"signs": ["presence", "smell"]}, "signs: 'smell' is none of"),
+        ({"filter": "sieve"}, "filter: 'sieve' is none of"),
+        ({"gaze": {"filter": "sieve"}}, "gaze.filter: 'sieve' is none of"),
     ],
 )
 def test_what_is_no_settings_is_told(wrong: dict[str, Any], said: str) -> None:

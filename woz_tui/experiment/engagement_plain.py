@@ -2,10 +2,17 @@
 
 from __future__ import annotations
 
+import dataclasses
+import typing
+from collections.abc import Iterator
+from typing import Any
+
 import msgspec
 
 from woz_tui.core.envelope import Json
+from woz_tui.core.fields import OneOf
 from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.settings import fields_of, note, split
 
 #: A path of the machine on which the session ran; the model does not look at it.
 _LEFT_OUT = "visitors"
@@ -31,6 +38,22 @@ def settings_from(values: dict[str, Json]) -> EngagementSettings:
         raise ValueError(str(error)) from error
     except ArithmeticError as error:
         raise ValueError("rate is no number of samples a second") from error
+    problems += _strange(settings, EngagementSettings, "")
     if problems:
         raise ValueError("; ".join(f"{name}: {why}" for name, why in problems))
     return settings
+
+
+def _strange(value: object, annotation: Any, path: str) -> Iterator[tuple[str, str]]:
+    """Words that are not in their list of choices: only the decoder of files looks at those."""
+    bare, notes = split(annotation)
+    one_of = note(notes, OneOf)
+    if one_of is not None and value is not None and value not in one_of.choices:
+        yield path, f"{value!r} is none of {', '.join(one_of.choices)}"
+    elif isinstance(value, tuple):
+        for each in value:
+            yield from _strange(each, typing.get_args(bare)[0], path)
+    elif dataclasses.is_dataclass(value) and not isinstance(value, type):
+        for item in fields_of(type(value)):
+            inner = f"{path}.{item.name}" if path else item.name
+            yield from _strange(getattr(value, item.attribute), item.annotation, inner)

@@ -233,7 +233,8 @@ def test_a_folder_that_cannot_be_written_is_told(
     (here / "csv").touch()
     code, _, err = told(capsys, "report", "logs", "--csv", "csv")
     assert code == 1
-    assert "csv" in err[0]
+    assert "csv: file exists" in err[0]
+    assert "name another place" in err[0]
 
 
 def test_options_change_what_counts(here: Path, capsys: pytest.CaptureFixture[str]) -> None:

@@ -2,8 +2,27 @@
 
 from __future__ import annotations
 
+import errno
 import sys
 from collections.abc import Callable
+
+_REMEDIES = {
+    errno.EEXIST: "name another place, or remove what is there",
+    errno.ENOTDIR: "a part of this path is a file; name a folder",
+    errno.EISDIR: "name a file in it",
+    errno.EACCES: "ask its owner, or name another place",
+    errno.EROFS: "name a place that can be written",
+    errno.ENOSPC: "make room on this disk, or name another place",
+}
+
+
+def os_sentence(error: OSError) -> str:
+    """`PATH: what is wrong (what to do)`; the error's own words where it names no path."""
+    path = error.filename2 or error.filename
+    if path is None or not error.strerror:
+        return str(error)
+    remedy = _REMEDIES.get(error.errno or 0, "")
+    return f"{path}: {error.strerror[:1].lower()}{error.strerror[1:]}" + (remedy and f" ({remedy})")
 
 
 def explained(work: Callable[[], int]) -> int:
@@ -30,6 +49,8 @@ def _told(error: Exception) -> str | None:
             return "\n".join(map(str, error.problems))
         case AskError():
             return f"woz: {error.reason}{f' ({error.hint})' if error.hint else ''}"
-        case PluginError() | OSError():
+        case OSError():
+            return f"woz: {os_sentence(error)}"
+        case PluginError():
             return f"woz: {error}"
     return None

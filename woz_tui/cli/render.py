@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from woz_tui.cli import numbers
+from woz_tui.cli.failure import os_sentence
 from woz_tui.cli.streams import json_text
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def run(arguments: argparse.Namespace) -> int:
     except BrokenPipeError:
         raise
     except OSError as error:
-        print(f"woz render: {error}", file=sys.stderr)
+        print(f"woz render: {os_sentence(error)}", file=sys.stderr)
     return 2
 
 

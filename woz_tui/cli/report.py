@@ -9,6 +9,7 @@ from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from woz_tui.cli.failure import os_sentence
 from woz_tui.cli.numbers import number
 from woz_tui.cli.streams import json_text
 
@@ -94,7 +95,7 @@ def _report(arguments: argparse.Namespace) -> int:
         if arguments.html and kept:
             _write_page(kept, arguments.html)
     except OSError as error:
-        print(f"woz report: {error}", file=sys.stderr)
+        print(f"woz report: {os_sentence(error)}", file=sys.stderr)
         return 1
     if arguments.json:
         _print_json(sessions, grouped, reading.problems)
@@ -134,7 +135,8 @@ class Reading:
             try:
                 report = examine(path, options, wanted)
             except (OSError, ValueError) as error:
-                self.problems.append(str(error))
+                told = os_sentence(error) if isinstance(error, OSError) else str(error)
+                self.problems.append(told)
                 continue
             if self._is_new(report):
                 yield report

@@ -132,10 +132,17 @@ class SegmentFiles:
         def run() -> None:
             try:
                 result = work()
-                _tell(loop, _succeed, done, result)
-                self._secure(loop, result, afterwards)
             except Exception as trouble:  # noqa: BLE001 - whoever waits for the file is to know
-                _tell(loop, _fail, done, trouble)
+                _tell(loop, self._over, _fail, done, trouble)
+                return
+            if afterwards is None:
+                _tell(loop, self._over, _succeed, done, result)
+                return
+            _tell(loop, _succeed, done, result)
+            try:
+                afterwards(result)
+            except OSError as trouble:
+                _tell(loop, self._on_unsafe, trouble)
             finally:
                 _tell(loop, self._free)
 
@@ -146,14 +153,12 @@ class SegmentFiles:
             done.set_exception(OSError(errno.EAGAIN, str(trouble)))
         return done
 
-    def _secure(
-        self, loop: asyncio.AbstractEventLoop, result: T, afterwards: Callable[[T], None] | None
+    def _over(
+        self, settle: Callable[[asyncio.Future[T], T], None], done: asyncio.Future[T], value: T
     ) -> None:
-        try:
-            if afterwards is not None:
-                afterwards(result)
-        except OSError as trouble:
-            _tell(loop, self._on_unsafe, trouble)
+        """Its place is free before whoever waits for it hears so: they may ask for the next one."""
+        self._free()
+        settle(done, value)
 
     def _free(self) -> None:
         self._busy -= 1

@@ -131,6 +131,7 @@ async def test_latency_timer_and_what_it_costs(
         assert "latency timer 1 ms" in said(await examined(bus.link), "ok")
 
 
+@pytest.mark.usefixtures("patient")
 @pytest.mark.parametrize("model", ["MX-28", "XL330-M288"])
 async def test_an_adapter_whose_answers_come_late_is_named(tmp_path: Path, model: str) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos", model=model) as bus:

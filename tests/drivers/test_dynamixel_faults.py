@@ -324,6 +324,7 @@ async def test_protocol_1_alarm(tmp_path: Path) -> None:
         assert "power off and on" in faulted.remedy
 
 
+@pytest.mark.usefixtures("patient")
 @pytest.mark.parametrize(("protocol", "model"), [(1, "MX-28"), (2, "XL330-M288")])
 async def test_a_slow_adapter_is_waited_for_and_named(
     tmp_path: Path, protocol: int, model: str

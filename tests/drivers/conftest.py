@@ -1,0 +1,15 @@
+"""What tests of several drivers' files need."""
+
+from __future__ import annotations
+
+import pytest
+from woz_drivers.dynamixel import wire
+
+from tests.drivers.servo_stand import PATIENT_MS
+
+
+@pytest.fixture
+def patient(monkeypatch: pytest.MonkeyPatch) -> None:
+    """What is measured of late answers leaves room for those that this machine delays besides."""
+    monkeypatch.setattr(wire, "AMPLE_MS", PATIENT_MS)
+    monkeypatch.setattr(wire, "patience", lambda latency_ms: latency_ms + 200.0)

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import asyncio
 import tempfile
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
@@ -182,8 +182,8 @@ def welcome(session: Session) -> Welcome:
         conditions=list(experiment.conditions),
         keyboard=experiment.keyboard,
         drivers=[spec.name for spec in experiment.drivers],
-        state=_raw([*session.standing.state(), _log(session)]),
-        recent=_raw(session.standing.recent()),
+        state=_raw([*session.state.messages(plan=False), _log(session)]),
+        recent=_raw(session.recent.lines),
         settings={
             "participant_pattern": experiment.participant_pattern,
             "joints": joint_limits(session),
@@ -197,5 +197,5 @@ def _log(session: Session) -> m.AnyMessage:
     return m.RecorderState(level="ok", lag_us=LAG_US, path=LOG, t=session.hub.now())
 
 
-def _raw(lines: list[m.AnyMessage]) -> list[msgspec.Raw]:
+def _raw(lines: Sequence[m.Message]) -> list[msgspec.Raw]:
     return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import msgspec
 
 from tests.console.scripted import raw
@@ -93,8 +95,8 @@ def many_panels(count: int) -> list[PanelView]:
 
 
 def welcome(
-    state: list[m.AnyMessage] | None = None,
-    recent: list[m.AnyMessage] | None = None,
+    state: Sequence[m.Message] | None = None,
+    recent: Sequence[m.Message] | None = None,
     *,
     shown: list[PanelView] | None = None,
     role: str = "wizard",
@@ -130,7 +132,6 @@ def welcome(
 def start(participant: str = "P07", condition: str = "warm") -> m.SessionStart:
     """The first line of the log."""
     return m.SessionStart(
-        seq=0,
         t=0,
         session="S01",
         participant=participant,

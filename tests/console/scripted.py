@@ -76,6 +76,6 @@ class ScriptedFeed:
         thread.join()
 
 
-def raw(messages: Iterable[m.AnyMessage]) -> list[msgspec.Raw]:
+def raw(messages: Iterable[m.Message]) -> list[msgspec.Raw]:
     """Messages as a welcome carries them."""
     return [msgspec.Raw(wire.encode(message).rstrip()) for message in messages]

@@ -25,7 +25,8 @@ from woz_tui.replay.marks import Cuts, steady
 from woz_tui.replay.player import Start
 from woz_tui.replay.reel import Reel
 from woz_tui.replay.told import plan_from
-from woz_tui.session.standing import Standing
+from woz_tui.session.recent import Recent
+from woz_tui.timeline.state import SessionState
 
 Timed = tuple[float, m.AnyMessage]
 
@@ -119,12 +120,13 @@ def test_what_is_kept_on_the_way_changes_nothing(
     index = min(index, len(reel.lines))
     while reel.prepare(chunk):
         pass
-    by_hand = Standing()
+    by_hand, recent = SessionState(), Recent()
     for line in reel.lines[:index]:
         assert not isinstance(line, dict)
-        by_hand.see(line)
-    assert reel.standing(index).state() == by_hand.state()
-    assert reel.standing(index).recent() == by_hand.recent()
+        by_hand.take(line)
+        recent.take(line)
+    assert reel.state(index).messages() == by_hand.messages()
+    assert reel.recent(index) == recent.lines
 
 
 def test_unknown_kinds_are_handed_on_and_disturb_nothing() -> None:
@@ -222,6 +224,23 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
     assert it.picture.title == "Museum guide"
     it.go(8)
     assert it.picture.title == "Reloaded"
+
+
+def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
+    timed: list[Timed] = [
+        (0, START),
+        (1, PLAN),
+        (2, m.PanelLocked(panel="Speech", locked=True)),
+        (5, PLAN),  # read again: the panels say themselves what is locked
+        (9, m.Marker()),
+    ]
+    by_playing = Viewer(reel_of(stamped(timed)))
+    by_playing.wait(7)
+    by_seeking = Viewer(reel_of(stamped(timed)), Start(paused=True))
+    by_seeking.go(3)
+    assert by_seeking.picture.locks == {"Speech": True}
+    by_seeking.go(7)
+    assert by_seeking.picture.locks == by_playing.picture.locks == {}
 
 
 def test_the_study_of_a_moment_knows_nothing_of_what_comes_next() -> None:

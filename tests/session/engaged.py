@@ -125,7 +125,7 @@ class Room:
             self.recorder,
             clock,
         )
-        self.lines += self.session.standing.recent()
+        self.lines += self.session.recent.lines
         self.session.hub.listen(self.lines.append)
 
     @property

@@ -300,7 +300,7 @@ def test_what_a_driver_shows_bears_its_name_and_stands_in_the_welcome(tmp_path: 
 
     stage = on_stage(tmp_path, scenario)
     held = {
-        type(each): each for each in stage.session.standing.state() if isinstance(each, m.Shown)
+        type(each): each for each in stage.session.state.messages() if isinstance(each, m.Shown)
     }
     face, controls = held[FaceShown], held[m.ControlsMoved]
     assert isinstance(face, FaceShown)

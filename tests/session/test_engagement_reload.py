@@ -39,7 +39,7 @@ def test_a_model_that_comes_back_begins_anew(tmp_path: Path) -> None:
         await asyncio.sleep(1)
         assert eyes(room) == ["off", "blue"]
         reload(room, replace(experiment, engagement=None))
-        held = {type(message) for message in room.session.standing.state()}
+        held = {type(message) for message in room.session.state.messages()}
         assert not held & {m.EngagementChanged, m.EngagementShown}
         await asyncio.sleep(1)
         reload(room, experiment)

@@ -68,7 +68,7 @@ def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str
             take(stage, step, what)
             live = stage.session.study.progress
             late = Progress(live.told)
-            for message in stage.session.standing.state():
+            for message in stage.session.state.messages():
                 late.see(message)
             assert dataclasses.asdict(late) == dataclasses.asdict(live)
 

@@ -36,7 +36,7 @@ def test_two_robots_do_not_overwrite_each_other(tmp_path: Path) -> None:
             outlet = stage.puppet(name).outlet
             outlet.reading("distance", 1.0)
             outlet.sensor("distance", "stale")
-        held = stage.session.standing.state()
+        held = stage.session.state.messages()
         await stage.session.close("test")
         return [
             f"{type(line).__name__} {line.sensor}"

@@ -320,21 +320,21 @@ def test_a_newcomer_is_told_what_still_holds(tmp_path: Path) -> None:
         session.release("key")
         session.play("Map", KEY)
         await asyncio.sleep(0)
-        kinds = [type(line).__name__ for line in session.standing.state()]
+        kinds = [type(line).__name__ for line in session.state.messages()]
         assert kinds.count("SessionStart") == 1
         assert kinds.count("DriverConnected") == 1
         assert "StopPressed" not in kinds
-        held = [line for line in session.standing.state() if isinstance(line, m.SessionChanged)]
+        held = [line for line in session.state.messages() if isinstance(line, m.SessionChanged)]
         assert [(line.participant, line.condition) for line in held] == [
-            ("P08", None),  # when they came, which is what the study goes by
-            ("P08", "cold"),
+            ("P08", None),
+            (None, "cold"),
         ]
         runs = [
-            line.run for line in session.standing.state() if isinstance(line, m.ActionRequested)
+            line.run for line in session.state.messages() if isinstance(line, m.ActionRequested)
         ]
         assert runs == ["a00003"]
         commands = [
-            line.command for line in session.standing.state() if isinstance(line, m.Command)
+            line.command for line in session.state.messages() if isinstance(line, m.Command)
         ]
         assert len(commands) == 1
 

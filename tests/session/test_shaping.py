@@ -79,7 +79,7 @@ def test_an_answer_that_comes_too_soon_begins_at_the_floor(play: Play) -> None:
 
 def test_a_newcomer_is_told_what_is_held(play: Play) -> None:
     def standing(stage: Stage) -> list[str]:
-        state = stage.session.standing.state()
+        state = stage.session.state.messages()
         return [type(line).__name__ for line in state if isinstance(line, m.ActionHeld)]
 
     async def scene(stage: Stage) -> None:

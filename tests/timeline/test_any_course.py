@@ -16,7 +16,6 @@ from hypothesis import strategies as st
 from tests.timeline.courses import damaged, recordings, stamped, start
 from woz_tui.core import messages as m
 from woz_tui.record.log import read
-from woz_tui.session.standing import Standing
 from woz_tui.timeline.context import Context
 from woz_tui.timeline.episodes import MOST, Action, Command, Utterance
 from woz_tui.timeline.state import CASES, SessionState
@@ -193,33 +192,6 @@ def test_a_copy_goes_on_by_itself(messages: list[m.AnyMessage], share: float) ->
     assert state.messages() == snapshot
     assert [list(state.take(message)) for message in messages[place:]] == ended
     assert held(state) == held(copy)
-
-
-@settings(max_examples=60)
-@given(recordings())
-def test_a_snapshot_has_all_that_newcomers_get_today(messages: list[m.AnyMessage]) -> None:
-    state, other = state_of(list(messages)), Standing()
-    for message in messages:
-        other.see(message)
-        if isinstance(message, m.EngagementAdopted) and not message.settings:
-            other.forget(m.EngagementChanged, m.EngagementShown)  # as the session does
-    snapshot = state.messages()
-    last = {each.command: each for each in snapshot if isinstance(each, m.Progress)}
-    for message in other.state():
-        match message:
-            case m.SessionChanged():  # there merged into one line
-                context = state.study
-                assert message.participant in (None, context.participant)
-                assert message.trial is None or any(
-                    isinstance(each, m.SessionChanged | m.TrialStarted | m.TrialEnded)
-                    for each in snapshot
-                )
-            case m.Progress():
-                assert last[message.command].seq >= message.seq
-            case m.StopConfirmed() if state.stop is None:
-                pass  # it shows nothing
-            case _:
-                assert message in snapshot
 
 
 # -- logs -----------------------------------------------------------------------------------------

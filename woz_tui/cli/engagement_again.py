@@ -18,7 +18,7 @@ from woz_tui.experiment.engagement_plain import plain, settings_from
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing.model import Change
 from woz_tui.sensing.stream import Follower
-from woz_tui.session.standing import Standing
+from woz_tui.timeline.state import SessionState
 
 #: Arguments of the verbs by which the wizard changes settings while a session runs.
 FILTER = frozenset({"kind", "samples", "threshold"})
@@ -55,7 +55,7 @@ class Again:
         self.settings = settings or EngagementSettings()
         self.follower = None if settings is None else Follower(settings)
         self.above = above
-        self._standing = Standing()
+        self._state = SessionState()
         #: Verbs with arguments that do not count, by command.
         self._asked: dict[str, str] = {}
         #: When keys of the wizard were passed over, in microseconds.
@@ -68,7 +68,7 @@ class Again:
     def take(self, message: m.AnyMessage) -> Sequence[Change]:
         """One message; the transitions that it brought."""
         if not isinstance(message, m.Reading | m.EngagementShown):
-            self._standing.see(message)
+            self._state.take(message)
         heard = self._meant(message)
         if heard is None or self.follower is None:
             return ()
@@ -114,6 +114,4 @@ class Again:
     def _begin(self, settings: EngagementSettings) -> None:
         """As live: a model that begins in mid-session is told what holds."""
         self.follower = Follower(settings)
-        for message in self._standing.state():
-            if not isinstance(message, m.Reading):
-                self.follower.take(message)
+        self.follower.catch_up(self._state.messages())

@@ -8,6 +8,7 @@ never raises.
 
 from __future__ import annotations
 
+import contextlib
 from collections import deque
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
@@ -176,20 +177,21 @@ class Picture:
         self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
         self._study(self.settings.get("study"))
         self._plan(welcome)
-        for raw in welcome.recent:
-            self._raw(raw, tell=True)
-        for raw in welcome.state:
-            self._raw(raw, tell=False)
+        self._recall(welcome)
         self.study.read_tidings()  # old ones
         if isinstance(told := self.settings.get("study"), dict):
             self.study.reach(told)  # of old messages only the last of each kind is there
 
-    def _raw(self, raw: msgspec.Raw, tell: bool) -> None:
-        try:
-            message = decode_message(bytes(raw))
-        except WireError:
-            return  # a newer host's message: not for this version
-        self._message(message, tell)
+    def _recall(self, welcome: r.Welcome) -> None:
+        """What holds and the last lines, each once and in their order: only these are listed."""
+        lines = [(message, True) for message in _decoded(welcome.recent)]
+        listed = {message.seq for message, _ in lines}
+        held = _decoded(welcome.state)
+        lines += [(each, False) for each in held if each.seq < 0 or each.seq not in listed]
+        for message, tell in sorted(lines, key=lambda line: line[0].seq):
+            self._message(message, tell)
+        # A lock among the last lines may be from before the file was read again.
+        self.locks = {each.panel: each.locked for each in held if isinstance(each, m.PanelLocked)}
 
     def _panels(self, changed: r.PanelsChanged) -> None:
         self.locks = {}
@@ -364,3 +366,11 @@ def _under_way(run: Run, now: int) -> Standing:
         return Standing(State.HELD, *held)
     left_us, share = run.timing(now)
     return Standing(State.RUNNING if run.running else State.QUEUED, left_us, share)
+
+
+def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:
+    found: list[m.Message] = []
+    for raw in lines:
+        with contextlib.suppress(WireError):  # a newer host's message: not for this version
+            found.append(decode_message(bytes(raw)))
+    return found

@@ -78,7 +78,7 @@ class Hub:
         self._record = record
         self._zero_us = clock.now_us()
         self._seq = 0
-        self._listeners: list[Callable[[AnyMessage], None]] = []
+        self._listeners: list[Callable[[AnyMessage], object]] = []
         self._subscriptions: list[Subscription] = []
         self._unheard: deque[AnyMessage] = deque()
         self._telling = False
@@ -127,7 +127,7 @@ class Hub:
         finally:
             self._telling = False
 
-    def listen(self, listener: Callable[[AnyMessage], None]) -> None:
+    def listen(self, listener: Callable[[AnyMessage], object]) -> None:
         """Call `listener` with every message, in the loop; it must be quick and must not raise."""
         self._listeners.append(listener)
 

@@ -140,22 +140,18 @@ class Rerun:
         self._player.begin()
 
     def _missing(self) -> list[str]:
-        connected = {
-            message.driver
-            for message in self._session.standing.state()
-            if isinstance(message, m.DriverConnected)
-        }
-        return [name for name in self._plan.drivers if name not in connected]
+        drivers = self._session.state.drivers
+        return [
+            name
+            for name in self._plan.drivers
+            if name not in drivers or not isinstance(drivers[name].health, m.DriverConnected)
+        ]
 
     def _give_up(self) -> None:
-        health = {
-            message.driver: message
-            for message in self._session.standing.state()
-            if isinstance(message, m.DriverHealth)
-        }
+        drivers = self._session.state.drivers
         told = []
         for name in self._missing():
-            detail = health[name].detail if name in health else ""
+            detail = drivers[name].health.detail if name in drivers else ""
             told.append(f"{name} is not connected{f' ({detail})' if detail else ''}")
         self._player.end(NOT_BEGUN + "; ".join(told))
 

@@ -6,6 +6,7 @@ import asyncio
 import logging
 import os
 import socket
+from collections.abc import Sequence
 from pathlib import Path
 
 import msgspec
@@ -236,9 +237,9 @@ class Host:
             t=session.hub.now(),
             log=str(session.recorder.path),
         )
-        state, recent = session.standing.state(), session.standing.recent()
+        state = session.state.messages(plan=False)
         return msgspec.structs.replace(
-            told, state=_raw(state), recent=_raw(recent), boot_id=boot_id()
+            told, state=_raw(state), recent=_raw(session.recent.lines), boot_id=boot_id()
         )
 
     def _panels_changed(self) -> None:
@@ -295,5 +296,5 @@ class Host:
             self.end("abandoned")
 
 
-def _raw(lines: list[m.AnyMessage]) -> list[msgspec.Raw]:
+def _raw(lines: Sequence[m.Message]) -> list[msgspec.Raw]:
     return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]

@@ -6,6 +6,7 @@ whatever would play something is refused.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -254,5 +255,5 @@ def _shown(line: Incoming) -> list[Incoming]:
     return [line, panels_changed(line)] if isinstance(line, m.SessionPlan) else [line]
 
 
-def _raw(messages: list[m.AnyMessage]) -> list[msgspec.Raw]:
+def _raw(messages: Sequence[m.Message]) -> list[msgspec.Raw]:
     return [msgspec.Raw(wire.encode(message).rstrip()) for message in messages]

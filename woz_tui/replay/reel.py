@@ -1,8 +1,8 @@
 """A log made ready to be played: its lines on one time line, and what held at any moment.
 
 The lines of actions are kept in memory, an hour of them is a few megabytes; samples are fetched
-when they are due. Every few seconds of log a `Standing` is kept, so that any moment is a few
-hundred lines from one.
+when they are due. Every few seconds of log a copy of the `SessionState` is kept, so that any moment
+is a few hundred lines from one.
 """
 
 from __future__ import annotations
@@ -21,12 +21,13 @@ from woz_tui.record.log import Line
 from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, marks_of, steady
 from woz_tui.replay.studied import SEEN, labels_of, revealed, study_at
 from woz_tui.replay.told import plan_from
-from woz_tui.session.standing import Standing
+from woz_tui.session.recent import MOST, Recent
+from woz_tui.timeline.state import SessionState
 
 #: A message, or the fields of a line whose kind this version does not know.
 Told = m.AnyMessage | dict[str, Any]
 
-#: A standing is kept after so much of the log's time, and after so many lines at the latest.
+#: A copy of the state is kept after so much of the log's time, after so many lines at the latest.
 SNAPSHOT_US, SNAPSHOT_LINES = 5_000_000, 500
 #: Lines that show nothing by themselves: a step does not stop at them.
 _HOUSEKEEPING = frozenset(
@@ -71,8 +72,8 @@ class NoSamples:
 class Moment:
     """What holds at a moment, in the order in which it came about, and the lines before it."""
 
-    state: list[m.AnyMessage]
-    recent: list[m.AnyMessage]
+    state: list[m.Message]
+    recent: list[m.Message]
 
 
 class Reel:
@@ -111,8 +112,14 @@ class Reel:
         self._studied = [
             (index, line) for index, line in enumerate(self.lines) if isinstance(line, SEEN)
         ]
-        self._snapshots: list[tuple[int, Standing]] = [(0, Standing())]
-        self._upto = (0, Standing())
+        recent = Recent()
+        self._listed = [
+            index
+            for index, line in enumerate(self.lines)
+            if isinstance(line, Message) and recent.lists(line)
+        ]
+        self._snapshots = [(0, SessionState())]
+        self._upto = (0, SessionState())
 
     @cached_property
     def marks(self) -> list[Mark]:
@@ -166,40 +173,44 @@ class Reel:
 
     def moment(self, index: int, t: int) -> Moment:
         """What held after `index` lines, at `t`."""
-        standing = self.standing(index)
-        held = [*standing.state(), *self.samples.at(t)]
-        if self._model_gone(index):
-            gone = m.EngagementChanged | m.EngagementShown
-            held = [message for message in held if not isinstance(message, gone)]
-        return Moment(sorted(held, key=lambda message: message.seq), standing.recent())
+        state = self.state(index)
+        held = [*state.messages(plan=False), *self.samples.at(t)]
+        if state.model.gone:
+            held = [message for message in held if not isinstance(message, m.EngagementShown)]
+        return Moment(sorted(held, key=lambda message: message.seq), self.recent(index))
 
-    def _model_gone(self, index: int) -> bool:
-        """Whether the experiment had an engagement model and was reloaded without."""
-        place = bisect.bisect_left(self._plans, index, key=lambda entry: entry[0])
-        had = [bool(plan.settings.get("engagement")) for _, plan in self._plans[:place]]
-        return any(had) and not had[-1]
+    def recent(self, index: int) -> list[m.Message]:
+        """The last of the first `index` lines that a list of events has."""
+        end = bisect.bisect_left(self._listed, index)
+        found = [self.lines[place] for place in self._listed[max(0, end - MOST) : end]]
+        return [line for line in found if isinstance(line, Message)]
 
-    def standing(self, index: int) -> Standing:
+    def state(self, index: int) -> SessionState:
         """What held after `index` lines, without samples; the caller's own."""
         while self._upto[0] < index:
             self.prepare(SNAPSHOT_LINES)
         place = bisect.bisect_right(self._snapshots, index, key=lambda entry: entry[0]) - 1
         begin, kept = self._snapshots[place]
-        standing = kept.copy()
-        _see(standing, self.lines[begin:index])
-        return standing
+        state = kept.copy()
+        self._play(state, begin, index)
+        return state
+
+    def _play(self, state: SessionState, begin: int, end: int) -> None:
+        for line, t in zip(self.lines[begin:end], self.times[begin:end], strict=True):
+            if isinstance(line, Message):
+                state.take(line if line.t == t else msgspec.structs.replace(line, t=t))
 
     def prepare(self, count: int) -> bool:
         """Work `count` lines ahead; whether there are more."""
-        begin, standing = self._upto
+        begin, state = self._upto
         end = min(len(self.lines), begin + count)
         for at in range(begin, end):
             before, _ = self._snapshots[-1]
             late = self.times[at] - self.times[before] >= SNAPSHOT_US
             if late or at - before >= SNAPSHOT_LINES:
-                self._snapshots.append((at, standing.copy()))
-            _see(standing, self.lines[at : at + 1])
-        self._upto = (end, standing)
+                self._snapshots.append((at, state.copy()))
+            self._play(state, at, at + 1)
+        self._upto = (end, state)
         return end < len(self.lines)
 
     def wall(self, index: int) -> tuple[int, str]:
@@ -232,12 +243,6 @@ def _kind(line: Told) -> str:
     if isinstance(line, Mapping):
         return str(line.get("kind"))
     return str(line.__struct_config__.tag)
-
-
-def _see(standing: Standing, lines: Iterable[Told]) -> None:
-    for line in lines:
-        if isinstance(line, Message):
-            standing.see(line)
 
 
 def thinned(samples: Iterable[m.AnyMessage]) -> list[m.AnyMessage]:

@@ -23,7 +23,7 @@ How messages are read:
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import Any
 
 from woz_tui.core import messages as m
@@ -71,17 +71,26 @@ class Follower:
 
     # -- messages in, changes out ------------------------------------------------------------------
 
-    def reads(self, message: m.AnyMessage) -> bool:
+    def reads(self, message: m.Message) -> bool:
         """Whether it means anything here: most readings of a session do not."""
         if isinstance(message, m.Reading):
             return message.sensor in self.sensors
         return type(message) in _READ
 
-    def take(self, message: m.AnyMessage) -> Changes:
+    def take(self, message: m.Message) -> Changes:
         """One message, in the order of `seq`; the transitions it brought, oldest first."""
         if not self.reads(message):
             return ()
         return [*self.until(message.t), *self._brought(self._read(message))]
+
+    def catch_up(self, messages: Iterable[m.Message]) -> None:
+        """Begin in the middle of a session with what holds: whose session it is, who cuts speech,
+        what the robot says. Not with sensors' last values, which come again, nor with settings,
+        which are there.
+        """
+        for message in messages:
+            if not isinstance(message, m.Reading | m.EngagementAdopted):
+                self.take(message)
 
     def until(self, t: int) -> Changes:
         """What happens by itself up to `t`: timeouts, signs that grow old, a second edge.
@@ -155,7 +164,7 @@ class Follower:
 
     # -- what each message means -------------------------------------------------------------------
 
-    def _read(self, message: m.AnyMessage) -> Change | None:
+    def _read(self, message: m.Message) -> Change | None:
         return _READ[type(message)](self, message)
 
     def _reading(self, reading: m.Reading) -> Change | None:
@@ -259,7 +268,7 @@ class Follower:
             self.adopt(settings_from(message.settings))
         return None
 
-    def _nothing(self, message: m.AnyMessage) -> Change | None:
+    def _nothing(self, message: m.Message) -> Change | None:
         return None
 
 

@@ -198,9 +198,9 @@ class LiveEngagement:
 
     def _show_robots(self) -> None:
         """Robots that are there show how things stand."""
-        for message in self._session.standing.state():
-            if isinstance(message, m.DriverConnected):
-                self._connected(message.driver)
+        for name, driver in [*self._session.state.drivers.items()]:
+            if isinstance(driver.health, m.DriverConnected):
+                self._connected(name)
 
     def _follow_file(self, message: m.ExperimentReloaded | m.EngagementAdopted) -> None:
         """New settings count from when all hear of them; what the robot shows, at once."""
@@ -228,20 +228,11 @@ class LiveEngagement:
         if self._follower is None:
             self._effects.gone()
             self._shown = None
-            self._session.standing.forget(m.EngagementChanged, m.EngagementShown)
         elif not had_one:
-            self._catch_up(self._follower)
+            self._follower.catch_up(self._session.state.messages())
             self._show_robots()
         self._show()
         self._wind()
-
-    def _catch_up(self, follower: Follower) -> None:
-        """Tell a model that begins in mid-session what holds: whose session it is, who cuts speech,
-        what the robot says. Not what sensors said last: they say it again.
-        """
-        for message in self._session.standing.state():
-            if not isinstance(message, m.Reading):
-                follower.take(message)
 
     def _adopt(self, engagement: Engagement | None) -> None:
         """Take the section as it is now in the file."""

@@ -55,14 +55,10 @@ def _file(session: Session) -> list[Finding]:
 
 
 def _drivers(session: Session) -> list[Finding]:
-    health = {
-        message.driver: message
-        for message in session.standing.state()
-        if isinstance(message, m.DriverHealth)
-    }
     findings = []
     for name in session.drivers:
-        message = health.get(name)
+        driver = session.state.drivers.get(name)
+        message = driver.health if driver is not None else None
         if isinstance(message, m.DriverConnected):
             findings.append(Finding("ok", name, message.detail or "ready"))
         elif message is None or isinstance(message, m.DriverConnecting):
@@ -75,11 +71,6 @@ def _drivers(session: Session) -> list[Finding]:
 
 
 def _sensors(session: Session) -> list[Finding]:
-    last = {
-        message.sensor: message
-        for message in session.standing.state()
-        if isinstance(message, m.Reading)
-    }
     published = published_names(session.experiment.drivers)
     # Joints and their like, which have a dot in their names, have their driver's own line; speech
     # comes when somebody speaks.
@@ -91,7 +82,7 @@ def _sensors(session: Session) -> list[Finding]:
     ]
     findings = []
     for sensor in expected:
-        message = last.get(sensor)
+        message = session.state.readings.get(sensor)
         if message is None:
             findings.append(Finding("warning", sensor, "no value yet"))
         elif session.hub.now() - message.t > FRESH_US:

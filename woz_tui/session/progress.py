@@ -91,7 +91,7 @@ class Progress:
 
     # -- what happens ------------------------------------------------------------------------------
 
-    def see(self, message: m.AnyMessage) -> None:
+    def see(self, message: m.Message) -> None:
         """A message of the session, each once and in their order."""
         match message:
             case m.SessionStart():

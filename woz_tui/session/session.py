@@ -26,13 +26,14 @@ from woz_tui.session.crew import Crew
 from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.profiles import Profiles, by_hand, covered
+from woz_tui.session.recent import Recent
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.shaping import Shaper
-from woz_tui.session.standing import Standing
 from woz_tui.session.study import LiveStudy
 from woz_tui.session.utterances import remedy, utterances
 from woz_tui.session.variables import Values
 from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
+from woz_tui.timeline.state import SessionState
 
 #: Seconds between two lines that tie the session's clock to the calendar.
 CLOCK_TIE_S = 30.0
@@ -71,8 +72,9 @@ class Session:
         self._loop = asyncio.get_running_loop()
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
-        self.standing = Standing()
-        self.hub.listen(self.standing.see)
+        self.state, self.recent = SessionState(), Recent()
+        self.hub.listen(self.state.take)
+        self.hub.listen(self.recent.take)
         begin(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
         self.engagement = LiveEngagement(self)
         self.profiles = Profiles(self.hub.publish)

@@ -37,7 +37,7 @@ class LiveStudy:
         self._session = session
         self._hub = session.hub
         self.progress = Progress(study_settings(session.experiment))
-        for message in session.standing.state():
+        for message in session.state.messages():
             self.progress.see(message)
         self._hub.listen(self.progress.see)
         self._earlier = Earlier(session.recorder.path.parent)

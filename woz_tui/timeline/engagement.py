@@ -43,7 +43,7 @@ class ModelStatus:
     stay: ModelState | None = None
     engaged: Engagement | None = None
     off: ModelOff | None = None
-    #: With this line it appeared.
+    #: With this line it appeared, or the one before it went.
     _appeared: m.Message | None = None
     #: And with this one the model before it went.
     _gone: m.EngagementAdopted | None = None
@@ -63,6 +63,11 @@ class ModelStatus:
     def on(self) -> bool:
         """Whether it is there, and runs or is held."""
         return self.stay is not None
+
+    @property
+    def gone(self) -> bool:
+        """Whether it is known that there is none any more."""
+        return not self.present and self._appeared is not None
 
     @property
     def since(self) -> int | None:

@@ -150,14 +150,16 @@ class SessionState:
             setattr(other, name, value.copy() if type(value) in _COPIED else value)
         return other
 
-    def messages(self) -> list[m.Message]:
+    def messages(self, *, plan: bool = True) -> list[m.Message]:
         """The few messages from which a fresh `SessionState` becomes the same, in order of `seq`.
 
-        The last `session.plan` is among them: whoever sends its content otherwise leaves it out.
+        `plan`: with the last `session.plan`; whoever sends its content otherwise leaves it out.
         They do not carry: when each setting of a robot, and what is only counted, began; which
         commands of an action are over; passing commands.
         """
         lines = {id(line): line for line in self._lines()}
+        if not plan:
+            lines.pop(id(self.plan), None)
         return sorted(lines.values(), key=lambda line: line.seq)
 
     def _lines(self) -> Iterator[m.Message]:

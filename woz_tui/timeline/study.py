@@ -68,7 +68,8 @@ class StudyState:
     _number: int | None = None
     #: Trials are begun and ended in this session: a number that is set is that of the next one.
     _begins_trials: bool = False
-    #: The lines from which participant, condition, the next number and the number by hand come.
+    #: The lines from which participant, condition, the next number and the number by hand come, and
+    #: the number that was set last.
     _sources: dict[str, m.Message] = field(default_factory=dict)
 
     def copy(self) -> StudyState:
@@ -163,6 +164,7 @@ class StudyState:
             self.condition = message.condition
             self._sources["condition"] = message
         if message.trial is not None:
+            self._sources["trial"] = message  # screens show it until another is set or begins
             self._follow(message.trial, message)
             if not self._begins_trials:
                 self._number = message.trial

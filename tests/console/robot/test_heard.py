@@ -11,7 +11,8 @@ from woz_tui.console.parts import RobotPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.study.perceived import HIDDEN
 from woz_tui.core import messages as m
-from woz_tui.session.standing import Standing
+from woz_tui.session.recent import Recent
+from woz_tui.timeline.state import SessionState
 
 
 def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
@@ -34,17 +35,18 @@ def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
 
 
 def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
-    standing = Standing()
+    state, recent = SessionState(), Recent()
     told = [
         pepper.shown(driver="left", volume=0.1),
         pepper.shown(driver="right"),
         pepper.shown({"volume": 0.5}, driver="left", volume=0.2),
     ]
     for seq, message in enumerate(told):
-        standing.see(msgspec.structs.replace(message, seq=seq))
-    held = [message for message in standing.state() if isinstance(message, m.SettingsShown)]
+        state.take(stamped := msgspec.structs.replace(message, seq=seq))
+        recent.take(stamped)
+    held = [message for message in state.messages() if isinstance(message, m.SettingsShown)]
     assert [message.seq for message in held] == [1, 2]
-    assert standing.recent() == []  # no line in the list of events
+    assert recent.lines == []  # no line in the list of events
     picture = Picture()
     picture.take([pepper.welcome(*held, drivers=("left", "right"))], 0)
     assert picture.robots["left"].wanted == {"volume": 0.5}

@@ -116,7 +116,7 @@ async def test_four_hands_full_of_knobs_and_a_pulled_cable(tmp_path: Path) -> No
             it.panel.turn(number, *range(0, 128, 3), *range(127, 95, -1))
         await it.until(lambda: it.at(pitch=45.7, middle=67.9, top=67.9))
         assert {command.source for command in it.commands()} == {"midi"}
-        recalled = it.session.standing.recent()
+        recalled = it.session.recent.lines
         assert not any(isinstance(line, m.Command | m.Ack) for line in recalled), "only logged"
         assert it.session.runner.played == {}, "no knob is the last mistake"
         assert {command.key for command in it.commands()} == {

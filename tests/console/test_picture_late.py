@@ -1,0 +1,109 @@
+"""A console that attaches late shows what one shows that was there from the beginning."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import pytest
+
+from tests.console import scenes
+from tests.console.studied import assigned, ended, started, told
+from tests.replay.logs import stamped
+from tests.timeline.courses import start
+from woz_tui.console.picture import Picture
+from woz_tui.core import messages as m
+from woz_tui.session.recent import Recent
+from woz_tui.timeline.state import SessionState
+
+SECOND = 1_000_000
+
+
+def somebody(code: str) -> m.SessionChanged:
+    return m.SessionChanged(participant=code)
+
+
+def engagement(was: str, now: str) -> m.EngagementChanged:
+    return m.EngagementChanged(was=was, now=now, outcome="", why="test", verdicts={})
+
+
+def greeted(messages: list[m.AnyMessage], *, recent: bool) -> Picture:
+    """A console that attaches when all this is over, with or without the last lines."""
+    state, lines = SessionState(), Recent()
+    for message in messages:
+        state.take(message)
+        lines.take(message)
+    picture = Picture()
+    first = scenes.welcome(
+        state.messages(plan=False),
+        lines.lines if recent else [],
+        settings={"study": told()},
+    )
+    picture.take([first], 0)
+    return picture
+
+
+HAD = ended("robot"), ended("end", "declined")
+
+COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[Picture], object], object]] = {
+    "a participant who comes back has had nothing": (
+        [assigned(), *HAD, somebody("P08"), somebody("P07")],
+        lambda picture: (picture.participant, picture.study.over),
+        ("P07", set()),
+    ),
+    "a questionnaire that was had, and then begun and left, was had": (
+        [assigned(), started(), ended("robot"), started(), ended("robot", "left")],
+        lambda picture: (picture.study.over, picture.study.asked),
+        ({"robot"}, None),
+    ),
+    "where a participant sits": (
+        [
+            m.ConsoleAttached(console="con2", role="participant"),
+            m.ConsoleAttached(console="con3", role="participant"),
+            m.ConsoleLost(console="con2", role="participant", why="left"),
+        ],
+        lambda picture: picture.study.participants,
+        {"con3"},
+    ),
+    "since when a driver is lost that says so twice": (
+        [m.DriverLost(driver="head", detail="cable"), m.DriverLost(driver="head", detail="cable")],
+        lambda picture: picture.drivers["head"].t,
+        1 * SECOND,
+    ),
+    "the trial whose number was set last": (
+        [m.TrialStarted(trial=1), m.SessionChanged(trial=3), m.TrialEnded(trial=1, outcome="done")],
+        lambda picture: picture.trial,
+        3,
+    ),
+    "an utterance that goes on": (
+        [m.SpeechStarted(driver="microphone", segment=4, began=1 * SECOND)],
+        lambda picture: (segment := picture.engaged.speaking(2 * SECOND)) and segment.number,
+        4,
+    ),
+    "the last change of the engagement model is the last": (
+        [engagement("Wait", "EngagedWithKnown"), engagement("EngagedWithKnown", "RobotReplies")],
+        lambda picture: picture.engaged.changes[-1].now,
+        "RobotReplies",
+    ),
+}
+
+
+@pytest.mark.parametrize("recent", [False, True], ids=["no lines", "last lines"])
+@pytest.mark.parametrize("case", COURSES)
+def test_what_holds_is_there_however_long_ago_it_was(case: str, recent: bool) -> None:
+    course, look, expected = COURSES[case]
+    messages = stamped(enumerate([start(participant="P07"), *course]))
+    there = Picture()
+    there.take([scenes.welcome([], settings={"study": told()}), *messages], 0)
+    assert look(there) == expected
+    assert look(greeted(messages, recent=recent)) == expected
+
+
+def test_what_is_older_than_the_last_lines_comes_before_them() -> None:
+    """The engagement goes on since a change that is not among the last lines any more."""
+    changes: list[m.AnyMessage] = [engagement("Wait", "EngagedWithKnown")]
+    for _ in range(150):
+        changes.append(engagement("EngagedWithKnown", "RobotReplies"))
+        changes.append(engagement("RobotReplies", "EngagedWithKnown"))
+    messages = stamped(enumerate([start(), *changes]))
+    shown = [*greeted(messages, recent=True).engaged.changes]
+    assert shown == messages[-len(shown) :]

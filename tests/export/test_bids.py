@@ -82,7 +82,7 @@ def test_a_visit_is_valid(tmp_path: Path) -> None:
     assert (note["duration"], note["text"]) == ("0", "a child␊has joined")
     assert [row["value"] for row in table(dataset / f"{beh}_beh.tsv")] == ["6.0", "n/a"]
     assert table(dataset / "participants.tsv") == [
-        {"participant_id": "sub-P07", "conditions": "cold"}
+        {"participant_id": "sub-P07", "conditions": "warm, cold"}
     ]
 
 
@@ -189,6 +189,23 @@ def test_each_participant_of_a_session_has_what_happened_under_their_code(tmp_pa
         (path,) = (dataset / f"sub-{code}").rglob("*_events.tsv")
         notes = [row["text"] for row in table(path) if row["trial_type"] == "note"]
         assert notes == [text]
+
+
+def test_what_came_before_the_first_code_is_nobodys(tmp_path: Path) -> None:
+    course: list[Timed] = [
+        (0, start(participant="")),
+        (1, m.Note(text="early")),
+        (1.5, m.reading("distance", 1.5)),
+        (2, m.SessionChanged(participant="P08")),
+        (3, m.Note(text="first")),
+    ]
+    dataset = course_to(tmp_path, "bids", course, samples=True)
+    validated(dataset)
+    for label, text in (("unknown01", "early"), ("P08", "first")):
+        (path,) = (dataset / f"sub-{label}").rglob("*_events.tsv")
+        notes = [row["text"] for row in table(path) if row["trial_type"] == "note"]
+        assert notes == [text]
+    assert [path.name[:7] for path in dataset.rglob("*_physio.tsv.gz")] == ["sub-P08"]
 
 
 @settings(max_examples=30, deadline=None, suppress_health_check=list(HealthCheck))

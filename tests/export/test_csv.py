@@ -87,7 +87,10 @@ def test_a_visit_in_tables(tmp_path: Path) -> None:
         "seq": "6",
     }
     states = [(row["state"], row["duration_s"]) for row in read_back(out / "engagement.csv")]
-    assert states == [("Idle", "1.000000"), ("Engaged", "10.000000")]
+    assert states == [
+        *(("Idle", "0.500000"), ("Idle", "0.500000")),
+        *(("Engaged", "7.500000"), ("Engaged", "2.500000")),
+    ], "the trial divides both"
     answers = [
         (row["item"], row["value"], row["text"]) for row in read_back(out / "questionnaires.csv")
     ]

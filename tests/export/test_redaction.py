@@ -12,7 +12,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.export import secrets as told_secrets
-from tests.export.logs import STEM, session_of, speak, start, visit, write
+from tests.export.logs import STEM, Timed, session_of, speak, start, visit, write
 from tests.export.out import exported
 from tests.export.secrets import Secrets
 from woz_tui.core import messages as m
@@ -64,6 +64,60 @@ def test_no_secret_of_any_message_gets_out(tmp_path: Path, to: str) -> None:
     assert {kind for kind, path in leaked if path == "was"} <= set(KEPT_IN)
     assert not {_field(path).partition(".")[0] for _, path in leaked} & NEVER
     assert ("strange", "anything") not in leaked
+
+
+def anna() -> list[Timed]:
+    """A session in which everything that has an end ends with a name."""
+    item = {"name": "a", "question": "Anna?", "text": True}
+    answer = m.QuestionnaireAnswered(questionnaire="q", item="a", question="Anna?", text="Anna")
+    sent: dict[str, Json] = {"text": "Anna"}
+    off: dict[str, Json] = {"run": "off"}
+    return [
+        (0, start()),
+        (1, m.EngagementAdopted(settings={"model": "Anna"})),
+        (2, moved("Wait", "Engaged")),
+        (3, m.TrialStarted(trial=1)),
+        (3, m.ActionRequested(run="r1", action="Hello", source="key")),
+        (3, m.Command(command="c1", run="r1", verb="say", args=sent, source="key")),
+        (4, m.Failed(command="c1", reason="Anna")),
+        (4, m.ActionFailed(run="r1", action="Hello", reason="Anna")),
+        (5, m.SpeechStarted(driver="ears", segment=1, began=5_000_000)),
+        (6, m.SpeechEnded(driver="ears", segment=1, began=5_000_000, ended=6_000_000)),
+        (6, m.SpeechText(driver="ears", segment=1, text="Anna")),
+        (7, m.BreakStarted(text="Anna")),
+        (8, m.BreakEnded(text="Anna")),
+        (9, m.TrialEnded(trial=1, outcome="done", text="Anna")),
+        (10, m.QuestionnaireStarted(questionnaire="q", title="Anna", items=[item])),
+        (11, answer),
+        (12, m.QuestionnaireEnded(questionnaire="q", reason="Anna", answered=1)),
+        (13, m.Command(command="c2", verb="run", driver="engagement", args=off, source="key")),
+        (14, m.Done(command="c2", driver="engagement", sent=off, latency_us=0, duration_us=0)),
+        (15, m.Note(text="Anna")),
+    ]
+
+
+def moved(was: str, now: str) -> m.EngagementChanged:
+    return m.EngagementChanged(was=was, now=now, outcome="went", why="Anna", verdicts={})
+
+
+@pytest.mark.parametrize("to", FORMATS)
+def test_no_end_of_anything_tells_a_secret(tmp_path: Path, to: str) -> None:
+    log = write(tmp_path / "recordings", anna())
+    exported(log, to, tmp_path / "open")
+    assert "Anna" in content(tmp_path / "open")
+    exported(log, to, tmp_path / "out", redact=True)
+    assert "Anna" not in content(tmp_path / "out")
+
+
+def test_times_are_the_same_with_and_without_texts(tmp_path: Path) -> None:
+    """Also of the model, which a redacted word has switched off."""
+    plain, published = session_of(tmp_path, anna()), session_of(tmp_path, anna(), redact=True)
+    times = [
+        [(each.kind, each.label, each.begin, each.end, each.trial) for each in session.events]
+        for session in (plain, published)
+    ]
+    assert times[0] == times[1]
+    assert ("engagement", "Engaged", 2_000_000, 14_000_000, None) in times[0]
 
 
 def test_without_redaction_all_of_it_is_there(tmp_path: Path) -> None:

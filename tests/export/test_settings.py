@@ -159,10 +159,21 @@ def test_a_log_that_is_torn_is_exported_up_to_its_last_line(tmp_path: Path) -> N
     log.write_bytes(b"".join(lines[:5]) + lines[5][:30])
     exported(log, "csv", tmp_path / "out")
     rows = of(read_back(tmp_path / "out" / "settings.csv"), "blinking")
-    assert rows[-2:] == [
-        ("1", "3.000000", "3.000000", "true", "false", "true", "true"),
-        ("", "6.000000", "0.000000", "true", "false", "true", "false"),
+    assert rows[-1] == ("1", "3.000000", "3.000000", "true", "false", "true", "true")
+
+
+def test_a_setting_that_is_named_no_more_is_changed_and_not_lost(tmp_path: Path) -> None:
+    course: list[Timed] = [
+        (0, start()),
+        (1, shown({"blinking": False}, blinking=True, volume=0.5)),
+        (2, shown(volume=0.5)),
+        (3, m.Note(text="over")),
     ]
+    session = session_of(tmp_path, course)
+    (difference,) = [each for each in session.events if each.kind == "difference"]
+    assert (difference.begin, difference.end, difference.outcome) == (1_000_000, 2_000_000, "")
+    rows = [(each.begin, each.differs) for each in session.settings if each.name == "blinking"]
+    assert rows == [(1_000_000, True), (2_000_000, None)]
 
 
 def test_published_settings_keep_numbers_words_and_colours_and_no_address(tmp_path: Path) -> None:

@@ -72,7 +72,7 @@ def exported(messages: list[m.AnyMessage]) -> Session:
             raw = wire.encode(message)
             fields = wire.decode_unknown(raw)
             kind = str(fields["kind"])
-            extractor.take(Line(message.seq, message.t, "", kind, fields, raw, message))
+            extractor.take(message, Line(message.seq, message.t, "", kind, fields, raw, message))
     extractor.finish()
     return extractor.session
 
@@ -284,6 +284,24 @@ def test_exported_settings_add_up(messages: list[m.AnyMessage]) -> None:
     assert sum(each.duration for each in timeline.of(Conflict)) == sum(
         each.duration for each in conflicts
     )
+
+
+@settings(max_examples=30)
+@given(recordings())
+def test_exported_states_add_up(messages: list[m.AnyMessage]) -> None:
+    timeline, session = timeline_of(messages), exported(messages)
+    rows: Counter[tuple[Group, str]] = Counter()
+    for row in session.engagement:
+        rows[(row.participant, row.condition), row.label] += row.duration
+    found: Counter[tuple[Group, str]] = Counter()
+    for state in timeline.of(ModelState):
+        for part in state.parts:
+            found[group(part.context), state.label] += part.end - part.begin
+    assert +found == +rows
+    events = [each for each in session.events if each.kind == "engagement"]
+    assert [(each.begin, each.end, each.label) for each in events] == [
+        (each.begin, each.end, each.label) for each in timeline.of(ModelState)
+    ]
 
 
 def context(found: Context) -> tuple[str, str, int | None]:

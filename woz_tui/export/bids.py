@@ -66,12 +66,14 @@ class BidsExporter:
 
     def add(self, session: Session, source: Source) -> list[str]:
         """One session: of each participant in it, what happened under their code."""
-        codes = session.participants or [""]
+        codes = session.participants
+        if not codes or any(not event.participant for event in session.events):
+            codes = [*codes, ""]
         paths = [self._participant(session, code) for code in codes]
         notes = []
         if not session.participants:
             notes.append(f"no participant's code: it is in sub-{self._label(session, '')}")
-        if self._options.samples and len(codes) > 1:
+        if self._options.samples and len(session.participants) > 1:
             notes.append("several participants: values of sensors are nobody's and left out")
         elif self._options.samples:
             notes += write_physio(self._folder, paths[0], source, _common(session))

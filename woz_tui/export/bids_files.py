@@ -21,7 +21,8 @@ _KINDS = {
     "speech": "a sentence of the visitor",
     "trial": "a trial",
     "break": "a break between trials",
-    "stop": "the emergency stop, from its being pressed to its release",
+    "stop": "the emergency stop, from its being pressed to its release; of driving alone, to its "
+    "confirmation",
     "questionnaire": "a questionnaire was put to the participant",
     "difference": "a robot's setting was other than asked for; the text is what it had and what "
     "was wanted",

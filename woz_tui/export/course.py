@@ -31,6 +31,8 @@ class Event:
         latency: For actions and commands, from the request to the driver's start.
         acted: When the driver started, for commands.
         mistake: The wizard said that this action was one.
+        changed: It began here; else it is a further part of something that went on while
+            participant, condition or trial changed.
         details: Everything else that the log says of it.
     """
 
@@ -56,6 +58,7 @@ class Event:
     latency: int | None = None
     acted: int | None = None
     mistake: bool = False
+    changed: bool = True
     details: dict[str, Json] = field(default_factory=dict)
 
     @property
@@ -127,6 +130,7 @@ class Session:
         log: The log's file from which it was read; its other files lie beside it.
         start: What the first line says; None if that line is lost.
         events: By time of beginning.
+        engagement: States of the engagement model, once for each participant, condition and trial.
         answers: By time; the last one to each item.
         settings: What robots had set, by time.
         clips: Recorded sound that is there still.
@@ -141,6 +145,7 @@ class Session:
     log: Path
     start: SessionStart | None = None
     events: list[Event] = field(default_factory=list)
+    engagement: list[Event] = field(default_factory=list)
     answers: list[Answer] = field(default_factory=list)
     settings: list[Setting] = field(default_factory=list)
     clips: list[Clip] = field(default_factory=list)

@@ -66,9 +66,8 @@ class CsvExporter:
 
     def add(self, session: Session, source: Source) -> list[str]:
         """One session."""
-        engagement = (event for event in session.events if event.kind == "engagement")
         self._writers["events"].write(session, session.events)
-        self._writers["engagement"].write(session, engagement)
+        self._writers["engagement"].write(session, session.engagement)
         self._writers["questionnaires"].write(session, session.answers)
         self._writers["settings"].write(session, session.settings)
         self._writers["sessions"].write(session, [None])

@@ -56,7 +56,7 @@ def export(
 def _told(session: Session, notes: list[str]) -> Told:
     """Keeps no events: those of hundreds of sessions would fill the memory."""
     told = Told(session, notes, session.participants, len(session.events))
-    session.events, session.answers, session.settings = [], [], []
+    session.events, session.engagement, session.answers, session.settings = [], [], [], []
     return told
 
 

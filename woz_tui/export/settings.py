@@ -2,88 +2,80 @@
 
 from __future__ import annotations
 
-from woz_tui.analysis.known import Known, Stretch, worded
-from woz_tui.core import messages as m
-from woz_tui.export.course import OPEN, Event, Session, Setting
+from woz_tui.analysis.known import worded
+from woz_tui.export.course import OPEN, Event, Setting
+from woz_tui.timeline import episodes
+from woz_tui.timeline.context import Span
+from woz_tui.timeline.episodes import Conflict, Outcome
+from woz_tui.timeline.timeline import Timeline
 
-#: Participant, condition, number of the trial.
-Place = tuple[str, str, int | None]
 #: The outcome of a difference that was not seen to end, because its robot was lost.
 LOST = "lost"
 
 
-class Settings:
-    """Follows what is known of robots' settings; `finish` puts it into `session`."""
+def settings_of(timeline: Timeline) -> tuple[list[Setting], list[Event]]:
+    """Rows of all settings, and events of those that differed and of conflicts: one for each part
+    of an episode, by time.
+    """
+    pieces = [
+        (each, part)
+        for each in timeline.episodes
+        if isinstance(each, episodes.Setting | Conflict)
+        for part in each.parts
+    ]
+    shown = timeline.state.robots.shown.values()
+    places = {(line.driver, name): at for line in shown for at, name in enumerate(line.values)}
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
-        self._known: Known[Place] = Known(("", "", None), lambda each: True)
+    def order(piece: tuple[episodes.Setting | Conflict, Span]) -> tuple[int, ...]:
+        """By time; of one moment as the driver lists them."""
+        each, part = piece
+        return part.begin, each.seq, part.end, places.get((each.driver, each.label), len(places))
 
-    def take(self, message: m.Message, t: int, seq: int) -> None:
-        """Any line of the log."""
-        self._known.take(message, t, seq)
-
-    def move(self, place: Place, t: int) -> None:
-        """Whose time it is from here on: what lasts is told once more for each of them."""
-        self._known.move(place, t)
-
-    def finish(self, t: int) -> None:
-        """The log is over."""
-        self._known.finish(t)
-        stretches = sorted(self._known.over, key=lambda each: (each.begin, each.seq))
-        lost = _ended_by_loss(stretches)
-        for each in stretches:
-            if each.sort == "setting":
-                self._session.settings.append(_row(each))
-            if each.sort == "conflict" or each.differs:
-                outcome = OPEN if each.cut else LOST if _end(each) in lost else ""
-                self._session.events.append(_event(each, outcome))
+    pieces.sort(key=order)
+    rows = [_row(each, part) for each, part in pieces if isinstance(each, episodes.Setting)]
+    events = [
+        _event(each, part) for each, part in pieces if isinstance(each, Conflict) or each.differs
+    ]
+    return rows, events
 
 
-def _end(each: Stretch[Place]) -> tuple[str, str, int]:
-    return each.driver, each.name, each.end
-
-
-def _ended_by_loss(stretches: list[Stretch[Place]]) -> set[tuple[str, str, int]]:
-    """Which settings became unknown, and when."""
-    return {(each.driver, each.name, each.begin) for each in stretches if each.lost}
-
-
-def _row(each: Stretch[Place]) -> Setting:
-    participant, condition, trial = each.place
+def _row(each: episodes.Setting, part: Span) -> Setting:
     return Setting(
         seq=each.seq,
-        begin=each.begin,
-        end=each.end,
+        begin=part.begin,
+        end=part.end,
         driver=each.driver,
         name=each.name,
-        value=each.state.value if each.state else None,
-        wanted=each.state.wanted if each.state else None,
+        value=each.value,
+        wanted=each.wanted,
         differs=each.differs,
-        changed=each.changed,
-        participant=participant,
-        condition=condition,
-        trial=trial,
+        changed=part is each.parts[0],
+        participant=part.context.participant,
+        condition=part.context.condition,
+        trial=part.context.trial,
     )
 
 
-def _event(each: Stretch[Place], outcome: str) -> Event:
-    assert each.state is not None
-    participant, condition, trial = each.place
+def _event(each: episodes.Setting | Conflict, part: Span) -> Event:
     event = Event(
         seq=each.seq,
-        begin=each.begin,
-        end=each.end,
+        begin=part.begin,
+        end=part.end,
         kind="conflict",
         driver=each.driver,
-        text=worded(each.state.value),
-        outcome=outcome,
-        participant=participant,
-        condition=condition,
-        trial=trial,
+        participant=part.context.participant,
+        condition=part.context.condition,
+        trial=part.context.trial,
     )
-    if each.sort == "setting":
-        event.kind, event.label = "difference", each.name
-        event.text = f"{worded(each.state.value)}, wanted {worded(each.state.wanted)}"
-        event.details = {"value": each.state.value, "wanted": each.state.wanted}
+    last = part is each.parts[-1]
+    if last and each.cut:
+        event.outcome = OPEN
+    if isinstance(each, Conflict):
+        event.text = each.sentence
+        return event
+    if last and each.outcome == Outcome.LOST:
+        event.outcome = LOST
+    event.kind, event.label = "difference", each.name
+    event.text = f"{worded(each.value)}, wanted {worded(each.wanted)}"
+    event.details = {"value": each.value, "wanted": each.wanted}
     return event

@@ -122,7 +122,7 @@ def read(source: Source, *, redact: bool = False) -> Session:
     sums = _Sums()
     for line in source.lines(damage):
         sums.take(line)
-        extractor.take(redacted_line(line) if redact else line)
+        extractor.take(line.message, redacted_line(line) if redact else line)
     extractor.finish()
     told = nameless(damage) if redact else damage
     session.damage = [*told.sentences(), *sums.sentences()]

@@ -127,14 +127,15 @@ EVENTS: Table[Event] = Table(
             "outcome",
             "string",
             "of actions and commands: done, failed, stopped, refused, timed_out, superseded; of "
-            "states the transition that led to them; of settings lost: from then on it was "
-            "unknown; open: the log ended first",
+            "states the transition that led to them; of settings and speech lost: its driver was "
+            "lost; open: the log ended first",
             lambda _, e: e.outcome or None,
         ),
         Column(
             "latency_s",
             "number",
-            "of actions and commands: from the request to the driver's start",
+            "of actions and commands: from the request to the driver's start; of actions, to that "
+            "of their first command to a driver",
             lambda _, e: _s(e.latency),
             "s",
         ),
@@ -167,7 +168,9 @@ EVENTS: Table[Event] = Table(
 
 ENGAGEMENT: Table[Event] = Table(
     "engagement",
-    "Episodes of the engagement machine: each state from its beginning to its end.",
+    "States of the engagement machine: one row for each, from its beginning to its end, and one "
+    "more wherever participant, condition or trial change, so that times add up by trial. While "
+    "the machine is off it is in no state.",
     (
         *_WHOSE,
         Column(
@@ -188,7 +191,8 @@ ENGAGEMENT: Table[Event] = Table(
         Column(
             "left_by",
             "string",
-            "name of the transition that ended it; empty: the log ended first",
+            "name of the transition that ended it; empty: the log ended first, or the machine was "
+            "switched off",
             lambda _, e: _of(e, "left_by"),
         ),
         Column("visitor", "string", "code of who was known", lambda _, e: _of(e, "visitor")),
@@ -199,6 +203,12 @@ ENGAGEMENT: Table[Event] = Table(
             lambda _, e: bool(e.details.get("forced")),
         ),
         Column("why", "string", "why it was entered, in words", lambda _, e: e.text or None),
+        Column(
+            "changed",
+            "boolean",
+            "the state changed; false: only participant, condition or trial did",
+            lambda _, e: e.changed,
+        ),
     ),
 )
 

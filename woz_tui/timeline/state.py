@@ -72,7 +72,7 @@ class SessionState:
         study: Who takes part, conditions, trials, questionnaires.
         model: The engagement model.
         robots: Robots' settings as they were read back.
-        actions, commands: Under way, by id; without passing commands (a knob on its way).
+        actions, commands: Under way, by id; passing ones (a knob) only with `all_commands`.
         stops: Not over, by scope.
         drivers, lost, faulted_lanes: Health by driver (and lane).
         readings, sensors: The last value and the last state of each sensor.
@@ -117,6 +117,7 @@ class SessionState:
     consoles: dict[str, m.ConsoleAttached] = field(default_factory=dict)
     cue: Cue | None = None
     rerun: Rerun | None = None
+    all_commands: bool = False
     #: Passing commands so far, and those under way.
     passing: int = 0
     _passing: dict[str, None] = field(default_factory=dict)
@@ -281,14 +282,14 @@ class SessionState:
         return (replace(action, end=self.t, outcome=outcome, ended=message),)
 
     def _command(self, message: m.Command) -> Iterable[Episode]:
-        if message.passing:
-            self.passing += 1
+        self.passing += message.passing
+        if message.passing and not self.all_commands:
             keep(self._passing, message.command, None)
             return ()
         action = self.actions.get(message.run)
         if action is not None and len(action.commands) < MOST:
-            commands = (*action.commands, message.command)
-            self.actions[message.run] = replace(action, commands=commands)
+            action = replace(action, commands=(*action.commands, message.command))
+            self.actions[message.run] = action
         command = Command(begin=self.t, seq=message.seq, request=message)
         return self._begin(self.commands, message.command, command)
 
@@ -694,9 +695,7 @@ CASES: dict[type[m.Message], _Case] = {
         (m.DriverConnecting, m.DriverConnected, m.DriverLost, m.DriverFaulted), S._driver
     ),
     # Moments, and nothing but moments.
-    **dict.fromkeys(
-        (m.Marker, m.Note, m.Notice, m.VisitorChanged, m.ExperimentReloaded, m.RerunSent), S._moment
-    ),
-    m.RerunSkipped: S._moment,
+    **dict.fromkeys((m.Marker, m.Note, m.Notice, m.VisitorChanged), S._moment),
+    **dict.fromkeys((m.ExperimentReloaded, m.RerunSent, m.RerunSkipped), S._moment),
     **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), _pass_over),
 }

@@ -18,6 +18,9 @@ E = TypeVar("E", bound=Episode)
 class Timeline:
     """Takes the messages of a log in their order; after `finish` its episodes can be read.
 
+    Args:
+        passing: Passing commands (a knob on its way) are episodes, too.
+
     Attributes:
         state: What holds now.
         contexts: Whose time it was.
@@ -25,8 +28,8 @@ class Timeline:
             parts.
     """
 
-    def __init__(self) -> None:
-        self.state = SessionState()
+    def __init__(self, *, passing: bool = False) -> None:
+        self.state = SessionState(all_commands=passing)
         self.contexts = Contexts()
         self.episodes: tuple[Episode, ...] = ()
         self._ended: list[Episode] = []

@@ -172,7 +172,7 @@ def test_a_session_is_rendered_again_from_its_log(
     [
         (["nood"], "did you mean 'nod'?"),
         (["nod", "--body", "boddy"], "did you mean 'body'?"),
-        (["nod", "--inputs", "/nowhere/at/all"], "No such file"),
+        (["nod", "--inputs", "/nowhere/at/all"], "no such file"),
         ([], "woz render FILE NAME"),
     ],
 )

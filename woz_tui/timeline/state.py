@@ -220,9 +220,7 @@ class SessionState:
 
     def finish(self) -> list[Episode]:
         """The log is over: what goes on is cut at its last moment."""
-        return [
-            replace(episode, end=max(episode.begin, self.t), cut=True) for episode in self.open()
-        ]
+        return [replace(each, end=max(each.begin, self.t), cut=True) for each in self.open()]
 
     def _moment(self, message: m.Message) -> tuple[Episode]:
         at, seq = self.t, message.seq
@@ -288,8 +286,8 @@ class SessionState:
             return ()
         action = self.actions.get(message.run)
         if action is not None and len(action.commands) < MOST:
-            action = replace(action, commands=(*action.commands, message.command))
-            self.actions[message.run] = action
+            commands = (*action.commands, message.command)
+            self.actions[message.run] = replace(action, commands=commands)
         command = Command(begin=self.t, seq=message.seq, request=message)
         return self._begin(self.commands, message.command, command)
 

@@ -134,7 +134,7 @@ class Extractor:
         if command.label == _SAY and isinstance(spoken, str):
             event.text = spoken
         used = {"command", "driver", "reason", "latency_us", "duration_us"}
-        event.details |= details(self._said(command.ended), used)
+        event.details |= details(self._fields(command.ended), used)
         return event
 
     def _trial(self, trial: Trial) -> Event:
@@ -152,7 +152,7 @@ class Extractor:
         event = self._begun(stop, "stop", "scope")
         for press in stop.presses:
             for confirmation in press.confirmations:
-                event.details |= details(self._said(confirmation), set())
+                event.details |= details(self._fields(confirmation), set())
         if stop.released is not None:
             event.details["released_by"] = stop.released.source
         return event
@@ -189,21 +189,21 @@ class Extractor:
         event.text = self._text(spoken.text, "text")
         for message in spoken.lines:
             used = {"driver", "began", "ended", "text"}
-            event.details |= details(self._said(message), used)
+            event.details |= details(self._fields(message), used)
         return event
 
     def _stray(self, found: Moment) -> Event | None:
         """A line that belongs to nothing; other moments have been taken already."""
         if not isinstance(found.message, _PARTS):
             return None
-        return moment(found.seq, found.begin, found.label, self._said(found.message))
+        return moment(found.seq, found.begin, found.label, self._fields(found.message))
 
-    def _said(self, message: m.Message | None) -> Mapping[str, Any]:
+    def _fields(self, message: m.Message | None) -> Mapping[str, Any]:
         """What may be shown of a line that belongs to an event."""
         return {} if message is None else self._lines.get(message.seq, {})
 
     def _text(self, message: m.Message | None, name: str) -> str:
-        value = self._said(message).get(name)
+        value = self._fields(message).get(name)
         return value if isinstance(value, str) else ""
 
     # -- what is no event -------------------------------------------------------------------------

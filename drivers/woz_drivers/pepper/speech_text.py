@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import os
 import re
-import stat
 from pathlib import Path
 
 from woz_drivers.simulated.speech import utterance
 from woz_tui.core.driver import Rejected
+from woz_tui.core.regular import NotRegularError, open_regular
 
 #: Characters a second at speed 100; only what the console counts down is made of it.
 CHARACTERS_A_SECOND = 14.0
@@ -47,14 +46,11 @@ def read_text(path: Path) -> str:
 
 def _bytes(path: Path) -> bytes:
     """All of a regular file; nothing without an end is read."""
-    with open(path, "rb", opener=_unwaited) as file:
-        if not stat.S_ISREG(os.fstat(file.fileno()).st_mode):
-            raise Rejected(f"{path} is no text file", "correct the path")
-        data = file.read(LONGEST + 1)
+    try:
+        with open_regular(path) as file:
+            data = file.read(LONGEST + 1)
+    except NotRegularError:
+        raise Rejected(f"{path} is no text file", "correct the path") from None
     if len(data) > LONGEST:
         raise Rejected(f"{path} is longer than {LONGEST >> 20} MiB", "is it the right one?")
     return data
-
-
-def _unwaited(path: str, flags: int) -> int:
-    return os.open(path, flags | os.O_NONBLOCK)

@@ -13,7 +13,7 @@ from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.settings import Recognition as Settings
 
 from tests.drivers.pepper.wired import Wired, wired
-from tests.fakes.naoqi import StandIn
+from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.core.driver import SPEECH, SPEECH_TEXT
 from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
 
@@ -75,11 +75,13 @@ async def test_phrases_of_the_list_come_as_text(
     assert len(await robot.trace("ALSpeechRecognition.unsubscribe")) == 2
 
 
-async def test_what_is_not_in_the_list_is_speech_without_a_text(
-    listens: Listens, robot: StandIn
-) -> None:
-    await robot.person(SOMEBODY)
-    async with listens() as it:
+async def test_what_is_not_in_the_list_is_speech_without_a_text(tmp_path: Path) -> None:
+    # At its own pace: a sentence lasts longer than the driver takes to ask again.
+    async with (
+        stand_in(pace=1.0) as robot,
+        wired(Recognition, tmp_path, robot, recognition=HEARS) as it,
+    ):
+        await robot.person(SOMEBODY)
         await robot.set("says", "Where are the toilets?")
         await it.heard.first(SpeechEnded)
         await _looks(it)

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import re
 import shutil
 import signal
 import subprocess
@@ -94,7 +95,7 @@ class Lab:
     def run(self, experiment: Path, *words: str, **options: Any) -> FakeTerminal:
         """`woz run` with a participant, as soon as the console stands."""
         terminal = self.terminal(["run", str(experiment), *self.session(*words)], **options)
-        terminal.wait_text("REC")
+        recording(terminal)
         return terminal
 
     def session(self, *words: str) -> list[str]:
@@ -104,7 +105,7 @@ class Lab:
     def attach(self, *words: str, **options: Any) -> FakeTerminal:
         """`woz attach`, as soon as the console stands."""
         terminal = self.terminal(["attach", *words], **options)
-        terminal.wait_text("REC")
+        recording(terminal)
         return terminal
 
     def host(self, experiment: Path, *words: str) -> subprocess.Popen[bytes]:
@@ -240,6 +241,13 @@ def _end(process: subprocess.Popen[bytes]) -> None:
     for pipe in (process.stdin, process.stdout, process.stderr):
         if pipe is not None:
             pipe.close()
+
+
+def recording(terminal: FakeTerminal) -> None:
+    """Until the console knows its robot process: an empty circle before REC says that it waits,
+    and a key pressed then belongs to nothing.
+    """
+    terminal.wait_for(lambda text: re.search(r"[^○o\s] REC", text) is not None)
 
 
 def end_session(terminal: FakeTerminal) -> None:

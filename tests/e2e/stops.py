@@ -14,7 +14,7 @@ import subprocess
 import sys
 
 from tests.e2e import scenes
-from tests.e2e.lab import Lab, Log, until
+from tests.e2e.lab import Lab, Log, recording, until
 from tests.fakes.terminal import FakeTerminal
 
 #: Key that opens a dialog -> what stands in its frame.
@@ -111,7 +111,7 @@ def experiment(lab: Lab) -> list[str]:
 def plain(lab: Lab) -> FakeTerminal:
     """A session on a plain terminal."""
     terminal = lab.terminal(experiment(lab))
-    terminal.wait_text("REC")
+    recording(terminal)
     return terminal
 
 
@@ -125,7 +125,7 @@ def in_tmux(lab: Lab, escape_ms: int) -> FakeTerminal:
     words = ["tmux", "-S", str(lab.folder / "tmux"), "-f", str(config), "new-session", "-x", "80"]
     words += ["-y", "24", sys.executable, "-m", "woz_tui", *experiment(lab)]
     terminal = lab.program(words)
-    terminal.wait_text("REC")
+    recording(terminal)
     return terminal
 
 

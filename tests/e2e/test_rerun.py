@@ -14,7 +14,7 @@ from typing import Any
 import pytest
 
 from tests.e2e import scenes
-from tests.e2e.lab import Lab, Log, end_session, until
+from tests.e2e.lab import Lab, Log, end_session, recording, until
 from tests.e2e.program import Program
 from tests.e2e.servos import Note, Servos
 from tests.fakes.terminal import WAIT_S
@@ -185,7 +185,7 @@ def test_in_the_console_escape_ends_it_and_the_session_stays(
     terminal.wait_text("Type yes to run it again")
     assert lab.log.path == before
     terminal.send("yes\r")
-    terminal.wait_text("REC")
+    recording(terminal)
     log = lab.log
     log.wait("rerun.sent", 2)
     terminal.send("\x1b")

@@ -4,7 +4,8 @@
 
 An hour with sensors at 100 Hz is written, then read in several ways, each in a process of its own
 and in turns so that they meet the same machine: line by line with the `json` module, as lines and
-as messages with the project's reader, and opened to seek in. Then the same for many sessions whose
+as messages with the project's reader, and opened to seek in, without the index that lies beside the
+samples (which then is made) and with it. Then the same for many sessions whose
 samples are left aside. Memory is the peak of the process, less that of one that reads nothing.
 """
 
@@ -134,6 +135,12 @@ def _opened(path: Path) -> int:
         return len(log.actions)
 
 
+def _opened_without_index(path: Path) -> int:
+    for index in path.parent.glob("*.index"):
+        index.unlink()
+    return _opened(path)
+
+
 def _count(items: Iterator[object]) -> int:
     return sum(1 for _ in items)
 
@@ -147,13 +154,14 @@ def _each(way: Callable[[Path], int]) -> Callable[[Path], int]:
 
 
 JSON, JSON_ACTIONS = "json.loads, every line", "json.loads, without samples"
-OPEN = "LogIndex.open"
+SCAN, OPEN = "LogIndex.open without an index", "LogIndex.open"
 MESSAGES_ACTIONS = "messages, without samples"
 #: The first of each group is what the others are compared with.
 WAYS: dict[str, Callable[[Path], int]] = {
     JSON: _each(lambda path: _plain(files_of(path, []).paths)),
     "read, every line": _each(lambda path: _count(read(path, places=[]))),
     "messages, every one": _each(lambda path: _count(messages(path, places=[], samples=True))),
+    SCAN: _each(_opened_without_index),
     OPEN: _each(_opened),
     JSON_ACTIONS: _each(lambda path: _plain(files_of(path, [], samples=False).paths)),
     "read, without samples": _each(lambda path: _count(read(path, places=[], samples=False))),

@@ -7,7 +7,7 @@ sensor; so the state of any moment is in one block and in what was before it.
 from __future__ import annotations
 
 from bisect import bisect_right
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from itertools import pairwise
 from pathlib import Path
@@ -105,6 +105,7 @@ class State:
 
 Sample = Slim | SlimShown | Reading | EngagementShown
 
+
 #: What was last of each sensor, by its name; that of the engagement model is under `_SHOWN`.
 Lasts = dict[str, Sample]
 
@@ -122,12 +123,24 @@ def lasts(entries: Sequence[Entry]) -> Lasts:
 
 @dataclass(frozen=True, slots=True)
 class Block:
-    """Samples that stand together: how to read them, and their smallest and greatest `t`."""
+    """Samples that stand together: how to read them, and their smallest and greatest `t`.
+
+    `lasts`: the last sample of each sensor, or its place in what `read` gives: offset and size.
+    """
 
     read: Callable[[], bytes]
     low: int
     high: int
-    lasts: Lasts
+    lasts: Mapping[str, Sample | tuple[int, int]]
+
+    def last(self, name: str) -> Sample | None:
+        """The last sample of a sensor; None if there is none, or it can be read no longer."""
+        found = self.lasts.get(name)
+        if not isinstance(found, tuple):
+            return found
+        offset, size = found
+        line = self.read()[offset : offset + size]
+        return _decoder.decode(line) if line else None
 
 
 class Samples:
@@ -144,9 +157,7 @@ class Samples:
         self._lows = [block.low for block in self._blocks]
         self._highs = [block.high for block in self._blocks]
         self._order = {id(block): place for place, block in enumerate(blocks)}
-        self._before: list[Lasts] = [{}]
-        for block in self._blocks:
-            self._before.append(self._before[-1] | block.lasts)
+        self._names = set[str]().union(*(block.lasts for block in self._blocks))
         self._kept: dict[int, list[Item]] = {}
 
     @property
@@ -157,12 +168,27 @@ class Samples:
     def at(self, t_us: int) -> State:
         """What was said last, up to and with `t_us`."""
         whole = bisect_right(self._highs, t_us)
-        found = dict(self._before[whole])
+        found = self._before(whole)
         begun = bisect_right(self._lows, t_us)
         for block in [*self._blocks[whole:begun], *self._strays]:
             if block.low <= t_us:
                 _join(found, lasts([each for each in _entries(block) if each.t <= t_us]))
         return _state(found)
+
+    def _before(self, count: int) -> Lasts:
+        """The last sample of each sensor in the first `count` blocks."""
+        found: Lasts = {}
+        missing = set(self._names)
+        for place in range(count - 1, -1, -1):
+            block = self._blocks[place]
+            for name in missing & block.lasts.keys():
+                sample = block.last(name)
+                if sample is not None:
+                    found[name] = sample
+            missing -= block.lasts.keys()
+            if not missing:
+                break
+        return found
 
     def between(self, after_us: int, until_us: int) -> Iterator[list[Item]]:
         """Samples with `after_us` < t <= `until_us`, in order of `seq`, block by block."""

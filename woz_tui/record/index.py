@@ -18,14 +18,14 @@ import heapq
 from bisect import bisect_right
 from collections.abc import Iterable, Iterator
 from contextlib import ExitStack
-from itertools import chain
 from pathlib import Path
 from typing import Self
 
 from woz_tui.record.blocks import Samples, State, steady
 from woz_tui.record.damage import Damage
-from woz_tui.record.files import files_of
+from woz_tui.record.files import LogFiles, files_of
 from woz_tui.record.order import falls, seq_of, t_of
+from woz_tui.record.samples_index import StaleIndexError
 from woz_tui.record.scan import Scan, scan
 from woz_tui.record.stream import Item
 
@@ -47,11 +47,12 @@ class LogIndex:
             empty.
     """
 
-    def __init__(self, found: Scan, files: ExitStack, no_end: str) -> None:
+    def __init__(self, found: Scan, files: ExitStack, log: LogFiles, block: int) -> None:
         self.actions: list[Item] = found.actions
         self.damage: Damage = found.damage
-        self.no_end = no_end
+        self.no_end = log.no_end()
         self._files = files
+        self._log, self._block = log, block
         self._samples = Samples(found.blocks)
         self._times = list(map(t_of, self.actions))
         self._straight = not falls(self._times)
@@ -69,13 +70,17 @@ class LogIndex:
             log = files_of(path, places)
             found = scan(log, files, block)
             found.damage.lacks(log.missing)
-            return cls(found, files.pop_all(), log.no_end())
+            return cls(found, files.pop_all(), log, block)
 
     def at(self, t_us: int) -> State:
         """The last reading of each sensor, and the engagement model, at `t_us` (included), however
         long ago they spoke.
         """
-        return self._samples.at(t_us)
+        try:
+            return self._samples.at(t_us)
+        except StaleIndexError:
+            self._scan_again()
+            return self._samples.at(t_us)
 
     def between(self, after_us: int, until_us: int) -> Iterator[Item]:
         """Every message with `after_us` < t <= `until_us`, in order of `seq`.
@@ -88,7 +93,23 @@ class LogIndex:
 
     def samples_between(self, after_us: int, until_us: int) -> Iterator[Item]:
         """Those of `between` that are samples."""
-        return chain.from_iterable(self._samples.between(after_us, until_us))
+        last = -1
+        while True:
+            try:
+                for items in self._samples.between(after_us, until_us):
+                    yield from (item for item in items if item.seq > last)
+                    last = items[-1].seq
+            except StaleIndexError:
+                self._scan_again()
+            else:
+                return
+
+    def _scan_again(self) -> None:
+        """The index of the samples was wrong: everything from the log itself."""
+        found = scan(self._log, self._files, self._block, indexed=False)
+        found.damage.lacks(self._log.missing)
+        self.damage = found.damage
+        self._samples = Samples(found.blocks)
 
     def actions_between(self, after_us: int, until_us: int) -> list[Item]:
         """Those of `actions` with `after_us` < t <= `until_us`."""

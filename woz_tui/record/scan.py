@@ -14,14 +14,25 @@ from typing import BinaryIO
 import msgspec
 
 from woz_tui.core import wire
-from woz_tui.core.messages import EngagementShown, Reading
+from woz_tui.core.messages import EngagementShown, Reading, SessionEnd
 from woz_tui.core.regular import open_regular
 from woz_tui.record.blocks import Block, Entry, Slim, entries_in, lasts
 from woz_tui.record.damage import Damage
 from woz_tui.record.files import LogFiles
 from woz_tui.record.lines import KINDS, Chunk, Line, chunks_of
 from woz_tui.record.order import Course, falls, rising, seq_of, t_of
+from woz_tui.record.samples_index import (
+    Hole,
+    IndexBuilder,
+    IndexEntry,
+    StaleIndexError,
+    entry_of,
+    read_index,
+)
 from woz_tui.record.stream import Item, batches, items_in
+
+#: The end of a session is among so many last messages.
+_NEAR_END = 16
 
 
 @dataclass
@@ -37,12 +48,12 @@ class _OutOfOrderError(Exception):
     """The files do not hold the samples in order, each once."""
 
 
-def scan(files: LogFiles, opened: ExitStack, block: int) -> Scan:
+def scan(files: LogFiles, opened: ExitStack, block: int, *, indexed: bool = True) -> Scan:
     """Go through all files, `block` bytes at a time; those that are needed later are opened and put
-    into `opened`.
+    into `opened`. Samples that an index describes are left where they are, unless not `indexed`.
     """
     try:
-        return _in_place(files, opened, block)
+        return _in_place(files, opened, block, indexed)
     except _OutOfOrderError:
         return _copied(files, block)
 
@@ -59,7 +70,7 @@ def is_sample(item: Entry) -> bool:
 # -- files as they should be ----------------------------------------------------------------------
 
 
-def _in_place(files: LogFiles, opened: ExitStack, block: int) -> Scan:
+def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> Scan:
     """Blocks are pieces of the files of samples themselves."""
     found = Scan()
     for batch in batches(files.actions, found.damage, gaps=False, block=block):
@@ -70,6 +81,12 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int) -> Scan:
     weave = _Weave(found.actions, found.damage)
     for path in files.samples:
         source = _open(path, opened)
+        index = read_index(path, source) if indexed and source is not None else None
+        if source is not None and index and weave.passes(index):
+            _headed(path, source, index[0].offset, found.damage)
+            found.blocks += map(partial(_indexed, source), index)
+            continue
+        builder = IndexBuilder()
         for chunk in chunks_of(path, found.damage, block):
             quick = entries_in(chunk)
             entries = list[Entry](quick) or _looked_at(chunk, found.damage)
@@ -77,8 +94,43 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int) -> Scan:
                 low, high = weave.take(entries)
                 read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
                 found.blocks.append(Block(read, low, high, lasts(quick or entries)))
+            if source is not None:
+                builder.take(source.fileno(), chunk, quick)
+        if source is not None and any(
+            isinstance(action, SessionEnd) for action in found.actions[-_NEAR_END:]
+        ):
+            builder.leave(path, source.fileno())
     weave.end()
     return found
+
+
+def _headed(path: Path, source: BinaryIO, size: int, damage: Damage) -> None:
+    """Account for the line with which a further segment begins."""
+    items_in(Chunk(path, 0, _piece(source, size, 0)), damage)
+
+
+def _indexed(source: BinaryIO, entry: IndexEntry) -> Block:
+    """A block of which the index says what is in it."""
+    return Block(_Checked(source, entry), entry.first_us, entry.last_us, entry.lasts)
+
+
+class _Checked:
+    """Reads a block; the first time also whether the index is right about it."""
+
+    def __init__(self, source: BinaryIO, entry: IndexEntry) -> None:
+        self._source = source
+        self._entry = entry
+        self._checked = False
+
+    def __call__(self) -> bytes:
+        """The bytes, none if the file can be read no longer. Raises `StaleIndexError`."""
+        entry = self._entry
+        data = _piece(self._source, entry.size, entry.offset)
+        if data and not self._checked:
+            if entry_of(entry.offset, data) != entry:
+                raise StaleIndexError
+            self._checked = True
+        return data
 
 
 def _open(path: Path, opened: ExitStack) -> BinaryIO | None:
@@ -146,6 +198,28 @@ class _Weave:
             if numbers[place] == action.seq or not before <= action.t <= times[place]:
                 return False
             last_us = action.t
+        return True
+
+    def passes(self, index: list[IndexEntry]) -> bool:
+        """Take in the samples of an index if nothing is wrong with them: no number is missing or
+        there twice, no time lies before another.
+        """
+        given, last, last_us = self._given, self._last, self._last_us
+        for entry in index:
+            if entry.first <= last or entry.first_us < last_us:
+                return False
+            gap = Hole(last + 1, entry.first - 1, last_us, entry.first_us)
+            for hole in (gap, *entry.holes):
+                end = given + hole.last - hole.first + 1
+                actions = self._actions[given:end]
+                numbers = self._numbers[given:end]
+                times = [hole.before_us, *map(t_of, actions), hole.after_us]
+                if numbers != list(range(hole.first, hole.last + 1)) or falls(times):
+                    return False
+                given = end
+            last, last_us = entry.last, entry.last_us
+        self._given, self._last, self._last_us = given, last, last_us
+        self._course.pass_over(Slim(seq=last, t=last_us, sensor="", value=None))
         return True
 
     def end(self) -> None:

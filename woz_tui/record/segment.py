@@ -12,6 +12,7 @@ from pathlib import Path
 from woz_tui.record.backlog import Backlog
 from woz_tui.record.disk import Disk, in_words
 from woz_tui.record.names import FileName
+from woz_tui.record.samples_index import IndexBuilder
 
 ACTIONS = 0
 SAMPLES = 1
@@ -157,6 +158,7 @@ class OpenSegment:
         self._actions = LogFile(disk, folder / str(name))
         self._samples: LogFile | None = None
         self._samples_path = folder / str(FileName(name.stem, name.number, True))
+        self._index = IndexBuilder()
         self._thread = threading.Thread(
             target=self._run, name=f"log-disk-{name.number}", daemon=True
         )
@@ -252,6 +254,7 @@ class OpenSegment:
             if self._samples is not None and now >= samples_due:
                 settled = settled or self._settle()
                 self._sync(SAMPLES, self._samples)
+                self._index.extend(self._samples.fd, self._samples.size, whole=False)
                 samples_due = now + SAMPLES_EVERY_S
             trouble = next(filter(None, (file.trouble() for _, file in self.files)), "")
             if trouble:
@@ -295,5 +298,8 @@ class OpenSegment:
                     self._trouble(self, in_words(error))
         if self._after is not None:
             self._after(self)
+        if self._samples is not None and not self._samples.deleted:
+            self._index.extend(self._samples.fd, self._samples.size, whole=True)
+            self._index.leave(self._samples.path, self._samples.fd)
         for _, file in self.files:
             file.close()

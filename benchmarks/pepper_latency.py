@@ -98,7 +98,7 @@ class Robot:
 def robot() -> Iterator[Robot]:
     """One that listens."""
     process = subprocess.Popen(
-        [sys.executable, "-m", "woz_drivers.naoqi", "--port", "0", "--control"],
+        [sys.executable, "-m", "naoqi_simulator", "--port", "0", "--control"],
         stdin=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,

@@ -35,6 +35,8 @@ ROOMS = [
     "woz_tui.console",
     "woz_tui.cli",
     "woz_drivers",
+    "qimessaging",
+    "naoqi_simulator",
 ]
 VAGUE = re.compile(r"(^|_)(utils?|helpers?|manager|misc|common|stuff)(_|$)")
 
@@ -78,7 +80,7 @@ def test_every_room_says_what_it_is_for(room: str) -> None:
 
 def test_every_room_is_known_here() -> None:
     found = {f"woz_tui.{path.parent.name}" for path in (ROOT / "woz_tui").glob("*/__init__.py")} | {
-        "woz_drivers"
+        path.parent.name for path in (ROOT / "drivers").glob("*/__init__.py")
     }
     assert found == set(ROOMS)
 

@@ -69,11 +69,12 @@ def tracked(folder: str, ending: str) -> list[str]:
     ]
 
 
-def test_the_wheel_has_both_packages_typed(packages: tuple[list[str], Path]) -> None:
+def test_the_wheel_has_all_packages_typed(packages: tuple[list[str], Path]) -> None:
     names = set(zipfile.ZipFile(packages[1]).namelist())
     wanted = {f"woz_tui/{name}" for name in tracked("woz_tui", ".py")}
-    wanted |= {f"woz_drivers/{name}" for name in tracked("drivers/woz_drivers", ".py")}
-    wanted |= {"woz_tui/py.typed", "woz_drivers/py.typed"}
+    for package in ("woz_drivers", "qimessaging", "naoqi_simulator"):
+        wanted |= {f"{package}/{name}" for name in tracked(f"drivers/{package}", ".py")}
+    wanted |= {f"{name.partition('/')[0]}/py.typed" for name in wanted}
     assert wanted <= names
 
 

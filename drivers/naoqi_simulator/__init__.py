@@ -1,13 +1,13 @@
 """A Pepper that needs no hardware: for rehearsals, demonstrations and tests.
 
-`python -m woz_drivers.naoqi` is a process of its own that speaks NAOqi's protocol. Programs that
+`python -m naoqi_simulator` is a process of its own that speaks NAOqi's protocol. Programs that
 play a real Pepper play this one unchanged: it says, moves, drives, shows and hears, everything
 takes its time, and people come by who look, talk and leave.
 
 To rehearse, write `robots: [simulated]` in the robot file: the driver `pepper` starts one and ends
 it. To look behind its face meanwhile, start it yourself and keep the terminal open:
 
-    python -m woz_drivers.naoqi --port 9559 --control
+    python -m naoqi_simulator --port 9559 --control
 
 and write `robots: [127.0.0.1]`. Then type, for example,
 
@@ -19,7 +19,7 @@ How it is built, from the wire inwards:
 
 - `process.py` is the program, `control.py` its orders by standard input.
 - `host_qi.py` and `host_own.py` put services on the wire: with the package `qi`, or with
-  `woz_drivers.qimessaging`. They know only `table.py`, which says how a service declares its
+  `qimessaging`. They know only `table.py`, which says how a service declares its
   methods and signals.
 - `pepper.py` puts the robot together. One module for each service: `speech.py` with `tags.py`,
   `motion.py` and `base.py`, `posture.py`, `animations.py` with `library.py`, `life.py`, `leds.py`,

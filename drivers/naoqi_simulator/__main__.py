@@ -1,7 +1,7 @@
-"""`python -m woz_drivers.naoqi`."""
+"""`python -m naoqi_simulator`."""
 
 import sys
 
-from woz_drivers.naoqi.process import main
+from naoqi_simulator.process import main
 
 sys.exit(main())

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import asyncio
 
-from woz_drivers.naoqi.library import LENGTHS, with_tag
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.library import LENGTHS, with_tag
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World
 
 #: Seconds that a second animation waits for the body before it gives up.
 PATIENCE_S = 1.0

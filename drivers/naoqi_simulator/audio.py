@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 from dataclasses import dataclass
 
-from woz_drivers.naoqi import hearing
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator import hearing
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World
 
 #: Samples a channel of one block, by rate: 85 ms, as the robot sends them.
 BLOCKS = {16_000: 1365, 48_000: 4096}

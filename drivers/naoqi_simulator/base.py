@@ -5,9 +5,9 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from woz_drivers.naoqi.motion import Joints
-from woz_drivers.naoqi.table import Refused, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.motion import Joints
+from naoqi_simulator.table import Refused, offers
+from naoqi_simulator.world import World
 
 #: NAOqi's own figures for MaxVelXY (m/s) and MaxVelTheta (rad/s) on Pepper, when nothing is set.
 SPEED_M_S, SPEED_RAD_S = 0.35, 1.0

@@ -6,8 +6,8 @@ import math
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass
 
-from woz_drivers.naoqi.joints import BREATHING, JOINTS, POSTURES, clip
-from woz_drivers.naoqi.passing import Time
+from naoqi_simulator.joints import BREATHING, JOINTS, POSTURES, clip
+from naoqi_simulator.passing import Time
 
 
 @dataclass(frozen=True, slots=True)

@@ -7,9 +7,9 @@ import math
 from dataclasses import dataclass
 from typing import Any
 
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.visitor import Person
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.visitor import Person
+from naoqi_simulator.world import World
 
 #: Width and height by NAOqi's number of a resolution.
 RESOLUTIONS = {
@@ -119,7 +119,7 @@ def _drawn(
     width: int, height: int, space: int, person: Person | None, look: tuple[float, float]
 ) -> bytes:
     """What is seen with the head at yaw and pitch (rad): a byte a layer of each pixel, by rows."""
-    from woz_drivers.naoqi import scene  # noqa: PLC0415 - with numpy: most robots are not watched
+    from naoqi_simulator import scene  # noqa: PLC0415 - with numpy: most robots are not watched
 
     picture = scene.draw(width, height, person, *look)
     if space == BGR:

@@ -10,9 +10,9 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from woz_drivers.naoqi.pepper import Pepper
-from woz_drivers.naoqi.standin import StandIn
-from woz_drivers.naoqi.table import Refused
+from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.standin import StandIn
+from naoqi_simulator.table import Refused
 
 
 class Control:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from woz_drivers.naoqi.visitor import Person
+from naoqi_simulator.visitor import Person
 
 if TYPE_CHECKING:
     import numpy as np

@@ -6,12 +6,13 @@ import asyncio
 from collections.abc import Awaitable, Callable, Mapping, Sequence
 from typing import Any
 
-from woz_drivers.naoqi.faults import Desk
-from woz_drivers.naoqi.table import Method, Service, methods_of
-from woz_drivers.naoqi.world import Clients
-from woz_drivers.qimessaging import QiError
-from woz_drivers.qimessaging import hosting as wire
-from woz_drivers.qimessaging.server import Server
+from qimessaging import QiError
+from qimessaging import hosting as wire
+from qimessaging.server import Server
+
+from naoqi_simulator.faults import Desk
+from naoqi_simulator.table import Method, Service, methods_of
+from naoqi_simulator.world import Clients
 
 
 class OwnHost(Clients):

@@ -7,9 +7,9 @@ import os
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
-from woz_drivers.naoqi.faults import Desk
-from woz_drivers.naoqi.table import Method, Refused, Service, methods_of
-from woz_drivers.naoqi.world import Clients
+from naoqi_simulator.faults import Desk
+from naoqi_simulator.table import Method, Refused, Service, methods_of
+from naoqi_simulator.world import Clients
 
 
 class QiHost(Clients):

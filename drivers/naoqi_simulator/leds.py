@@ -5,8 +5,8 @@ from __future__ import annotations
 import random
 from typing import Any
 
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World
 
 _EYES = tuple(f"{side}FaceLed{number}" for side in ("Right", "Left") for number in range(1, 9))
 _EARS = tuple(f"{side}EarLed{number}" for side in ("Right", "Left") for number in range(1, 11))

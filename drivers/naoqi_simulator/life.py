@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from typing import ClassVar
 
-from woz_drivers.naoqi.base import Motion
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.base import Motion
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World
 
 STATES = ("solitary", "interactive", "safeguard", "disabled")
 #: What each state switches on; everything else it switches off (ref/life/

@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any, ClassVar
 
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World, flat
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World, flat
 
 
 class Subscriber(Service):

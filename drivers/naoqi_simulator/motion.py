@@ -5,9 +5,9 @@ from __future__ import annotations
 import asyncio
 from typing import Any
 
-from woz_drivers.naoqi.joints import BREATHING, JOINTS, SET_STIFF, expand
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World, flat
+from naoqi_simulator.joints import BREATHING, JOINTS, SET_STIFF, expand
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World, flat
 
 #: Seconds that waking up and resting take.
 WAKE_S, REST_S = 2.5, 2.5

@@ -6,23 +6,23 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from types import MappingProxyType
 
-from woz_drivers.naoqi.animations import AnimationPlayer, Animations, BehaviorManager
-from woz_drivers.naoqi.audio import AudioDevice
-from woz_drivers.naoqi.base import Motion
-from woz_drivers.naoqi.camera import VideoDevice
-from woz_drivers.naoqi.leds import Leds
-from woz_drivers.naoqi.life import Ability, Awareness, Life
-from woz_drivers.naoqi.memory import Memory
-from woz_drivers.naoqi.posture import Postures
-from woz_drivers.naoqi.recognition import SpeechRecognition
-from woz_drivers.naoqi.senses import Senses
-from woz_drivers.naoqi.sounds import AudioPlayer, AudioRecorder, Disk
-from woz_drivers.naoqi.speech import AnimatedSpeech, TextToSpeech, Voice
-from woz_drivers.naoqi.standin import Knobs, StandIn
-from woz_drivers.naoqi.system import Battery, System
-from woz_drivers.naoqi.table import Service
-from woz_drivers.naoqi.tablet import Tablet
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.animations import AnimationPlayer, Animations, BehaviorManager
+from naoqi_simulator.audio import AudioDevice
+from naoqi_simulator.base import Motion
+from naoqi_simulator.camera import VideoDevice
+from naoqi_simulator.leds import Leds
+from naoqi_simulator.life import Ability, Awareness, Life
+from naoqi_simulator.memory import Memory
+from naoqi_simulator.posture import Postures
+from naoqi_simulator.recognition import SpeechRecognition
+from naoqi_simulator.senses import Senses
+from naoqi_simulator.sounds import AudioPlayer, AudioRecorder, Disk
+from naoqi_simulator.speech import AnimatedSpeech, TextToSpeech, Voice
+from naoqi_simulator.standin import Knobs, StandIn
+from naoqi_simulator.system import Battery, System
+from naoqi_simulator.table import Service
+from naoqi_simulator.tablet import Tablet
+from naoqi_simulator.world import World
 
 #: Seconds of the robot between two looks at what has changed.
 TICK_S = 0.1

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from woz_drivers.naoqi.joints import POSTURES
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.joints import POSTURES
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World
 
 
 class Postures(Service):

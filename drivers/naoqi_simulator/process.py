@@ -1,4 +1,4 @@
-"""The stand-in as a process: `python -m woz_drivers.naoqi`."""
+"""The stand-in as a process: `python -m naoqi_simulator`."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Protocol
 
-from woz_drivers.naoqi.control import Control
-from woz_drivers.naoqi.life import STATES
-from woz_drivers.naoqi.passing import PacedTime
-from woz_drivers.naoqi.pepper import Pepper
-from woz_drivers.naoqi.table import Service
-from woz_drivers.naoqi.world import Clients, Options, World
+from naoqi_simulator.control import Control
+from naoqi_simulator.life import STATES
+from naoqi_simulator.passing import PacedTime
+from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.table import Service
+from naoqi_simulator.world import Clients, Options, World
 
 SERVERS = ("auto", "qi", "own")
 #: The package `qi` calls from threads of its own; a real robot has no interpreter to wait for.
@@ -63,7 +63,7 @@ class Host(Clients, Protocol):
 def parser() -> argparse.ArgumentParser:
     """What the command line takes."""
     made = argparse.ArgumentParser(
-        prog="python -m woz_drivers.naoqi",
+        prog="python -m naoqi_simulator",
         description="A simulated Pepper that speaks NAOqi's protocol.",
         epilog=EPILOG,
         formatter_class=argparse.RawDescriptionHelpFormatter,
@@ -155,11 +155,11 @@ async def start(pepper: Pepper, server: str, host: str, port: int) -> tuple[Host
 def _host(pepper: Pepper, server: str) -> Host:
     desk = pepper.world.desk
     if server == "own":
-        from woz_drivers.naoqi.host_own import OwnHost  # noqa: PLC0415 - only the one is needed
+        from naoqi_simulator.host_own import OwnHost  # noqa: PLC0415 - only the one is needed
 
         return OwnHost(desk)
     try:
-        from woz_drivers.naoqi.host_qi import QiHost  # noqa: PLC0415 - only where it is installed
+        from naoqi_simulator.host_qi import QiHost  # noqa: PLC0415 - only where it is installed
 
         return QiHost(desk, asyncio.get_running_loop())
     except ImportError as error:

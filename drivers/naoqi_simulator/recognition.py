@@ -6,10 +6,10 @@ import asyncio
 import re
 from typing import Any
 
-from woz_drivers.naoqi.senses import Extractor
-from woz_drivers.naoqi.table import Refused, offers
-from woz_drivers.naoqi.visitor import Person
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.senses import Extractor
+from naoqi_simulator.table import Refused, offers
+from naoqi_simulator.visitor import Person, reply, speaking_s
+from naoqi_simulator.world import World
 
 DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"
 #: Confidence of a phrase that was said, and of the nearest one when none was.
@@ -81,11 +81,9 @@ class SpeechRecognition(Extractor):
 
     def _answer(self, _: Any) -> None:
         """The robot has spoken: somebody who stands near answers, if it listens."""
-        from woz_drivers.simulated import words  # noqa: PLC0415 - most robots do not listen
-
         person = self._world.person()
         if self.on and person is not None and person.distance < NEAR_M:
-            said = words.reply(_called(person), self._sentence, self._world.random)
+            said = reply(_called(person), self._sentence, self._world.random)
             self._begin(said, ANSWERS_AFTER_S)
 
     def _begin(self, text: str, after: float) -> None:
@@ -94,14 +92,12 @@ class SpeechRecognition(Extractor):
         self._answering = asyncio.ensure_future(self._speak(text, after))
 
     async def _speak(self, text: str, after: float) -> None:
-        from woz_drivers.simulated.words import seconds  # noqa: PLC0415 - as above
-
         world = self._world
         await world.time.sleep(after)
         world.talks = True
         self._tell(DETECTED, True)
         try:
-            await world.time.sleep(seconds(text))
+            await world.time.sleep(speaking_s(text))
         finally:
             world.talks = False
             self._tell(DETECTED, False)

@@ -7,8 +7,8 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from woz_drivers.naoqi.camera import HALF_ACROSS, HALF_UPRIGHT
-from woz_drivers.naoqi.visitor import Person
+from naoqi_simulator.camera import HALF_ACROSS, HALF_UPRIGHT
+from naoqi_simulator.visitor import Person
 
 Picture = NDArray[np.uint8]
 

@@ -9,9 +9,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.visitor import Person
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.visitor import Person
+from naoqi_simulator.world import World
 
 SONAR = "Device/SubDeviceList/Platform/Front/Sonar/Sensor/Value"
 SONAR_BACK = "Device/SubDeviceList/Platform/Back/Sonar/Sensor/Value"

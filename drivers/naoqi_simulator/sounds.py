@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 import asyncio
+import io
 import itertools
+import wave
 from dataclasses import dataclass
 from typing import Any
 
-from woz_drivers.naoqi import hearing
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.web import fetch
-from woz_drivers.naoqi.world import World, flat
+from naoqi_simulator import hearing
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.web import fetch
+from naoqi_simulator.world import World, flat
 
 #: Sounds that come with the stand-in, with seconds: `set("sounds", ...)` adds others.
 FILES = {
@@ -59,11 +61,13 @@ class Disk:
 
 def _wav_seconds(content: bytes) -> float | None:
     """How long a WAV file is; None for what is none."""
-    from woz_drivers.wav import NoWav, parse  # noqa: PLC0415 - with numpy, see `hearing.block`
-
     try:
-        return parse(content).seconds
-    except NoWav:
+        with wave.open(io.BytesIO(content)) as sound:
+            width = sound.getsampwidth() * sound.getnchannels()
+            # The header of a file that was written to a pipe names no true length.
+            data = sound.readframes(sound.getnframes())
+            return float(len(data) / width / sound.getframerate())
+    except (wave.Error, EOFError, ZeroDivisionError):
         return None
 
 
@@ -264,12 +268,16 @@ class AudioRecorder(Service):
         return self._recording.path if self._recording else ""
 
     def _content(self, recording: _Recording) -> bytes:
-        from woz_drivers.wav import Wav  # noqa: PLC0415 - as above
-
         passed = self._world.time.now() - recording.begun
         samples = round(min(passed, 600.0) * recording.rate)
         sound = hearing.block(
             *(self._world.person(), recording.begun, samples),
             *(recording.rate, recording.channels),
         )
-        return Wav("S16_LE", recording.rate, recording.channels, sound.tobytes()).to_bytes()
+        content = io.BytesIO()
+        with wave.open(content, "wb") as file:
+            file.setnchannels(recording.channels)
+            file.setsampwidth(2)
+            file.setframerate(recording.rate)
+            file.writeframes(sound.tobytes())
+        return content.getvalue()

@@ -6,10 +6,10 @@ import asyncio
 from dataclasses import asdict
 from typing import Any, ClassVar
 
-from woz_drivers.naoqi import tags
-from woz_drivers.naoqi.animations import Animations
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator import tags
+from naoqi_simulator.animations import Animations
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.world import World
 
 #: Seconds from the call until the sound begins.
 ONSET_S = 0.15

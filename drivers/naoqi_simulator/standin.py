@@ -10,12 +10,10 @@ from collections.abc import Callable, Mapping
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
-import msgspec
-
-from woz_drivers.naoqi.faults import Entry, as_json
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.visitor import Person
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.faults import Entry, as_json
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.visitor import Person
+from naoqi_simulator.world import World
 
 #: Distance (m) and number of somebody who is put there without saying where.
 _DEFAULT = Person(number=1, distance=1.0, angle=0.0, looking=True, talking=False)
@@ -125,12 +123,15 @@ class StandIn(Service):
 
 
 def _placed(given: Mapping[str, Any]) -> Person:
-    if unknown := set(given) - set(asdict(_DEFAULT)):
+    fields = asdict(_DEFAULT)
+    if unknown := set(given) - set(fields):
         raise Refused(f"StandIn::person\n\tnobody has {', '.join(sorted(unknown))}")
-    try:
-        return msgspec.convert({**asdict(_DEFAULT), **given}, Person)
-    except msgspec.ValidationError as error:
-        raise Refused(f"StandIn::person\n\t{error}") from None
+    for name, value in given.items():
+        kind = type(fields[name])
+        if type(value) is not kind and (kind, type(value)) != (float, int):
+            raise Refused(f"StandIn::person\n\t{name} must be {kind.__name__}, not {value!r}")
+        fields[name] = kind(value)
+    return Person(**fields)
 
 
 def _decoded(text: str) -> Any:

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from woz_drivers.naoqi.table import Service, offers
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.table import Service, offers
+from naoqi_simulator.world import World
 
 #: Percent that the battery loses in an hour awake: from 100 to 0 in the 12 hours the maker names.
 PER_HOUR = 100 / 12

@@ -6,9 +6,9 @@ import asyncio
 from collections.abc import Coroutine
 from typing import Any, ClassVar
 
-from woz_drivers.naoqi.table import Refused, Service, offers
-from woz_drivers.naoqi.web import Fetched, fetch
-from woz_drivers.naoqi.world import World
+from naoqi_simulator.table import Refused, Service, offers
+from naoqi_simulator.web import Fetched, fetch
+from naoqi_simulator.world import World
 
 #: Pixels of Pepper's tablet; the signals `onTouch...` but the ratio one count in these.
 WIDTH, HEIGHT = 1280, 800

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import random
+import re
 from dataclasses import dataclass
 
 #: Whom the robot has been taught; the others have faces without a name.
@@ -15,6 +16,11 @@ NAMES = ("Ada", "Grace", "Alan")
 #: Seconds of walking up to the robot, and away.
 WALK_S = 3.0
 FAR_M = 2.6
+#: What they say to the robot, and answer to questions that are not about their names.
+REMARKS = ("Oh, really?", "What is that over there?", "How old is it?", "That is a lot!")
+ANSWERS = ("Yes, please.", "I think so.", "I do not know.", "Tell me!")
+_NAME = re.compile(r"\b(your name|call you|who are you)\b", re.IGNORECASE)
+_WHETHER = re.compile(r"\b(right|correct)\b", re.IGNORECASE)
 
 
 @dataclass(frozen=True, slots=True)
@@ -27,6 +33,22 @@ class Person:
     looking: bool
     talking: bool
     name: str = ""
+
+
+def reply(name: str, sentence: str, draw: random.Random) -> str:
+    """What the visitor `name` answers to a sentence of the robot."""
+    if "?" not in sentence:
+        return draw.choice(REMARKS)
+    if re.search(rf"\b{re.escape(name)}\b", sentence, re.IGNORECASE):
+        return "Yes."
+    if _NAME.search(sentence):
+        return f"{name}."
+    return "No." if _WHETHER.search(sentence) else draw.choice(ANSWERS)
+
+
+def speaking_s(text: str) -> float:
+    """How long they take to say that, in seconds."""
+    return max(0.8, len(text) / 12)
 
 
 @dataclass(frozen=True, slots=True)

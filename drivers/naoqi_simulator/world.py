@@ -8,11 +8,11 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Protocol
 
-from woz_drivers.naoqi.body import Body
-from woz_drivers.naoqi.faults import Desk, Faults
-from woz_drivers.naoqi.passing import Going, Time
-from woz_drivers.naoqi.store import Store
-from woz_drivers.naoqi.visitor import Person, Visitors
+from naoqi_simulator.body import Body
+from naoqi_simulator.faults import Desk, Faults
+from naoqi_simulator.passing import Going, Time
+from naoqi_simulator.store import Store
+from naoqi_simulator.visitor import Person, Visitors
 
 
 class Clients(Protocol):
@@ -25,7 +25,7 @@ class Clients(Protocol):
 
 @dataclass(frozen=True, slots=True)
 class Options:
-    """How this robot is: `python -m woz_drivers.naoqi --help` says what each means."""
+    """How this robot is: `python -m naoqi_simulator --help` says what each means."""
 
     seed: int = 7
     visitors: bool = True

@@ -3,8 +3,8 @@
 `Client` calls services of a robot; `Server` offers some, with a directory of its own.
 """
 
-from woz_drivers.qimessaging.client import Client
-from woz_drivers.qimessaging.errors import (
+from qimessaging.client import Client
+from qimessaging.errors import (
     Cancelled,
     ConnectionLost,
     LoginError,
@@ -15,10 +15,10 @@ from woz_drivers.qimessaging.errors import (
     ServiceLost,
     TimedOut,
 )
-from woz_drivers.qimessaging.hosting import Hosted, Method, Property, Signal
-from woz_drivers.qimessaging.registering import Registration
-from woz_drivers.qimessaging.remote import RemoteObject
-from woz_drivers.qimessaging.server import Server
+from qimessaging.hosting import Hosted, Method, Property, Signal
+from qimessaging.registering import Registration
+from qimessaging.remote import RemoteObject
+from qimessaging.server import Server
 
 __all__ = [
     "Cancelled",

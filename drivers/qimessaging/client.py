@@ -7,9 +7,9 @@ import ssl
 from collections.abc import Callable
 from typing import Any, Final, Self
 
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.directory import MACHINE
-from woz_drivers.qimessaging.endpoints import (
+from qimessaging.connection import Connection
+from qimessaging.directory import MACHINE
+from qimessaging.endpoints import (
     DIRECTORY,
     Endpoint,
     ServiceInfo,
@@ -17,7 +17,7 @@ from woz_drivers.qimessaging.endpoints import (
     reachable,
     shares_socket,
 )
-from woz_drivers.qimessaging.errors import (
+from qimessaging.errors import (
     ConnectionLost,
     LoginError,
     ProtocolError,
@@ -25,12 +25,12 @@ from woz_drivers.qimessaging.errors import (
     ServiceLost,
     TimedOut,
 )
-from woz_drivers.qimessaging.host import Host
-from woz_drivers.qimessaging.hosting import Hosted
-from woz_drivers.qimessaging.listening import Listener
-from woz_drivers.qimessaging.opening import WayIn
-from woz_drivers.qimessaging.registering import Registration, describe, register
-from woz_drivers.qimessaging.remote import RemoteObject, Unsubscribe
+from qimessaging.host import Host
+from qimessaging.hosting import Hosted
+from qimessaging.listening import Listener
+from qimessaging.opening import WayIn
+from qimessaging.registering import Registration, describe, register
+from qimessaging.remote import RemoteObject, Unsubscribe
 
 DIRECTORY_SERVICE: Final = 1
 #: How long looking for a service, or opening, may take, in seconds.

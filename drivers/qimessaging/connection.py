@@ -14,10 +14,10 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from typing import Any, Final, Protocol
 
-from woz_drivers.qimessaging.decoding import Decoder
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.errors import ConnectionLost, ProtocolError, TimedOut
-from woz_drivers.qimessaging.frames import LONGEST, Frame, FrameReader, Kind
+from qimessaging.decoding import Decoder
+from qimessaging.encoding import encode
+from qimessaging.errors import ConnectionLost, ProtocolError, TimedOut
+from qimessaging.frames import LONGEST, Frame, FrameReader, Kind
 
 #: Where an event comes from: service, object, signal.
 Source = tuple[int, int, int]

@@ -10,8 +10,8 @@ import struct
 from collections.abc import Callable
 from typing import Any, Final
 
-from woz_drivers.qimessaging.errors import ProtocolError
-from woz_drivers.qimessaging.signature import Type, parse
+from qimessaging.errors import ProtocolError
+from qimessaging.signature import Type, parse
 
 #: How many values one message may hold, lists' elements included: reading them takes a part of a
 #: second, in which nothing else runs.

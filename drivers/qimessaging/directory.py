@@ -11,10 +11,10 @@ import uuid
 from collections.abc import Callable
 from typing import Any, Final
 
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.endpoints import DIRECTORY, Endpoint, ServiceInfo
-from woz_drivers.qimessaging.errors import Refused
-from woz_drivers.qimessaging.hosting import Hosted, Method, Signal
+from qimessaging.connection import Connection
+from qimessaging.endpoints import DIRECTORY, Endpoint, ServiceInfo
+from qimessaging.errors import Refused
+from qimessaging.hosting import Hosted, Method, Signal
 
 #: The directory's own number; services have higher ones.
 NUMBER: Final = 1

@@ -11,8 +11,8 @@ import struct
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Final, Protocol
 
-from woz_drivers.qimessaging.errors import ProtocolError
-from woz_drivers.qimessaging.signature import Type, parse
+from qimessaging.errors import ProtocolError
+from qimessaging.signature import Type, parse
 
 #: How deeply values may nest; also ends a list that holds itself.
 DEEPEST: Final = 64

@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from typing import Any, Final
 from urllib.parse import urlsplit
 
-from woz_drivers.qimessaging.errors import ProtocolError
+from qimessaging.errors import ProtocolError
 
 DIRECTORY: Final = "ServiceDirectory"
 #: Addresses of a service that are looked at; a robot has a handful.

@@ -10,7 +10,7 @@ import struct
 from dataclasses import dataclass
 from typing import Final
 
-from woz_drivers.qimessaging.errors import ProtocolError
+from qimessaging.errors import ProtocolError
 
 MAGIC: Final = 0x42ADDE42
 #: The longest payload that is read, in bytes; four times the largest camera picture.

@@ -15,11 +15,11 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any, Final
 
-from woz_drivers.qimessaging.connection import CAPABILITIES, Connection
-from woz_drivers.qimessaging.decoding import Decoder, decode
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.errors import ConnectionLost, LoginError, ProtocolError, TimedOut
-from woz_drivers.qimessaging.frames import Frame, Kind
+from qimessaging.connection import CAPABILITIES, Connection
+from qimessaging.decoding import Decoder, decode
+from qimessaging.encoding import encode
+from qimessaging.errors import ConnectionLost, LoginError, ProtocolError, TimedOut
+from qimessaging.frames import Frame, Kind
 
 AUTHENTICATE: Final = 8
 STATE: Final = "__qi_auth_state"

@@ -9,14 +9,14 @@ from collections import Counter
 from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.decoding import Decoder
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.errors import ConnectionLost, ProtocolError, Refused
-from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, RETURN_TYPE, Frame, Kind
-from woz_drivers.qimessaging.hosting import FIRST_UID, Hosted
-from woz_drivers.qimessaging.metaobject import MetaMethod
-from woz_drivers.qimessaging.remote import read_object
+from qimessaging.connection import Connection
+from qimessaging.decoding import Decoder
+from qimessaging.encoding import encode
+from qimessaging.errors import ConnectionLost, ProtocolError, Refused
+from qimessaging.frames import DYNAMIC_PAYLOAD, RETURN_TYPE, Frame, Kind
+from qimessaging.hosting import FIRST_UID, Hosted
+from qimessaging.metaobject import MetaMethod
+from qimessaging.remote import read_object
 
 #: The number of a service's own object; objects it hands out have others.
 MAIN: Final = 1

@@ -6,13 +6,13 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.decoding import Decoder
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.errors import ProtocolError, Refused
-from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
-from woz_drivers.qimessaging.metaobject import SIGNATURE, MetaMethod, MetaObject, MetaSignal
-from woz_drivers.qimessaging.signature import Type, parse, parse_members
+from qimessaging.connection import Connection
+from qimessaging.decoding import Decoder
+from qimessaging.encoding import encode
+from qimessaging.errors import ProtocolError, Refused
+from qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
+from qimessaging.metaobject import SIGNATURE, MetaMethod, MetaObject, MetaSignal
+from qimessaging.signature import Type, parse, parse_members
 
 #: Numbers below belong to libqi's own methods.
 FIRST_UID: Final = 100

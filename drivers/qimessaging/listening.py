@@ -8,14 +8,14 @@ import ssl
 from collections.abc import Callable
 from typing import Final
 
-from woz_drivers.qimessaging import handshake
-from woz_drivers.qimessaging.connection import CAPABILITIES, Connection
-from woz_drivers.qimessaging.decoding import decode
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.endpoints import Endpoint
-from woz_drivers.qimessaging.errors import ConnectionLost, ProtocolError
-from woz_drivers.qimessaging.frames import LONGEST, Frame, Kind
-from woz_drivers.qimessaging.host import Host
+from qimessaging import handshake
+from qimessaging.connection import CAPABILITIES, Connection
+from qimessaging.decoding import decode
+from qimessaging.encoding import encode
+from qimessaging.endpoints import Endpoint
+from qimessaging.errors import ConnectionLost, ProtocolError
+from qimessaging.frames import LONGEST, Frame, Kind
+from qimessaging.host import Host
 
 #: Tells whether a name and a token are let in.
 Authenticator = Callable[[str, str], bool]

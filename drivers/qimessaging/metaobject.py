@@ -6,11 +6,11 @@ from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
-from woz_drivers.qimessaging.decoding import Decoder
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.errors import ProtocolError, Refused
-from woz_drivers.qimessaging.overloads import misfit
-from woz_drivers.qimessaging.signature import parse_members
+from qimessaging.decoding import Decoder
+from qimessaging.encoding import encode
+from qimessaging.errors import ProtocolError, Refused
+from qimessaging.overloads import misfit
+from qimessaging.signature import parse_members
 
 SIGNATURE: Final = (
     "({I(Issss[(ss)<MetaMethodParameter,name,description>]s)"

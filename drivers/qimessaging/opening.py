@@ -6,11 +6,11 @@ import asyncio
 import ssl
 from dataclasses import dataclass
 
-from woz_drivers.qimessaging.connection import Connection, Incoming
-from woz_drivers.qimessaging.endpoints import Endpoint
-from woz_drivers.qimessaging.errors import ConnectionLost, QiError, TimedOut
-from woz_drivers.qimessaging.frames import LONGEST
-from woz_drivers.qimessaging.handshake import enter
+from qimessaging.connection import Connection, Incoming
+from qimessaging.endpoints import Endpoint
+from qimessaging.errors import ConnectionLost, QiError, TimedOut
+from qimessaging.frames import LONGEST
+from qimessaging.handshake import enter
 
 
 @dataclass(slots=True)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping
 from typing import Any, Final
 
-from woz_drivers.qimessaging.encoding import as_number, members_of
-from woz_drivers.qimessaging.errors import ProtocolError
-from woz_drivers.qimessaging.signature import Type
+from qimessaging.encoding import as_number, members_of
+from qimessaging.errors import ProtocolError
+from qimessaging.signature import Type
 
 #: Whole numbers in the order in which they are preferred: the one a dynamic value has, and the
 #: one most of NAOqi's methods have, before others.

@@ -13,13 +13,13 @@ import uuid
 from collections.abc import Awaitable, Callable
 from dataclasses import dataclass
 
-from woz_drivers.qimessaging.directory import MACHINE
-from woz_drivers.qimessaging.endpoints import Endpoint, ServiceInfo
-from woz_drivers.qimessaging.errors import ProtocolError, QiError, Refused
-from woz_drivers.qimessaging.host import Host
-from woz_drivers.qimessaging.hosting import Hosted
-from woz_drivers.qimessaging.remote import RemoteObject
-from woz_drivers.qimessaging.signature import parse_members
+from qimessaging.directory import MACHINE
+from qimessaging.endpoints import Endpoint, ServiceInfo
+from qimessaging.errors import ProtocolError, QiError, Refused
+from qimessaging.host import Host
+from qimessaging.hosting import Hosted
+from qimessaging.remote import RemoteObject
+from qimessaging.signature import parse_members
 
 _SESSION = str(uuid.uuid4())
 

@@ -8,15 +8,15 @@ import logging
 from collections.abc import Awaitable, Callable
 from typing import Any, Final
 
-from woz_drivers.qimessaging import metaobject
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.decoding import Decoder
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.errors import Cancelled, ProtocolError, Refused, RemoteError
-from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
-from woz_drivers.qimessaging.handshake import error_text
-from woz_drivers.qimessaging.metaobject import MetaMethod, MetaObject, MetaSignal
-from woz_drivers.qimessaging.signature import Type, parse, parse_members
+from qimessaging import metaobject
+from qimessaging.connection import Connection
+from qimessaging.decoding import Decoder
+from qimessaging.encoding import encode
+from qimessaging.errors import Cancelled, ProtocolError, Refused, RemoteError
+from qimessaging.frames import DYNAMIC_PAYLOAD, Frame, Kind
+from qimessaging.handshake import error_text
+from qimessaging.metaobject import MetaMethod, MetaObject, MetaSignal
+from qimessaging.signature import Type, parse, parse_members
 
 #: Takes back what was subscribed. Raises nothing where the connection is lost.
 Unsubscribe = Callable[[], Awaitable[None]]

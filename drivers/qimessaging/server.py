@@ -20,15 +20,15 @@ import ssl
 from collections.abc import Iterable
 from typing import Any
 
-from woz_drivers.qimessaging import directory
-from woz_drivers.qimessaging.directory import Directory
-from woz_drivers.qimessaging.endpoints import Endpoint
-from woz_drivers.qimessaging.errors import Refused
-from woz_drivers.qimessaging.frames import LONGEST
-from woz_drivers.qimessaging.host import Host
-from woz_drivers.qimessaging.hosting import Hosted, Member, Method, Property, Signal
-from woz_drivers.qimessaging.listening import Authenticator, Listener
-from woz_drivers.qimessaging.remote import WITHIN, RemoteObject
+from qimessaging import directory
+from qimessaging.directory import Directory
+from qimessaging.endpoints import Endpoint
+from qimessaging.errors import Refused
+from qimessaging.frames import LONGEST
+from qimessaging.host import Host
+from qimessaging.hosting import Hosted, Member, Method, Property, Signal
+from qimessaging.listening import Authenticator, Listener
+from qimessaging.remote import WITHIN, RemoteObject
 
 
 class Server:

@@ -9,7 +9,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 
-from woz_drivers.qimessaging.errors import ProtocolError
+from qimessaging.errors import ProtocolError
 
 #: The longest signature that is read. That of a meta object, the longest in use, has 287.
 LONGEST = 8192

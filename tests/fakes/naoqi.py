@@ -15,12 +15,12 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any, NamedTuple
 
-from woz_drivers.naoqi.control import carry_out
-from woz_drivers.naoqi.passing import PacedTime, Time
-from woz_drivers.naoqi.pepper import Pepper
-from woz_drivers.naoqi.process import start
-from woz_drivers.naoqi.table import Refused
-from woz_drivers.naoqi.world import Options, World
+from naoqi_simulator.control import carry_out
+from naoqi_simulator.passing import PacedTime, Time
+from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.process import start
+from naoqi_simulator.table import Refused
+from naoqi_simulator.world import Options, World
 
 #: Real seconds for anything that should happen; a broken robot fails a test, it hangs none.
 PATIENCE_S = 40.0
@@ -81,7 +81,7 @@ class Robot:
         await self.order(do="touch", x=x, y=y)
 
     async def fault(self, kind: str, seconds: float = 0.0) -> None:
-        """Let something be wrong; see `python -m woz_drivers.naoqi --help`."""
+        """Let something be wrong; see `python -m naoqi_simulator --help`."""
         await self.order(do="fault", kind=kind, seconds=seconds)
 
     async def until(self, holds: Callable[[], Any], patience: float = PATIENCE_S) -> Any:
@@ -176,7 +176,7 @@ async def stand_in(
     nobody stands in its way; `person` puts somebody there.
     """
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "woz_drivers.naoqi", "--control", "--server", server),
+        *(sys.executable, "-m", "naoqi_simulator", "--control", "--server", server),
         *("--pace", str(pace), "--port", str(port), "--life", life),
         *("--visitors", "seeded" if visitors else "none", *options),
         stdin=asyncio.subprocess.PIPE,

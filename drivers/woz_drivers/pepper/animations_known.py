@@ -4,7 +4,7 @@ The names are those that come with the robot's own package `animations`, as a Pe
 (`ALBehaviorManager.getInstalledBehaviors`); the manufacturer's pages document a part of them. A
 robot may have more of them: any path can be played.
 
-The simulated robot (`woz_drivers.naoqi.library`) has a table of its own, on purpose: it is the far
+The simulated robot (`naoqi_simulator.library`) has a table of its own, on purpose: it is the far
 end, and one that learned from the caller what there is could never show a mistake in here.
 """
 

@@ -1,4 +1,4 @@
-"""A connection carried by our own client, `woz_drivers.qimessaging`: wherever Python runs."""
+"""A connection carried by our own client, `qimessaging`: wherever Python runs."""
 
 from __future__ import annotations
 
@@ -9,6 +9,10 @@ import socket
 import ssl
 from collections.abc import Awaitable, Callable
 from typing import Any, TypeVar
+
+from qimessaging import errors
+from qimessaging.client import Client
+from qimessaging.hosting import Hosted, Method
 
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.link import Gone, LinkError, Methods, Missing, Said, Unanswered, Unsubscribe
@@ -22,9 +26,6 @@ from woz_drivers.pepper.links_trouble import (
     wrong_password,
 )
 from woz_drivers.pepper.secrets import Secret
-from woz_drivers.qimessaging import errors
-from woz_drivers.qimessaging.client import Client
-from woz_drivers.qimessaging.hosting import Hosted, Method
 from woz_tui.core.driver import Lost
 
 _DIRECTORY = "ServiceDirectory"

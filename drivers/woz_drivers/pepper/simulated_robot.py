@@ -19,7 +19,7 @@ _STARTS_WITHIN_S = 20.0
 _HOPELESS_S = 20.0
 #: Attempts that lie farther apart than this belong to different losses, in seconds.
 _APART_S = 10.0
-_REMEDY = "start `python -m woz_drivers.naoqi` yourself to see what is wrong"
+_REMEDY = "start `python -m naoqi_simulator` yourself to see what is wrong"
 
 
 class SimulatedRobot:
@@ -80,7 +80,7 @@ class SimulatedRobot:
             sys.executable,
             "-P",  # no modules of the folder of the experiment
             "-m",
-            "woz_drivers.naoqi",
+            "naoqi_simulator",
             "--port",
             "0",
             "--pace",

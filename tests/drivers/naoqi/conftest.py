@@ -6,8 +6,8 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi.world import Options
-from woz_drivers.qimessaging import Client
+from naoqi_simulator.world import Options
+from qimessaging import Client
 
 from tests.drivers.naoqi.hands import HandTime, Wired
 from tests.fakes.naoqi import stand_in_here

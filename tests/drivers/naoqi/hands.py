@@ -10,8 +10,8 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager
 from typing import Any, Protocol
 
-from woz_drivers.naoqi.pepper import TICK_S
-from woz_drivers.qimessaging import Client, Refused
+from naoqi_simulator.pepper import TICK_S
+from qimessaging import Client, Refused
 
 from tests.fakes.naoqi import Robot, StandInHere
 

@@ -6,7 +6,7 @@ import asyncio
 import json
 
 import pytest
-from woz_drivers.naoqi.world import Options
+from naoqi_simulator.world import Options
 
 from tests.drivers.naoqi.hands import Said, Wired, own_caller
 from tests.fakes.naoqi import stand_in_here

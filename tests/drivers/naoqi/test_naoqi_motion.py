@@ -6,8 +6,8 @@ import asyncio
 import math
 
 import pytest
-from woz_drivers.naoqi.base import SPEED_M_S
-from woz_drivers.naoqi.joints import JOINTS, POSTURES
+from naoqi_simulator.base import SPEED_M_S
+from naoqi_simulator.joints import JOINTS, POSTURES
 
 from tests.drivers.naoqi.hands import Said, Wired
 

@@ -8,17 +8,17 @@ import re
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.naoqi.body import Body
-from woz_drivers.naoqi.hearing import HIGHEST, energy
-from woz_drivers.naoqi.joints import JOINTS
-from woz_drivers.naoqi.library import LENGTHS, with_tag
-from woz_drivers.naoqi.passing import PacedTime
-from woz_drivers.naoqi.pepper import Pepper
-from woz_drivers.naoqi.table import methods_of, split_signature
-from woz_drivers.naoqi.tags import Animate, Manner, Pause, Words, animated, plain
-from woz_drivers.naoqi.visitor import FAR_M, Visitors
-from woz_drivers.naoqi.world import World
-from woz_drivers.qimessaging.signature import parse, parse_members
+from naoqi_simulator.body import Body
+from naoqi_simulator.hearing import HIGHEST, energy
+from naoqi_simulator.joints import JOINTS
+from naoqi_simulator.library import LENGTHS, with_tag
+from naoqi_simulator.passing import PacedTime
+from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.table import methods_of, split_signature
+from naoqi_simulator.tags import Animate, Manner, Pause, Words, animated, plain
+from naoqi_simulator.visitor import FAR_M, Visitors
+from naoqi_simulator.world import World
+from qimessaging.signature import parse, parse_members
 
 PARTS = st.lists(
     st.one_of(

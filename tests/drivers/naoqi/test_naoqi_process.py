@@ -241,7 +241,7 @@ async def test_a_taken_port_is_said(server: str) -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "woz_drivers.naoqi", "--port", port, "--server", server),
+            *(sys.executable, "-m", "naoqi_simulator", "--port", port, "--server", server),
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
         )
@@ -262,7 +262,7 @@ async def test_orders_may_come_from_a_file(tmp_path: Path) -> None:
     orders.write_text('{"do": "get", "name": "life"}\n\nnonsense\n')
     with orders.open() as given:
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "woz_drivers.naoqi", "--control", "--server", "own"),
+            *(sys.executable, "-m", "naoqi_simulator", "--control", "--server", "own"),
             stdin=given,
             stdout=asyncio.subprocess.PIPE,
         )
@@ -276,7 +276,7 @@ async def test_orders_may_come_from_a_file(tmp_path: Path) -> None:
 
 async def test_help_tells_how_to_rehearse() -> None:
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "woz_drivers.naoqi", "--help"), stdout=asyncio.subprocess.PIPE
+        *(sys.executable, "-m", "naoqi_simulator", "--help"), stdout=asyncio.subprocess.PIPE
     )
     out, _ = await asyncio.wait_for(process.communicate(), PATIENCE_S)
     for word in (b"robots: [simulated]", b"--control", b"frozen", b"--pace"):

@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from woz_drivers.naoqi.senses import FACES, FIRST_ID, PERSON, SONAR, SONAR_M, SOUND, VISIBLE
-from woz_drivers.qimessaging.hosting import Hosted, Method
+from naoqi_simulator.senses import FACES, FIRST_ID, PERSON, SONAR, SONAR_M, SOUND, VISIBLE
+from qimessaging.hosting import Hosted, Method
 
 from tests.drivers.naoqi.hands import Said, Wired
 

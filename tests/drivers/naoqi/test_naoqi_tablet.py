@@ -8,8 +8,8 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi.sounds import Disk
-from woz_drivers.naoqi.world import Options, World
+from naoqi_simulator.sounds import Disk
+from naoqi_simulator.world import Options, World
 from woz_drivers.wav import Wav, parse
 
 from tests.drivers.naoqi.hands import HandTime, Said, Wired

@@ -8,10 +8,10 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any
 
+from qimessaging import Method, Server
 from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.connection_line import WANTED
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.qimessaging import Method, Server
 
 from tests.drivers.heard import Heard
 from woz_tui.core.messages import DriverConnected

@@ -6,8 +6,8 @@ import math
 from pathlib import Path
 
 import pytest
-from woz_drivers.naoqi.motion import Joints
-from woz_drivers.naoqi.table import offers
+from naoqi_simulator.motion import Joints
+from naoqi_simulator.table import offers
 from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.body_joints import JOINTS, limb
 

@@ -9,11 +9,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.naoqi.passing import PacedTime
-from woz_drivers.naoqi.pepper import Pepper as Standing
-from woz_drivers.naoqi.process import start
-from woz_drivers.naoqi.table import Method, Service
-from woz_drivers.naoqi.world import Options, World
+from naoqi_simulator.passing import PacedTime
+from naoqi_simulator.pepper import Pepper as Standing
+from naoqi_simulator.process import start
+from naoqi_simulator.table import Method, Service
+from naoqi_simulator.world import Options, World
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.driver import Pepper
 from woz_drivers.pepper.links import open_link

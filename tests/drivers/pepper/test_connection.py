@@ -8,10 +8,10 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+from qimessaging.server import Server
 from woz_drivers.pepper import connection as module
 from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
-from woz_drivers.qimessaging.server import Server
 
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand, threads_now
@@ -289,7 +289,7 @@ async def test_the_simulated_robot_lives_as_long_as_it_is_played(
     def children() -> set[int]:
         found = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
         lines = {number: Path(f"/proc/{number}/cmdline").read_bytes() for number in found}
-        return {int(number) for number, line in lines.items() if b"woz_drivers.naoqi" in line}
+        return {int(number) for number, line in lines.items() if b"naoqi_simulator" in line}
 
     before = children()
     async with stand(tmp_path, "simulated", client=client, pace=20.0) as it:

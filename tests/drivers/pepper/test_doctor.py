@@ -6,11 +6,11 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from qimessaging.hosting import Method
+from qimessaging.server import Server
 from woz_drivers.pepper import doctor
 from woz_drivers.pepper.connection_line import WANTED
 from woz_drivers.pepper.settings import PepperSettings, Tablet
-from woz_drivers.qimessaging.hosting import Method
-from woz_drivers.qimessaging.server import Server
 
 from tests.fakes.naoqi import StandIn
 from woz_tui.core.driver import Finding, Probe

@@ -9,14 +9,14 @@ from contextlib import asynccontextmanager
 from typing import Any
 
 import pytest
+from qimessaging.hosting import Method, Signal
+from qimessaging.server import Server
 from woz_drivers.pepper import links_socket
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.link import Gone, Link, Missing, Said, Unanswered, binary
 from woz_drivers.pepper.links import chosen_client, open_link
 from woz_drivers.pepper.links_trouble import Refused
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.qimessaging.hosting import Method, Signal
-from woz_drivers.qimessaging.server import Server
 
 from tests.drivers.pepper.connected import threads_now
 from woz_tui.core.driver import Lost

@@ -8,14 +8,14 @@ from collections.abc import AsyncIterator
 from pathlib import Path
 
 import pytest
+from qimessaging.hosting import Method
+from qimessaging.server import Server
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.connection_line import WANTED
 from woz_drivers.pepper.link import Link
 from woz_drivers.pepper.links import open_link
 from woz_drivers.pepper.links_trouble import Refused
 from woz_drivers.pepper.settings import PepperSettings
-from woz_drivers.qimessaging.hosting import Method
-from woz_drivers.qimessaging.server import Server
 
 from tests.drivers.pepper.connected import stand
 from woz_tui.core.driver import Health, Lost

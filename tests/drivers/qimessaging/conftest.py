@@ -11,7 +11,7 @@ from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
 import pytest
-from woz_drivers.qimessaging import Client
+from qimessaging import Client
 
 from tests.drivers.qimessaging.desk import QiCaller
 

@@ -10,8 +10,8 @@ from collections.abc import AsyncIterator, Awaitable, Callable, Mapping
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.qimessaging import Hosted, Method, Property, Server, Signal
-from woz_drivers.qimessaging.frames import Frame, FrameReader
+from qimessaging import Hosted, Method, Property, Server, Signal
+from qimessaging.frames import Frame, FrameReader
 
 PATIENCE = 40.0
 

@@ -8,7 +8,7 @@ from typing import Any
 
 import psutil
 import pytest
-from woz_drivers.qimessaging import (
+from qimessaging import (
     Cancelled,
     Client,
     ConnectionLost,
@@ -24,8 +24,8 @@ from woz_drivers.qimessaging import (
     Signal,
     TimedOut,
 )
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.encoding import encode
+from qimessaging.connection import Connection
+from qimessaging.encoding import encode
 
 from tests.drivers.qimessaging.desk import Bench, bench, until
 

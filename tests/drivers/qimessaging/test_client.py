@@ -7,7 +7,7 @@ import subprocess
 from typing import Any
 
 import pytest
-from woz_drivers.qimessaging import (
+from qimessaging import (
     Client,
     ConnectionLost,
     Hosted,

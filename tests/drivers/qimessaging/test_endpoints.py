@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_drivers.qimessaging.endpoints import ServiceInfo, reachable, shares_socket
+from qimessaging.endpoints import ServiceInfo, reachable, shares_socket
 
 DIRECTORY = ServiceInfo(
     "ServiceDirectory", 1, "pepper", 1, ("tcp://127.0.0.1:9559", "tcp://10.0.0.5:9559"), "0"

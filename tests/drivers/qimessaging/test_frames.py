@@ -7,8 +7,8 @@ import struct
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.qimessaging import ProtocolError
-from woz_drivers.qimessaging.frames import HEADER_SIZE, MAGIC, Frame, FrameReader, Kind
+from qimessaging import ProtocolError
+from qimessaging.frames import HEADER_SIZE, MAGIC, Frame, FrameReader, Kind
 
 WORD = st.integers(0, (1 << 32) - 1)
 FRAMES = st.builds(

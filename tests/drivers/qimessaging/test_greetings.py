@@ -8,7 +8,7 @@ from collections.abc import Callable
 from typing import Any
 
 import pytest
-from woz_drivers.qimessaging import (
+from qimessaging import (
     Client,
     Hosted,
     LoginError,
@@ -17,12 +17,12 @@ from woz_drivers.qimessaging import (
     QiError,
     TimedOut,
 )
-from woz_drivers.qimessaging.decoding import decode
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.frames import Frame, Kind
-from woz_drivers.qimessaging.host import Host
-from woz_drivers.qimessaging.hosting import Signal
-from woz_drivers.qimessaging.listening import Listener
+from qimessaging.decoding import decode
+from qimessaging.encoding import encode
+from qimessaging.frames import Frame, Kind
+from qimessaging.host import Host
+from qimessaging.hosting import Signal
+from qimessaging.listening import Listener
 
 from tests.drivers.qimessaging.desk import bench, between, frames, script
 
@@ -58,7 +58,7 @@ async def test_a_server_of_before_logins_lets_us_in(greeted: Greeted) -> None:
 async def test_a_server_that_leaves_the_greeting_unanswered_lets_us_in(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("woz_drivers.qimessaging.handshake._SILENCE", 0.05)
+    monkeypatch.setattr("qimessaging.handshake._SILENCE", 0.05)
     async with bench() as (_, port), between(port, lambda _frame, _writer: None) as old:
         client = await Client.open("127.0.0.1", old)
 

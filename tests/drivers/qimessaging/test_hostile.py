@@ -9,10 +9,10 @@ from collections.abc import Awaitable, Callable
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.qimessaging import Client, ConnectionLost, ProtocolError, QiError
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.frames import Frame, FrameReader, Kind
-from woz_drivers.qimessaging.handshake import error_text
+from qimessaging import Client, ConnectionLost, ProtocolError, QiError
+from qimessaging.encoding import encode
+from qimessaging.frames import Frame, FrameReader, Kind
+from qimessaging.handshake import error_text
 
 from tests.drivers.qimessaging.desk import answering, bench, between, frames, script, until
 

@@ -10,20 +10,20 @@ from collections.abc import AsyncIterator
 from typing import Any
 
 import pytest
-from woz_drivers.qimessaging import Client, ConnectionLost, ProtocolError, QiError, Refused
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.decoding import MOST_VALUES, Decoder, decode
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.endpoints import Endpoint, ServiceInfo
-from woz_drivers.qimessaging.frames import DYNAMIC_PAYLOAD, MAGIC, Frame, FrameReader, Kind
-from woz_drivers.qimessaging.host import Host
-from woz_drivers.qimessaging.hosting import Hosted, Signal
-from woz_drivers.qimessaging.listening import Listener
-from woz_drivers.qimessaging.metaobject import MetaMethod, MetaObject
-from woz_drivers.qimessaging.opening import WayIn
-from woz_drivers.qimessaging.registering import describe, register
-from woz_drivers.qimessaging.remote import RemoteObject
-from woz_drivers.qimessaging.signature import parse
+from qimessaging import Client, ConnectionLost, ProtocolError, QiError, Refused
+from qimessaging.connection import Connection
+from qimessaging.decoding import MOST_VALUES, Decoder, decode
+from qimessaging.encoding import encode
+from qimessaging.endpoints import Endpoint, ServiceInfo
+from qimessaging.frames import DYNAMIC_PAYLOAD, MAGIC, Frame, FrameReader, Kind
+from qimessaging.host import Host
+from qimessaging.hosting import Hosted, Signal
+from qimessaging.listening import Listener
+from qimessaging.metaobject import MetaMethod, MetaObject
+from qimessaging.opening import WayIn
+from qimessaging.registering import describe, register
+from qimessaging.remote import RemoteObject
+from qimessaging.signature import parse
 
 from tests.drivers.qimessaging.desk import answering, bench, until
 

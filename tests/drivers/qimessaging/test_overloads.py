@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
-from woz_drivers.qimessaging import Refused
-from woz_drivers.qimessaging.metaobject import MetaMethod, MetaObject
+from qimessaging import Refused
+from qimessaging.metaobject import MetaMethod, MetaObject
 
 
 def _of(*signatures: str) -> MetaObject:

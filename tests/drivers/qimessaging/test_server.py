@@ -6,7 +6,7 @@ import ssl
 from typing import Any
 
 import pytest
-from woz_drivers.qimessaging import Server
+from qimessaging import Server
 
 from tests.drivers.qimessaging.desk import Bench, QiCaller, bench, until
 

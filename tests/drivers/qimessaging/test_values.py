@@ -8,10 +8,10 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.qimessaging import ProtocolError
-from woz_drivers.qimessaging.decoding import DEEPEST, MOST_VALUES, Decoder, decode
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.signature import LONGEST, parse, parse_members
+from qimessaging import ProtocolError
+from qimessaging.decoding import DEEPEST, MOST_VALUES, Decoder, decode
+from qimessaging.encoding import encode
+from qimessaging.signature import LONGEST, parse, parse_members
 
 WHOLE = {"c": 8, "w": 16, "i": 32, "l": 64}
 PLAIN: dict[str, st.SearchStrategy[Any]] = {

@@ -7,7 +7,7 @@ import contextlib
 from collections.abc import AsyncIterator
 
 import pytest
-from woz_drivers.qimessaging import (
+from qimessaging import (
     Client,
     Hosted,
     Method,
@@ -16,15 +16,15 @@ from woz_drivers.qimessaging import (
     Server,
     Signal,
 )
-from woz_drivers.qimessaging.connection import Connection
-from woz_drivers.qimessaging.decoding import decode
-from woz_drivers.qimessaging.encoding import encode
-from woz_drivers.qimessaging.endpoints import ServiceInfo
-from woz_drivers.qimessaging.errors import ConnectionLost
-from woz_drivers.qimessaging.frames import Frame, Kind
-from woz_drivers.qimessaging.handshake import error_text
-from woz_drivers.qimessaging.host import Host
-from woz_drivers.qimessaging.listening import Listener
+from qimessaging.connection import Connection
+from qimessaging.decoding import decode
+from qimessaging.encoding import encode
+from qimessaging.endpoints import ServiceInfo
+from qimessaging.errors import ConnectionLost
+from qimessaging.frames import Frame, Kind
+from qimessaging.handshake import error_text
+from qimessaging.host import Host
+from qimessaging.listening import Listener
 
 from tests.drivers.qimessaging.desk import Bench, bench, until
 

@@ -28,8 +28,7 @@ from typing import Any, ClassVar
 from benchmarks.figures import Spread, machine, percentile, table, verdict
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, Finding, Job, Outlet, Probe, Rejected, Scope, Verb
-from woz_tui.core.messages import Json
+from woz_tui.core.driver import Driver, Outlet, PassiveDriver
 from woz_tui.experiment.decode import load
 from woz_tui.motion.setpoints import SETPOINTS, Setpoints
 from woz_tui.plugins import installed
@@ -71,41 +70,21 @@ class Nothing:
     """The eye has no settings."""
 
 
-class Eye:
+class Eye(PassiveDriver):
     """A driver that looks at the body's setpoints all the time and notes when they changed."""
 
-    Settings: ClassVar[type] = Nothing
-    summary: ClassVar[str] = "notes setpoints"
+    Settings = Nothing
+    summary = "notes setpoints"
     seen: ClassVar[list[tuple[int, Mapping[str, float]]]] = []
 
     def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
+        super().__init__(name, settings, outlet)
         self._feed = outlet.feed(SETPOINTS, of="body")
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._look, daemon=True)
 
-    @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return ()
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ()
-
-    @classmethod
-    async def examine(cls, probe: Probe) -> list[Finding]:
-        return []
-
     async def open(self) -> None:
         self._thread.start()
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        raise Rejected("it only looks")
-
-    async def stop(self, scope: Scope) -> None:
-        pass
-
-    async def rest(self) -> None:
-        pass
 
     async def close(self) -> None:
         self._over.set()

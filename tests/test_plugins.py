@@ -16,21 +16,16 @@ BUNDLED = {"simulated", "dynamixel", "rangefinder", "microphone", "speech"}
 
 WHOLE = """
 from dataclasses import dataclass
+from woz_tui.core.driver import Driver
 
 @dataclass(frozen=True)
 class Nothing: ...
 
-class Toy:
+class Toy(Driver):
     Settings = Nothing
     summary = "a toy"
-    def verbs(): ...
-    def sensors(): ...
-    def examine(): ...
-    def open(): ...
-    def perform(): ...
-    def stop(): ...
-    def rest(): ...
-    def close(): ...
+    async def perform(self, job): ...
+    async def stop(self, scope): ...
 """
 
 
@@ -86,7 +81,14 @@ def test_a_drivers_module_is_imported_only_when_it_is_asked_for(package: Package
         ("toy = toys_module:Toy", "raise OSError('no bus')", "cannot be loaded: OSError: no bus"),
         ("toy = toys_module:Toyy", WHOLE, "cannot be loaded: AttributeError"),
         ("toy = toys_module", WHOLE, "is no class but <module 'toys_module'"),
-        ("toy = toys_module:Toy", "class Toy:\n    summary = 'a toy'", "lacks Settings, verbs"),
+        ("toy = toys_module:Toy", "class Toy: ...", "write class Toy(Driver)"),
+        (
+            "toy = toys_module:Toy",
+            WHOLE.replace("    async def stop(self, scope): ...", "").replace(
+                "    summary", "    other"
+            ),
+            "lacks stop, summary",
+        ),
         (
             "toy = toys_module:Toy",
             WHOLE.replace("Settings = Nothing", "Settings = dict"),

@@ -64,36 +64,20 @@ def _load(point: EntryPoint) -> type[Driver]:
             f"the driver {point.name!r} of {_origin(point)} cannot be loaded:"
             f" {type(error).__name__}: {error}"
         ) from error
+    who = f"the driver {point.name!r} of {_origin(point)}"
     if not isinstance(loaded, type):
         raise PluginError(
-            f"the driver {point.name!r} of {_origin(point)} is no class but {loaded!r};"
-            " its entry point must read module:Class"
+            f"{who} is no class but {loaded!r}; its entry point must read module:Class"
         )
-    missing = [
-        name
-        for name in (
-            "Settings",
-            "summary",
-            "verbs",
-            "sensors",
-            "examine",
-            "open",
-            "perform",
-            "stop",
-            "rest",
-            "close",
+    if not issubclass(loaded, Driver):
+        raise PluginError(
+            f"{who} does not inherit from woz_tui.core.driver.Driver; write class"
+            f" {loaded.__name__}(Driver), see drivers/README.md"
         )
-        if not hasattr(loaded, name)
-    ]
+    declared = {name for kind in loaded.__mro__ for name in vars(kind)}
+    missing = sorted({"Settings", "summary"} - declared | loaded.__abstractmethods__)
     if missing:
-        raise PluginError(
-            f"the driver {point.name!r} of {_origin(point)} lacks {', '.join(missing)};"
-            " see drivers/README.md"
-        )
-    driver: type[Driver] = loaded
-    if not dataclasses.is_dataclass(driver.Settings):
-        raise PluginError(
-            f"the driver {point.name!r} of {_origin(point)} has Settings that are no dataclass;"
-            " see drivers/README.md"
-        )
-    return driver
+        raise PluginError(f"{who} lacks {', '.join(missing)}; see drivers/README.md")
+    if not dataclasses.is_dataclass(loaded.Settings):
+        raise PluginError(f"{who} has Settings that are no dataclass; see drivers/README.md")
+    return loaded

@@ -16,8 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from woz_tui.core.driver import Argument, Finding, Health, Job, Outlet, Scope, Verb
-from woz_tui.core.driver import Probe as DoctorProbe
+from woz_tui.core.driver import Argument, Health, Job, Outlet, PassiveDriver, Scope, Verb
 from woz_tui.core.fields import Doc
 from woz_tui.core.messages import Json
 from woz_tui.motion.setpoints import SEEN, Seen
@@ -35,15 +34,14 @@ class ProbeSettings:
     load: Annotated[bool, Doc("publish as much as the busiest sensors")] = False
 
 
-class Probe:
+class Probe(PassiveDriver):
     """See the module's text."""
 
     Settings: ClassVar[type] = ProbeSettings
-    summary: ClassVar[str] = "writes down when it is called"
+    summary = "writes down when it is called"
 
     def __init__(self, name: str, settings: ProbeSettings, outlet: Outlet) -> None:
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._journal = os.open(settings.journal, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
         self._task: asyncio.Task[None] | None = None
 
@@ -53,20 +51,12 @@ class Probe:
             Verb("say", "note a call", (Argument("text", "text", required=True),), lane="voice"),
         )
 
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ()
-
-    @classmethod
-    async def examine(cls, probe: DoctorProbe) -> list[Finding]:
-        return []
-
     def _note(self, what: str) -> None:
         os.write(self._journal, f"{time.monotonic_ns()} {what}\n".encode())
 
     async def open(self) -> None:
-        self._outlet.health(Health.CONNECTED, "probe")
-        if self._settings.load:
+        self.outlet.health(Health.CONNECTED, "probe")
+        if self.settings.load:
             self._task = asyncio.create_task(self._busy())
 
     async def _busy(self) -> None:
@@ -75,14 +65,14 @@ class Probe:
         count = 0
         while True:
             phase = count / READINGS_HZ
-            self._outlet.reading("distance", 1.5 + math.sin(phase), unit="m")
-            self._outlet.reading("loudness", abs(math.sin(5 * phase)) / 10)
-            self._outlet.reading("presence", float(count % 3 > 0))
-            self._outlet.reading("gaze", float(count % 2))
-            self._outlet.reading("joint.pan", 90 * math.sin(phase), unit="deg")
-            self._outlet.reading("joint.tilt", 30 * math.cos(phase), unit="deg")
+            self.outlet.reading("distance", 1.5 + math.sin(phase), unit="m")
+            self.outlet.reading("loudness", abs(math.sin(5 * phase)) / 10)
+            self.outlet.reading("presence", float(count % 3 > 0))
+            self.outlet.reading("gaze", float(count % 2))
+            self.outlet.reading("joint.pan", 90 * math.sin(phase), unit="deg")
+            self.outlet.reading("joint.tilt", 30 * math.cos(phase), unit="deg")
             for line in range(LINES_EACH):
-                self._outlet.notice("info", f"line {count}.{line}")
+                self.outlet.notice("info", f"line {count}.{line}")
             count += 1
             due += 1 / READINGS_HZ
             await asyncio.sleep(max(0.0, due - loop.time()))
@@ -93,9 +83,6 @@ class Probe:
 
     async def stop(self, scope: Scope) -> None:
         self._note(f"stop {scope.value}")
-
-    async def rest(self) -> None:
-        return None
 
     async def close(self) -> None:
         if self._task is not None:
@@ -112,7 +99,7 @@ class Eye(Probe):
     """A camera that claims to see something that wanders to and fro, 32 times a second."""
 
     Settings: ClassVar[type] = EyeSettings
-    summary: ClassVar[str] = "claims to see something"
+    summary = "claims to see something"
 
     def __init__(self, name: str, settings: EyeSettings, outlet: Outlet) -> None:
         self._outlet = outlet

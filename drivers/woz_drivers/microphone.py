@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers import microphone_check, room, sound
 from woz_drivers.byte_stream import ByteStream, Command, Listener
@@ -21,9 +21,9 @@ from woz_tui.core.driver import (
     Job,
     Lost,
     Outlet,
+    PassiveDriver,
     Probe,
     Rejected,
-    Scope,
     Verb,
 )
 from woz_tui.core.messages import Json
@@ -37,7 +37,7 @@ _AHEAD_S = 2.0
 _CHECK = "try its command in a terminal; `woz doctor` lists the devices"
 
 
-class Microphone:
+class Microphone(PassiveDriver):
     """One sound source.
 
     Publishes `loudness` and `loudness.threshold` (RMS, 0 to 1 of full scale) and moves the state of
@@ -47,13 +47,12 @@ class Microphone:
     busy machine delays values but drops none.
     """
 
-    Settings: ClassVar[type] = MicrophoneSettings
-    summary: ClassVar[str] = "loudness and speech from a microphone"
+    Settings = MicrophoneSettings
+    summary = "loudness and speech from a microphone"
+    settings: MicrophoneSettings
 
     def __init__(self, name: str, settings: MicrophoneSettings, outlet: Outlet) -> None:
-        self.name = name
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._speaking = Speaking(settings.ear)
         self._blocks = self._fresh_blocks()
         self._levels: list[float] = []
@@ -88,15 +87,15 @@ class Microphone:
 
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
-        self._outlet.health(Health.CONNECTING, "starting the microphone's command")
-        self._outlet.reading(room.THRESHOLD, self._speaking.threshold)
-        self._outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
-        settings = self._settings
+        self.outlet.health(Health.CONNECTING, "starting the microphone's command")
+        self.outlet.reading(room.THRESHOLD, self._speaking.threshold)
+        self.outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
+        settings = self.settings
         command = Command(
-            settings.words, self._outlet.folder, "no sound", _CHECK, least=settings.block_bytes
+            settings.words, self.outlet.folder, "no sound", _CHECK, least=settings.block_bytes
         )
         listener = Listener(self._begun, self._received, self._stale, self._lose)
-        self._source = ByteStream(command, self._outlet.clock, listener)
+        self._source = ByteStream(command, self.outlet.clock, listener)
         self._source.start()
         if self._transcriber is not None:
             self._transcriber.start()
@@ -115,12 +114,6 @@ class Microphone:
         finally:
             self._learning = None
         return self._adopt(levels)
-
-    async def stop(self, scope: Scope) -> None:
-        """Listening disturbs nobody."""
-
-    async def rest(self) -> None:
-        """Nothing moves here."""
 
     async def close(self) -> None:
         """End the command."""
@@ -143,7 +136,7 @@ class Microphone:
     def _stale(self, why: str) -> None:
         self._break_off(why)
         self._segments.gap()
-        self._outlet.sensor(SENSOR, "stale", why)
+        self.outlet.sensor(SENSOR, "stale", why)
 
     def _break_off(self, why: str) -> None:
         """Nobody can know whether they speak on: an utterance that never ends helps nobody."""
@@ -153,7 +146,7 @@ class Microphone:
 
     def _lose(self, trouble: DriverError) -> None:
         self._forget_pause()
-        self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
         self._stale(trouble.what)
         if self._learning is not None:
             self._learning.fail(Lost(trouble.what, trouble.remedy))
@@ -161,16 +154,16 @@ class Microphone:
     # -- sound ---------------------------------------------------------------------------------
 
     def _fresh_blocks(self) -> sound.Blocks:
-        return sound.Blocks(self._settings.block_bytes, self._take)
+        return sound.Blocks(self.settings.block_bytes, self._take)
 
     def _received(self, data: bytes) -> None:
         self._blocks.feed(data)
         self._slow_down()
 
     def _take(self, block: bytes) -> None:
-        settings = self._settings
+        settings = self.settings
         if not self._heard:
-            self._outlet.health(
+            self.outlet.health(
                 Health.CONNECTED,
                 f"{settings.words[0]}, {settings.rate} Hz, {settings.format},"
                 f" {settings.channels} channel{'s' if settings.channels > 1 else ''}",
@@ -178,7 +171,7 @@ class Microphone:
         self._heard += 1
         samples = settings.samples(block)
         level = self._speaking.take(samples)
-        self._outlet.sensor(SENSOR, self._speaking.state, self._reason(level))
+        self.outlet.sensor(SENSOR, self._speaking.state, self._reason(level))
         self._cut(samples, level)
         if self._learning is not None:
             self._learning.take(level)
@@ -187,7 +180,7 @@ class Microphone:
             self._publish()
 
     def _cut(self, samples: sound.Samples, level: float) -> None:
-        self._segments.take(samples, level, self._outlet.clock.now_us())
+        self._segments.take(samples, level, self.outlet.clock.now_us())
         event = self._speaking.event
         self._segments.happened(event, self._speaking.earliest)
         if isinstance(event, Ended):
@@ -196,24 +189,24 @@ class Microphone:
     def _wonder(self, cut: bool) -> None:
         """Say once that somebody speaks without a pause, or that it is not speech at all."""
         if cut and not self._wondered:
-            self._outlet.notice(
+            self.outlet.notice(
                 "warning",
-                f"loud for {self._settings.longest:g} s without a pause: is that speech?",
+                f"loud for {self.settings.longest:g} s without a pause: is that speech?",
                 "if not, play listen_room while nobody speaks, or raise threshold",
             )
         self._wondered = cut
 
     def _published(self) -> int:
         """How many values were due before this block."""
-        return int((self._heard - 1) * BLOCK_S * self._settings.publish)
+        return int((self._heard - 1) * BLOCK_S * self.settings.publish)
 
     def _publish(self) -> None:
         levels, self._levels = self._levels, []
-        if self._settings.measure == "max":
+        if self.settings.measure == "max":
             value = max(levels)
         else:
             value = (sum(level * level for level in levels) / len(levels)) ** 0.5
-        self._outlet.reading(SENSOR, value)
+        self.outlet.reading(SENSOR, value)
 
     def _reason(self, level: float) -> str:
         match self._speaking.state:
@@ -246,8 +239,8 @@ class Microphone:
     def _adopt(self, levels: list[float]) -> Mapping[str, Json]:
         keeping = "write threshold: {threshold} into the robot file to keep it"
         heard = room.learn(levels)
-        lesson = room.Lesson(self.name, heard, self._settings.sensitivity, BLOCK_S, keeping)
-        told = lesson.tell(self._outlet, self._speaking.threshold)
+        lesson = room.Lesson(self.name, heard, self.settings.sensitivity, BLOCK_S, keeping)
+        told = lesson.tell(self.outlet, self._speaking.threshold)
         self._speaking.threshold = lesson.threshold
         return told
 

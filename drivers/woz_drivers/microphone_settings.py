@@ -8,11 +8,11 @@ from typing import Annotated
 from woz_drivers import programs, sound
 from woz_drivers.speaking import BLOCK_S, Ear
 from woz_tui.core.driver import DriverError
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 
 
 @dataclass(frozen=True, slots=True)
-class MicrophoneSettings:
+class MicrophoneSettings(Section):
     """Where the sound comes from, its shape, and what counts as speech in it."""
 
     command: Annotated[

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
 from woz_drivers.distance_filter import DistanceFilter, Gates
 from woz_drivers.framings import FRAMINGS, UNITS, Decoder, Measurement
 from woz_drivers.serial_line import LOSSES, SerialLine, Trouble, explain, open_port
-from woz_tui.core.driver import Finding, Health, Job, Outlet, Probe, Rejected, Scope, Verb
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds
-from woz_tui.core.messages import Json
+from woz_tui.core.driver import Finding, Health, Outlet, PassiveDriver, Probe
+from woz_tui.core.fields import Doc, OneOf, Port, Range, Seconds, Section
 
 SENSOR = "distance"
 RATE = "distance.rate"
@@ -26,10 +24,12 @@ _LISTEN_S = 1.5
 
 
 @dataclass(frozen=True, slots=True)
-class RangefinderSettings:
+class RangefinderSettings(Section):
     """What a robot file may say about a rangefinder."""
 
-    port: Annotated[str, Doc("serial port, best by its lasting name under /dev/serial/by-id/")]
+    port: Annotated[
+        str, Port(), Doc("serial port, best by its lasting name under /dev/serial/by-id/")
+    ]
     framing: Annotated[
         str, OneOf(tuple(FRAMINGS)), Doc("how the sensor talks: its family, or lines of text")
     ] = "lines"
@@ -111,7 +111,7 @@ class RangefinderSettings:
         )
 
 
-class Rangefinder:
+class Rangefinder(PassiveDriver):
     """One sensor on one port.
 
     Publishes `distance` in metres (`raw`: the device's own number of that frame) for every
@@ -119,13 +119,12 @@ class Rangefinder:
     `distance.bad` (frames thrown away since the port was opened: malformed, or out of range).
     """
 
-    Settings: ClassVar[type] = RangefinderSettings
-    summary: ClassVar[str] = "a distance sensor on a serial port"
+    Settings = RangefinderSettings
+    summary = "a distance sensor on a serial port"
+    settings: RangefinderSettings
 
     def __init__(self, name: str, settings: RangefinderSettings, outlet: Outlet) -> None:
-        self.name = name
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._decoder = settings.decoder()
         self._filter = settings.filter()
         self._out_of_range = 0
@@ -144,11 +143,6 @@ class Rangefinder:
         self._watch: asyncio.Task[None] | None = None
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """It only listens."""
-        return ()
-
-    @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
         """The distance, and how well it comes in."""
         return (SENSOR, RATE, BAD)
@@ -165,19 +159,9 @@ class Rangefinder:
 
     async def open(self) -> None:
         """Begin to look for the port."""
-        self._outlet.health(Health.CONNECTING, f"looking for {self._settings.port}")
+        self.outlet.health(Health.CONNECTING, f"looking for {self.settings.port}")
         self._line.start()
         self._watch = asyncio.create_task(self._watch_for_silence())
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        """It offers no verbs."""
-        raise Rejected(f"{self.name} is a rangefinder; it cannot {job.verb}")
-
-    async def stop(self, scope: Scope) -> None:
-        """Nothing moves here."""
-
-    async def rest(self) -> None:
-        """Nothing moves here."""
 
     async def close(self) -> None:
         """Let go of the port."""
@@ -189,21 +173,21 @@ class Rangefinder:
     # -- the port ------------------------------------------------------------------------------
 
     def _opened(self) -> None:
-        self._decoder = self._settings.decoder()
-        self._filter = self._settings.filter()
+        self._decoder = self.settings.decoder()
+        self._filter = self.settings.filter()
         self._out_of_range = 0
         self._accepted = 0
         self._why = ""
         self._heard = b""
-        self._valid_us = self._counted_us = self._outlet.clock.now_us()
-        settings = self._settings
-        self._outlet.health(
+        self._valid_us = self._counted_us = self.outlet.clock.now_us()
+        settings = self.settings
+        self.outlet.health(
             Health.CONNECTED, f"{settings.port}, {settings.framing}, {settings.real_baud} baud"
         )
 
     def _troubled(self, trouble: Trouble) -> None:
-        self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
-        self._outlet.sensor(SENSOR, "stale", trouble.what)
+        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.outlet.sensor(SENSOR, "stale", trouble.what)
 
     # -- values --------------------------------------------------------------------------------
 
@@ -227,30 +211,30 @@ class Rangefinder:
         self._accepted += 1
         self._why = ""
         self._heard = b""
-        self._valid_us = self._outlet.clock.now_us()
-        self._outlet.sensor(SENSOR, "ok")
-        self._outlet.reading(SENSOR, verdict.metres, unit="m", raw=measurement.raw)
+        self._valid_us = self.outlet.clock.now_us()
+        self.outlet.sensor(SENSOR, "ok")
+        self.outlet.reading(SENSOR, verdict.metres, unit="m", raw=measurement.raw)
 
     async def _watch_for_silence(self) -> None:
         while True:
             await asyncio.sleep(_LOOK_S)
             if not self._line.connected:
                 continue
-            now = self._outlet.clock.now_us()
+            now = self.outlet.clock.now_us()
             if now - self._counted_us >= _COUNT_US:
                 self._count((now - self._counted_us) / 1_000_000)
                 self._counted_us = now
-            if now - self._valid_us >= self._settings.stale_after * 1_000_000:
-                self._outlet.sensor(SENSOR, "stale", self._silence())
+            if now - self._valid_us >= self.settings.stale_after * 1_000_000:
+                self.outlet.sensor(SENSOR, "stale", self._silence())
 
     def _count(self, seconds: float) -> None:
-        self._outlet.reading(RATE, self._accepted / seconds, unit="Hz")
-        self._outlet.reading(BAD, float(self._decoder.bad + self._out_of_range))
+        self.outlet.reading(RATE, self._accepted / seconds, unit="Hz")
+        self.outlet.reading(BAD, float(self._decoder.bad + self._out_of_range))
         self._accepted = 0
 
     def _silence(self) -> str:
         """Why there is no valid value."""
-        settings = self._settings
+        settings = self.settings
         if not self._heard:
             return f"{settings.port} sends nothing; check the sensor's power and wiring"
         if self._why:

@@ -7,7 +7,7 @@ import contextlib
 import tempfile
 from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers import child, programs, speech_check
 from woz_drivers.child import Child
@@ -16,6 +16,7 @@ from woz_drivers.voice import Utterance, Voice, finish, read_wav, spoken
 from woz_drivers.wav import Wav
 from woz_tui.core.driver import (
     Argument,
+    Driver,
     DriverError,
     Finding,
     Health,
@@ -56,16 +57,15 @@ _VOLUME = Verb(
 )
 
 
-class Speech:
+class Speech(Driver):
     """One loudspeaker. Utterances and sound files may play at the same time."""
 
-    Settings: ClassVar[type] = SpeechSettings
-    summary: ClassVar[str] = "speech and sound files through a loudspeaker"
+    Settings = SpeechSettings
+    summary = "speech and sound files through a loudspeaker"
+    settings: SpeechSettings
 
     def __init__(self, name: str, settings: SpeechSettings, outlet: Outlet) -> None:
-        self.name = name
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._volume = settings.volume
         self._voice = Voice(settings, outlet.folder)
         self._jobs: set[asyncio.Task[Any]] = set()
@@ -82,11 +82,6 @@ class Speech:
         return (_SAY, _VOLUME) if made.speak else (_SAY, _SOUND, _VOLUME)
 
     @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """It hears nothing."""
-        return ()
-
-    @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Are the programs, the voice, the sound card and the recordings there?"""
         settings: SpeechSettings = probe.settings
@@ -94,14 +89,14 @@ class Speech:
 
     async def open(self) -> None:
         """Look for the programs, until they are there."""
-        self._outlet.health(Health.CONNECTING, "looking for the speech programs")
+        self.outlet.health(Health.CONNECTING, "looking for the speech programs")
         self._task = asyncio.create_task(self._look())
 
     async def prepare(self, utterances: list[str]) -> None:
         """Synthesise what will be said, so that it is heard at once later. Troubles become one
         notice; what failed is tried again when it is said.
         """
-        if self._settings.speak:
+        if self.settings.speak:
             return
         self._preparing = asyncio.create_task(self._prepare(utterances))
         try:
@@ -115,7 +110,7 @@ class Speech:
                 with contextlib.suppress(Rejected):
                     await self._voice.utterance(spoken(text))
         except DriverError as error:
-            self._outlet.notice("warning", f"speech not prepared: {error.what}", error.remedy)
+            self.outlet.notice("warning", f"speech not prepared: {error.what}", error.remedy)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Speak, play or set the volume; returns when the sound has ended."""
@@ -125,7 +120,7 @@ class Speech:
             raise Lost(self._missing.what, self._missing.remedy)
         with self._counted():
             match job.verb:
-                case "say" if self._settings.speak:
+                case "say" if self.settings.speak:
                     return await self._speak(job, spoken(str(job.args["text"])))
                 case "say":
                     return await self._say(job, spoken(str(job.args["text"])))
@@ -137,9 +132,6 @@ class Speech:
         """Fall silent: every program that makes or plays sound for a job is killed."""
         if scope is Scope.ALL:
             await self._hush()
-
-    async def rest(self) -> None:
-        """Silence is no pose: what is being said is said to its end."""
 
     async def close(self) -> None:
         """End everything."""
@@ -180,21 +172,21 @@ class Speech:
         """Whether every program is there; says so as the driver's health. Without the synthesiser
         recordings can still be played, without the player nothing can.
         """
-        *makers, player = _programs(self._settings)
+        *makers, player = _programs(self.settings)
         self._missing = None
         try:
-            programs.find(player, self._outlet.folder)
+            programs.find(player, self.outlet.folder)
         except DriverError as error:
             self._missing = error
-            self._outlet.health(Health.LOST, error.what, error.remedy)
+            self.outlet.health(Health.LOST, error.what, error.remedy)
             return False
         try:
             for maker in makers:
-                programs.find(maker, self._outlet.folder)
+                programs.find(maker, self.outlet.folder)
         except DriverError as error:
-            self._outlet.health(Health.FAULTED, error.what, error.remedy)
+            self.outlet.health(Health.FAULTED, error.what, error.remedy)
             return False
-        self._outlet.health(Health.CONNECTED, ", ".join((*makers, player)))
+        self.outlet.health(Health.CONNECTED, ", ".join((*makers, player)))
         return True
 
     # -- sound ---------------------------------------------------------------------------------
@@ -205,7 +197,7 @@ class Speech:
         return self._sent(utterance) | {"text": text}
 
     async def _play_file(self, job: Job, file: str) -> Mapping[str, Json]:
-        path = self._outlet.folder / file
+        path = self.outlet.folder / file
         content = await asyncio.to_thread(read_wav, path)
         await self._play(job, path, content)
         return self._sent(Utterance(path, content, "file")) | {"file": file}
@@ -219,21 +211,21 @@ class Speech:
         }
 
     async def _play(self, job: Job, path: Path, content: Wav) -> None:
-        words = self._settings.play_words()
-        values = self._settings.values(self._volume)
+        words = self.settings.play_words()
+        values = self.settings.values(self._volume)
         own_volume = any("{volume}" in word for word in words)
         async with _at_volume(path, content, 1.0 if own_volume else self._volume) as played:
             job.expects(content.seconds)
             await self._run(
                 programs.fill(words, {**values, "wav": str(played)}),
-                content.seconds + self._settings.margin,
+                content.seconds + self.settings.margin,
             )
 
     async def _speak(self, job: Job, text: str) -> Mapping[str, Json]:
-        words = self._settings.speak_words()
-        values = {**self._settings.values(self._volume), "text": text}
+        words = self.settings.speak_words()
+        values = {**self.settings.values(self._volume), "text": text}
         used = programs.placeholders(words, values, "speak")
-        estimate = max(1, len(text.split())) * 60 / self._settings.speed
+        estimate = max(1, len(text.split())) * 60 / self.settings.speed
         job.expects(estimate)
         await self._run(
             programs.fill(words, values), _LONGEST_SPEECH_S, None if "text" in used else text + "\n"
@@ -242,13 +234,13 @@ class Speech:
 
     async def _run(self, words: Sequence[str], seconds: float, text: str | None = None) -> None:
         """Run a program that is heard; its failure is the driver's health until one succeeds."""
-        running = await child.start(words, self._outlet.folder, text=text)
+        running = await child.start(words, self.outlet.folder, text=text)
         self._audible.add(running)
         try:
             await finish(running, seconds)
         except DriverError as error:
             self._broken = True
-            self._outlet.health(Health.FAULTED, error.what, error.remedy)
+            self.outlet.health(Health.FAULTED, error.what, error.remedy)
             raise
         finally:
             self._audible.discard(running)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 from woz_drivers import programs
 from woz_tui.core.driver import DriverError
-from woz_tui.core.fields import Doc, Path, Range, Seconds
+from woz_tui.core.fields import Doc, Path, Range, Seconds, Section
 
 #: What the commands may hold in braces.
 SYNTHESISE_WORDS = ("text", "wav", "voice", "speed", "pitch")
@@ -19,7 +19,7 @@ Command = str | tuple[str, ...]
 
 
 @dataclass(frozen=True, slots=True)
-class SpeechSettings:
+class SpeechSettings(Section):
     """How text becomes sound, and how sound is played."""
 
     voice: Annotated[str, Doc("espeak-ng voice; `espeak-ng --voices` lists them")] = "en"

@@ -31,6 +31,7 @@ BROKEN = GOOD.replace("say:", "sai:").replace("title: Greeting", "titel: Greetin
 #: A driver as a stranger would package it, whose checks do not work.
 STRANGER = """\
 from dataclasses import dataclass
+from woz_tui.core.driver import PassiveDriver
 
 
 @dataclass(frozen=True)
@@ -38,30 +39,14 @@ class Settings:
     pass
 
 
-class Broken:
+class Broken(PassiveDriver):
     Settings = Settings
     summary = "a driver whose checks do not work"
-
-    def __init__(self, name, settings, outlet):
-        pass
-
-    @classmethod
-    def verbs(cls, settings):
-        return ()
-
-    @classmethod
-    def sensors(cls, settings):
-        return ()
 
     @classmethod
     async def examine(cls, probe):
         raise RuntimeError("the vendor's library is missing")
 
-    async def open(self): ...
-    async def perform(self, job): ...
-    async def stop(self, scope): ...
-    async def rest(self): ...
-    async def close(self): ...
 """
 
 

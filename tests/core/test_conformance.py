@@ -12,11 +12,10 @@ import pytest
 from woz_tui.core.conformance import MODEL_VERBS, RESERVED, check
 from woz_tui.core.driver import (
     Argument,
+    Driver,
     Finding,
-    Health,
     Job,
     Lost,
-    Outlet,
     Probe,
     Rejected,
     Scope,
@@ -34,31 +33,17 @@ class Nothing:
     """No setting at all."""
 
 
-class Right:
+class Right(Driver):
     """The smallest driver that keeps the contract."""
 
-    Settings: ClassVar[type] = Nothing
-    summary: ClassVar[str] = "nothing at all"
+    Settings = Nothing
+    summary = "nothing at all"
     offered: ClassVar[tuple[Verb, ...]] = (Verb("rest-hands", "rest"),)
-
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        self.outlet = outlet
-        self.closed = False
+    closed = False
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         return cls.offered
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ()
-
-    @classmethod
-    async def examine(cls, probe: Probe) -> list[Finding]:
-        return []
-
-    async def open(self) -> None:
-        self.outlet.health(Health.CONNECTED)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         if self.closed:
@@ -66,9 +51,6 @@ class Right:
         raise Rejected(f"unknown verb {job.verb}")
 
     async def stop(self, scope: Scope) -> None:
-        return
-
-    async def rest(self) -> None:
         return
 
     async def close(self) -> None:

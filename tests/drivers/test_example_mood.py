@@ -10,7 +10,7 @@ from types import ModuleType, SimpleNamespace
 from typing import Any
 
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.driver import Ask, Resumes, Scope
+from woz_tui.core.driver import Ask, Scope
 from woz_tui.core.feeds import Feeds
 
 MOOD = Path(__file__).parents[2] / "drivers/example/woz_driver_lamp/mood.py"
@@ -56,7 +56,6 @@ def test_the_lamp_follows_the_face_and_is_left_alone_while_stopped() -> None:
 
     async def scenario() -> None:
         driver = mood.Mood("mood", mood.MoodSettings(follows="body", lamp="lamp"), outlet)
-        assert issubclass(mood.Mood, Resumes)
         await driver.open()
         for emotion in ("happy", "happy", "sad"):
             state.put(SimpleNamespace(emotion=emotion))

@@ -11,42 +11,18 @@ from typing import Annotated, Any, ClassVar, Literal
 from woz_drivers.body import Body
 from woz_drivers.dynamixel import DynamixelServos
 
-from woz_tui.core.driver import Argument, Ask, Driver, Finding, Job, Outlet, Probe, Scope, Verb
-from woz_tui.core.fields import Doc, OneOf, Path, Pattern, Range, Seconds
+from woz_tui.core.driver import Argument, Ask, Driver, Job, PassiveDriver, Verb
+from woz_tui.core.fields import Doc, OneOf, Path, Pattern, Port, Range, Seconds, Section
 from woz_tui.core.messages import Json
 
 
-class Bare:
+class Bare(PassiveDriver):
     """What every driver here does with hardware: nothing."""
 
-    Settings: ClassVar[type]
-    summary: ClassVar[str] = "for tests"
-
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        self.name = name
-
-    @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        return ()
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ()
-
-    @classmethod
-    async def examine(cls, probe: Probe) -> list[Finding]:
-        return []
-
-    async def open(self) -> None: ...
+    summary = "for tests"
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         return dict(job.args)
-
-    async def stop(self, scope: Scope) -> None: ...
-
-    async def rest(self) -> None: ...
-
-    async def close(self) -> None: ...
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,8 +33,10 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class HeadSettings:
-    port: Annotated[str, Pattern(r"/dev/\S+", "a device such as /dev/ttyUSB0"), Doc("where it is")]
+class HeadSettings(Section):
+    port: Annotated[
+        str, Port(), Pattern(r"/dev/\S+", "a device such as /dev/ttyUSB0"), Doc("where it is")
+    ]
     joints: Annotated[dict[str, Joint], Doc("the joints by name")]
     rate: Annotated[float, Range(1, 200, "Hz")] = 50.0
     torque: bool = False
@@ -74,7 +52,7 @@ class HeadSettings:
 class Head(Bare):
     """A head with joints that it can name."""
 
-    Settings: ClassVar[type] = HeadSettings
+    Settings = HeadSettings
 
     @classmethod
     def joints(cls, settings: HeadSettings) -> Mapping[str, Range]:
@@ -169,7 +147,7 @@ class NoSettings:
 class Simulated(Bare):
     """A robot without hardware."""
 
-    Settings: ClassVar[type] = NoSettings
+    Settings = NoSettings
 
     @classmethod
     def verbs(cls, settings: NoSettings) -> tuple[Verb, ...]:
@@ -207,7 +185,7 @@ class CameraSettings:
 class Camera(Bare):
     """Senses what it is told to."""
 
-    Settings: ClassVar[type] = CameraSettings
+    Settings = CameraSettings
 
     @classmethod
     def sensors(cls, settings: CameraSettings) -> tuple[str, ...]:
@@ -224,7 +202,7 @@ class Camera(Bare):
 class Failing(Bare):
     """A stranger's driver with a bug."""
 
-    Settings: ClassVar[type] = NoSettings
+    Settings = NoSettings
 
     @classmethod
     def verbs(cls, settings: NoSettings) -> tuple[Verb, ...]:

@@ -36,7 +36,7 @@ VERBS = (
 class Critic(Bare):
     """Finds what the text asks for: `warning`, `error`, `info` or `crash`."""
 
-    Settings: ClassVar[type] = Nothing
+    Settings = Nothing
     asked: ClassVar[list[tuple[str, Mapping[str, Json]]]] = []
     folders: ClassVar[set[Path]] = set()
 

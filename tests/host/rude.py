@@ -12,9 +12,9 @@ import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, ClassVar
+from typing import Annotated, Any
 
-from woz_tui.core.driver import Argument, Finding, Health, Job, Outlet, Probe, Scope, Verb
+from woz_tui.core.driver import Argument, Health, Job, Outlet, PassiveDriver, Verb
 from woz_tui.core.fields import Doc
 from woz_tui.core.messages import Json
 
@@ -34,15 +34,15 @@ class RudeSettings:
     rudeness: Annotated[str, Doc("what it does wrong")] = ""
 
 
-class Rude:
+class Rude(PassiveDriver):
     """See the module's text."""
 
-    Settings: ClassVar[type] = RudeSettings
-    summary: ClassVar[str] = "for tests"
+    Settings = RudeSettings
+    summary = "for tests"
 
     def __init__(self, name: str, settings: RudeSettings, outlet: Outlet) -> None:
         self._rudeness = settings.rudeness
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         if self._rudeness == "greets":
             sys.stdout.write("Hello from the community of a library!\n{}\n42\n")
         if self._rudeness == "raises":
@@ -54,23 +54,15 @@ class Rude:
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         return (Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),)
 
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        return ()
-
-    @classmethod
-    async def examine(cls, probe: Probe) -> list[Finding]:
-        return []
-
     async def open(self) -> None:
-        self._outlet.health(Health.CONNECTED, "rude")
+        self.outlet.health(Health.CONNECTED, "rude")
         if self._rudeness == "talks on":
             threading.Thread(target=self._talk, daemon=True).start()
 
     def _talk(self) -> None:
         while True:
-            self._outlet.reading("loudness", time.monotonic())
-            self._outlet.notice("info", "still here")
+            self.outlet.reading("loudness", time.monotonic())
+            self.outlet.notice("info", "still here")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         while self._rudeness == "deaf":
@@ -79,12 +71,6 @@ class Rude:
             except asyncio.CancelledError:
                 continue
         return {}
-
-    async def stop(self, scope: Scope) -> None:
-        return None
-
-    async def rest(self) -> None:
-        return None
 
     async def close(self) -> None:
         if self._rudeness == "blocks":

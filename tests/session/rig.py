@@ -6,23 +6,12 @@ import asyncio
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import Any
 
 from tests.fakes.virtual_time import LoopClock
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import (
-    Argument,
-    Driver,
-    DriverError,
-    Finding,
-    Health,
-    Job,
-    Outlet,
-    Probe,
-    Scope,
-    Verb,
-)
+from woz_tui.core.driver import Argument, Driver, DriverError, Health, Job, Outlet, Scope, Verb
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import (
@@ -49,15 +38,14 @@ class Nothing:
     """No settings."""
 
 
-class Puppet:
+class Puppet(Driver):
     """A driver without hardware: says take a second, moves half of one, `fail` fails."""
 
-    Settings: ClassVar[type] = Nothing
-    summary: ClassVar[str] = "for tests"
+    Settings = Nothing
+    summary = "for tests"
 
     def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        self.name = name
-        self.outlet = outlet
+        super().__init__(name, settings, outlet)
         self.calls: list[tuple[str, dict[str, Json]]] = []
 
     @classmethod
@@ -75,10 +63,6 @@ class Puppet:
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
         return ("distance",)
-
-    @classmethod
-    async def examine(cls, probe: Probe) -> list[Finding]:
-        return []
 
     async def open(self) -> None:
         if self.name == "broken":

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from woz_tui.experiment.shape import Action, DriverSpec, Experiment, Together
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import BRIEF
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.rendering import CUT_OFF, LONGEST_S, Input, Score, Step, Tell
+from woz_tui.motion.rendering import CUT_OFF, LONGEST_S, Input, RenderedDriver, Score, Step, Tell
 
 IDLE = "idle"
 #: Modes by what `NAME` says; normal is `idle`.
@@ -28,7 +28,7 @@ class Stage:
     """One body of a file, ready to be rendered."""
 
     spec: DriverSpec
-    driver: type[Driver]
+    driver: type[RenderedDriver]
     experiment: Experiment | None
     engine: Engine
 
@@ -43,12 +43,11 @@ class Stage:
         experiment = None if is_robot(file) else load(file, catalogue)
         drivers = load_robot(file, catalogue) if experiment is None else experiment.drivers
         bodies = {
-            spec.name: spec
+            spec.name: (spec, driver)
             for spec in drivers
-            if callable(getattr(catalogue[spec.type], "engine", None))
+            if issubclass(driver := catalogue[spec.type], RenderedDriver)
         }
-        spec = _chosen(bodies, body, file)
-        driver: Any = catalogue[spec.type]
+        spec, driver = bodies[_chosen(bodies, body, file)]
         return cls(spec, driver, experiment, driver.engine(spec.settings, seed=seed))
 
     @property
@@ -76,11 +75,8 @@ class Stage:
 
     def translated(self, one: Input) -> Input:
         """An input as the engine knows it: names of poses are the driver's own affair."""
-        translate = getattr(self.driver, "translated", None)
-        if not callable(translate):
-            return one
         try:
-            verb, args = translate(self.spec.settings, one.verb, one.args)
+            verb, args = self.driver.translated(self.spec.settings, one.verb, one.args)
         except Rejected:
             return one  # the engine will say what is wrong with it, at its time
         return replace(one, verb=verb, args=args)
@@ -150,16 +146,16 @@ class Stage:
         return RenderError(text)
 
 
-def _chosen(bodies: Mapping[str, DriverSpec], body: str, file: Path) -> DriverSpec:
+def _chosen(bodies: Collection[str], body: str, file: Path) -> str:
     if not bodies:
         raise RenderError(f"{file}: no driver of it is a body (type: body)")
     if body:
         found = [name for name in bodies if name == body or name.startswith(f"{body}.")]
         if len(found) == 1:
-            return bodies[found[0]]
+            return found[0]
         raise RenderError(
             f"{file}: no body is called {body!r}{hint(body, bodies)}; there are {listed(bodies)}"
         )
     if len(bodies) > 1:
         raise RenderError(f"{file}: which body? --body {' or --body '.join(bodies)}")
-    return next(iter(bodies.values()))
+    return next(iter(bodies))

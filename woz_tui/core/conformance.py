@@ -278,17 +278,14 @@ _TEXTS = ("", UNKNOWN, "no/such thing")
 
 
 def _remarked(driver_class: type[Driver], settings: Any, folder: Path) -> Iterable[Finding]:
-    """`remarks` of a driver class that offers it: about any command, without raising."""
-    tell = getattr(driver_class, "remarks", None)
-    if tell is None:
-        return
-    names: Callable[[Any], Iterable[str]] = getattr(driver_class, "joints", lambda settings: ())
-    joints: dict[str, Json] = dict.fromkeys([*names(settings)][:1] or ["joint"], 0.0)
+    """`remarks`: about any command, without raising."""
+    names = [*(driver_class.joints(settings) or ())]
+    joints: dict[str, Json] = dict.fromkeys(names[:1] or ["joint"], 0.0)
     for verb in driver_class.verbs(settings):
         for text in _TEXTS:
             args = {one.name: _sample(one, text, joints) for one in verb.arguments}
             try:
-                found = [*tell(settings, Written(verb.name, args, folder))]
+                found = [*driver_class.remarks(settings, Written(verb.name, args, folder))]
             except Exception as error:  # noqa: BLE001 - a stranger's code may raise anything
                 yield _error("remarks", f"raised {error!r} about {verb.name}", "yield a Finding")
                 return

@@ -1,17 +1,18 @@
 """The contract between the bus and whatever moves, speaks or senses.
 
-A driver is a class with three class attributes (`Settings`, `verbs`, `summary`) and a few
-coroutines. It is made once a session, opened, asked to perform, and closed; everything it finds
-out goes through its `Outlet`. `drivers/README.md` builds one step by step.
+A driver is a subclass of `Driver`, or of `PassiveDriver` if nothing that it does needs a stop. It
+is made once a session, opened, asked to perform, and closed; everything it finds out goes through
+its `Outlet`. `drivers/README.md` builds one step by step, `woz_tui.testing` tests it.
 """
 
 from __future__ import annotations
 
+import abc
 import enum
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Protocol, runtime_checkable
+from typing import Any, ClassVar, Protocol
 
 from woz_tui.core.clock import Clock
 from woz_tui.core.feeds import Feed
@@ -242,14 +243,7 @@ UNKNOWN = "\ufffc"
 
 @dataclass(frozen=True, slots=True)
 class Written:
-    """A command as an experiment file has it, for a driver class that offers `remarks`.
-
-    A driver class may have a class method `remarks(settings, written) -> Iterable[Finding]`. It is
-    asked when the file is read, for each command of its own, without being connected: it says what
-    `perform` would complain of, or what would be different from what was probably meant. It must
-    not raise, write or wait; it may look at files. A finding's `subject` is the name of the
-    argument that it is about. A `warning` lets the file pass, an `error` does not; others are not
-    shown.
+    """A command as an experiment file has it, for `Driver.remarks`.
 
     `args`: those that are written, checked; variables are filled in, for each condition anew. For
     those that only the session knows each stands `UNKNOWN`: nothing is to be said of it. `folder`:
@@ -281,91 +275,148 @@ class StopReport:
 
 
 class Performer(Protocol):
-    """The part of a driver that the bus knows."""
+    """The part of a driver that the bus knows. Both run in the event loop, each call in a task of
+    its own.
+    """
 
+    @abc.abstractmethod
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """Carry out one command; returns what was really sent. Raises `DriverError`.
+        """Carry out one command; end when it has happened, and return what was really sent.
 
-        Cancelled by the stop and by the time limit: then end quickly and re-raise.
+        One at a time in each lane. It is cancelled by the stop, by the time limit (`Verb.limit_s`)
+        and by a command that replaces it: then make the hardware safe without waiting for it, and
+        re-raise within 0.25 s; a lane that takes longer is faulted.
+
+        Raises:
+            Rejected: The command makes no sense; nothing was sent.
+            Lost: The hardware is not there, or went away meanwhile.
+            DriverError: It was tried and did not work.
         """
-        ...
 
+    @abc.abstractmethod
     async def stop(self, scope: Scope) -> StopReport | None:
-        """Stand still, fall silent; return when it has really happened.
+        """Stand still, fall silent; return when it has really happened, within 0.5 s.
 
-        Jobs are being cancelled at the same time. With `Scope.DRIVE` only what moves through the
-        room ends. A driver of one part returns nothing; one of several may tell of each.
+        Called at once, whatever else is under way; jobs are being cancelled at the same time. With
+        `Scope.DRIVE` only what moves through the room ends. A driver of one part returns nothing;
+        one of several may report each.
+
+        Raises:
+            DriverError: It did not stop, or nobody knows.
         """
-        ...
 
 
-class Driver(Performer, Protocol):
-    """One piece of hardware, or several behind one wire."""
+class Driver(Performer):
+    """One piece of hardware, or several behind one wire. Only `Settings`, `summary`, `perform` and
+    `stop` are needed: everything else has a default that does nothing.
+
+    Class methods say what it offers with its settings. They are called without an instance, when a
+    file is read: they depend on the settings alone and touch no hardware. The coroutines run in the
+    event loop of the robot process, which all drivers share: they must not block it.
+    """
 
     #: A frozen dataclass; its annotations (`core.fields`) are decoded from the robot file.
     Settings: ClassVar[type]
     #: What it is, in one line.
     summary: ClassVar[str]
 
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None: ...
+    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
+        """Keep what it is made with; hardware is opened in `open`."""
+        self.name = name
+        self.settings = settings
+        self.outlet = outlet
+
+    # -- what it offers ----------------------------------------------------------------------------
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """What it offers with these settings (a head of three joints offers three)."""
-        ...
+        """What it can do with these settings (a head of three joints offers three)."""
+        return ()
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """Names of the readings it will publish."""
-        ...
+        """Names of all readings and sensor states that it may publish."""
+        return ()
+
+    @classmethod
+    def joints(cls, settings: Any) -> Mapping[str, Range] | None:
+        """Its joints with their ranges in degrees; None if nobody knows them beforehand.
+
+        `woz check` finds poses outside of them, the console draws each joint between its limits.
+        """
+        return None
+
+    @classmethod
+    def asks(cls, settings: Any) -> Iterable[tuple[str, Ask]]:
+        """What its settings have it ask of the session (`Outlet.ask`): pairs of a setting's path
+        and the request. `woz check` finds those that nobody could carry out.
+        """
+        return ()
+
+    @classmethod
+    def outline(cls, settings: Any) -> dict[str, Json]:
+        """What a console needs to draw it and never changes (docs/protocol.md); empty: nothing."""
+        return {}
+
+    @classmethod
+    def remarks(cls, settings: Any, written: Written) -> Iterable[Finding]:
+        """What is odd about a command of an experiment file: what `perform` would complain of, or
+        what is probably not what was meant.
+
+        Called for each command of its own when a file is read. It must not raise, write or wait; it
+        may look at files. A finding's `subject` is the name of the argument that it is about. A
+        `warning` lets the file pass, an `error` does not; others are not shown.
+        """
+        return ()
 
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """`woz doctor`: look at the hardware without moving it. Never raises."""
-        ...
+        return []
+
+    # -- what happens in a session -----------------------------------------------------------------
 
     async def open(self) -> None:
-        """Begin to look for the hardware; return at once. Missing hardware is no error here: say
-        so through `outlet.health` and keep looking.
+        """Begin to look for the hardware, once at the start; return at once. Missing hardware is no
+        error: say so through `Outlet.health` and keep looking. By itself it is connected at once.
         """
-        ...
-
-    async def rest(self) -> None:
-        """Take the safe pose in which the robot may be left alone."""
-        ...
-
-    async def close(self) -> None:
-        """Let go of the hardware: torque off, ports closed, children gone. Never raises."""
-        ...
-
-
-@runtime_checkable
-class Prepares(Protocol):
-    """What a driver that speaks may offer besides: to get utterances ready before their key."""
+        self.outlet.health(Health.CONNECTED)
 
     async def prepare(self, utterances: list[str]) -> None:
-        """Make ready what will probably be said; cancelled when the list changes."""
-        ...
-
-
-@runtime_checkable
-class Resumes(Protocol):
-    """What a driver may offer that moves by itself (breathes, follows another driver)."""
+        """Make ready what will probably be said, so that it is heard at once at its key; a task of
+        its own, cancelled when the list changes. For drivers that offer `say`.
+        """
 
     async def resume(self) -> None:
-        """The stop was released: stir again. Return at once."""
-        ...
-
-
-@runtime_checkable
-class Rereads(Protocol):
-    """What a driver may offer whose settings name files that are edited while it runs: moves."""
+        """The stop was released: whatever moves by itself (breathes, follows another driver) may
+        move again. Return at once.
+        """
 
     def reread(self, settings: Any, *, dry_run: bool) -> list[str]:
-        """The experiment is read again: `settings` are those it has, but what they name may hold
-        other things now.
+        """The experiment is read again: `settings` are those it has, but the files that they name
+        may hold other things now.
 
-        Returns what is different, in words, and takes it over unless `dry_run`. Called in a thread
-        of its own, after everything was found to be right.
+        Return what is different, in words, and take it over unless `dry_run`. Called in a thread of
+        its own, after everything was found to be right.
         """
-        ...
+        return []
+
+    async def rest(self) -> None:
+        """Take the safe pose in which the robot may be left alone. Cancelled by the stop."""
+
+    async def close(self) -> None:
+        """Let go of the hardware, once or more at the end: torque off, ports closed, tasks, threads
+        and children ended. Nothing is published afterwards. Never raises.
+        """
+
+
+class PassiveDriver(Driver):
+    """A driver that only senses or shows: nothing moves or sounds, so a stop has nothing to do."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        """It offers no verbs. Raises `Rejected`."""
+        raise Rejected(f"{self.name} cannot {job.verb}: {type(self).summary}")
+
+    async def stop(self, scope: Scope) -> StopReport | None:
+        """There is nothing to stop."""
+        return None

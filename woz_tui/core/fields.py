@@ -7,7 +7,27 @@ schema generator publishes them and one reader finds them.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
+
+
+class Section:
+    """Base of a settings dataclass with rules beyond what the type of each setting says."""
+
+    __slots__ = ()
+
+    def problems(self) -> Sequence[tuple[str, str]]:
+        """What does not fit together: pairs of a setting's path (`joints.pan.low`; empty: all of
+        them) and a sentence. Each is shown at its place in the file.
+        """
+        return ()
+
+    def included(self) -> Any:
+        """Files that the settings name and that belong to the experiment
+        (`experiment.settings.Included`); None if there are none.
+        """
+        return None
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,6 +84,11 @@ class Path:
     """A path, relative to the file it stands in. `must_exist` is checked by `woz check`."""
 
     must_exist: bool = False
+
+
+@dataclass(frozen=True, slots=True)
+class Port:
+    """A device that one driver has for itself: a second one of a file that names it is an error."""
 
 
 @dataclass(frozen=True, slots=True)

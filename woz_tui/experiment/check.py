@@ -9,10 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Collection, Sequence
 
+from woz_tui.core.fields import Port
 from woz_tui.experiment.actions import Drafted
 from woz_tui.experiment.builtins import BUILTIN
 from woz_tui.experiment.keymap import typeable
 from woz_tui.experiment.report import Report, quoted
+from woz_tui.experiment.settings import noted
 from woz_tui.experiment.shape import Action, Experiment
 from woz_tui.experiment.terminals import STOPS, is_stop
 
@@ -30,16 +32,14 @@ def _ports(experiment: Experiment, report: Report) -> None:
     """A serial port has one owner; two would read half of each other's bytes."""
     owner: dict[str, str] = {}
     for spec in experiment.drivers:
-        port = getattr(spec.settings, "port", None)
-        if not isinstance(port, str) or not port:
-            continue
-        if port in owner:
-            report.error(
-                spec.place,
-                f"drivers.{spec.name}.port",
-                f"{quoted(port)} is the port of {quoted(owner[port])} already",
-            )
-        owner.setdefault(port, spec.name)
+        for name, port in noted(spec.settings, Port):
+            if port in owner:
+                report.error(
+                    spec.place,
+                    f"drivers.{spec.name}.{name}",
+                    f"{quoted(port)} is the port of {quoted(owner[port])} already",
+                )
+            owner.setdefault(port, spec.name)
 
 
 def _panel_titles(experiment: Experiment, report: Report) -> None:

@@ -11,7 +11,7 @@ from __future__ import annotations
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_tui.core.fields import Doc, OneOf, Path, Range, Seconds
+from woz_tui.core.fields import Doc, OneOf, Path, Range, Seconds, Section
 
 #: The nine states, in the order of a conversation, and the one after the last.
 STATES = (
@@ -146,7 +146,7 @@ class AttentionSettings:
 
 
 @dataclass(frozen=True, slots=True)
-class EngagementSettings:
+class EngagementSettings(Section):
     """The model's settings. Distances in metres, times in seconds, rates in samples a second."""
 
     start: Annotated[str, OneOf(RUNS), Doc("run, hold (only by hand) or off")] = "run"

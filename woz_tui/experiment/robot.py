@@ -7,13 +7,12 @@ import re
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
 
 from woz_tui.core.driver import Ask, Driver, Finding, Verb, Written
 from woz_tui.core.fields import Range, Sibling
 from woz_tui.experiment.nodes import Node, Table, described, tree
 from woz_tui.experiment.report import Report, join, quoted
-from woz_tui.experiment.settings import BAD, fields_of, note, read_settings, split
+from woz_tui.experiment.settings import BAD, noted, read_settings
 from woz_tui.experiment.shape import DriverSpec, Place
 from woz_tui.experiment.source import Source, SourceError, read
 from woz_tui.experiment.spot import Spot, missing, read_text, without
@@ -198,14 +197,10 @@ class RobotReader:
 
     def _siblings(self, spec: DriverSpec, path: str, own: str, known: list[str]) -> None:
         """Settings that name another driver of the same robot."""
-        shape: type = type(spec.settings)
-        for item in fields_of(shape):
-            name = getattr(spec.settings, item.attribute)
-            if note(split(item.annotation)[1], Sibling) is None or not name:
-                continue
-            others = [driver for driver in known if driver != own]
+        others = [driver for driver in known if driver != own]
+        for setting, name in noted(spec.settings, Sibling):
             if name not in others:
-                full = join(path, item.name)
+                full = join(path, setting)
                 near = self._report.hint(name, others, or_list="there are")
                 self._report.error(
                     self._report.place(full, spec.place.file),
@@ -253,36 +248,18 @@ class RobotReader:
                 sensors=tuple(driver.sensors(settings)),
                 place=spot.place,
             )
-            joints = _joints(driver, settings)
-            asks = _asks(driver, settings)
+            joints = driver.joints(settings)
+            asks = tuple(driver.asks(settings))
         except Exception as error:  # noqa: BLE001 - a plug-in's code
             spot.error(f"the driver {kind!r} fails with these settings: {error!r}")
             return
         self._robots.drivers.append(spec)
         if asks:
             self._robots.asking.append(Asking(name, spot.path, spot.place.file, asks))
-        look = _look(driver, settings)
+        look = functools.partial(driver.remarks, settings)
         for verb in spec.verbs:
             offer = Offer(name, verb, joints, look)
             self._robots.offers.setdefault(verb.name, []).append(offer)
-
-
-def _joints(driver: type[Driver], settings: Any) -> Mapping[str, Range] | None:
-    """A driver class may tell its joints: `joints(settings) -> Mapping[str, Range]`, in degrees."""
-    tell = getattr(driver, "joints", None)
-    return dict(tell(settings)) if callable(tell) else None
-
-
-def _asks(driver: type[Driver], settings: Any) -> tuple[tuple[str, Ask], ...]:
-    """A driver class may tell what it will ask for; see `experiment.asked`."""
-    tell = getattr(driver, "asks", None)
-    return tuple(tell(settings)) if callable(tell) else ()
-
-
-def _look(driver: type[Driver], settings: Any) -> Look | None:
-    """A driver class may say what is odd about a command; see `core.driver.Written`."""
-    tell = getattr(driver, "remarks", None)
-    return functools.partial(tell, settings) if callable(tell) else None
 
 
 def _named(spot: Spot, name: str) -> bool:

@@ -15,7 +15,7 @@ import pathlib
 import re
 import types
 import typing
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from woz_tui.core import fields
@@ -93,6 +93,15 @@ def note(notes: Sequence[Any], kind: type[N]) -> N | None:
     return next((item for item in notes if isinstance(item, kind)), None)
 
 
+def noted(settings: Any, kind: type) -> Iterator[tuple[str, str]]:
+    """Texts among the settings that have a note of this kind, by name; empty ones are left out."""
+    shape: type = type(settings)
+    for item in fields_of(shape):
+        value = getattr(settings, item.attribute)
+        if value and note(split(item.annotation)[1], kind) is not None:
+            yield item.name, value
+
+
 def read_settings(spot: Spot, shape: type, others: Sequence[str] = ()) -> Any:
     """An instance of the dataclass `shape`, or `BAD`. Entries that it does not have are errors,
     except for `others`, which somebody else reads.
@@ -124,8 +133,9 @@ def _made(spot: Spot, shape: type, values: dict[str, Any]) -> Any:
     """The instance, its own cross rules asked. A stranger's rules may raise anything."""
     try:
         made = shape(**values)
-        problems = list(made.problems()) if hasattr(made, "problems") else []
-        included = made.included() if not problems and hasattr(made, "included") else None
+        section = made if isinstance(made, fields.Section) else fields.Section()
+        problems = list(section.problems())
+        included: Included | None = None if problems else section.included()
     except Exception as error:  # noqa: BLE001 - a plug-in's code; its failure is the file's error
         spot.error(str(error) or type(error).__name__)
         return BAD

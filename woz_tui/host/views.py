@@ -8,7 +8,6 @@ from dataclasses import asdict
 from typing import Protocol
 
 from woz_tui.core.driver import Driver
-from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.experiment.profiles import FIELDS
@@ -117,13 +116,11 @@ def joint_limits(session: Cast) -> dict[str, Json]:
     limits: dict[str, Json] = {}
     published = published_names(session.experiment.drivers)
     for spec in session.experiment.drivers:
-        tell = getattr(session.catalogue.get(spec.type), "joints", None)
-        if callable(tell):
-            found: Mapping[str, Range] = tell(spec.settings)
-            for name, span in found.items():
-                if span.low is not None and span.high is not None:
-                    sensor = published[spec.name].get(f"joint.{name}", name)
-                    limits[sensor.replace("joint.", "", 1)] = [float(span.low), float(span.high)]
+        joints = session.catalogue[spec.type].joints(spec.settings)
+        for name, span in (joints or {}).items():
+            if span.low is not None and span.high is not None:
+                sensor = published[spec.name].get(f"joint.{name}", name)
+                limits[sensor.replace("joint.", "", 1)] = [float(span.low), float(span.high)]
     return limits
 
 
@@ -135,11 +132,10 @@ def outlines(session: Cast) -> dict[str, Json]:
     """
     told: dict[str, Json] = {}
     for spec in session.experiment.drivers:
-        tell = getattr(session.catalogue.get(spec.type), "outline", None)
-        if not callable(tell):
-            continue
         try:
-            told[spec.name] = tell(spec.settings)
+            outline = session.catalogue[spec.type].outline(spec.settings)
+            if outline:
+                told[spec.name] = outline
         except Exception:  # a stranger's code must not keep the wizard from attaching
             log.exception("the outline of %s is left out", spec.name)
     return told

@@ -6,10 +6,13 @@ between two ticks of the rate, so that what follows does not depend on the rate.
 
 from __future__ import annotations
 
+import abc
 from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import Any
 
+from woz_tui.core.driver import Driver
 from woz_tui.core.messages import Json
 from woz_tui.motion.asked import quoted
 from woz_tui.motion.engine import Engine
@@ -26,6 +29,22 @@ HELD, PATIENCE_S = 0.01, 5.0
 #: Inputs that are no verb of a body.
 SEEN, FREEZE, RESUME, STOP = "seen", "freeze", "resume", "stop"
 BEYOND_VERBS = (SEEN, FREEZE, RESUME, STOP)
+
+
+class RenderedDriver(Driver):
+    """A driver whose engine alone decides how a body moves, so that `woz render` can show it."""
+
+    @classmethod
+    @abc.abstractmethod
+    def engine(cls, settings: Any, *, seed: int | None = None) -> Engine:
+        """The body in a time of its own; `seed` instead of the file's."""
+
+    @classmethod
+    def translated(
+        cls, settings: Any, verb: str, args: Mapping[str, Json]
+    ) -> tuple[str, Mapping[str, Json]]:
+        """A command as the engine knows it. Raises `Rejected`."""
+        return verb, args
 
 
 @dataclass(frozen=True, slots=True)

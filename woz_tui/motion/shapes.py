@@ -11,7 +11,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 
 Vector = tuple[float, float, float]
 
@@ -134,7 +134,7 @@ def by_default() -> dict[str, dict[str, float]]:
 
 
 @dataclass(frozen=True, slots=True)
-class BodyShape:
+class BodyShape(Section):
     """A whole body: what `Settings` of the driver `body` is built on."""
 
     joints: Annotated[dict[str, JointShape], Doc("the joints by name, from the base up")]

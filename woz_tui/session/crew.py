@@ -9,7 +9,7 @@ from typing import Any
 
 from woz_tui.bus.guard import guarded
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Driver, Prepares, Rereads, Resumes
+from woz_tui.core.driver import Driver
 from woz_tui.core.hub import Hub
 
 #: Seconds that drivers may take to open, and to rest and to close when the session ends.
@@ -41,7 +41,8 @@ class Crew:
 
     async def open(self) -> None:
         """Let every driver look for its hardware."""
-        for name, problem in (await self._finished(self._call("open"), OPEN_WAIT_S)).items():
+        calls = self._call(lambda driver: driver.open)
+        for name, problem in (await self._finished(calls, OPEN_WAIT_S)).items():
             self._hub.publish(
                 m.DriverFaulted(
                     driver=name,
@@ -53,8 +54,8 @@ class Crew:
     def prepare(self, utterances: Mapping[str, list[str]]) -> None:
         """Have voices get ready what will be said, so that it is heard at once when it is."""
         for name, texts in utterances.items():
-            driver: object = self._drivers.get(name)
-            if isinstance(driver, Prepares):
+            driver = self._drivers.get(name)
+            if driver is not None:
                 earlier = self._preparing.pop(name, None)
                 if earlier is not None:
                     earlier.cancel()
@@ -62,7 +63,7 @@ class Crew:
                     self._prepare(name, driver, texts)
                 )
 
-    async def _prepare(self, name: str, driver: Prepares, texts: list[str]) -> None:
+    async def _prepare(self, name: str, driver: Driver, texts: list[str]) -> None:
         try:
             await guarded(lambda: driver.prepare(texts))
         except Exception as error:
@@ -75,14 +76,13 @@ class Crew:
         """Have drivers look at the files that their settings name; what is different, in words."""
         changes: list[str] = []
         for name, driver in self._drivers.items():
-            one: object = driver
-            if name in settings and isinstance(one, Rereads):
-                changes += one.reread(settings[name], dry_run=dry_run)
+            if name in settings:
+                changes += driver.reread(settings[name], dry_run=dry_run)
         return [*dict.fromkeys(changes)]
 
     async def rest(self) -> None:
         """Take the rest pose, unless `stop_resting` is called on the way."""
-        self._resting = self._call("rest")
+        self._resting = self._call(lambda driver: driver.rest)
         await self._tell("rest", self._resting, REST_WAIT_S)
 
     def stop_resting(self) -> None:
@@ -93,9 +93,7 @@ class Crew:
     def resume(self) -> None:
         """The stop was released: what moves by itself may stir again."""
         for name, driver in self._drivers.items():
-            one: object = driver
-            if isinstance(one, Resumes):
-                self._aside(name, "resume", one.resume)
+            self._aside(name, "resume", driver.resume)
 
     def _aside(self, name: str, what: str, call: Callable[[], Awaitable[None]]) -> None:
         task = asyncio.get_running_loop().create_task(self._told(name, what, call))
@@ -113,7 +111,7 @@ class Crew:
         """Let go of the hardware."""
         for task in self._preparing.values():
             task.cancel()
-        calls = self._call("close")
+        calls = self._call(lambda driver: driver.close)
         for call in calls:
             call.add_done_callback(lambda closed: self._on_closed(closed.get_name()))
         await self._tell("close", calls, CLOSE_WAIT_S)
@@ -122,10 +120,12 @@ class Crew:
         for name, problem in (await self._finished(calls, seconds)).items():
             self._hub.publish(m.Notice(level="error", text=f"{name}: {what} failed: {problem}"))
 
-    def _call(self, what: str) -> list[asyncio.Task[None]]:
+    def _call(
+        self, what: Callable[[Driver], Callable[[], Awaitable[None]]]
+    ) -> list[asyncio.Task[None]]:
         loop = asyncio.get_running_loop()
         return [
-            loop.create_task(guarded(getattr(driver, what)), name=name)
+            loop.create_task(guarded(what(driver)), name=name)
             for name, driver in self._drivers.items()
         ]
 

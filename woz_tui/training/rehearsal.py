@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any
 
-from woz_tui.core.driver import Driver, Finding, Health, Job, Outlet, Probe, Scope, Verb
+from woz_tui.core.driver import Driver, Health, Job, Outlet, PassiveDriver, Verb
 from woz_tui.core.messages import Json
 
 #: Calm speech: about 150 words a minute.
@@ -33,32 +33,18 @@ def seconds_of(verb: Verb | None, args: Mapping[str, Json]) -> float:
     return min(max(wanted, 0.0), verb.limit_s * 0.9)
 
 
-class Rehearsal:
-    """A driver that only pretends; `rehearsal_of` makes one for each class."""
+class Rehearsal(PassiveDriver):
+    """A driver that only pretends; `rehearsal_of` makes one for each class. It has no sensors: in a
+    training the visitor gives all signs.
+    """
 
     def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        self.name = name
-        self._outlet = outlet
-        self._offered = {verb.name: verb for verb in type(self).verbs(settings)}
-
-    @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """What the real driver offers."""
-        raise NotImplementedError
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """None: in a training the visitor gives all signs."""
-        return ()
-
-    @classmethod
-    async def examine(cls, probe: Probe) -> list[Finding]:
-        """There is nothing to look at."""
-        return []
+        super().__init__(name, settings, outlet)
+        self._offered = {verb.name: verb for verb in self.verbs(settings)}
 
     async def open(self) -> None:
         """Ready at once."""
-        self._outlet.health(Health.CONNECTED, "rehearsed: nothing moves")
+        self.outlet.health(Health.CONNECTED, "rehearsed: nothing moves")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take as long as the real one roughly would."""
@@ -68,33 +54,18 @@ class Rehearsal:
             await asyncio.sleep(seconds)
         return dict(job.args)
 
-    async def stop(self, scope: Scope) -> None:
-        """Nothing moves anyway."""
-
-    async def rest(self) -> None:
-        """Nothing moves anyway."""
-
-    async def close(self) -> None:
-        """There is nothing to let go of."""
-
-
-#: What consoles ask a driver class for beside its contract; it is passed on where it is there.
-_TELLS = ("joints", "outline")
-
 
 def rehearsal_of(real: type[Driver]) -> type[Driver]:
     """A class that offers what `real` does, without its hardware."""
-    told = {
-        name: staticmethod(tell) for name in _TELLS if callable(tell := getattr(real, name, None))
-    }
     return type(
         f"Rehearsed{real.__name__}",
         (Rehearsal,),
         {
             "Settings": real.Settings,
             "summary": f"{real.summary} (rehearsed)",
-            "verbs": classmethod(lambda cls, settings: real.verbs(settings)),
-            **told,
+            "verbs": staticmethod(real.verbs),
+            "joints": staticmethod(real.joints),
+            "outline": staticmethod(real.outline),
         },
     )
 

@@ -12,12 +12,13 @@ import contextlib
 import re
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, ClassVar
+from typing import Annotated
 
 from woz_drivers.serial_line import LOSSES, SerialLine, Trouble, explain, open_port
 
 from woz_tui.core.driver import (
     Argument,
+    Driver,
     DriverError,
     Finding,
     Health,
@@ -29,7 +30,7 @@ from woz_tui.core.driver import (
     Scope,
     Verb,
 )
-from woz_tui.core.fields import Doc, Path, Range
+from woz_tui.core.fields import Doc, Port, Range
 from woz_tui.core.messages import Json
 
 
@@ -37,16 +38,17 @@ from woz_tui.core.messages import Json
 class LampSettings:
     """What a robot file may say about a lamp."""
 
-    port: Annotated[str, Path(), Doc("its serial port, best one of /dev/serial/by-id")]
+    port: Annotated[str, Port(), Doc("its serial port, best one of /dev/serial/by-id")]
     baud: Annotated[int, Range(1200, 4_000_000, "baud"), Doc("speed of the line")] = 115_200
     brightness: Annotated[float, Range(0, 1), Doc("share of full power")] = 1.0
 
 
-class Lamp:
+class Lamp(Driver):
     """The driver."""
 
-    Settings: ClassVar[type] = LampSettings
-    summary: ClassVar[str] = "LED lamp with a button, on a serial line"
+    Settings = LampSettings
+    summary = "LED lamp with a button, on a serial line"
+    settings: LampSettings
 
     @classmethod
     def verbs(cls, settings: LampSettings) -> tuple[Verb, ...]:
@@ -72,8 +74,7 @@ class Lamp:
         return [Finding("ok", probe.name, f"{settings.port} can be opened")]
 
     def __init__(self, name: str, settings: LampSettings, outlet: Outlet) -> None:
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._received = b""
         self._ready = False
         self._waiting: dict[str, asyncio.Future[None]] = {}
@@ -88,7 +89,7 @@ class Lamp:
 
     async def open(self) -> None:
         """Begin to look for the port."""
-        self._outlet.health(Health.CONNECTING, self._settings.port)
+        self.outlet.health(Health.CONNECTING, self.settings.port)
         self._line.start()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -124,7 +125,7 @@ class Lamp:
     async def _ask(self, command: str, seconds: float) -> None:
         """Send `command` and wait until the lamp has carried it out, `seconds` at most."""
         if not self._ready:
-            raise Lost("the lamp is not there", f"look at {self._settings.port}")
+            raise Lost("the lamp is not there", f"look at {self.settings.port}")
         word = command.split(maxsplit=1)[0]
         ended = self._waiting[word] = asyncio.get_running_loop().create_future()
         try:
@@ -140,7 +141,7 @@ class Lamp:
     def _color(self, text: str) -> list[int]:
         if not re.fullmatch("#[0-9a-fA-F]{6}", text):
             raise Rejected(f"{text!r} is no colour", "write it as #rrggbb, for example #ff8000")
-        return [round(part * self._settings.brightness) for part in bytes.fromhex(text[1:])]
+        return [round(part * self.settings.brightness) for part in bytes.fromhex(text[1:])]
 
     def _opened(self) -> None:
         self._received = b""
@@ -163,13 +164,13 @@ class Lamp:
         match words:
             case ["OK", "HELLO"]:
                 self._ready = True
-                self._outlet.health(Health.CONNECTED, self._settings.port)
+                self.outlet.health(Health.CONNECTED, self.settings.port)
             case ["OK", word]:
                 self._end(word, None)
             case ["ERROR", word, *reason]:
                 self._end(word, DriverError(f"the lamp says: {' '.join(reason)}"))
             case ["BUTTON", "0" | "1" as pressed]:
-                self._outlet.reading("button", float(pressed))
+                self.outlet.reading("button", float(pressed))
 
     def _end(self, word: str, error: DriverError | None) -> None:
         ended = self._waiting.get(word)
@@ -182,7 +183,7 @@ class Lamp:
 
     def _lost(self, trouble: Trouble) -> None:
         self._forget(Lost(trouble.what, trouble.remedy))
-        self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
 
     def _forget(self, why: Lost) -> None:
         """Nothing that is under way will end any more."""

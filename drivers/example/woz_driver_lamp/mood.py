@@ -4,13 +4,11 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated, Any, ClassVar
+from typing import Annotated
 
-from woz_tui.core.driver import Ask, Finding, Health, Job, Outlet, Probe, Rejected, Scope, Verb
+from woz_tui.core.driver import Ask, Health, Outlet, PassiveDriver, Scope
 from woz_tui.core.fields import Doc, Sibling
-from woz_tui.core.messages import Json
 
 COLORS = {"happy": "#ffd000", "sad": "#0040ff", "angry": "#ff0000", "sleepy": "#201008"}
 LOOK_S = 0.1
@@ -24,37 +22,22 @@ class MoodSettings:
     lamp: Annotated[str, Sibling(), Doc("the lamp that glows")]
 
 
-class Mood:
+class Mood(PassiveDriver):
     """Has no hardware: it reads one driver and asks for another."""
 
-    Settings: ClassVar[type] = MoodSettings
-    summary: ClassVar[str] = "has a lamp glow as a body feels"
+    Settings = MoodSettings
+    summary = "has a lamp glow as a body feels"
+    settings: MoodSettings
 
     def __init__(self, name: str, settings: MoodSettings, outlet: Outlet) -> None:
-        self._outlet = outlet
-        self._lamp = settings.lamp
+        super().__init__(name, settings, outlet)
         self._state = outlet.feed("state", of=settings.follows)
         self._task: asyncio.Task[None] | None = None
         self._still = False
 
-    @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """None: it is never told what to do."""
-        return ()
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """None."""
-        return ()
-
-    @classmethod
-    async def examine(cls, probe: Probe) -> list[Finding]:
-        """There is nothing to look at."""
-        return []
-
     async def open(self) -> None:
         """Begin to look."""
-        self._outlet.health(Health.CONNECTED, "looks at the body's face")
+        self.outlet.health(Health.CONNECTED, "looks at the body's face")
         self._task = asyncio.get_running_loop().create_task(self._look())
 
     async def _look(self) -> None:
@@ -68,15 +51,13 @@ class Mood:
             color = COLORS.get(latest.value.emotion, "#ffffff")
             if color != shown:
                 shown = color
-                self._outlet.ask(Ask("verb", "glow", {"color": color}, on=self._lamp), self._told)
+                self.outlet.ask(
+                    Ask("verb", "glow", {"color": color}, on=self.settings.lamp), self._told
+                )
 
     def _told(self, carried: bool, why: str) -> None:
         if not carried:
-            self._outlet.notice("warning", f"the lamp does not follow: {why}")
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        """It offers nothing."""
-        raise Rejected(f"a mood cannot {job.verb!r}")
+            self.outlet.notice("warning", f"the lamp does not follow: {why}")
 
     async def stop(self, scope: Scope) -> None:
         """Ask for nothing more until the stop is released."""
@@ -85,9 +66,6 @@ class Mood:
     async def resume(self) -> None:
         """Look again."""
         self._still = False
-
-    async def rest(self) -> None:
-        """Looking is rest enough."""
 
     async def close(self) -> None:
         """End looking."""

@@ -30,6 +30,7 @@ from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import BRIEF, offered
 from woz_tui.motion.kinematics import outline
 from woz_tui.motion.modes import Hand, Mode, hand_of
+from woz_tui.motion.rendering import RenderedDriver
 from woz_tui.motion.ticks import Answer, Ended, Refused
 
 #: The stop is confirmed by the next tick; after so many seconds nobody knows.
@@ -48,18 +49,17 @@ BLIND = (
 log = logging.getLogger(__name__)
 
 
-class Body:
+class Body(RenderedDriver):
     """Joints with roles, a face and a personality, moved by an engine."""
 
-    Settings: ClassVar[type] = BodySettings
-    summary: ClassVar[str] = "a body: gaze, moves, moods and modes, for servos or only to be seen"
+    Settings = BodySettings
+    summary = "a body: gaze, moves, moods and modes, for servos or only to be seen"
+    settings: BodySettings
     #: What keeps the rate, made with the rate and the driver's name.
     ticker: ClassVar[Callable[[float, str], Ticker]] = ThreadTicker
 
     def __init__(self, name: str, settings: BodySettings, outlet: Outlet) -> None:
-        self.settings = settings
-        self._name = name
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._ticker = type(self).ticker(settings.rate, name)
         self.loop = BodyLoop(settings, outlet, self._ticker.lateness, self._on_ended)
         offered = self.verbs(settings)
@@ -132,7 +132,7 @@ class Body:
     async def open(self) -> None:
         """Begin to tick."""
         self._events = asyncio.get_running_loop()
-        self._outlet.health(Health.CONNECTING, "before its first tick")
+        self.outlet.health(Health.CONNECTING, "before its first tick")
         self._ticker.start(self.loop.step)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -148,7 +148,7 @@ class Body:
         verb, args = self.translated(self.settings, job.verb, job.args)
         answer = self._apply(verb, args, hand_of(job.source))
         if verb == "mode" and args.get("mode") == Mode.TRACKING.value and not self.settings.camera:
-            self._outlet.notice("warning", *BLIND)
+            self.outlet.notice("warning", *BLIND)
         sent = dict(answer.sent)
         if not answer.token:
             return sent
@@ -230,7 +230,7 @@ class Body:
         for future in self._running.values():
             if not future.done():
                 future.set_exception(Lost("the body was closed"))
-        self._outlet.notice("info", str(self._ticker.lateness))
+        self.outlet.notice("info", str(self._ticker.lateness))
 
     # -- inputs ----------------------------------------------------------------------------------
 

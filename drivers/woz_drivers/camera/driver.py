@@ -4,8 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections import deque
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers.byte_stream import ByteStream, Command, Listener
 from woz_drivers.camera import doctor
@@ -13,18 +12,7 @@ from woz_drivers.camera.blob import Finder
 from woz_drivers.camera.pictures import Cutter
 from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.camera.watched import Offer
-from woz_tui.core.driver import (
-    DriverError,
-    Finding,
-    Health,
-    Job,
-    Outlet,
-    Probe,
-    Rejected,
-    Scope,
-    Verb,
-)
-from woz_tui.core.messages import Json
+from woz_tui.core.driver import DriverError, Finding, Health, Outlet, PassiveDriver, Probe
 from woz_tui.motion.setpoints import SEEN, Seen
 
 #: Published beside the feed: places from -1 to 1, null while nothing is seen; share of the picture.
@@ -34,7 +22,7 @@ _WAITING = 64
 _CHECK = "try its command in a terminal; `woz doctor` shows what it says"
 
 
-class Camera:
+class Camera(PassiveDriver):
     """One camera and one green thing.
 
     Every picture goes into the feed `seen` (`motion.setpoints.Seen`), whether something is seen or
@@ -42,13 +30,12 @@ class Camera:
     `picture`. The sensors' state is ok while pictures come, else stale.
     """
 
-    Settings: ClassVar[type] = CameraSettings
-    summary: ClassVar[str] = "where a camera sees something green"
+    Settings = CameraSettings
+    summary = "where a camera sees something green"
+    settings: CameraSettings
 
     def __init__(self, name: str, settings: CameraSettings, outlet: Outlet) -> None:
-        self.name = name
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._feed = outlet.feed(SEEN)
         self._offer = Offer(settings, outlet)
         self._finder = Finder(settings.rule)
@@ -62,11 +49,6 @@ class Camera:
         self._source: ByteStream | None = None
 
     @classmethod
-    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
-        """It only looks."""
-        return ()
-
-    @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
         """Where it is, and how large."""
         return SENSORS
@@ -78,21 +60,11 @@ class Camera:
 
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
-        self._outlet.health(Health.CONNECTING, "starting the camera's command")
+        self.outlet.health(Health.CONNECTING, "starting the camera's command")
         listener = Listener(self._begun, self._received, self._stale, self._lost)
-        command = Command(self._settings.words, self._outlet.folder, "nothing", _CHECK)
-        self._source = ByteStream(command, self._outlet.clock, listener)
+        command = Command(self.settings.words, self.outlet.folder, "nothing", _CHECK)
+        self._source = ByteStream(command, self.outlet.clock, listener)
         self._source.start()
-
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        """There is nothing to perform."""
-        raise Rejected(f"{self.name} is a camera; it cannot {job.verb}")
-
-    async def stop(self, scope: Scope) -> None:
-        """Looking disturbs nobody."""
-
-    async def rest(self) -> None:
-        """Nothing moves here."""
 
     async def close(self) -> None:
         """End the command."""
@@ -111,16 +83,16 @@ class Camera:
 
     def _stale(self, why: str) -> None:
         for sensor in SENSORS:
-            self._outlet.sensor(sensor, "stale", why)
+            self.outlet.sensor(sensor, "stale", why)
 
     def _lost(self, trouble: DriverError) -> None:
-        self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
         self._stale(trouble.what)
 
     # -- films ---------------------------------------------------------------------------------
 
     def _came(self, data: bytes) -> None:
-        if self._settings.pace == "as-fast":
+        if self.settings.pace == "as-fast":
             self._look_at(data)
             return
         self._film.append(data)
@@ -135,7 +107,7 @@ class Camera:
         """A picture's moment has come."""
         self._projector = None
         self._look_at(self._film.popleft())
-        self._due += 1 / self._settings.rate
+        self._due += 1 / self.settings.rate
         if self._film:
             self._projector = asyncio.get_running_loop().call_at(self._due, self._next)
         if self._source is not None:
@@ -150,8 +122,8 @@ class Camera:
     # -- pictures ------------------------------------------------------------------------------
 
     def _look_at(self, data: bytes) -> None:
-        settings = self._settings
-        now_us = self._outlet.clock.now_us()
+        settings = self.settings
+        now_us = self.outlet.clock.now_us()
         picture = self._layout.decode(data)
         blob = self._finder.find(picture)
         self._frame += 1
@@ -163,20 +135,20 @@ class Camera:
             y = _place(blob.y, rows, settings.flip)
             size = blob.size / (rows * columns)
         self._feed.put(Seen(now_us, self._frame, x, y, size))
-        self._outlet.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
+        self.outlet.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
         for sensor in SENSORS:
-            self._outlet.sensor(sensor, "ok")
+            self.outlet.sensor(sensor, "ok")
         self._publish(now_us, (x, y, size))
         self._offer.look_at(data, now_us)
 
     def _publish(self, now_us: int, values: tuple[float | None, float | None, float]) -> None:
         """At most `publish` times a second."""
         last = self._published_us
-        if last is not None and now_us - last < 1_000_000 / self._settings.publish:
+        if last is not None and now_us - last < 1_000_000 / self.settings.publish:
             return
         self._published_us = now_us
         for sensor, value in zip(SENSORS, values, strict=True):
-            self._outlet.reading(sensor, value)
+            self.outlet.reading(sensor, value)
 
 
 def _place(middle: float, pixels: int, turned: bool) -> float:

@@ -8,11 +8,11 @@ from typing import Annotated
 from woz_drivers import programs
 from woz_drivers.camera.blob import Rule
 from woz_drivers.camera.pictures import FORMATS, Layout
-from woz_tui.core.fields import Doc, OneOf, Range
+from woz_tui.core.fields import Doc, OneOf, Range, Section
 
 
 @dataclass(frozen=True, slots=True)
-class CameraSettings:
+class CameraSettings(Section):
     """Where pictures come from, their shape, and what is looked for in them."""
 
     command: Annotated[

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Mapping
-from typing import Any, ClassVar, TypeVar
+from typing import Any, TypeVar
 
 from woz_drivers.dynamixel import verbs
 from woz_drivers.dynamixel.chain import Chain, Move
@@ -16,6 +16,7 @@ from woz_drivers.dynamixel.motion import Keyframe, Plan
 from woz_drivers.dynamixel.servo import Servo, Standing
 from woz_drivers.dynamixel.settings import Settings as ServoSettings
 from woz_tui.core.driver import (
+    Driver,
     DriverError,
     Finding,
     Job,
@@ -46,15 +47,15 @@ log = logging.getLogger(__name__)
 T = TypeVar("T")
 
 
-class DynamixelServos:
+class DynamixelServos(Driver):
     """Dynamixel servos of one port as joints with names, degrees and limits."""
 
-    Settings: ClassVar[type] = ServoSettings
-    summary: ClassVar[str] = "Dynamixel servos on a serial port (X series; MX, RX, AX)"
+    Settings = ServoSettings
+    summary = "Dynamixel servos on a serial port (X series; MX, RX, AX)"
+    settings: ServoSettings
 
     def __init__(self, name: str, settings: ServoSettings, outlet: Outlet) -> None:
-        self.settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self.loop = ServoLoop(name, settings, outlet)
         self._started = False
         self._stopped = False
@@ -291,7 +292,7 @@ class DynamixelServos:
             failed = chain.set_torque(held, on=False)
             if failed:
                 text = "; ".join(f"{name} {why}" for name, why in failed.items())
-                self._outlet.notice("error", f"torque is still on: {text}", "switch the power off")
+                self.outlet.notice("error", f"torque is still on: {text}", "switch the power off")
 
         await self._ask(limp)
 

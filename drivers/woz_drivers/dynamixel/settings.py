@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers import tables
-from woz_tui.core.fields import Doc, OneOf, Range, Sibling
+from woz_tui.core.fields import Doc, OneOf, Port, Range, Section, Sibling
 
 #: The key beside the joints' names in a keyframe.
 SECONDS = "seconds"
@@ -52,10 +52,10 @@ class Joint:
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class Settings(Section):
     """One serial port with servos behind it."""
 
-    port: Annotated[str, Doc("the adapter; /dev/serial/by-id/... names stay the same")]
+    port: Annotated[str, Port(), Doc("the adapter; /dev/serial/by-id/... names stay the same")]
     joints: Annotated[dict[str, Joint], Doc("the joints by name")]
     baud: Annotated[int, Range(9600, 4_000_000), Doc("speed of the wire")] = 1_000_000
     protocol: Annotated[int, Range(1, 2), Doc("2: X series; 1: MX, RX, AX")] = 2

@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers.led_face.doctor import examined
 from woz_drivers.led_face.pictures import PATTERNS, asleep, mounted
@@ -19,9 +19,9 @@ from woz_tui.core.driver import (
     Job,
     Lost,
     Outlet,
+    PassiveDriver,
     Probe,
     Rejected,
-    Scope,
     Verb,
 )
 from woz_tui.core.fields import Range
@@ -50,19 +50,18 @@ _PATTERN = Verb(
 )
 
 
-class LedFace:
+class LedFace(PassiveDriver):
     """One matrix of lights on one port.
 
     A stop leaves the picture as it is, for a face moves nothing, and ends a test pattern.
     """
 
-    Settings: ClassVar[type] = LedFaceSettings
-    summary: ClassVar[str] = "a face of lights on a serial port (24 x 16 and other sizes)"
+    Settings = LedFaceSettings
+    summary = "a face of lights on a serial port (24 x 16 and other sizes)"
+    settings: LedFaceSettings
 
     def __init__(self, name: str, settings: LedFaceSettings, outlet: Outlet) -> None:
-        self.name = name
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._lit = outlet.feed(FACE, of=settings.follows) if settings.follows else None
         self._seen = 0
         self._wanted = Wanted(blank(*settings.wired), 0.0)
@@ -89,18 +88,13 @@ class LedFace:
         return (_PATTERN,)
 
     @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """It only shows."""
-        return ()
-
-    @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Open the port, say hello, measure how fast the face answers. Shows nothing."""
         return [await examined(probe.name, probe.settings)]
 
     async def open(self) -> None:
         """Begin to look for the port."""
-        self._outlet.health(Health.CONNECTING, f"looking for {self._settings.port}")
+        self.outlet.health(Health.CONNECTING, f"looking for {self.settings.port}")
         self._line.start()
         self._task = asyncio.create_task(self._keep_showing())
 
@@ -114,20 +108,14 @@ class LedFace:
             raise Rejected(f"there is no pattern {picture!r} of {seconds!r} seconds")
         job.expects(seconds)
         self._pattern = Wanted(
-            self._mounted(PATTERNS[str(picture)](self._settings.width, self._settings.height)),
-            self._settings.brightness,
+            self._mounted(PATTERNS[str(picture)](self.settings.width, self.settings.height)),
+            self.settings.brightness,
         )
         try:
             await asyncio.sleep(seconds)
         finally:
             self._pattern = None
         return {"picture": picture, "seconds": seconds}
-
-    async def stop(self, scope: Scope) -> None:
-        """A face moves nothing: it keeps its picture."""
-
-    async def rest(self) -> None:
-        """The body knows what to look like."""
 
     async def close(self) -> None:
         """Show what the settings say for afterwards, and let go of the port."""
@@ -141,7 +129,7 @@ class LedFace:
     # -- what shall be shown -------------------------------------------------------------------
 
     async def _keep_showing(self) -> None:
-        pause = 1 / (2 * self._settings.rate)
+        pause = 1 / (2 * self.settings.rate)
         while True:
             self._look()
             self._step(self._pattern or self._wanted)
@@ -161,12 +149,12 @@ class LedFace:
             self._take(latest.value)
 
     def _take(self, lit: Lit) -> None:
-        frame, settings = lit.frame, self._settings
+        frame, settings = lit.frame, self.settings
         if (frame.width, frame.height) == (settings.width, settings.height):
             self._wanted = Wanted(self._mounted(frame), lit.brightness * settings.brightness)
             return
         self._lit = None  # a body's face keeps its size, so this is said once
-        self._outlet.notice(
+        self.outlet.notice(
             "error",
             f"the face of {settings.follows!r} is {frame.width} x {frame.height} lights,"
             f" and these are {settings.width} x {settings.height}: nothing is shown",
@@ -174,11 +162,11 @@ class LedFace:
         )
 
     def _mounted(self, frame: Frame) -> Frame:
-        return mounted(frame, self._settings)
+        return mounted(frame, self.settings)
 
     async def _say_goodbye(self) -> None:
         """The last picture; a second try is not worth waiting for."""
-        settings = self._settings
+        settings = self.settings
         if settings.afterwards == "last" or self._talk.state is not State.TALKING:
             return
         last = Wanted(blank(*settings.wired), 0.0)
@@ -193,7 +181,7 @@ class LedFace:
     # -- the port ------------------------------------------------------------------------------
 
     def _now(self) -> int:
-        return self._outlet.clock.now_us()
+        return self.outlet.clock.now_us()
 
     def _opened(self) -> None:
         self._talk.begin(self._now())
@@ -206,16 +194,14 @@ class LedFace:
             self._line.write(data)
 
     def _troubled(self, trouble: Trouble) -> None:
-        self._outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
 
     def _tell(self) -> None:
         talk = self._talk
-        self._outlet.health(
-            _HEALTH[talk.state], f"{self._settings.port}: {talk.detail}", talk.remedy
-        )
+        self.outlet.health(_HEALTH[talk.state], f"{self.settings.port}: {talk.detail}", talk.remedy)
 
     def _need_face(self) -> None:
         if not self._line.connected:
-            raise Lost(f"{self._settings.port} is not open", "see what its state says")
+            raise Lost(f"{self.settings.port} is not open", "see what its state says")
         if self._talk.state is not State.TALKING:
             raise Lost(self._talk.detail, self._talk.remedy)

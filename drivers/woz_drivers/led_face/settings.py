@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_tui.core.fields import Doc, OneOf, Range, Sibling
+from woz_tui.core.fields import Doc, OneOf, Port, Range, Sibling
 
 #: What stays on the lights when the session has ended.
 AFTERWARDS = ("dark", "asleep", "last")
@@ -15,7 +15,9 @@ AFTERWARDS = ("dark", "asleep", "last")
 class LedFaceSettings:
     """Where the lights are, whose face they show, how they are mounted."""
 
-    port: Annotated[str, Doc("serial port, best by its lasting name under /dev/serial/by-id/")]
+    port: Annotated[
+        str, Port(), Doc("serial port, best by its lasting name under /dev/serial/by-id/")
+    ]
     follows: Annotated[
         str, Sibling(), Doc("the body whose face it shows; empty: patterns only")
     ] = ""

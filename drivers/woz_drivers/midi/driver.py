@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers.midi import doctor
 from woz_drivers.midi.fitted import Fitted, fitted, found_by
@@ -15,7 +15,18 @@ from woz_drivers.midi.lights import Lights
 from woz_drivers.midi.port import MidiPort
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import Decoder, MidiMessage
-from woz_tui.core.driver import Ask, Finding, Health, Job, Outlet, Probe, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Ask,
+    Finding,
+    Health,
+    Job,
+    Outlet,
+    PassiveDriver,
+    Probe,
+    Rejected,
+    Scope,
+    Verb,
+)
 from woz_tui.core.messages import ControlsMoved, Json
 from woz_tui.motion.setpoints import STATE, State
 
@@ -24,19 +35,19 @@ LOOK_S = 0.05
 TAKE_OVER = "take-over"
 
 
-class MidiPanel:
+class MidiPanel(PassiveDriver):
     """One panel in front of one robot; see `docs/midi.md`.
 
     The panel moves nothing by itself: what it asks for is carried out, logged and refused as if a
     key had been pressed. Pulling its cable changes nothing at the robot.
     """
 
-    Settings: ClassVar[type] = MidiSettings
-    summary: ClassVar[str] = "a MIDI panel of knobs, sliders and buttons"
+    Settings = MidiSettings
+    summary = "a MIDI panel of knobs, sliders and buttons"
+    settings: MidiSettings
 
     def __init__(self, name: str, settings: MidiSettings, outlet: Outlet) -> None:
-        self.name = name
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._controls = fitted(settings)
         self._by_signal = found_by(self._controls)
         layout = LAYOUTS[settings.panel.layout]
@@ -70,11 +81,6 @@ class MidiPanel:
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
         """It takes the hand's values over at once, where the hand shall win."""
         return (Verb(TAKE_OVER, "let the robot take the panel's values as they are"),)
-
-    @classmethod
-    def sensors(cls, settings: Any) -> tuple[str, ...]:
-        """None: what moves is shown and asked for, not measured."""
-        return ()
 
     @classmethod
     def outline(cls, settings: Any) -> dict[str, Json]:
@@ -115,7 +121,7 @@ class MidiPanel:
 
     async def open(self) -> None:
         """Begin to look for the panel."""
-        self._outlet.health(Health.CONNECTING, "looking for the panel")
+        self.outlet.health(Health.CONNECTING, "looking for the panel")
         self._port.start()
         self._watch = asyncio.create_task(self._look_on())
 
@@ -140,9 +146,6 @@ class MidiPanel:
         self._stopped = False
         self._look()
 
-    async def rest(self) -> None:
-        """Nothing moves here."""
-
     async def close(self) -> None:
         """Lights off, let go of the panel."""
         if self._watch is not None:
@@ -156,7 +159,7 @@ class MidiPanel:
     def _opened(self, path: str) -> None:
         self._decoder = Decoder()
         self._lights.forget()
-        self._outlet.health(Health.CONNECTED, path)
+        self.outlet.health(Health.CONNECTED, path)
         if self._with_lights:
             self._port.write(self._layout.begin)
         self._look()
@@ -166,7 +169,7 @@ class MidiPanel:
             knob.pickup.forget()
         for button in self._buttons.values():
             button.let_go()
-        self._outlet.health(Health.LOST, what, remedy)
+        self.outlet.health(Health.LOST, what, remedy)
         self._look()
 
     def _received(self, data: bytes) -> None:
@@ -193,10 +196,10 @@ class MidiPanel:
                 self._hint(it, state)
 
     def _ask(self, ask: Ask, done: Any) -> None:
-        self._outlet.ask(ask, done)
+        self.outlet.ask(ask, done)
 
     def _now_us(self) -> int:
-        return self._outlet.clock.now_us()
+        return self.outlet.clock.now_us()
 
     def _state(self, on: str) -> State | None:
         feed = self._feeds.get(on)
@@ -209,11 +212,11 @@ class MidiPanel:
             return
         self._hinted = True
         if state is None:
-            self._outlet.notice(
+            self.outlet.notice(
                 "info", f"{it.name} moves nothing: {it.on!r} does not tell where it stands"
             )
             return
-        self._outlet.notice(
+        self.outlet.notice(
             "info",
             f"{it.name} does not move {it.label} yet, which stands elsewhere",
             "turn it past the mark; from there on the robot follows",
@@ -245,7 +248,7 @@ class MidiPanel:
         moved, self._moved = self._moved, {}
         self._shown, self._shown_us = (waiting, lit), self._now_us()
         targets = {name: value for name, value in waiting.items() if value is not None}
-        self._outlet.show(
+        self.outlet.show(
             ControlsMoved(values=moved, waiting=list(waiting), targets=targets, lit=lit)
         )
 

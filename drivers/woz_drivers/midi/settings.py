@@ -9,11 +9,11 @@ from typing import Annotated
 from woz_drivers.midi.layouts import LAYOUTS
 from woz_drivers.midi.mapped import JUMP, SOFT, Mapped
 from woz_drivers.midi.rules import claimed_twice, found_in
-from woz_tui.core.fields import Doc, Included, OneOf, Sibling
+from woz_tui.core.fields import Doc, Included, OneOf, Section, Sibling
 
 
 @dataclass(frozen=True, slots=True)
-class PanelMap:
+class PanelMap(Section):
     """A whole panel: a file of its own, or right in the robot file."""
 
     title: Annotated[str, Doc("what it is")] = ""
@@ -32,7 +32,7 @@ class PanelMap:
 
 
 @dataclass(frozen=True, slots=True)
-class MidiSettings:
+class MidiSettings(Section):
     """What a robot file may say about a MIDI panel."""
 
     map: Annotated[

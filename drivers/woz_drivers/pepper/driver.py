@@ -6,7 +6,6 @@ import asyncio
 import contextlib
 import logging
 from collections.abc import Iterable, Mapping, Sequence
-from typing import ClassVar
 
 from woz_drivers.pepper import doctor, outline, verbs
 from woz_drivers.pepper import written as written_as
@@ -24,6 +23,7 @@ from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import Screen
 from woz_drivers.simulated.values import text
 from woz_tui.core.driver import (
+    Driver,
     DriverError,
     Finding,
     Job,
@@ -47,15 +47,15 @@ FAREWELL_S = 1.5
 log = logging.getLogger(__name__)
 
 
-class Pepper:
+class Pepper(Driver):
     """SoftBank's Pepper over NAOqi, or one of the simulated kind."""
 
-    Settings: ClassVar[type] = PepperSettings
-    summary: ClassVar[str] = "SoftBank's Pepper over NAOqi (2.5 to 2.9), or a simulated one"
+    Settings = PepperSettings
+    summary = "SoftBank's Pepper over NAOqi (2.5 to 2.9), or a simulated one"
+    settings: PepperSettings
 
     def __init__(self, name: str, settings: PepperSettings, outlet: Outlet) -> None:
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._connection = Connection(
             settings, outlet, on_connected=self._connected, on_lost=self._gone
         )
@@ -253,7 +253,7 @@ class Pepper:
                 raise
             if report is not None and report.missing:
                 missing = ", ".join(report.missing)
-                self._outlet.notice(
+                self.outlet.notice(
                     "warning",
                     f"{robot} was let go, but did not confirm its stop: {missing}",
                     "look at it: what it was doing may go on",
@@ -282,7 +282,7 @@ class Pepper:
         self._reading.soon()
         for part, error in zip(parts, done, strict=True):
             if isinstance(error, DriverError) and not isinstance(error, Lost):
-                self._outlet.notice("warning", f"{part.name}: {error.what}", error.remedy)
+                self.outlet.notice("warning", f"{part.name}: {error.what}", error.remedy)
             elif isinstance(error, BaseException):
                 raise error
 

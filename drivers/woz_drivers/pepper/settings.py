@@ -9,7 +9,7 @@ from typing import Annotated
 from woz_drivers.pepper.address import parse, seen
 from woz_drivers.simulated.values import color
 from woz_tui.core.driver import Rejected
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 
 CLIENTS = ("auto", "qi", "own")
 STATES = ("", "solitary", "interactive", "safeguard", "disabled")
@@ -85,7 +85,7 @@ class Recognition:
 
 
 @dataclass(frozen=True, slots=True)
-class PepperSettings:
+class PepperSettings(Section):
     """One Pepper, or several of which one is played at a time."""
 
     robots: Annotated[

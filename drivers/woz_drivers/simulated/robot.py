@@ -5,7 +5,6 @@ from __future__ import annotations
 import asyncio
 import contextlib
 from collections.abc import Callable, Mapping
-from typing import ClassVar
 
 from woz_drivers import room
 from woz_drivers.simulated import settings as _settings
@@ -22,6 +21,7 @@ from woz_drivers.simulated.telling import Teller
 from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
     SPEECH,
+    Driver,
     DriverError,
     Finding,
     Health,
@@ -53,18 +53,17 @@ _SENSOR_FAULTS = ("nan", "stuck", "silent")
 _LOST_REMEDY = "it comes back by itself; `fault: clear` brings it back at once"
 
 
-class SimulatedRobot:
+class SimulatedRobot(Driver):
     """A robot without hardware."""
 
-    Settings: ClassVar[type] = _settings.Settings
-    summary: ClassVar[str] = "A robot without hardware, to write and rehearse experiments"
+    Settings = _settings.Settings
+    summary = "A robot without hardware, to write and rehearse experiments"
+    settings: _settings.Settings
 
     def __init__(
         self, name: str, settings: _settings.Settings, outlet: Outlet, *, pace: Pace | None = None
     ) -> None:
-        self._name = name
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(name, settings, outlet)
         self._pace = pace or Pace()
         self._verbs = {verb.name: verb for verb in self.verbs(settings)}
         self._faults = Faults()
@@ -141,14 +140,14 @@ class SimulatedRobot:
     async def open(self) -> None:
         """Begin to tick; the hardware is found after `connect_after`."""
         now = self._opened = self._looked = self._pace.now()
-        for fault in self._settings.faults:
+        for fault in self.settings.faults:
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
-        self._outlet.health(Health.CONNECTING, "simulated hardware")
+        self.outlet.health(Health.CONNECTING, "simulated hardware")
         self._tell_health(now)
         if self._ears is not None:
             self._ears.tell_threshold()
-            self._outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
-        self._life = asyncio.create_task(self._live(), name=f"{self._name} simulated")
+            self.outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
+        self._life = asyncio.create_task(self._live(), name=f"{self.name} simulated")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out one command, unless a break-down prevents it."""
@@ -186,7 +185,7 @@ class SimulatedRobot:
         self._admit("body", now)
         if self._body.torque:
             self._body.go(self._performance.home_pose(), REST_SECONDS)
-        self._performance.emotion = self._settings.emotions[0]
+        self._performance.emotion = self.settings.emotions[0]
         stops = self._stops[Scope.ALL]
         while self._body.moving and self._stops[Scope.ALL] == stops and not self._closed:
             await self._pace.sleep(SLICE)
@@ -214,7 +213,7 @@ class SimulatedRobot:
         self._tell_health(now)
         samples = self._visitor.step(self._world(now)) if self._visitor else []
         if self._gone(now) is None:
-            if not self._settings.voice_only:
+            if not self.settings.voice_only:
                 self._publisher.body(self._body, now)
             self._publisher.samples(samples, now)
             if self._ears is not None:
@@ -235,7 +234,7 @@ class SimulatedRobot:
         if gone is not None:
             self._teller.break_off(self._world(now), gone)
             return
-        self._outlet.sensor("loudness", "speaking" if visitor.hearing.speaks else "quiet")
+        self.outlet.sensor("loudness", "speaking" if visitor.hearing.speaks else "quiet")
         self._teller.tell(speech)
 
     def _tell_health(self, now: float) -> None:
@@ -243,16 +242,16 @@ class SimulatedRobot:
         alarm = self._faults.partial("disconnect", now) or self._faults.any("overheat", now)
         if gone is not None:
             self._body.freeze()
-            self._outlet.health(Health.LOST, gone, _LOST_REMEDY)
-        elif now < self._opened + self._settings.connect_after:
-            self._outlet.health(Health.CONNECTING, "simulated hardware")
+            self.outlet.health(Health.LOST, gone, _LOST_REMEDY)
+        elif now < self._opened + self.settings.connect_after:
+            self.outlet.health(Health.CONNECTING, "simulated hardware")
         elif alarm is not None:
-            self._outlet.health(Health.FAULTED, *_alarm(alarm))
+            self.outlet.health(Health.FAULTED, *_alarm(alarm))
         else:
-            what = "a voice" if self._settings.voice_only else f"{len(self._body.joints)} joints"
-            self._outlet.health(Health.CONNECTED, f"simulated, {what}")
-            if not self._settings.voice_only:
-                self._outlet.mode(self._performance.mode)
+            what = "a voice" if self.settings.voice_only else f"{len(self._body.joints)} joints"
+            self.outlet.health(Health.CONNECTED, f"simulated, {what}")
+            if not self.settings.voice_only:
+                self.outlet.mode(self._performance.mode)
 
     # -- time -----------------------------------------------------------------------------------
 
@@ -276,7 +275,7 @@ class SimulatedRobot:
 
     def mode_changed(self, mode: str) -> None:
         """Tell which mode holds now."""
-        self._outlet.mode(mode)
+        self.outlet.mode(mode)
 
     def spoke(self, text: str, seconds: float) -> None:
         """A visitor hears it."""
@@ -310,15 +309,15 @@ class SimulatedRobot:
 
     def _rate(self, now: float) -> float:
         slow = self._faults.holding("slow", "", now)
-        return self._settings.speed / (SLOWNESS if slow else 1.0)
+        return self.settings.speed / (SLOWNESS if slow else 1.0)
 
     def _world(self, now: float) -> float:
-        return (now - self._opened) * self._settings.speed
+        return (now - self._opened) * self.settings.speed
 
     def _clock_us(self, world: float) -> int:
         """The session's clock at a second of the simulated world."""
-        ago = self._pace.now() - (self._opened + world / self._settings.speed)
-        return self._outlet.clock.now_us() - round(ago * 1_000_000)
+        ago = self._pace.now() - (self._opened + world / self.settings.speed)
+        return self.outlet.clock.now_us() - round(ago * 1_000_000)
 
     async def _hold_out(self, seconds: float) -> None:
         """Take `seconds`, cancelled or not; the cancellation counts afterwards."""
@@ -338,7 +337,7 @@ class SimulatedRobot:
         return "unplugged on purpose" if self._faults.holding("disconnect", "", now) else None
 
     def _admit(self, lane: str, now: float) -> None:
-        if now < self._opened + self._settings.connect_after:
+        if now < self._opened + self.settings.connect_after:
             raise Lost("the simulated robot is still being looked for", "wait until it is there")
         self._check_link(lane, now)
         if self._faults.holding("refuse", lane, now):
@@ -357,7 +356,7 @@ class SimulatedRobot:
             self._faults.clear()
         else:
             if part:
-                values.word({"part": part}, "part", _parts(self._settings, kind))
+                values.word({"part": part}, "part", _parts(self.settings, kind))
             self._faults.add(kind, seconds, part, now)
         self._tell_health(now)
         return {"kind": kind, "seconds": seconds, "part": part}

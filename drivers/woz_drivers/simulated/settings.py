@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers.simulated.faults import KINDS
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 
 
 @dataclass(frozen=True, slots=True)
@@ -45,7 +45,7 @@ def _joints() -> dict[str, SimulatedJoint]:
 
 
 @dataclass(frozen=True, slots=True)
-class Settings:
+class Settings(Section):
     """The robot, its pace, its visitor and its break-downs."""
 
     joints: Annotated[dict[str, SimulatedJoint], Doc("joints by name")] = field(

@@ -12,7 +12,7 @@ from tests.drivers.body.test_body_session import KEY, LoopRobot
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, Rereads
+from woz_tui.core.driver import Driver
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import ExperimentError
 from woz_tui.record.recorder import Recorder
@@ -80,7 +80,6 @@ def test_new_and_edited_moves_are_told_and_played(tmp_path: Path) -> None:
 
         await session.open()
         await asyncio.sleep(0.5)
-        assert isinstance(session.drivers["body"], Rereads)
         assert 15 < await farthest() < 25
         assert reread(dry_run=True) == []
         (moves / "wave.yaml").write_text(wave(60))

@@ -274,7 +274,7 @@ def test_ten_minutes_without_input_it_stays_alive_where_it_was(tmp_path: Path) -
 def test_a_body_may_ask_for_the_sound_of_a_move(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         heard: list[tuple[bool, str]] = []
-        outlet = stage.body()._outlet
+        outlet = stage.body().outlet
         outlet.ask(
             Ask("verb", "sound", {"file": "media/gong.wav"}, source="body"),
             lambda carried, why: heard.append((carried, why)),

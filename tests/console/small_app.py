@@ -16,6 +16,7 @@ from textual.app import App, ComposeResult
 from textual.screen import ModalScreen
 from textual.widgets import Input, Static
 
+from woz_tui.console.commands import COMMANDS
 from woz_tui.console.endings import refusal
 from woz_tui.console.feed import Incoming
 from woz_tui.console.keyboard import Keyboard
@@ -49,6 +50,8 @@ class SmallApp(App[None]):
         super().__init__(driver_class=WizardDriver)
         self.feed = Link(path)
         self.keyboard = Keyboard(self.feed)
+        own = {key.chord: command for command in COMMANDS for key in command.keys}
+        self.keyboard.bind({}, own)
         self.seen: list[str] = []
 
     def compose(self) -> ComposeResult:

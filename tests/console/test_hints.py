@@ -9,16 +9,17 @@ from tests.console import scenes
 from tests.console.driving import sitting
 from tests.console.robot import pepper
 from woz_tui.console.cells import length
+from woz_tui.console.commands import COMMANDS, by_key, hints
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
-from woz_tui.console.stopbar import Bar, News, bar_rows, hints
+from woz_tui.console.stopbar import Bar, News, bar_rows
 from woz_tui.core import requests as r
 
 
 def named(first: r.Welcome) -> list[str]:
     picture = Picture()
     picture.take([first], 0)
-    return [word for _, word in hints(picture)]
+    return [word for _, word in hints(picture, by_key(COMMANDS))]
 
 
 def test_a_robots_keys_are_named_where_there_is_a_robot() -> None:
@@ -34,7 +35,7 @@ def test_a_robots_keys_are_named_where_there_is_a_robot() -> None:
 def test_the_scripts_key_is_named_where_there_is_a_script() -> None:
     assert "script" in named(scenes.welcome())
     assert "script" not in named(msgspec.structs.replace(scenes.welcome(), script=[]))
-    assert "script" in [word for _, word in hints(Picture())], "nobody knows yet"
+    assert "script" in [word for _, word in hints(Picture(), by_key(COMMANDS))], "nobody knows yet"
 
 
 @pytest.mark.parametrize("script", [True, False])

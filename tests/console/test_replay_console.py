@@ -21,7 +21,7 @@ from woz_tui.console.feed import OnLost, OnMessages
 from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.look import Look
 from woz_tui.console.replay.app import ReplayConsole
-from woz_tui.console.replay.keys import ReplayKeyboard
+from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.core import requests as r
 from woz_tui.core.clock import ManualClock
 from woz_tui.replay.player import Player, Start

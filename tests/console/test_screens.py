@@ -77,7 +77,7 @@ async def test_the_stop_right_behind_the_key_that_opens_a_dialog() -> None:
 async def test_the_stop_before_a_dialog_has_been_put_together() -> None:
     async with sitting(busy()) as seat:
         for name in OPENING:
-            seat.console.desk.do(name)
+            seat.console.do(name)
             dialog = seat.console.dialog
             assert dialog is not None
             assert not dialog.children

@@ -203,7 +203,7 @@ def _console(feed: ReplayFeed) -> ReplayConsole:
     """The console, ready to run."""
     from woz_tui.console.look import look_for  # noqa: PLC0415
     from woz_tui.console.replay.app import ReplayConsole  # noqa: PLC0415
-    from woz_tui.console.replay.keys import ReplayKeyboard  # noqa: PLC0415
+    from woz_tui.console.replay.commands import ReplayKeyboard  # noqa: PLC0415
     from woz_tui.console.terminal import WizardDriver  # noqa: PLC0415
     from woz_tui.experiment.terminals import detected  # noqa: PLC0415
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import functools
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -16,15 +16,18 @@ from textual.screen import Screen
 
 from woz_tui.console.caps import Cap, cap_of, caption, key_name
 from woz_tui.console.cells import Cells
+from woz_tui.console.commands import COMMANDS, by_key, calls, hints
 from woz_tui.console.desk import Desk
 from woz_tui.console.feed import Feed
 from woz_tui.console.glyphs import UNICODE, Frame
 from woz_tui.console.inbox import Inbox
+from woz_tui.console.keyboard import Press
 from woz_tui.console.look import SIXTEEN, THEMES, Look
 from woz_tui.console.picture import Picture
-from woz_tui.console.screens.dialog import Dialog, give_keys
+from woz_tui.console.robot.steps import ArrowSteps
+from woz_tui.console.screens.dialog import Command, Dialog
 from woz_tui.console.status import Line
-from woz_tui.console.stopbar import Bar, News, hints
+from woz_tui.console.stopbar import Bar, News
 from woz_tui.console.surface import Surface
 from woz_tui.console.text_console import TextConsole
 from woz_tui.console.thrift import ThriftyScreen, tight
@@ -32,14 +35,14 @@ from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.messages import StopPressed
 from woz_tui.core.pictures import PictureShown
 from woz_tui.core.requests import AskRelease, Reply, Welcome
-from woz_tui.experiment.builtins import BUILTIN, Builtin
+from woz_tui.experiment.builtins import Builtin
 from woz_tui.experiment.keymap import key_map
 from woz_tui.experiment.terminals import PLAIN, STOPS, Terminal
 from woz_tui.experiment.textual_names import from_textual
 
 if TYPE_CHECKING:
     from woz_tui.console.camera.side import Side
-    from woz_tui.console.keyboard import Keyboard
+    from woz_tui.console.keyboard import Keyboard, OwnKey
 
 #: Seconds between two paintings: ten a second is as much as an eye and a line can use.
 BEAT = 0.1
@@ -59,7 +62,8 @@ class Console(App[str]):
         keyboard: What happens to keys; shared with the terminal's driver.
         look: Signs and colours for this terminal.
         terminal: What this terminal can send.
-        builtins: The console's own keys, as the wizard's keymap file has them.
+        builtins: The console's own keys where the wizard's keymap file has moved them.
+        commands: What can be done beside playing actions.
         clock: Local time.
         restart: Starts the robot process again after it was lost; None if nobody can.
         ask_participant: Whether to ask for participant and condition when a session starts.
@@ -79,7 +83,8 @@ class Console(App[str]):
         *,
         look: Look | None = None,
         terminal: Terminal = PLAIN,
-        builtins: Sequence[Builtin] = BUILTIN,
+        builtins: Sequence[Builtin] = (),
+        commands: Sequence[Command] = COMMANDS,
         clock: Clock | None = None,
         restart: Callable[[], None] | None = None,
         ask_participant: bool = False,
@@ -99,10 +104,21 @@ class Console(App[str]):
         self.picture = Picture()
         self.pictures = pictures
         self.side: Side | None = None
-        self.terminal, self.builtins = terminal, builtins
-        self.keymap = key_map((), terminal, builtins=builtins)
-        self.caps: dict[str, Cap] = {}
-        self.desk = Desk(self)
+        self.terminal = terminal
+        self.commands: Mapping[str, Command] = by_key(commands)
+        own = [key for command in commands for key in command.keys if key.chord]
+        self._builtins = builtins or own
+        self.keymap = key_map((), terminal, builtins=self._builtins)
+        self.caps: Mapping[str, Cap] = {}
+        self.desk = Desk(
+            feed,
+            self.picture,
+            ArrowSteps(keyboard),
+            news=self.news,
+            later=self.call_later,
+            over=functools.partial(self.exit, "ended"),
+        )
+        keyboard.bind({}, self._own_keys())
         self.restart = restart
         self.ask_participant, self._asked_in = ask_participant, ""
         self._inbox = Inbox(self._wake)
@@ -182,7 +198,7 @@ class Console(App[str]):
             self.picture.take(batch, local)
             for message in batch:
                 if isinstance(message, Reply):
-                    self.desk.replied(message)
+                    self._replied(message)
                 elif isinstance(message, PictureShown):
                     self.desk.pictured(message)
                 elif isinstance(message, Welcome):
@@ -200,7 +216,7 @@ class Console(App[str]):
             self.desk.forget()
             if not self._was_lost:
                 self._was_lost, self._lost_t = True, self.picture.now(local)
-                self.desk.open_lost()
+                calls("screens.lost:open_lost")(self)
         if self.picture.stop is not None:
             self._stop_asked = None
             self._news_until = 1  # what was refused meanwhile need not be told after the release
@@ -208,16 +224,19 @@ class Console(App[str]):
             self._edition = self.picture.edition
             self._adopt()
 
+    def _replied(self, reply: Reply) -> None:
+        self.desk.replied(reply)
+
     def _welcomed(self, welcome: Welcome) -> None:
         """The robot process is there, for the first time or again."""
         if self._was_lost:
             self._was_lost = False
-            self.desk.close_lost()
+            calls("screens.lost:close_lost")(self)
             self._back()
         asks = self.ask_participant and welcome.role == "wizard" and welcome.log != self._asked_in
         if asks and not self.picture.participant:
             self._asked_in = welcome.log
-            self.desk.do("start")
+            self.do("start")
 
     def _back(self) -> None:
         """The robot process is there again: what it did not play of the keys pressed before."""
@@ -236,14 +255,19 @@ class Console(App[str]):
     def _adopt(self) -> None:
         """A new set of panels: bind its keys and show their caps."""
         picture = self.picture
-        self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, self.builtins)
+        self.keymap = key_map(picture.panels, self.terminal, picture.keyboard, self._builtins)
         self.caps = {name: cap_of(found) for name, found in self.keymap.actions.items()}
         self._panels.bear(self.caps)
-        self.keyboard.bind(self.keymap.table, self.keymap.builtin_table)
+        self.keyboard.bind(self.keymap.table, self._own_keys())
         self.keyboard.verbs = picture.verbs
         self.desk.arrows.adopt(picture.settings.get("steps"))
         if self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
+
+    def _own_keys(self) -> dict[str, OwnKey]:
+        """What arrives, and which command it is the key of."""
+        table = self.keymap.builtin_table
+        return {chord: self.commands[name] for chord, name in table.items()}
 
     def terminal_found(self, terminal: Terminal) -> None:
         """The terminal has answered what it can send: keys that arrive now need no reserve."""
@@ -274,13 +298,17 @@ class Console(App[str]):
         return Frame(widget.size.width, widget.size.height, now, self.look.glyphs)
 
     def _hints(self) -> tuple[tuple[str, str], ...]:
-        named = ((self._key(name), word) for name, word in hints(self.picture))
+        named = ((self._key(name), word) for name, word in hints(self.picture, self.commands))
         return tuple((key, word) for key, word in named if key)
 
     def _key(self, name: str) -> str:
         """The key of one of the console's own, as a cap shows it."""
+        return key_name(self.key_of(name), self.look.glyphs)
+
+    def key_of(self, name: str) -> str:
+        """The key to press for a command, in its normal form; empty: it has none."""
         found = self.keymap.builtins.get(name)
-        return key_name(found.press, self.look.glyphs) if found is not None else ""
+        return found.press if found is not None else ""
 
     def _measure(self) -> None:
         """Give all parts their places; each that has moved asks to be painted (`Cells.Resized`)."""
@@ -367,8 +395,19 @@ class Console(App[str]):
         elif dialog is not None and dialog.opened_by == name:
             self.close_dialog()
         else:
-            self.desk.do(name)
+            self.do(name)
         return True
+
+    def do(self, name: str) -> None:
+        """Carry out a command by the id of one of its keys.
+
+        Of those that the keyboard sends, it has not sent the ones that only some drivers offer.
+        """
+        command = self.commands[name]
+        if command.run is not None:
+            command.run(self)
+        elif command.sends is not None and not command.verb:
+            self.desk.ask(command.sends(Press()))
 
     def _key_in_dialog(self, name: str | None) -> bool:
         """Closing and releasing the stop work in every dialog; the rest is the dialog's."""
@@ -399,7 +438,7 @@ class Console(App[str]):
         """Give the keyboard to a dialog, unless the robot is played meanwhile."""
         while dialog.plays and self.dialog is not None:
             self.close_dialog()  # drawings take turns
-        give_keys(self.keyboard, dialog)
+        self._give_keys(dialog)
         self.push_screen(dialog)
 
     def close_dialog(self, dialog: Dialog | None = None) -> None:
@@ -408,8 +447,16 @@ class Console(App[str]):
         if top is not None and (dialog is None or dialog is top):
             top.closing()
             self.pop_screen()
-        give_keys(self.keyboard, self.dialog)
+        self.give_keys()
         self.paint()
+
+    def give_keys(self) -> None:
+        """Keys belong to the dialog on top, or to the robot."""
+        self._give_keys(self.dialog)
+
+    def _give_keys(self, top: Dialog | None) -> None:
+        self.keyboard.kept = frozenset() if top is None else top.own_keys
+        self.keyboard.free = top is None or top.plays
 
 
 def _age_us(event: events.Event) -> int:

@@ -1,8 +1,8 @@
 """What happens to a key: the request it stands for goes out from the thread that read it.
 
-Experiment actions and those of the console's own keys that need no dialog are carried out here,
-whatever the screen is doing. Everything else is left to the screen: `press` and `arrive` then
-return False.
+Experiment actions and those of the console's own keys that only send a request are carried out
+here, whatever the screen is doing. Everything else is left to the screen: `press` and `arrive`
+then return False.
 """
 
 from __future__ import annotations
@@ -10,21 +10,18 @@ from __future__ import annotations
 import threading
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass
+from typing import NamedTuple, Protocol
 
 from woz_tui.console.feed import Feed
 from woz_tui.core.clock import Clock, RealClock
-from woz_tui.core.messages import Json
 from woz_tui.core.requests import (
     AnyRequest,
     AskAction,
-    AskMarker,
-    AskMistake,
     AskRelease,
     AskScript,
     AskStop,
     AskVerb,
 )
-from woz_tui.experiment.builtins import BUILTIN
 from woz_tui.experiment.terminals import STOPS
 
 #: The second key of a sequence must follow within this time, in seconds.
@@ -33,9 +30,6 @@ SEQUENCE_S = 1.0
 #: Called after a press with the chord (`c r` for a sequence), the action's name (empty for the
 #: console's own keys and the stop) and the request's `ref` (0: nothing was sent).
 OnPress = Callable[[str, str, int], None]
-
-#: The console's own keys that never open anything; behind all others keys wait for the screen.
-_HARMLESS = frozenset({"script_back", "script_on", "panel_next", "panel_back", "redraw", "cut"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,6 +40,35 @@ class Steps:
     hip: float = 3.0
     drive: float = 0.1
     turn: float = 10.0
+
+
+class Press(NamedTuple):
+    """One press, as its request tells of it."""
+
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
+    steps: Steps = Steps()
+
+
+class OwnKey(Protocol):
+    """One of the console's own keys, as the keyboard needs it; a `Command` is one."""
+
+    @property
+    def name(self) -> str:
+        """Its id."""
+
+    @property
+    def sends(self) -> Callable[[Press], AnyRequest] | None:
+        """Makes its request; None: the screen carries it out."""
+
+    @property
+    def verb(self) -> str:
+        """Without a driver that offers this, nothing is sent."""
+
+    @property
+    def opens(self) -> bool:
+        """Whether keys behind it wait for the screen, as they may belong into a dialog."""
 
 
 class Keyboard:
@@ -72,11 +95,11 @@ class Keyboard:
         #: What the key for suspending does; set by the terminal.
         self.on_suspend: Callable[[], None] | None = None
         self._clock = clock or RealClock()
-        self._steps = steps or Steps()
-        self._arrows = _steps(self._steps)
+        #: How far one press of an arrow goes.
+        self.steps = steps or Steps()
         self._lock = threading.RLock()
         self._table: Mapping[str, str] = {}
-        self._builtins: Mapping[str, str] = {item.chord: item.id for item in BUILTIN}
+        self._own: Mapping[str, OwnKey] = {}
         self._prefixes: Collection[str] = frozenset()
         self._free = True
         #: Keys left to the screen that it has not handled; those of them behind which others
@@ -88,17 +111,16 @@ class Keyboard:
 
     # -- what the app says ----------------------------------------------------------------------
 
-    def bind(self, table: Mapping[str, str], builtins: Mapping[str, str] | None = None) -> None:
+    def bind(self, table: Mapping[str, str], own: Mapping[str, OwnKey] | None = None) -> None:
         """Play `table` from now on: normal form or sequence `c r` -> name of the action.
 
-        `builtins`: normal form -> id of the console's own key (`woz_tui.experiment.builtins`);
-        without it they stay as they are.
+        `own`: normal form -> the console's own key; without it they stay as they are.
         """
         with self._lock:
             self._table = {chord: name for chord, name in table.items() if chord not in STOPS}
             self._prefixes = {chord.split(" ")[0] for chord in table if " " in chord}
-            if builtins is not None:
-                self._builtins = dict(builtins)
+            if own is not None:
+                self._own = dict(own)
         self._set_prefix("")
 
     @property
@@ -112,16 +134,6 @@ class Keyboard:
         if not free:
             self._set_prefix("")
 
-    @property
-    def steps(self) -> Steps:
-        """How far one press of an arrow goes."""
-        return self._steps
-
-    @steps.setter
-    def steps(self, steps: Steps) -> None:
-        with self._lock:
-            self._steps, self._arrows = steps, _steps(steps)
-
     # -- keys -----------------------------------------------------------------------------------
 
     def arrive(self, chord: str, *, age_us: int = 0, stale: bool = False) -> bool:
@@ -130,7 +142,8 @@ class Keyboard:
         Once a key that may open a dialog has been left to the screen, the keys behind it are
         too, until the screen has handled it: they may belong into the dialog.
         """
-        if self.on_suspend is not None and self._builtins.get(chord) == "suspend":
+        own = self._own.get(chord)
+        if self.on_suspend is not None and own is not None and own.name == "suspend":
             self.on_suspend()
             return True
         if not self._free or self._behind:
@@ -143,9 +156,9 @@ class Keyboard:
 
     def leave_to_screen(self, chord: str) -> Callable[[], None]:
         """`chord` goes to the screen; call the result when the screen has handled it."""
-        name = self._builtins.get(chord, "")
+        own = self._own.get(chord)
         with self._lock:
-            asks = chord in self.kept or (bool(name) and name not in _HARMLESS)
+            asks = chord in self.kept or (own is not None and own.opens)
             opens = self._free and asks
             waited_for = int(opens or self._behind > 0)
             self._left += 1
@@ -187,7 +200,7 @@ class Keyboard:
         if chord in self._prefixes:
             self._begin(chord, stale)
             return True
-        return self._builtin(chord, age_us, stale)
+        return self._send(chord, age_us, stale)
 
     def stop(self, source: str) -> None:
         """Stop everything; `source` is the stop key (`escape`, `ctrl+c`) or another word."""
@@ -243,67 +256,20 @@ class Keyboard:
         )
         (self.on_stale if stale else self.on_pressed)(chord, action, ref)
 
-    def _builtin(self, chord: str, age_us: int, stale: bool) -> bool:
-        name = self._builtins.get(chord, "")
-        request = self._request(name, chord, age_us, stale)
-        if request is None:
+    def _send(self, chord: str, age_us: int, stale: bool) -> bool:
+        own = self._own.get(chord)
+        if own is None or own.sends is None:
             return False
+        if own.verb and not any(own.verb in offered for offered in self.verbs.values()):
+            return False
+        request = own.sends(Press(chord, age_us, stale, self.steps))
         if not stale:
             self.on_pressed(chord, "", self.feed.ask(request))
         elif isinstance(request, AskScript | AskVerb):  # to be found in the log as refused
-            self.on_stale(chord, name, self.feed.ask(request))
+            self.on_stale(chord, own.name, self.feed.ask(request))
         else:
-            self.on_stale(chord, name, 0)
+            self.on_stale(chord, own.name, 0)
         return True
-
-    def _request(self, name: str, chord: str, age_us: int, stale: bool) -> AnyRequest | None:
-        if name in self._arrows:
-            verb, args = self._arrows[name]
-            if not any(verb in offered for offered in self.verbs.values()):
-                return None
-            return AskVerb(
-                verb=verb,
-                args=dict(args),
-                source="key",
-                key=chord,
-                age_us=age_us,
-                stale=stale,
-                # A key held down moves on smoothly and leaves no steps behind when let go.
-                when_busy="replace",
-            )
-        if name == "script_next":
-            return AskScript(key=chord, age_us=age_us, stale=stale)
-        make = _SIMPLE.get(name)
-        return make() if make is not None else None
-
-
-_SIMPLE: Mapping[str, Callable[[], AnyRequest]] = {
-    "release": lambda: AskRelease(source="key"),
-    "marker": AskMarker,
-    "mistake_last": AskMistake,
-}
-
-
-def _steps(steps: Steps) -> Mapping[str, tuple[str, Mapping[str, Json]]]:
-    """Id of an arrow key -> verb and arguments. Left, down and forward are positive."""
-    return {
-        "head_up": ("nudge", {"pitch": -steps.head}),
-        "head_down": ("nudge", {"pitch": steps.head}),
-        "head_left": ("nudge", {"yaw": steps.head}),
-        "head_right": ("nudge", {"yaw": -steps.head}),
-        "hip_forward": ("hip", {"pitch": steps.hip}),
-        "hip_back": ("hip", {"pitch": -steps.hip}),
-        "hip_left": ("hip", {"roll": steps.hip}),
-        "hip_right": ("hip", {"roll": -steps.hip}),
-        "drive_forward": ("drive", {"x": steps.drive}),
-        "drive_back": ("drive", {"x": -steps.drive}),
-        "drive_left": ("drive", {"turn": steps.turn}),
-        "drive_right": ("drive", {"turn": -steps.turn}),
-    }
-
-
-#: Id of an arrow key -> the verb that it sends.
-ARROW_VERBS: Mapping[str, str] = {name: verb for name, (verb, _) in _steps(Steps()).items()}
 
 
 def _ignore(chord: str, action: str, ref: int) -> None:

@@ -14,35 +14,6 @@ from woz_tui.console.picture import Picture
 from woz_tui.console.robot.stopping import confirmed_words, missing_row
 from woz_tui.console.script import script_row
 
-#: Keys named on the lowest line, as far as there is room: id and word.
-_HINTS = (
-    ("stop", "stop"),
-    ("script_next", "script"),
-    ("say", "say"),
-    ("find", "find"),
-    ("help", "keys"),
-    ("robot", "robot"),
-    ("marker", "mark"),
-    ("note", "note"),
-    ("mistake_last", "mistake"),
-    ("move", "gesture"),
-    ("camera", "camera"),
-    ("panel_next", "panel"),
-    ("leave", "leave"),
-)
-
-
-#: Those of a whole robot, and the one of a script, are named where there is such a thing.
-_ROBOTS = ("robot", "move", "camera")
-
-
-def hints(picture: Picture) -> list[tuple[str, str]]:
-    """Keys worth naming in this session: id and word, the most important first."""
-    idle = () if picture.robot_outlines else _ROBOTS
-    if picture.welcomed and not picture.script:
-        idle = (*idle, "script_next")
-    return [(name, word) for name, word in _HINTS if name not in idle]
-
 
 @dataclass(frozen=True, slots=True)
 class News:

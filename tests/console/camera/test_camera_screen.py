@@ -72,7 +72,7 @@ async def watching(
 
 async def opened(seat: Sitting) -> None:
     """Open the screen."""
-    seat.console.desk.do("camera")
+    seat.console.do("camera")
     await seat.until(lambda: bool(dialog(seat).query("#camera-words")), "the camera's screen")
     await seat.settle()
 

@@ -12,7 +12,7 @@ from tests.console.robot import pepper
 from tests.console.robot.screen import choose, line, opened, verbs
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
-from woz_tui.console.replay.keys import KEYS
+from woz_tui.console.replay.commands import COMMANDS
 from woz_tui.console.screens.robot import RobotDialog
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -207,12 +207,12 @@ async def test_in_a_replay_it_is_only_looked_at() -> None:
 
 
 def test_a_replay_has_its_key() -> None:
-    assert {item.id: item.chord for item in KEYS}["robot"] == "@"
+    assert {item.name: item.keys[0].chord for item in COMMANDS}["robot"] == "@"
 
 
 async def test_a_painting_may_come_at_any_moment_of_its_opening() -> None:
     async with sitting(pepper.welcome(pepper.shown())) as seat:
-        seat.console.desk.do("robot")
+        seat.console.do("robot")
         for _ in range(100):
             seat.console.paint()
             seat.console.post_message(Key("pagedown", None))

@@ -10,29 +10,17 @@ from typing import Any
 from woz_tui.console.app import BEAT, FLASH_S, NEWS_S, Console
 from woz_tui.console.caps import cap_of
 from woz_tui.console.feed import Feed, Incoming
+from woz_tui.console.figures import elapsed
 from woz_tui.console.inbox import Inbox
-from woz_tui.console.replay.desk import ReplayDesk
-from woz_tui.console.replay.keys import KEYS, ReplayKeyboard
+from woz_tui.console.replay.commands import COMMANDS, ReplayKeyboard
 from woz_tui.console.replay.timeline import TimeBar
 from woz_tui.console.surface import Surface
 from woz_tui.core.messages import ActionRequested
-from woz_tui.core.requests import Welcome
+from woz_tui.core.requests import Reply, Welcome
 from woz_tui.experiment.keymap import key_map
 
 #: Beats between two paintings up to a rate.
 PACES = ((2.0, 1), (4.0, 2), (8.0, 3), (math.inf, 4))
-#: Keys named in the lowest line where there is room: id and word.
-HINTS = (
-    ("pause", "pause"),
-    ("step", "step"),
-    ("slower", "slower"),
-    ("faster", "faster"),
-    ("back", "5 s back"),
-    ("on", "5 s on"),
-    ("go", "go to"),
-    ("help", "keys"),
-    ("leave", "leave"),
-)
 #: Who pressed, where a cap lights up.
 _HANDS = frozenset({"key", "script", "palette", "midi", "program"})
 
@@ -63,8 +51,7 @@ class ReplayConsole(Console):
     """
 
     def __init__(self, feed: Feed, keyboard: ReplayKeyboard, **options: Any) -> None:
-        super().__init__(feed, keyboard, builtins=KEYS, **options)
-        self.desk = ReplayDesk(self)
+        super().__init__(feed, keyboard, commands=COMMANDS, **options)
         self._inbox: _Inbox = _Inbox(self._wake)
         self._surface = Surface(bar=TimeBar())
         self._panels = self._surface.panels
@@ -105,8 +92,15 @@ class ReplayConsole(Console):
         """The first time it says how to go on."""
         if not self._greeted:
             self._greeted = True
-            words = (f"{self._key(name)} {word}" for name, word in HINTS if self._key(name))
-            self.news("  ".join(words))
+            self.news("  ".join(f"{key} {word}" for key, word in self._hints()))
+
+    def _replied(self, reply: Reply) -> None:
+        """A step says which line it came to."""
+        told = reply.data
+        if reply.ok and isinstance(told, dict) and isinstance(told.get("t"), int):
+            t = int(told["t"])
+            self.news(f"{elapsed(t)}.{t % 1_000_000 // 1000:03} {told.get('kind', '')}")
+        super()._replied(reply)
 
     def _adopt(self) -> None:
         """Caps show the session's keys; the keyboard has those of the replay."""
@@ -114,11 +108,8 @@ class ReplayConsole(Console):
         played = key_map(picture.panels, self.terminal, picture.keyboard)
         self.caps = {name: cap_of(found) for name, found in played.actions.items()}
         self._panels.bear(self.caps)
-        self.keymap = key_map((), self.terminal, picture.keyboard, self.builtins)
-        self.keyboard.bind({}, self.keymap.builtin_table)
-
-    def _hints(self) -> tuple[tuple[str, str], ...]:
-        return tuple((self._key(name), word) for name, word in HINTS if self._key(name))
+        self.keymap = key_map((), self.terminal, picture.keyboard, self._builtins)
+        self.keyboard.bind({}, self._own_keys())
 
     def _stopping(self) -> None:
         """Every dialog closes, as in a session; there is nothing to stop."""

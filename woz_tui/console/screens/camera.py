@@ -74,8 +74,8 @@ class CameraDialog(Dialog):
         app = self.console_app
         if app.pictures == "off" or self.picture.role == "replay":
             return
-        plain = self.glyphs.ascii or app.no_color
-        depth = depth_of(app.console.color_system, plain=plain)
+        plain = self.glyphs.ascii or self.app.no_color
+        depth = depth_of(self.app.console.color_system, plain=plain)
         means = Means(depth, app.side, app.terminal.multiplexer)
         self._view = view_for(app.pictures, means)
         self._watching = Watching(self.desk.ask_picture, app.clock, app.side, self._draw)

@@ -6,8 +6,9 @@ is there again when the dialog is opened the next time. ctrl+q closes without st
 
 from __future__ import annotations
 
-from collections.abc import Iterable
-from typing import TYPE_CHECKING, ClassVar, cast
+from collections.abc import Callable, Iterable, Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, ClassVar, Protocol, cast
 
 from rich.console import RenderableType
 from textual.app import ComposeResult
@@ -23,14 +24,134 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, hung
 from woz_tui.console.thrift import ThriftyScreen
-from woz_tui.core.requests import Reply
+from woz_tui.core.requests import AnyRequest, Reply
+from woz_tui.experiment.builtins import Builtin
 
 if TYPE_CHECKING:
-    from woz_tui.console.app import Console
+    from woz_tui.console.camera.side import Side
+    from woz_tui.console.caps import Cap
     from woz_tui.console.desk import Desk
+    from woz_tui.console.feed import Feed
     from woz_tui.console.glyphs import Glyphs
-    from woz_tui.console.keyboard import Keyboard
+    from woz_tui.console.keyboard import Keyboard, Press
+    from woz_tui.console.look import Look
     from woz_tui.console.picture import Picture
+    from woz_tui.core.clock import Clock
+    from woz_tui.experiment.keymap import KeyMap
+    from woz_tui.experiment.terminals import Terminal
+
+#: Whom a command serves: the console that plays the robot; also one that watches; also a replay;
+#: a replay alone.
+WIZARD = frozenset({"wizard"})
+WATCHER = WIZARD | {"watcher"}
+EVERYBODY = WATCHER | {"replay"}
+REPLAY = frozenset({"replay"})
+
+
+@dataclass(frozen=True, slots=True)
+class Hint:
+    """A key's word in the lowest line, where `worth` says so; the lower `rank`, the earlier."""
+
+    rank: int
+    word: str
+    worth: Callable[[Picture], bool] = lambda picture: True
+
+
+@dataclass(frozen=True, slots=True)
+class Command:
+    """One thing the console does, beside playing the experiment's actions.
+
+    `run` carries it out; `sends` makes the request that goes out from the thread that reads keys.
+
+    Args:
+        keys: As they are without a keymap file; one without a chord is in the palette only. The
+            first gives the command its name and the words of help and palette.
+        verb: Some driver must offer it; empty: no verb is needed.
+        hint: How the lowest line names it; None: not at all.
+        found: Whether the palette lists it.
+        opens: Whether it may open a dialog: keys pressed behind it then wait for the screen.
+        users: The roles it serves.
+    """
+
+    keys: tuple[Builtin, ...]
+    run: Callable[[ConsoleApp], object] | None = None
+    sends: Callable[[Press], AnyRequest] | None = None
+    verb: str = ""
+    hint: Hint | None = None
+    found: bool = True
+    opens: bool = True
+    users: frozenset[str] = WIZARD
+
+    @property
+    def name(self) -> str:
+        """Its id."""
+        return self.keys[0].id
+
+    @property
+    def words(self) -> str:
+        """What it does."""
+        return self.keys[0].description
+
+    def serves(self, role: str) -> bool:
+        """Whether it does something for this role; one that is not known yet is the wizard's."""
+        return (role if role in EVERYBODY else "wizard") in self.users
+
+
+class ConsoleApp(Protocol):
+    """What dialogs and commands may use of the app."""
+
+    picture: Picture
+    feed: Feed
+    desk: Desk
+    keyboard: Keyboard
+    clock: Clock
+    look: Look
+    theme: str
+    terminal: Terminal
+    #: Commands by the ids of their keys; all keys as they are bound now; the caps of actions.
+    commands: Mapping[str, Command]
+    keymap: KeyMap
+    caps: Mapping[str, Cap]
+    #: How a camera's pictures are drawn, and what they need to know of the terminal.
+    pictures: str
+    side: Side | None
+    #: Starts the robot process again after it was lost; None if nobody can.
+    restart: Callable[[], None] | None
+
+    @property
+    def dialog(self) -> Dialog | None:
+        """The dialog on top."""
+
+    def open_dialog(self, dialog: Dialog) -> None:
+        """Put it on top."""
+
+    def close_dialog(self, dialog: Dialog | None = None) -> None:
+        """Close `dialog`, or whichever is on top."""
+
+    def give_keys(self) -> None:
+        """The dialog on top has other keys of its own than before."""
+
+    def do(self, name: str) -> None:
+        """Carry out a command."""
+
+    def key_of(self, name: str) -> str:
+        """The key to press for a command; empty: it has none."""
+
+    def news(self, text: str, look: str = "muted") -> None:
+        """Say a sentence above the hints."""
+
+    def paint(self) -> None:
+        """Show what has changed."""
+
+    def walk(self, by: int) -> None:
+        """Choose another panel."""
+
+    def refresh(self, *, layout: bool = False) -> object:
+        """Draw every cell again."""
+
+    def exit(self, result: str | None = None) -> None:
+        """Leave the console: `ended`, `detached`, `lost`, `left`."""
+
 
 _STYLES = {
     "plain": "",
@@ -69,16 +190,16 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
     hint: ClassVar[str] = "ctrl+q closes"
     wide: ClassVar[bool] = False
     #: Whether the robot is played while it is open; it then has no keys of its own but these, in
-    #: the normal form of keys. Whoever changes them calls `give_keys`.
+    #: the normal form of keys. Whoever changes them calls the app's `give_keys`.
     plays: ClassVar[bool] = False
     own_keys: frozenset[str] = frozenset()
     #: Id of the console's key that opens it, and closes it where the robot is played meanwhile.
     opened_by: ClassVar[str] = ""
 
     @property
-    def console_app(self) -> Console:
-        """The app, with its own type."""
-        return cast("Console", self.app)
+    def console_app(self) -> ConsoleApp:
+        """What a dialog may use of the app."""
+        return cast("ConsoleApp", self.app)
 
     @property
     def desk(self) -> Desk:
@@ -122,12 +243,6 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
 
     def displayed(self, update: RenderableType | None) -> None:
         """Called after each writing to the terminal; for what is drawn beside Textual."""
-
-
-def give_keys(keyboard: Keyboard, top: Dialog | None) -> None:
-    """Whom the keys belong to while `top` is the dialog on top; None: all to the robot."""
-    keyboard.kept = frozenset() if top is None else top.own_keys
-    keyboard.free = top is None or top.plays
 
 
 class Hung(Visual):

@@ -15,8 +15,8 @@ from woz_tui.console.engagement.hand import BY_KEY, KEYS
 from woz_tui.console.engagement.legend import legend_rows
 from woz_tui.console.engagement.whole import whole_rows
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.screens.dialog import give_keys
 from woz_tui.console.screens.drawing import Drawing
+from woz_tui.console.screens.orders import steer
 from woz_tui.experiment.textual_names import from_textual
 from woz_tui.experiment.verbs import ENGAGEMENT
 
@@ -80,12 +80,12 @@ class EngagementDialog(Drawing):
             if self.count():
                 self._take_in_hand(not self._steers)
         elif self._steers and chord in BY_KEY:
-            self.desk.steer(BY_KEY[chord], chord)
+            steer(self.console_app, BY_KEY[chord], chord)
 
     def _take_in_hand(self, steers: bool) -> None:
         self._steers = steers
         self.own_keys = _TAKE | KEYS if steers else _TAKE
-        give_keys(self.console_app.keyboard, self)
+        self.console_app.give_keys()
         for box in self.query(".dialog"):
             box.border_subtitle = self.glyphs.plain(_HINTS[steers])
             box.set_class(steers, "-steers")

@@ -8,7 +8,18 @@ from textual.binding import Binding, BindingType
 
 from woz_tui.console.cells import Row
 from woz_tui.console.figures import elapsed
-from woz_tui.console.screens.dialog import Report
+from woz_tui.console.screens.dialog import ConsoleApp, Report
+from woz_tui.console.screens.lost import open_lost
+
+
+def open_failures(app: ConsoleApp) -> None:
+    """Show failures; on a lost connection, what can be done."""
+    if app.picture.lost:
+        open_lost(app)
+    elif app.picture.unseen():
+        app.open_dialog(FailuresDialog())
+    else:
+        app.news("nothing has failed that you have not seen")
 
 
 class FailuresDialog(Report):

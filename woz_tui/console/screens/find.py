@@ -20,18 +20,11 @@ from woz_tui.console.cells import clean, fit
 from woz_tui.console.engagement.hand import ORDERS, is_offered
 from woz_tui.console.robot.orders import orders_of
 from woz_tui.console.screens.dialog import Entry
+from woz_tui.console.screens.orders import steer
 from woz_tui.core.requests import AskLock, AskVerb
 
 #: Cells for a key and for a name.
 KEY, LABEL = 7, 38
-#: Without a key of their own.
-COLOURS = {
-    "dark": "dark colours",
-    "light": "light colours",
-    "sixteen": "the terminal's own sixteen colours",
-}
-#: Keys that would open this very dialog, or that only make sense as keys.
-_LEFT_OUT = ("stop", "find", "release", "head", "drive", "hip", "script_next", "mistake_last")
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,12 +102,12 @@ class FindDialog(Entry):
         """What the hand may do to the engagement model, in a session that has one."""
         if is_offered(self.picture.engaged, self.picture.verbs):
             for order in ORDERS:
-                do = functools.partial(self.desk.steer, order)
+                do = functools.partial(steer, self.console_app, order)
                 yield Find(order.text, "", "engagement", do, order.text)
 
     def _robots(self) -> Iterable[Find]:
         """What a robot can do that needs no button."""
-        key = self.desk.key_of("find")
+        key = self.console_app.key_of("find")
         for driver, order in orders_of(self.picture):
             args = dict(order.args)
             request = AskVerb(verb=order.verb, args=args, on=driver, source="key", key=key)
@@ -123,13 +116,10 @@ class FindDialog(Entry):
 
     def _commands(self) -> Iterable[Find]:
         app = self.console_app
-        texts = {item.id: item.description for item in app.builtins}
-        for name, text in (texts | COLOURS).items():
-            if not name.startswith(_LEFT_OUT):
-                found = app.keymap.builtins.get(name)
-                key = key_name(found.press, self.glyphs) if found is not None else ""
-                do = functools.partial(self.desk.do, name)
-                yield Find(text, key, "console", do, text)
+        for name, command in app.commands.items():
+            if name == command.name and command.found and command.serves(self.picture.role):
+                key, words = key_name(app.key_of(name), self.glyphs), command.words
+                yield Find(words, key, "console", functools.partial(app.do, name), words)
 
     def on_input_changed(self, event: Input.Changed) -> None:
         """Narrow the list."""

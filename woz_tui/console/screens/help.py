@@ -5,7 +5,6 @@ from __future__ import annotations
 from woz_tui.console.caps import Cap, cap_of, caption, key_name
 from woz_tui.console.cells import Row, fit
 from woz_tui.console.engagement.hand import ORDERS, is_offered
-from woz_tui.console.keyboard import ARROW_VERBS
 from woz_tui.console.screens.dialog import Report
 
 KEY = 8
@@ -28,12 +27,13 @@ class HelpDialog(Report):
         """Key and meaning, one a line."""
         rows: list[Row] = [((_SIGNS, "muted"),), (), (("Console", "title"),)]
         offered = {verb for verbs in self.picture.verbs.values() for verb in verbs}
-        for item in self.console_app.builtins:
-            if ARROW_VERBS.get(item.id, "") not in {"", *offered}:
-                continue
-            found = self.console_app.keymap.builtins.get(item.id)
-            if found is not None:
-                rows += self._key(cap_of(found), found.wanted, item.description, "")
+        bound = self.console_app.keymap.builtins
+        for command in dict.fromkeys(self.console_app.commands.values()):
+            if command.verb in {"", *offered}:
+                note = "" if command.serves(self.picture.role) else "for who plays the robot"
+                for key in command.keys:
+                    if (found := bound.get(key.id)) is not None:
+                        rows += self._key(cap_of(found), found.wanted, key.description, note)
         rows += self._by_hand()
         for panel in self.picture.panels:
             locked = "  locked" if self.picture.is_locked(panel) else ""
@@ -47,8 +47,8 @@ class HelpDialog(Report):
         """Keys of the engagement model, in a session that has one."""
         if not is_offered(self.picture.engaged, self.picture.verbs):
             return []
-        key = self.console_app.keymap.builtins.get("engagement")
-        opens = f"after {key_name(key.press, self.glyphs)} and Tab" if key is not None else ""
+        key = self.console_app.key_of("engagement")
+        opens = f"after {key_name(key, self.glyphs)} and Tab" if key else ""
         rows: list[Row] = [(), (("Engagement by hand", "title"), (f"  {opens}", "muted"))]
         for order in ORDERS:
             text = order.text.removeprefix("engagement: ")

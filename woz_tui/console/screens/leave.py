@@ -8,6 +8,7 @@ from textual.content import Content
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.trial import OfferDialog
 from woz_tui.console.study.picture import Study
 
 
@@ -40,7 +41,7 @@ class LeaveDialog(Choice):
         if index == 1:
             self.console_app.exit("detached")
         elif index == 2 and due and self.picture.role == "wizard":
-            self.desk.offer(due[0], self.desk.end_session)
+            self.console_app.open_dialog(OfferDialog(due[0], self.desk.end_session))
         elif index == 2:
             self.desk.end_session()
 

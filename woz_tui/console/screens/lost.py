@@ -8,6 +8,19 @@ from textual.content import Content
 
 from woz_tui.console.cells import Row
 from woz_tui.console.screens.choice import Choice
+from woz_tui.console.screens.dialog import ConsoleApp
+
+
+def open_lost(app: ConsoleApp) -> None:
+    """The robot process is gone: say so and offer what can be done."""
+    if not app.desk.ending:
+        app.open_dialog(EndedDialog() if app.picture.ended else LostDialog())
+
+
+def close_lost(app: ConsoleApp) -> None:
+    """The robot process is back: nothing to choose any more."""
+    if isinstance(app.dialog, LostDialog):
+        app.close_dialog()
 
 
 class LostDialog(Choice):

@@ -13,7 +13,7 @@ from textual.widgets import Input, Static
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.picture import Picture
 from woz_tui.console.robot.names import begin_with, holding, meant
-from woz_tui.console.screens.dialog import Entry, content, plain
+from woz_tui.console.screens.dialog import ConsoleApp, Entry, content, plain
 
 #: Lines of matching names under the field.
 MATCHES = 8
@@ -28,6 +28,14 @@ def known_moves(picture: Picture, driver: str) -> list[str]:
     """Names that the driver is known to play; it may play others."""
     outline = picture.robot_outlines.get(driver)
     return outline.moves if outline is not None else []
+
+
+def open_move(app: ConsoleApp) -> None:
+    """Type an animation, where one can be played."""
+    if players(app.picture):
+        app.open_dialog(MoveDialog())
+    else:
+        app.news("no driver of this session plays animations")
 
 
 class _Completer(Suggester):
@@ -108,7 +116,8 @@ class MoveDialog(Entry):
         event.stop()
         name = event.value.strip()
         if name:
-            self.desk.move(meant(name, self._names), self._driver)
+            key = self.console_app.key_of("move")
+            self.desk.move(meant(name, self._names), self._driver, key)
         self.sent()
 
     def action_complete(self) -> None:

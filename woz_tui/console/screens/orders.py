@@ -9,10 +9,10 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.engagement.hand import Order, needs_name, verb, ways
+from woz_tui.console.engagement.hand import Order, is_offered, needs_name, request, verb, ways
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.screens.choice import Choice
-from woz_tui.console.screens.dialog import Dialog, Entry, Form, content, plain
+from woz_tui.console.screens.dialog import ConsoleApp, Dialog, Entry, Form, content, plain
 
 #: Cells of an outcome in the list.
 _OUTCOME = 16
@@ -29,6 +29,19 @@ def asked(order: Order, engaged: Engaged, key: str = "") -> Dialog | None:
     if order.id == "visitor" or (order.id == "greeted" and needs_name(engaged)):
         return VisitorDialog(key)
     return None
+
+
+def steer(app: ConsoleApp, order: Order, key: str = "") -> None:
+    """The wizard's hand on the engagement model; some orders ask for more first."""
+    engaged = app.picture.engaged
+    if not is_offered(engaged, app.picture.verbs):
+        app.news("this session has no engagement model")
+        return
+    dialog = asked(order, engaged, key)
+    if dialog is not None:
+        app.open_dialog(dialog)
+    else:
+        app.desk.ask(request(order, engaged, key))
 
 
 class ForceDialog(Choice):

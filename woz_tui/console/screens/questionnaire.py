@@ -8,6 +8,7 @@ from textual.app import ComposeResult
 from textual.widget import Widget
 
 from woz_tui.console.screens.dialog import Dialog
+from woz_tui.console.screens.trial import offer_due
 from woz_tui.console.study.sheet import Sheet
 
 #: The hint beneath the keys.
@@ -44,4 +45,4 @@ class QuestionnaireDialog(Dialog):
     def _over(self) -> None:
         """What is to be asked behind it is offered."""
         self.leave()
-        self.desk.offer_due()
+        offer_due(self.console_app)

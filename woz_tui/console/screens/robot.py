@@ -23,7 +23,7 @@ from woz_tui.console.robot.swatch import Swatches
 from woz_tui.console.robot.trouble import is_stale
 from woz_tui.console.robot.values import WrongValue, about, next_value, typed_value, value_text
 from woz_tui.console.robot.view import Viewer
-from woz_tui.console.screens.dialog import Entry, give_keys, plain
+from woz_tui.console.screens.dialog import Entry, plain
 from woz_tui.console.screens.drawing import Drawing
 from woz_tui.core.messages import Json
 from woz_tui.experiment.textual_names import from_textual
@@ -61,12 +61,12 @@ class RobotDialog(Drawing):
         else:
             self._only_look()
         self._line = self._first_line()
-        give_keys(app.keyboard, app.dialog)
+        app.give_keys()
 
     @cached_property
     def _hand(self) -> Hand:
         """Made when it is first needed: a painting may come before the mounting."""
-        key = self.desk.key_of("robot")
+        key = self.console_app.key_of("robot")
         return Hand(self.picture, self.desk.ask, self.desk.refused, key, watched=lambda: self._open)
 
     @cached_property
@@ -127,7 +127,7 @@ class RobotDialog(Drawing):
         view = self._viewer.see(driver, outline, frame.now)
         self._line = min(self._line, max(0, len(view.lines) - 1))
         self._top = scrolled(view.lines, self._line, self._top, frame)
-        colours = not (self.console_app.no_color or self.console_app.has_class("-sixteen"))
+        colours = not (self.app.no_color or self.app.has_class("-sixteen"))
         place = Place(self._line, self._top, chosen, self.count(), colours)
         return settings_rows(view, place, frame)
 

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 from textual import events
 from textual.content import Content
@@ -15,13 +14,10 @@ from textual.widgets.option_list import Option
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.figures import elapsed
 from woz_tui.console.screens.choice import Choice
-from woz_tui.console.screens.dialog import Dialog, content
+from woz_tui.console.screens.dialog import ConsoleApp, Dialog, content
 from woz_tui.console.study.picture import Study
 from woz_tui.core.requests import AskQuestionnaire, AskTrial, Reply
 from woz_tui.experiment.due import OVER
-
-if TYPE_CHECKING:
-    from woz_tui.console.desk import Desk
 
 #: Questionnaires that have a digit of their own.
 _NUMBERED = 9
@@ -33,7 +29,7 @@ class Step:
 
     key: str
     text: str
-    do: Callable[[Desk, str], None]
+    do: Callable[[ConsoleApp, str], None]
     asks: bool = False
 
 
@@ -105,7 +101,7 @@ class TrialDialog(Dialog):
     def _take(self, step: Step) -> None:
         if not step.asks:
             self.leave()
-            step.do(self.desk, "")
+            step.do(self.console_app, "")
             return
         self._asking = step
         for choices in self.query("#choices").results(OptionList):
@@ -124,7 +120,7 @@ class TrialDialog(Dialog):
         event.stop()
         if self._asking is not None:
             self.leave()
-            self._asking.do(self.desk, event.value.strip())
+            self._asking.do(self.console_app, event.value.strip())
 
 
 class OfferDialog(Choice):
@@ -149,8 +145,8 @@ class OfferDialog(Choice):
         """Where to ask it."""
         elsewhere = bool(self.picture.study.participants)
         self._ways: list[Callable[[], None]] = [
-            lambda: begin(self.desk, self._asked, here=True),
-            *([lambda: begin(self.desk, self._asked, here=False)] if elsewhere else []),
+            lambda: begin(self.console_app, self._asked, here=True),
+            *([lambda: begin(self.console_app, self._asked, here=False)] if elsewhere else []),
             self._otherwise or (lambda: None),
         ]
         words = ["Ask it here", *(["At the participant's terminal"] if elsewhere else [])]
@@ -169,7 +165,7 @@ def steps(study: Study) -> list[Step]:
     found: list[Step] = []
     if study.asked is not None:
         title = study.asked.questionnaire.heading
-        found.append(Step("q", f"go on with: {title}", lambda desk, why: desk.do_questionnaire()))
+        found.append(Step("q", f"go on with: {title}", lambda app, why: app.do("questionnaire")))
         found.append(Step("l", "leave it unfinished", _leave(study.asked.name)))
     elif study.due:
         found.append(Step("q", f"ask: {_title(study, study.due[0])}", _offer(study.due[0])))
@@ -224,16 +220,16 @@ def order_row(order: Iterable[str], present: str, here: str) -> Row:
     return row
 
 
-def begin(desk: Desk, name: str, *, here: bool) -> None:
+def begin(app: ConsoleApp, name: str, *, here: bool) -> None:
     """Put a questionnaire to the participant, at this terminal or at theirs."""
 
     def answered(reply: Reply) -> None:
         if not reply.ok:
-            desk.refused(reply)
+            app.desk.refused(reply)
         elif here:
-            desk.do_questionnaire()
+            app.do("questionnaire")
 
-    desk.ask(AskQuestionnaire(questionnaire=name), answered)
+    app.desk.ask(AskQuestionnaire(questionnaire=name), answered)
 
 
 def _title(study: Study, name: str) -> str:
@@ -241,17 +237,30 @@ def _title(study: Study, name: str) -> str:
     return fit(one.heading, min(50, len(one.heading))) if one is not None else name
 
 
-def _offer(name: str) -> Callable[[Desk, str], None]:
-    return lambda desk, why: desk.offer(name)
+def offer_due(app: ConsoleApp) -> None:
+    """Offer what is to be asked now, if anything is and nothing is being asked."""
+    study = app.picture.study
+    if study.due and study.asked is None:
+        app.open_dialog(OfferDialog(study.due[0]))
 
 
-def _leave(name: str) -> Callable[[Desk, str], None]:
-    return lambda desk, why: desk.ask(AskQuestionnaire(questionnaire=name, what="left"))
+def _offer(name: str) -> Callable[[ConsoleApp, str], None]:
+    return lambda app, why: app.open_dialog(OfferDialog(name))
 
 
-def _trial(what: str) -> Callable[[Desk, str], None]:
-    def do(desk: Desk, why: str) -> None:
+def _leave(name: str) -> Callable[[ConsoleApp, str], None]:
+    return lambda app, why: app.desk.ask(AskQuestionnaire(questionnaire=name, what="left"))
+
+
+def _trial(what: str) -> Callable[[ConsoleApp, str], None]:
+    def do(app: ConsoleApp, why: str) -> None:
+        def over(reply: Reply) -> None:
+            if not reply.ok:
+                app.desk.refused(reply)
+            else:
+                offer_due(app)
+
         request = AskTrial(what=what, text=why)  # type: ignore[arg-type]
-        desk.ask(request, desk.trial_over if what in OVER else None)
+        app.desk.ask(request, over if what in OVER else None)
 
     return do

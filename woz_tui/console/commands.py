@@ -1,0 +1,209 @@
+"""What the wizard can do beside playing actions: a row for each command of the console.
+
+Its keys stand in `experiment/builtins.py`, because experiments may not take them. Help, palette,
+lowest line and keyboard read these rows; `replay/commands.py` has those of a replay.
+
+Dialogs are imported when they are first opened: the first painting does not wait for them.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping
+from pkgutil import resolve_name
+from typing import Any
+
+from woz_tui.console.keyboard import Press, Steps
+from woz_tui.console.picture import Picture
+from woz_tui.console.screens.dialog import (
+    EVERYBODY,
+    WATCHER,
+    Command,
+    ConsoleApp,
+    Hint,
+)
+from woz_tui.core.messages import Json
+from woz_tui.core.requests import (
+    AskCancel,
+    AskMarker,
+    AskMistake,
+    AskRelease,
+    AskScript,
+    AskVerb,
+)
+from woz_tui.experiment.builtins import Builtin, builtin
+
+Run = Callable[[ConsoleApp], object]
+
+
+def opens(dialog: str) -> Run:
+    """Open the dialog `module:Class` of this package."""
+    return lambda app: app.open_dialog(resolve_name(f"{__package__}.{dialog}")())
+
+
+def calls(function: str) -> Run:
+    """Call the function `module:name` of this package with the app."""
+
+    def run(app: ConsoleApp) -> None:
+        resolve_name(f"{__package__}.{function}")(app)
+
+    return run
+
+
+def by_key(commands: Iterable[Command]) -> dict[str, Command]:
+    """Commands by the ids of all their keys."""
+    return {key.id: command for command in commands for key in command.keys}
+
+
+def hints(picture: Picture, commands: Mapping[str, Command]) -> list[tuple[str, str]]:
+    """Keys worth naming in this session: id and word, the most important first."""
+    named = sorted(
+        (command.hint.rank, name, command.hint.word)
+        for name, command in commands.items()
+        if name == command.name and command.hint is not None
+        if command.hint.worth(picture) and command.serves(picture.role)
+    )
+    return [(name, word) for _, name, word in named]
+
+
+def _row(ids: str, run: Run | None = None, **more: Any) -> Command:
+    keys = tuple(key for name in ids.split() if (key := builtin(name)) is not None)
+    return Command(keys, run, **more)
+
+
+def _has_robot(picture: Picture) -> bool:
+    return bool(picture.robot_outlines)
+
+
+def _has_script(picture: Picture) -> bool:
+    return bool(picture.script) or not picture.welcomed
+
+
+def _arrow(name: str, verb: str, args: Callable[[Steps], Mapping[str, Json]]) -> Command:
+    """An arrow key. Left, down and forward are positive."""
+
+    def ask(press: Press) -> AskVerb:
+        return AskVerb(
+            verb=verb,
+            args=dict(args(press.steps)),
+            source="key",
+            key=press.key,
+            age_us=press.age_us,
+            stale=press.stale,
+            # A key held down moves on smoothly and leaves no steps behind when let go.
+            when_busy="replace",
+        )
+
+    return _row(name, sends=ask, verb=verb, found=False)
+
+
+def _script(by: int) -> Run:
+    """So many lines on without playing."""
+
+    def run(app: ConsoleApp) -> None:
+        to = app.picture.position + by
+        if 0 <= to <= len(app.picture.script):
+            app.desk.ask(AskScript(play=False, to=to))
+
+    return run
+
+
+def _play_script(press: Press) -> AskScript:
+    return AskScript(key=press.key, age_us=press.age_us, stale=press.stale)
+
+
+def _cut(app: ConsoleApp) -> None:
+    """Cut the last run short."""
+    active = app.picture.runs.active
+    if active:
+        app.desk.ask(AskCancel(run=next(reversed(active))))
+    else:
+        app.news("nothing is being played")
+
+
+def _suspend(app: ConsoleApp) -> None:
+    if app.keyboard.on_suspend is not None:
+        app.keyboard.on_suspend()
+
+
+def _colours(name: str, theme: str, words: str) -> Command:
+    def run(app: ConsoleApp) -> None:
+        app.theme = theme
+
+    return Command((Builtin(name, "", words),), run, users=WATCHER)
+
+
+COMMANDS = (
+    _row("stop stop_too", found=False, hint=Hint(1, "stop"), users=WATCHER),
+    _row("release", sends=lambda press: AskRelease(source="key"), found=False),
+    _row("script_next", sends=_play_script, found=False, hint=Hint(2, "script", _has_script)),
+    _row("script_back", _script(-1), opens=False),
+    _row("script_on", _script(1), opens=False),
+    _row("say", opens("screens.say:SayDialog"), hint=Hint(3, "say")),
+    _row(
+        "find find_too",
+        opens("screens.find:FindDialog"),
+        found=False,
+        hint=Hint(4, "find"),
+        users=WATCHER,
+    ),
+    _row("marker", sends=lambda press: AskMarker(), hint=Hint(7, "mark"), users=WATCHER),
+    _row("note", opens("screens.note:NoteDialog"), hint=Hint(8, "note"), users=WATCHER),
+    _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=Hint(9, "mistake")),
+    _row("mistake", opens("screens.mistake:MistakeDialog")),
+    _row("cut", _cut, opens=False),
+    _row("failures", calls("screens.failures:open_failures"), users=EVERYBODY),
+    _row(
+        "panel_next",
+        lambda app: app.walk(1),
+        opens=False,
+        hint=Hint(12, "panel"),
+        users=EVERYBODY,
+    ),
+    _row("panel_back", lambda app: app.walk(-1), opens=False, users=EVERYBODY),
+    _arrow("head_up", "nudge", lambda steps: {"pitch": -steps.head}),
+    _arrow("head_down", "nudge", lambda steps: {"pitch": steps.head}),
+    _arrow("head_left", "nudge", lambda steps: {"yaw": steps.head}),
+    _arrow("head_right", "nudge", lambda steps: {"yaw": -steps.head}),
+    _arrow("drive_forward", "drive", lambda steps: {"x": steps.drive}),
+    _arrow("drive_back", "drive", lambda steps: {"x": -steps.drive}),
+    _arrow("drive_left", "drive", lambda steps: {"turn": steps.turn}),
+    _arrow("drive_right", "drive", lambda steps: {"turn": -steps.turn}),
+    _arrow("hip_forward", "hip", lambda steps: {"pitch": steps.hip}),
+    _arrow("hip_back", "hip", lambda steps: {"pitch": -steps.hip}),
+    _arrow("hip_left", "hip", lambda steps: {"roll": steps.hip}),
+    _arrow("hip_right", "hip", lambda steps: {"roll": -steps.hip}),
+    _row("start", opens("screens.start:StartDialog")),
+    _row("trial", opens("screens.trial:TrialDialog"), users=WATCHER),
+    _row("preflight", opens("screens.preflight:PreflightDialog"), users=WATCHER),
+    _row("reload", opens("screens.reload:ReloadDialog")),
+    _row("drivers", opens("screens.drivers:DriversDialog"), users=EVERYBODY),
+    _row("body", opens("screens.body:BodyDialog"), users=EVERYBODY),
+    _row("knobs", opens("screens.knobs:KnobsDialog"), users=EVERYBODY),
+    _row("engagement", opens("screens.engagement:EngagementDialog"), users=WATCHER),
+    _row(
+        "robot",
+        opens("screens.robot:RobotDialog"),
+        hint=Hint(6, "robot", _has_robot),
+        users=EVERYBODY,
+    ),
+    _row("move", calls("screens.move:open_move"), hint=Hint(10, "gesture", _has_robot)),
+    _row(
+        "camera",
+        opens("screens.camera:CameraDialog"),
+        hint=Hint(11, "camera", _has_robot),
+        users=WATCHER,
+    ),
+    _row("profile", opens("screens.profile:ProfileDialog"), users=WATCHER),
+    _row("redraw", lambda app: app.refresh(layout=True), opens=False, users=EVERYBODY),
+    _row("help", opens("screens.help:HelpDialog"), hint=Hint(5, "keys"), users=WATCHER),
+    _row("suspend", _suspend, users=WATCHER),
+    _row("leave", opens("screens.leave:LeaveDialog"), hint=Hint(13, "leave"), users=WATCHER),
+    Command(
+        (Builtin("questionnaire", "", "go on with the questionnaire that is being asked"),),
+        opens("screens.questionnaire:QuestionnaireDialog"),
+        found=False,
+    ),
+    _colours("dark", "woz-dark", "dark colours"),
+    _colours("light", "woz-light", "light colours"),
+    _colours("sixteen", "woz-16", "the terminal's own sixteen colours"),
+)

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 from tests.console import studied
 from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
-from woz_tui.session.progress import Progress
+from woz_tui.timeline.state import SessionState
 
 WHENS = ("trial", "condition", "end", "hand")
 TRIALS = st.tuples(st.integers(0, 6), st.sampled_from(["done", "aborted", "excluded"]))
@@ -39,9 +39,10 @@ def test_what_is_due_is_the_same_for_both(steps: list[object]) -> None:
         {"name": when, "title": when, "when": when, "items": []} for when in reversed(WHENS)
     ]
     told = studied.told(questionnaires=questionnaires)
-    shown, robot = Study(), Progress(told)
+    shown, robot = Study(), SessionState()
+    robot.study.settings = told
     shown.tell(told)
     for message in (message for step in ["P01", *steps] for message in messages(step)):
         shown.take(message)
-        robot.see(message)
-        assert shown.due == [due.questionnaire for due in robot.due]
+        robot.take(message)
+        assert shown.due == [due.questionnaire for due in robot.study.due]

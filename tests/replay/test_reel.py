@@ -246,7 +246,7 @@ def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
 def test_the_study_of_a_moment_knows_nothing_of_what_comes_next() -> None:
     timed: list[Timed] = [(0, START), (1, PLAN), (2, m.TrialStarted(trial=1)), (9, m.Marker())]
     reel = reel_of(stamped(timed))
-    assert [reel.study(index)["running"] for index in (2, 3, 4)] == [False, True, True]
+    assert [reel.moment(index, 0).study["running"] for index in (2, 3, 4)] == [False, True, True]
 
 
 def test_a_model_that_a_reload_took_away_holds_no_more() -> None:

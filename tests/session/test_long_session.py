@@ -82,21 +82,19 @@ class RandomWizard:
 
     def _ask(self) -> None:
         study = self.stage.session.study
-        asking = study.progress.asking
-        if asking is None:
-            due = [each.questionnaire for each in study.progress.due]
+        current = study.state.questionnaire
+        if current is None or current.started is None:
+            due = [each.questionnaire for each in study.state.due]
             study.questioning.ask(self.chance.choice([*due, "whenever"]), "begin", "wizard")
         elif self.chance.random() < 0.4:
             how = self.chance.choice(["done", "declined", "left"])
-            study.questioning.ask(asking.questionnaire, how, "participant")
+            study.questioning.ask(current.name, how, "participant")
         else:
-            item = self.chance.choice(asking.items)
+            item = self.chance.choice(current.started.items)
             text = "well" if item.get("text") else ""
             value = None if text else float(self.chance.randint(0, 6))
             study.questioning.answer(
-                AskAnswer(
-                    questionnaire=asking.questionnaire, item=item["name"], value=value, text=text
-                )
+                AskAnswer(questionnaire=current.name, item=item["name"], value=value, text=text)
             )
 
 

@@ -11,8 +11,8 @@ from tests.session.studied import on_stage, said
 from woz_tui.core import messages as m
 from woz_tui.core.requests import AskAnswer
 from woz_tui.session.identity import AskError
-from woz_tui.session.progress import Due
 from woz_tui.session.questioning import LONGEST
+from woz_tui.timeline.study import Due
 
 ROUND = (m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded)
 
@@ -38,7 +38,7 @@ def answer(stage: Stage, item: str, value: float | None = None, **rest: object) 
 
 
 def due(stage: Stage) -> list[Due]:
-    return stage.session.study.progress.due
+    return stage.session.study.state.due
 
 
 def test_what_is_due_after_which_trial(tmp_path: Path) -> None:
@@ -154,7 +154,7 @@ def test_what_cannot_be_asked(tmp_path: Path) -> None:
         with pytest.raises(AskError, match="the questionnaire 'ux' is under way"):
             stage.session.study.assign("P01", ["warm", "cold"])
         ask(stage, "ux", "declined")
-        assert "ux" in stage.session.study.progress.had
+        assert "ux" in stage.session.study.state.had
 
     stage = on_stage(tmp_path, scenario)
     assert said(stage, *ROUND) == [
@@ -172,7 +172,9 @@ def test_a_round_that_was_left_stays_due_and_begins_anew(tmp_path: Path) -> None
         ask(stage, "ux", "left")
         assert Due("ux", 2) in due(stage)
         ask(stage, "ux")
-        assert stage.session.study.progress.answers == {}
+        current = stage.session.study.state.questionnaire
+        assert current is not None
+        assert current.answers == {}
         answer(stage, "pleasant", 4)
         ask(stage, "ux", "done")
         ask(stage, "whenever")
@@ -206,7 +208,7 @@ def test_the_next_participant_begins_with_nothing_due(tmp_path: Path) -> None:
         ask(stage, "ux", "begin")
         ask(stage, "ux", "declined")
         stage.session.set("P02")
-        assert (due(stage), stage.session.study.progress.had) == ([], set())
-        assert stage.session.study.progress.trial == 1
+        assert (due(stage), {*stage.session.study.state.had}) == ([], set())
+        assert stage.session.study.state.next_trial == 1
 
     on_stage(tmp_path, scenario)

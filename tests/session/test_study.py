@@ -15,7 +15,7 @@ from woz_tui.experiment.study import Perception, Study
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.preflight import preflight
 from woz_tui.session.runner import Origin
-from woz_tui.session.study_view import standing
+from woz_tui.session.study_view import study_snapshot
 
 KEY = Origin("key", "h", "con1")
 TRIALS = (m.ConditionsAssigned, m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded)
@@ -38,7 +38,7 @@ def test_a_whole_participant(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         study = stage.session.study
         assigned(stage)
-        assert study.progress.planned == 4
+        assert study.state.planned == 4
         for what in ("begin", "done", "begin", "aborted", "begin", "excluded", "break", "resume"):
             study.trial(what, "")
         for _ in range(2):
@@ -216,7 +216,7 @@ def test_participants_of_this_very_session_count(tmp_path: Path) -> None:
         rows = []
         for number in range(1, 5):
             assigned(stage, f"P0{number}")
-            rows.append(stage.session.study.progress.assigned)
+            rows.append(stage.session.study.state.assigned)
         assert [row.row for row in rows if row is not None] == [0, 1, 0, 1]
 
     on_stage(tmp_path, scenario)
@@ -338,8 +338,8 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
             study.check("the door", True, "", "wizard")
         assert "there are the door is shut, the camera" in caught.value.hint
         found = await preflight(stage.session)
-        assert {finding.subject for finding in found} < {*study.progress.checks}
-        assert standing(study.progress)["preflight"] == [
+        assert {finding.subject for finding in found} < {*study.state.checks}
+        assert study_snapshot(study.settings, study.state)["preflight"] == [
             {"check": "the door is shut", "ok": True},
             {"check": "the camera sees the table", "ok": False},
         ]

@@ -12,7 +12,7 @@ from tests.session.studied import STUDY, on_stage, said
 from woz_tui.core import messages as m
 from woz_tui.experiment.study import Design
 from woz_tui.session.identity import AskError
-from woz_tui.session.progress import Due
+from woz_tui.timeline.study import Due
 
 
 def assigned(stage: Stage, participant: str = "P01") -> None:
@@ -43,7 +43,7 @@ def test_what_is_due_behind_the_trials(tmp_path: Path, outcomes: list[str], due:
     async def scenario(stage: Stage) -> None:
         assigned(stage)
         trials(stage, *outcomes)
-        assert stage.session.study.progress.due == due
+        assert stage.session.study.state.due == due
 
     on_stage(tmp_path, scenario)
 
@@ -52,9 +52,9 @@ def test_what_was_due_is_so_no_more_once_the_next_trial_has_begun(tmp_path: Path
     async def scenario(stage: Stage) -> None:
         assigned(stage)
         trials(stage, "done")
-        assert stage.session.study.progress.due == [Due("each", 1)]
+        assert stage.session.study.state.due == [Due("each", 1)]
         stage.session.study.trial("begin", "")
-        assert stage.session.study.progress.due == []
+        assert stage.session.study.state.due == []
 
     on_stage(tmp_path, scenario)
 
@@ -66,7 +66,7 @@ def test_a_trial_for_practice_is_the_last_of_no_condition(tmp_path: Path) -> Non
         assigned(stage)
         stage.session.set(trial=0)
         trials(stage, "done")
-        assert stage.session.study.progress.due == [Due("each", 0)]
+        assert stage.session.study.state.due == [Due("each", 0)]
 
     stage = on_stage(tmp_path, scenario)
     assert said(stage, m.TrialStarted) == ["trial.started 0 warm"]
@@ -78,9 +78,9 @@ def test_the_next_participant_has_had_nothing_yet(tmp_path: Path) -> None:
         assigned(stage)
         study.questioning.ask("whenever", "begin", "wizard")
         study.questioning.ask("whenever", "declined", "wizard")
-        assert study.progress.had == {"whenever"}
+        assert {*study.state.had} == {"whenever"}
         stage.session.set("P02")
-        assert study.progress.had == set()
+        assert {*study.state.had} == set()
 
     on_stage(tmp_path, scenario)
 
@@ -103,7 +103,7 @@ def test_whoever_is_through_keeps_the_last_condition(tmp_path: Path) -> None:
         assigned(stage)
         trials(stage, *["done"] * 4)
         assigned(stage)
-        assert (study.progress.condition, study.progress.trial) == ("cold", 5)
+        assert (study.state.condition, study.state.next_trial) == ("cold", 5)
 
     on_stage(tmp_path, scenario)
 
@@ -139,7 +139,7 @@ def test_where_everybody_gets_one_condition_one_is_assigned(tmp_path: Path) -> N
             stage.session.study.assign("P01", ["warm", "cold"])
         stage.session.study.assign("P01", ["cold"])
         trials(stage, "done", "done")
-        assert [due.questionnaire for due in stage.session.study.progress.due] == [
+        assert [due.questionnaire for due in stage.session.study.state.due] == [
             *("each", "ux", "last")
         ]
 

@@ -9,7 +9,7 @@ from typing import TypeVar
 
 from hypothesis import given, settings
 
-from tests.timeline.courses import STUDY, recordings
+from tests.timeline.courses import recordings
 from woz_tui.analysis.course import Course
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import Options, figures_of
@@ -21,7 +21,6 @@ from woz_tui.experiment.verbs import PERFORMERS
 from woz_tui.export.course import Session
 from woz_tui.export.extract import Extractor
 from woz_tui.record.log import Line
-from woz_tui.session.progress import Progress
 from woz_tui.timeline.context import Context
 from woz_tui.timeline.episodes import (
     Action,
@@ -320,30 +319,6 @@ def steps(messages: list[m.AnyMessage]) -> Iterator[tuple[SessionState, m.AnyMes
     for message in messages:
         state.take(message)
         yield state, message
-
-
-@settings(max_examples=30)
-@given(recordings())
-def test_the_study_stands_as_the_robot_process_says(messages: list[m.AnyMessage]) -> None:
-    progress = Progress(STUDY)
-    for state, message in steps(messages):
-        progress.see(message)
-        study = state.study
-        if state.plan is None:
-            continue
-        assert (study.participant, study.condition, study.next_trial) == (
-            progress.participant, progress.condition, progress.trial,
-        )  # fmt: skip
-        assert (list(study.order), study.planned) == (list(progress.order), progress.planned)
-        assert [(each.questionnaire, each.trial) for each in study.due] == [
-            (each.questionnaire, each.trial) for each in progress.due
-        ]
-        assert (set(study.had), study.checks) == (progress.had, progress.checks)
-        assert (study.trial and study.trial.started) == progress.running
-        assert (study.in_break is not None) == progress.on_break
-        current = study.questionnaire
-        assert (current and current.started) == progress.asking
-        assert dict(current.answers if current else {}) == progress.answers
 
 
 @settings(max_examples=30)

@@ -21,13 +21,13 @@ from woz_tui.host.views import (
 )
 from woz_tui.session.beginning import without_home
 from woz_tui.session.session import Session
-from woz_tui.session.study_view import standing, study_settings
+from woz_tui.session.study_view import study_settings, study_snapshot
 
 
 @dataclass(frozen=True, slots=True)
 class Shown:
     """An experiment, and how it stands in a session: locks by panel's title, the profile in use,
-    the variables with their values at this moment, how the study stands.
+    the variables with their values at this moment, what holds in the study.
     """
 
     experiment: Experiment
@@ -46,7 +46,7 @@ class Shown:
             session.locked,
             session.profiles.current,
             session.study.shown(session.values()),
-            standing(session.study.progress),
+            study_snapshot(session.study.settings, session.study.state),
         )
 
 

@@ -151,17 +151,14 @@ class Player:
             t=self._t,
             log=self.log,
         )
+        study: dict[str, m.Json] = {"study": moment.study} if moment.study else {}
         anew = msgspec.structs.replace(
             told,
             state=_raw(moment.state),
             recent=_raw(moment.recent),
-            settings={**told.settings, **self._study(), "replay": self._about()},
+            settings={**told.settings, **study, "replay": self._about()},
         )
         return [anew, *self._stands(now, marks=True)]
-
-    def _study(self) -> dict[str, m.Json]:
-        study = self.reel.study(self._index)
-        return {"study": study} if study else {}
 
     def _about(self) -> dict[str, m.Json]:
         """What the console shows of the log itself."""

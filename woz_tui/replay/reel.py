@@ -19,9 +19,10 @@ from woz_tui.core import messages as m
 from woz_tui.core.envelope import Message
 from woz_tui.record.log import Line
 from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, marks_of, steady
-from woz_tui.replay.studied import SEEN, labels_of, revealed, study_at
+from woz_tui.replay.studied import labels_of, revealed, study_of
 from woz_tui.replay.told import plan_from
 from woz_tui.session.recent import MOST, Recent
+from woz_tui.session.study_view import study_snapshot
 from woz_tui.timeline.state import SessionState
 
 #: A message, or the fields of a line whose kind this version does not know.
@@ -70,10 +71,14 @@ class NoSamples:
 
 @dataclass(frozen=True, slots=True)
 class Moment:
-    """What holds at a moment, in the order in which it came about, and the lines before it."""
+    """What holds at a moment, in the order in which it came about, and the lines before it.
+
+    `study`: `settings["study"]` of a welcome; empty where the log says nothing of one.
+    """
 
     state: list[m.Message]
     recent: list[m.Message]
+    study: dict[str, m.Json]
 
 
 class Reel:
@@ -109,9 +114,6 @@ class Reel:
             if isinstance(line, m.SessionPlan)
         ]
         self._plan = plan if plan is None or not reveal else revealed(plan)
-        self._studied = [
-            (index, line) for index, line in enumerate(self.lines) if isinstance(line, SEEN)
-        ]
         recent = Recent()
         self._listed = [
             index
@@ -166,18 +168,17 @@ class Reel:
             self._plan = plan_from(self.lines)
         return self._plan
 
-    def study(self, index: int) -> dict[str, m.Json]:
-        """How the study around the session stood after `index` lines."""
-        place = bisect.bisect_left(self._studied, index, key=lambda entry: entry[0])
-        return study_at(self.plan(index), [line for _, line in self._studied[:place]])
-
     def moment(self, index: int, t: int) -> Moment:
         """What held after `index` lines, at `t`."""
         state = self.state(index)
         held = [*state.messages(plan=False), *self.samples.at(t)]
         if state.model.gone:
             held = [message for message in held if not isinstance(message, m.EngagementShown)]
-        return Moment(sorted(held, key=lambda message: message.seq), self.recent(index))
+        held.sort(key=lambda message: message.seq)
+        settings = study_of(self.plan(index))
+        state.study.settings = settings  # the plan need not be a line of the log
+        study = study_snapshot(settings, state.study) if settings else {}
+        return Moment(held, self.recent(index), study)
 
     def recent(self, index: int) -> list[m.Message]:
         """The last of the first `index` lines that a list of events has."""

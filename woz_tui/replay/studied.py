@@ -1,50 +1,19 @@
-"""The study around a session, as it stood at a moment of its log."""
+"""What a log's `session.plan` says of the study around its session."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
 from typing import Any
 
 import msgspec
 
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
-from woz_tui.session.progress import Progress
-from woz_tui.session.study_view import standing
-
-#: What a progress goes by.
-SEEN = (
-    m.SessionStart,
-    m.SessionChanged,
-    m.ConditionsAssigned,
-    m.TrialStarted,
-    m.TrialEnded,
-    m.BreakStarted,
-    m.BreakEnded,
-    m.PreflightChecked,
-    m.QuestionnaireStarted,
-    m.QuestionnaireAnswered,
-    m.QuestionnaireEnded,
-)
 
 
 def study_of(plan: m.SessionPlan) -> dict[str, Any]:
     """What a plan says of the study; nothing where it says nothing, or nothing sensible."""
     told = plan.settings.get("study")
     return told if isinstance(told, dict) else {}
-
-
-def study_at(plan: m.SessionPlan, messages: Iterable[m.AnyMessage]) -> dict[str, Json]:
-    """`settings["study"]` of a welcome after these messages; empty for a plan without it."""
-    told = study_of(plan)
-    listed = told.get("preflight")
-    if not told or not isinstance(listed, list):
-        return told
-    checks = [each.get("check", "") if isinstance(each, Mapping) else str(each) for each in listed]
-    progress = Progress({**told, "preflight": checks})
-    for message in messages:
-        progress.see(message)
-    return standing(progress)
 
 
 def blind_study(plan: m.SessionPlan) -> dict[str, Json]:

@@ -18,6 +18,8 @@ from woz_tui.experiment.due import OVER
 from woz_tui.record.files import files_of
 from woz_tui.record.names import FileName
 from woz_tui.session.proposal import Past
+from woz_tui.timeline.episodes import Outcome
+from woz_tui.timeline.state import SessionState
 
 #: Bytes read at once: a thread that looks through more of them keeps others waiting.
 CHUNK = 64 << 10
@@ -69,7 +71,7 @@ class Earlier:
                 lines += self._joined(_elsewhere(paths, unreadable), unreadable)
             if _is_of(lines, title, file):
                 logs += 1
-                _Attribution(people).follow(lines)
+                _attribute(lines, people)
         return Found(tuple(people.values()), logs, tuple(unreadable))
 
     def _joined(self, paths: Sequence[Path], unreadable: list[str]) -> list[m.AnyMessage]:
@@ -171,35 +173,24 @@ def _is_of(lines: list[m.AnyMessage], title: str, file: str) -> bool:
     return any(isinstance(line, m.SessionStart) and line.experiment == file for line in lines)
 
 
-class _Attribution:
-    """Gives each line of one session to the participant who was there."""
-
-    def __init__(self, people: dict[str, Past]) -> None:
-        self._people = people
-        self._now: Past | None = None
-
-    def follow(self, lines: list[m.AnyMessage]) -> None:
-        for line in lines:
-            match line:
-                case m.SessionStart(participant=code) | m.SessionChanged(participant=str(code)):
-                    self._somebody(code)
-                case m.ConditionsAssigned():
-                    self._assigned(line)
-                case m.TrialStarted() if self._now is not None:
-                    self._now.begun = True
-                case m.TrialEnded(trial=trial, outcome=outcome) if self._now is not None:
-                    self._now.done |= outcome == "done"
-                    if outcome in OVER:
-                        self._now.over = max(self._now.over, trial)
-
-    def _somebody(self, code: str) -> None:
-        self._now = self._people.setdefault(code, Past(code)) if code else None
-
-    def _assigned(self, line: m.ConditionsAssigned) -> None:
-        self._somebody(line.participant)
-        past, order = self._now, tuple(line.order)
-        if past is None:
-            return
-        if order != past.order:
-            past.over = 0
-        past.order, past.method, past.row = order, line.method, line.row
+def _attribute(lines: list[m.AnyMessage], people: dict[str, Past]) -> None:
+    """Give each line of one session to the participant who was there."""
+    state = SessionState()
+    for line in lines:
+        state.take(line)
+        code = state.study.participant
+        if not code:
+            continue
+        past = people.setdefault(code, Past(code))
+        match line:
+            case m.ConditionsAssigned():
+                order = tuple(line.order)
+                if order != past.order:
+                    past.over = 0
+                past.order, past.method, past.row = order, line.method, line.row
+            case m.TrialStarted():
+                past.begun = True
+            case m.TrialEnded(trial=trial, outcome=outcome):
+                past.done |= outcome == Outcome.DONE
+                if outcome in OVER:
+                    past.over = max(past.over, trial)

@@ -122,7 +122,7 @@ def _identity(session: Session) -> Finding:
     ]
     if missing:
         return Finding("warning", "session", f"no {' and no '.join(missing)} set", "choose it")
-    condition = session.study.progress.label(identity.condition)
+    condition = session.study.label(identity.condition)
     return Finding("ok", "session", f"{identity.participant} {condition}".strip())
 
 

@@ -8,7 +8,7 @@ from typing import Any
 from woz_tui.core import messages as m
 from woz_tui.core.requests import AskAnswer
 from woz_tui.session.identity import AskError
-from woz_tui.session.progress import Progress
+from woz_tui.timeline.study import StudyState
 
 #: Characters of the longest answer in words.
 LONGEST = 10_000
@@ -20,12 +20,12 @@ class Questioning:
     """One questionnaire at a time, from its beginning to its end: a round.
 
     Args:
-        progress: Knows what is due, under way and answered.
+        study: What is due, under way and answered.
         publish: Publishes a message of the session.
     """
 
-    def __init__(self, progress: Progress, publish: Callable[[m.AnyMessage], object]) -> None:
-        self._progress = progress
+    def __init__(self, study: StudyState, publish: Callable[[m.AnyMessage], object]) -> None:
+        self._study = study
         self._publish = publish
 
     def ask(self, name: str, what: str, source: str) -> None:
@@ -33,52 +33,57 @@ class Questioning:
         if what == "begin":
             self._begin(name, source)
             return
-        asking = self._asking(name)
+        started = self._under_way(name)
         if what == "done":
-            self._all_answered(asking)
-        self._end(asking, what)
+            self._all_answered(started)
+        self._end(name, what)
 
     def leave(self) -> None:
         """End what is under way, because the session ends."""
-        if self._progress.asking is not None:
-            self._end(self._progress.asking, "left")
+        if (current := self._study.questionnaire) is not None:
+            self._end(current.name, "left")
 
     def _begin(self, name: str, source: str) -> None:
-        asking = self._progress.asking
-        if asking is not None:
-            raise AskError(
-                f"the questionnaire {asking.questionnaire!r} is under way", "end it first"
-            )
-        known = {str(each["name"]): each for each in self._progress.questionnaires()}
+        current = self._study.questionnaire
+        if current is not None:
+            raise AskError(f"the questionnaire {current.name!r} is under way", "end it first")
+        known = {str(each["name"]): each for each in self._study.settings["questionnaires"]}
         if name not in known:
             raise AskError(
                 f"there is no questionnaire {name!r}",
                 f"there are {', '.join(known)}" if known else "the file has none",
             )
-        if source == PARTICIPANT and name not in [due.questionnaire for due in self._progress.due]:
+        due = {each.questionnaire: each.trial for each in self._study.due}
+        if source == PARTICIPANT and name not in due:
             raise AskError(f"the questionnaire {name!r} is not due yet", "the wizard can begin it")
+        trial = self._study.trial.started.trial if self._study.trial is not None else -1
         self._publish(
             m.QuestionnaireStarted(
                 questionnaire=name,
                 title=str(known[name]["title"]),
                 items=[dict(item) for item in known[name]["items"]],
-                trial=self._progress.trial_of(name),
+                trial=due.get(name, trial),
                 source=source,
             )
         )
 
-    def _asking(self, name: str) -> m.QuestionnaireStarted:
-        asking = self._progress.asking
-        if asking is None or asking.questionnaire != name:
-            other = f"{asking.questionnaire!r} is" if asking is not None else "none is"
+    def _under_way(self, name: str) -> m.QuestionnaireStarted:
+        current = self._study.questionnaire
+        if current is None or current.started is None or current.name != name:
+            other = f"{current.name!r} is" if current is not None else "none is"
             raise AskError(f"the questionnaire {name!r} is not under way", other)
-        return asking
+        return current.started
 
-    def _all_answered(self, asking: m.QuestionnaireStarted) -> None:
-        answers = self._progress.answers
+    @property
+    def _answers(self) -> Mapping[str, m.QuestionnaireAnswered]:
+        current = self._study.questionnaire
+        return current.answers if current is not None else {}
+
+    def _all_answered(self, started: m.QuestionnaireStarted) -> None:
+        answers = self._answers
         absent = [
             item
-            for item in asking.items
+            for item in started.items
             if not item.get("optional") and item["name"] not in answers
         ]
         if absent:
@@ -86,20 +91,16 @@ class Questioning:
             names = ", ".join(str(item["name"]) for item in absent[:5])
             raise AskError(f"{count}: {names}{', ...' if len(absent) > 5 else ''}")
 
-    def _end(self, asking: m.QuestionnaireStarted, reason: str) -> None:
-        answered = sum(not answer.skipped for answer in self._progress.answers.values())
-        self._publish(
-            m.QuestionnaireEnded(
-                questionnaire=asking.questionnaire, reason=reason, answered=answered
-            )
-        )
+    def _end(self, name: str, reason: str) -> None:
+        answered = sum(not answer.skipped for answer in self._answers.values())
+        self._publish(m.QuestionnaireEnded(questionnaire=name, reason=reason, answered=answered))
 
     # -- answers -----------------------------------------------------------------------------------
 
     def answer(self, request: AskAnswer) -> None:
         """One answer; a later one to the same item takes its place."""
-        asking = self._asking(request.questionnaire)
-        items = {str(item["name"]): item for item in asking.items}
+        started = self._under_way(request.questionnaire)
+        items = {str(item["name"]): item for item in started.items}
         if request.item not in items:
             raise AskError(f"there is no item {request.item!r}", f"there are {', '.join(items)}")
         item = items[request.item]

@@ -1,6 +1,6 @@
 """The study in the robot process: who gets which condition, trials and breaks, what is asked.
 
-Every change is a message; `progress` holds what follows from them. Refusals are `AskError`s.
+Every change is a message; what follows from them is the timeline's. Refusals are `AskError`s.
 """
 
 from __future__ import annotations
@@ -13,7 +13,6 @@ from woz_tui.core import messages as m
 from woz_tui.experiment.study import Design
 from woz_tui.session.earlier import Earlier
 from woz_tui.session.identity import AskError, check_participant
-from woz_tui.session.progress import Progress
 from woz_tui.session.proposal import Proposal, propose
 from woz_tui.session.questioning import Questioning
 from woz_tui.session.study_view import study_settings
@@ -36,13 +35,12 @@ class LiveStudy:
     def __init__(self, session: Session) -> None:
         self._session = session
         self._hub = session.hub
-        self.progress = Progress(study_settings(session.experiment))
-        for message in session.state.messages():
-            self.progress.see(message)
-        self._hub.listen(self.progress.see)
+        #: What holds, and what the file says.
+        self.state = session.state.study
+        self.settings = self.state.settings = study_settings(session.experiment)
         self._earlier = Earlier(session.recorder.path.parent)
         self._proposed: dict[str, Proposal] = {}
-        self.questioning = Questioning(self.progress, self._hub.publish)
+        self.questioning = Questioning(self.state, self._hub.publish)
 
     # -- beginning and ending ----------------------------------------------------------------------
 
@@ -56,9 +54,8 @@ class LiveStudy:
 
     def adopt(self) -> None:
         """Go on with a changed file; what is under way goes on as it began."""
-        old = self.progress.told
-        new = study_settings(self._session.experiment)
-        self.progress.told = new
+        old, new = self.settings, study_settings(self._session.experiment)
+        self.settings = self.state.settings = new
         self._proposed.clear()
         if old["perception"] != new["perception"]:
             self._tell_perception()
@@ -69,8 +66,7 @@ class LiveStudy:
         """The session ends: so does what is under way."""
         self.questioning.leave()
         self._end_break("the session ended")
-        if self.progress.running is not None:
-            self._end_trial("aborted", "the session ended")
+        self._end_trial("aborted", "the session ended")
 
     def _tell_perception(self) -> None:
         perception = self._session.experiment.study.perception
@@ -98,11 +94,16 @@ class LiveStudy:
 
     def shown(self, values: Mapping[str, str]) -> dict[str, str]:
         """`values` as a wizard may know them who is blind to the condition."""
-        if not self.progress.told["blind"]:
+        if not self.settings["blind"]:
             return dict(values)
         depending = self._session.experiment.by_condition
         seen = {name: text for name, text in values.items() if name not in depending}
-        return {**seen, "condition": self.progress.label(values.get("condition", ""))}
+        return {**seen, "condition": self.label(values.get("condition", ""))}
+
+    def label(self, condition: str) -> str:
+        """What a blind wizard reads instead of a condition."""
+        blind: Any = self.settings["blind"]
+        return str(blind.get(condition, condition))
 
     # -- conditions --------------------------------------------------------------------------------
 
@@ -153,17 +154,15 @@ class LiveStudy:
 
     def allow(self, participant: str | None) -> None:
         """Raises `AskError` if the participant cannot change now."""
-        if participant is not None and participant != self.progress.participant:
+        if participant is not None and participant != self.state.participant:
             self._between_trials()
 
     def _between_trials(self) -> None:
-        running, asking = self.progress.running, self.progress.asking
-        if running is not None:
-            raise AskError(f"trial {running.trial} is under way", "end it first")
-        if asking is not None:
-            raise AskError(
-                f"the questionnaire {asking.questionnaire!r} is under way", "end it first"
-            )
+        trial, questionnaire = self.state.trial, self.state.questionnaire
+        if trial is not None:
+            raise AskError(f"trial {trial.started.trial} is under way", "end it first")
+        if questionnaire is not None:
+            raise AskError(f"the questionnaire {questionnaire.name!r} is under way", "end it first")
 
     # -- trials and breaks -------------------------------------------------------------------------
 
@@ -173,57 +172,56 @@ class LiveStudy:
             case "begin":
                 self._begin_trial()
             case "break":
-                if self.progress.on_break:
+                if self.state.in_break is not None:
                     raise AskError("there is a break already")
                 self._hub.publish(m.BreakStarted(text=text))
             case "resume":
-                if not self.progress.on_break:
+                if self.state.in_break is None:
                     raise AskError("there is no break")
                 self._end_break(text)
             case _:
-                if self.progress.running is None:
+                if self.state.trial is None:
                     raise AskError("no trial is under way")
                 self._end_break("")
                 self._end_trial(what, text)
 
     def _begin_trial(self) -> None:
-        progress = self.progress
-        if not progress.participant:
+        state = self.state
+        if not state.participant:
             raise AskError("no participant is set", "choose one first")
         self._between_trials()
-        if progress.trial > progress.planned > 0:
+        number = state.next_trial
+        if number > state.planned > 0:
             raise AskError(
-                f"all {progress.planned} trials of {progress.participant} are over",
+                f"all {state.planned} trials of {state.participant} are over",
                 "choose the next participant, or set the trial to run one again",
             )
-        condition = progress.condition_of(progress.trial) or progress.condition
+        condition = state.condition_of(number) or state.condition
         if self._session.experiment.conditions and not condition:
             raise AskError("no condition is set", "choose the participant's order first")
         identity = self._session.identity
-        if (identity.condition, identity.trial) != (condition, progress.trial):
+        if (identity.condition, identity.trial) != (condition, number):
             self._session.set(
                 condition=condition if condition != identity.condition else None,
-                trial=progress.trial,
+                trial=number,
             )
         self._end_break("")
-        self._hub.publish(
-            m.TrialStarted(trial=progress.trial, condition=condition, planned=progress.planned)
-        )
+        self._hub.publish(m.TrialStarted(trial=number, condition=condition, planned=state.planned))
 
     def _end_trial(self, outcome: str, text: str) -> None:
-        if self.progress.running is not None:
-            trial = self.progress.running.trial
-            self._hub.publish(m.TrialEnded(trial=trial, outcome=outcome, text=text))
+        if (trial := self.state.trial) is not None:
+            number = trial.started.trial
+            self._hub.publish(m.TrialEnded(trial=number, outcome=outcome, text=text))
 
     def _end_break(self, text: str) -> None:
-        if self.progress.on_break:
+        if self.state.in_break is not None:
             self._hub.publish(m.BreakEnded(text=text))
 
     # -- preflight ---------------------------------------------------------------------------------
 
     def check(self, check: str, ok: bool, text: str, source: str) -> None:
         """Tick a line of the file's list, or take the tick away."""
-        known: Any = self.progress.told["preflight"]
+        known: Any = self.settings["preflight"]
         if check not in known:
             raise AskError(
                 f"the preflight list has no {check!r}",

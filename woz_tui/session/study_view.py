@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping
+from typing import Any
 
 from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import Experiment
 from woz_tui.experiment.study import Design, Item, Questionnaire, Shaping
-
-if TYPE_CHECKING:
-    from woz_tui.session.progress import Progress
+from woz_tui.timeline.study import StudyState
 
 
 def study_settings(experiment: Experiment) -> dict[str, Json]:
@@ -26,19 +25,28 @@ def study_settings(experiment: Experiment) -> dict[str, Json]:
     }
 
 
-def standing(progress: Progress) -> dict[str, Json]:
-    """The file's part, and how things stand: the list with its ticks, the order, what is due."""
-    checks: Any = progress.told["preflight"]
-    running = progress.running
+def study_snapshot(settings: Mapping[str, Any], study: StudyState) -> dict[str, Json]:
+    """The file's part, and what holds now: the list with its ticks, the order, what is due.
+
+    Args:
+        settings: What the file says, or `settings["study"]` of a log's `session.plan`, which may
+            come from another version; its preflight list may have ticks.
+        study: What holds now.
+    """
+    listed = settings.get("preflight")
+    checks = [
+        str(each.get("check", "")) if isinstance(each, Mapping) else str(each)
+        for each in (listed if isinstance(listed, list) else ())
+    ]
     return {
-        **progress.told,
-        "preflight": [{"check": check, "ok": progress.ticked(check)} for check in checks],
-        "assigned": [*progress.order],
-        "planned": progress.planned,
-        "trial": progress.trial,
-        "running": running is not None,
-        "on_break": progress.on_break,
-        "due": [due.questionnaire for due in progress.due],
+        **settings,
+        "preflight": [{"check": check, "ok": study.ticked(check)} for check in checks],
+        "assigned": [*study.order],
+        "planned": study.planned,
+        "trial": study.next_trial,
+        "running": study.trial is not None,
+        "on_break": study.in_break is not None,
+        "due": [due.questionnaire for due in study.due],
     }
 
 

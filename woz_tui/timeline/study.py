@@ -31,7 +31,8 @@ class StudyState:
     Times: `t` in microseconds, never earlier than before.
 
     Attributes:
-        settings: `settings["study"]` of the last `session.plan`: what the experiment file says.
+        settings: `settings["study"]` of the last `session.plan`, or what the robot process has put
+            here: what the experiment file says.
         participant, condition: Codes; empty while nobody has set one.
         context: To whom and what this moment belongs.
         next_trial: The number of the next trial, or of the present one.
@@ -99,6 +100,15 @@ class StudyState:
     def planned(self) -> int:
         """Trials of the participant in all; 0: not specified, or no order was given yet."""
         return self._planned(self.assigned)
+
+    def condition_of(self, trial: int) -> str:
+        """The condition that the order has for this trial; empty if it has none."""
+        place = (trial - 1) // self.trials if self.trials and trial > 0 else -1
+        return self.order[place] if 0 <= place < len(self.order) else ""
+
+    def ticked(self, check: str) -> bool:
+        """Whether this line of the preflight list is in order."""
+        return check in self.checks and self.checks[check].level == "ok"
 
     def _planned(self, assigned: m.ConditionsAssigned | None) -> int:
         if assigned is None or assigned.participant != self.participant:

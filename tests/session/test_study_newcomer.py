@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-import dataclasses
 from pathlib import Path
 
 from hypothesis import HealthCheck, example, given, settings
@@ -15,7 +14,8 @@ from tests.session.studied import on_stage
 from woz_tui.core import messages as m
 from woz_tui.core.requests import AskAnswer
 from woz_tui.session.identity import AskError
-from woz_tui.session.progress import Progress
+from woz_tui.session.study_view import study_snapshot
+from woz_tui.timeline.state import SessionState
 
 WHATS = ("begin", "done", "done", "begin", "aborted", "excluded", "break", "resume")
 NAMES = ("each", "ux", "last", "whenever")
@@ -32,7 +32,7 @@ STEPS = st.one_of(
 def take(stage: Stage, step: str, what: str) -> None:
     """One step, or nothing if it is refused."""
     study = stage.session.study
-    asking = study.progress.asking
+    asking = study.state.questionnaire
     with contextlib.suppress(AskError):
         match step:
             case "trial":
@@ -40,7 +40,7 @@ def take(stage: Stage, step: str, what: str) -> None:
             case "ask":
                 study.questioning.ask(what, "begin", "wizard")
             case "end" if asking is not None:
-                study.questioning.ask(asking.questionnaire, what, "wizard")
+                study.questioning.ask(asking.name, what, "wizard")
             case "answer":
                 text = "well" if what == "else" else ""
                 value = None if text else 3.0
@@ -66,11 +66,13 @@ def test_the_state_for_newcomers_tells_all(tmp_path: Path, steps: list[tuple[str
         take(stage, "assign", "P01")
         for step, what in steps:
             take(stage, step, what)
-            live = stage.session.study.progress
-            late = Progress(live.told)
-            for message in stage.session.state.messages():
-                late.see(message)
-            assert dataclasses.asdict(late) == dataclasses.asdict(live)
+            live, late = stage.session.state, SessionState()
+            for message in live.messages():
+                late.take(message)
+            told = late.study.settings = stage.session.study.settings
+            assert study_snapshot(told, late.study) == study_snapshot(told, live.study)
+            assert late.study.had == live.study.had
+            assert late.study.questionnaire == live.study.questionnaire
 
     on_stage(tmp_path, scenario)
 

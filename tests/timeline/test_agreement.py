@@ -51,10 +51,12 @@ def group(context: Context) -> Group:
     return context.participant, context.condition
 
 
-def time_by_group(episodes: list[E], label: str | None = None) -> Counter[Group]:
+def time_by_group(
+    timeline: Timeline, kind: type[Episode], label: str | None = None
+) -> Counter[Group]:
     found: Counter[Group] = Counter()
-    for episode in episodes:
-        for part in episode.parts:
+    for episode in timeline.of(kind):
+        for part in timeline.parts(episode):
             if label in (None, episode.label):
                 found[group(part.context)] += part.end - part.begin
     return +found
@@ -90,16 +92,18 @@ def test_report_times_of_conditions_and_of_the_model(messages: list[m.AnyMessage
     assert {key: part.us for key, part in parts.items() if part.us} == +spent
     models = {key: part.engagement for key, part in parts.items()}
     states = timeline.of(ModelState)
-    assert {key: each.on_us for key, each in models.items() if each.on_us} == time_by_group(states)
+    assert {key: each.on_us for key, each in models.items() if each.on_us} == time_by_group(
+        timeline, ModelState
+    )
     for name in {each.state for each in states}:
         assert {
             key: each.states[name].us
             for key, each in models.items()
             if name in each.states and each.states[name].us
-        } == time_by_group(states, name)
-    engaged = time_by_group(timeline.of(Engagement))
+        } == time_by_group(timeline, ModelState, name)
+    engaged = time_by_group(timeline, Engagement)
     assert {key: each.engaged_us for key, each in models.items() if each.engaged_us} == engaged
-    off = time_by_group(timeline.of(ModelOff))
+    off = time_by_group(timeline, ModelOff)
     assert {key: each.off_us for key, each in models.items() if each.off_us} == off
 
 
@@ -188,7 +192,7 @@ def test_report_differences_of_settings(messages: list[m.AnyMessage]) -> None:
     timeline, figures = both(messages)
     found: Counter[tuple[str, int | None, str, str]] = Counter()
     for each in timeline.of(Setting):
-        for part in each.parts if each.differs else ():
+        for part in timeline.parts(each) if each.differs else ():
             key = (part.context.participant, part.context.trial, each.driver, each.name)
             found[key] += part.end - part.begin
     reported: Counter[tuple[str, int | None, str, str]] = Counter()
@@ -273,7 +277,7 @@ def test_exported_settings_add_up(messages: list[m.AnyMessage]) -> None:
         rows[key] += each.end - each.begin
     found: Counter[tuple[object, ...]] = Counter()
     for setting in timeline.of(Setting):
-        for part in setting.parts:
+        for part in timeline.parts(setting):
             who, _, trial = context(part.context)
             found[setting.name, str(setting.value), setting.differs, who, trial] += (
                 part.end - part.begin
@@ -294,7 +298,7 @@ def test_exported_states_add_up(messages: list[m.AnyMessage]) -> None:
         rows[(row.participant, row.condition), row.label] += row.duration
     found: Counter[tuple[Group, str]] = Counter()
     for state in timeline.of(ModelState):
-        for part in state.parts:
+        for part in timeline.parts(state):
             found[group(part.context), state.label] += part.end - part.begin
     assert +found == +rows
     events = [each for each in session.events if each.kind == "engagement"]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import tracemalloc
 import typing
 from collections import Counter
 from itertools import pairwise
@@ -89,11 +90,11 @@ def test_the_parts_of_an_episode_are_all_of_it(messages: list[m.AnyMessage]) -> 
     for episode in timeline.episodes:
         assert episode.end is not None
         assert timeline.begin <= episode.begin <= episode.end <= timeline.end
-        assert sum(part.end - part.begin for part in episode.parts) == episode.duration
-        assert episode.parts[0].begin == episode.begin
-        assert episode.parts[-1].end == episode.end
-        assert all(one.end == other.begin for one, other in pairwise(episode.parts))
-        assert all(part.end > part.begin for part in episode.parts) or not episode.duration
+        parts = timeline.parts(episode)
+        assert sum(part.end - part.begin for part in parts) == episode.duration
+        assert (parts[0].begin, parts[-1].end) == (episode.begin, episode.end)
+        assert all(one.end == other.begin for one, other in pairwise(parts))
+        assert all(part.end > part.begin for part in parts) or not episode.duration
 
 
 @settings(max_examples=60)
@@ -124,7 +125,7 @@ def test_state_spans_and_parts_have_the_same_context(messages: list[m.AnyMessage
             assert {
                 part.context
                 for episode in timeline.episodes
-                for part in episode.parts
+                for part in timeline.parts(episode)
                 if part.begin <= t < part.end
             } <= {context}
 
@@ -260,3 +261,18 @@ def test_an_utterance_is_one_episode_whatever_comes_of_it() -> None:
         (5, 5, "done", False)
     ]
     assert spoken[0].text is not None
+
+
+def test_what_never_ends_costs_as_much_as_it_is_however_often_the_condition_changes() -> None:
+    lines: list[tuple[int, m.AnyMessage]] = []
+    for number in range(600):
+        condition = ("warm", "cold")[number % 2]
+        lines.append((number, m.SessionChanged(condition=condition)))
+        lines.append((number, m.ActionRequested(run=f"a{number}", action="Hello", source="key")))
+    course = stamped([(0, start()), *lines])
+    tracemalloc.start()
+    timeline = timeline_of(course)
+    held_bytes, _ = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert held_bytes < 4_000_000
+    assert len(timeline.parts(timeline.of(Action)[0])) == 599

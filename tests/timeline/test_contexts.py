@@ -58,7 +58,9 @@ def test_an_engagement_over_two_conditions_is_one_with_two_parts() -> None:
         )
     )
     [engaged] = timeline.of(Engagement)
-    assert pieces(engaged.parts) == [(10, "neutral", 1), (60, "empathic", 2), (25, "funny", 3)]
+    assert pieces(timeline.parts(engaged)) == [
+        (10, "neutral", 1), (60, "empathic", 2), (25, "funny", 3),
+    ]  # fmt: skip
     assert (engaged.duration, engaged.outcome, engaged.reason) == (95 * SECOND, "left", "error")
     assert engaged.visitor == "V01"
     empathic = sum(s.end - s.begin for s in timeline.spans if s.context.condition == "empathic")
@@ -90,8 +92,9 @@ def test_a_break_belongs_to_no_trial_also_inside_one() -> None:
         "before": (None, False), "in it": (1, False), "break": (None, True),
         "on": (1, False), "after": (None, False),
     }  # fmt: skip
-    [trial] = of(messages, Trial)
-    assert pieces(trial.parts) == [(2, "warm", 1), (2, "warm", None), (2, "warm", 1)]
+    timeline = timeline_of(messages)
+    [trial] = timeline.of(Trial)
+    assert pieces(timeline.parts(trial)) == [(2, "warm", 1), (2, "warm", None), (2, "warm", 1)]
     [pause] = of(messages, Break)
     assert (pause.duration, pause.outcome) == (2 * SECOND, "done")
 
@@ -172,8 +175,9 @@ def test_speech_is_in_the_context_in_which_it_was_spoken() -> None:
         (14, m.SpeechEnded(driver="mic", segment=1, began=9_700_000, ended=13_000_000)),
         (15, m.SpeechText(driver="mic", segment=1, text="what is this?")),
     )
-    [spoken] = of(messages, Utterance)
-    assert pieces(spoken.parts) == [(2.3, "warm", None), (1.0, "cold", None)]
+    timeline = timeline_of(messages)
+    [spoken] = timeline.of(Utterance)
+    assert pieces(timeline.parts(spoken)) == [(2.3, "warm", None), (1.0, "cold", None)]
 
 
 def test_who_comes_back_has_been_asked_nothing_yet() -> None:

@@ -6,7 +6,7 @@ takes the messages as they were recorded.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -16,7 +16,7 @@ from woz_tui.export.course import OPEN, Answer, Clip, Event, Session
 from woz_tui.export.moments import NO_EVENTS, details, moment
 from woz_tui.export.settings import settings_of
 from woz_tui.record.log import Line
-from woz_tui.timeline.context import Context
+from woz_tui.timeline.context import Context, Span
 from woz_tui.timeline.episodes import (
     Action,
     Break,
@@ -96,7 +96,7 @@ class Extractor:
             _belongs(made, episode.context)
             session.events.append(made)
             if isinstance(episode, ModelState):
-                session.engagement += _by_context(made, episode)
+                session.engagement += _by_context(made, timeline.parts(episode))
         session.clips += self._clips()
         session.answers += sorted(self._answers(), key=lambda answer: (answer.at, answer.seq))
         session.settings, differing = settings_of(timeline)
@@ -266,10 +266,10 @@ def _belongs(event: Event, context: Context) -> None:
     event.trial = context.trial
 
 
-def _by_context(event: Event, episode: Episode) -> Iterator[Event]:
+def _by_context(event: Event, parts: Sequence[Span]) -> Iterator[Event]:
     """The event once for each part of its episode."""
-    for part in episode.parts:
-        piece = replace(event, begin=part.begin, end=part.end, changed=part is episode.parts[0])
+    for part in parts:
+        piece = replace(event, begin=part.begin, end=part.end, changed=part is parts[0])
         _belongs(piece, part.context)
         yield piece
 

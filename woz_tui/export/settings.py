@@ -11,6 +11,8 @@ from woz_tui.timeline.timeline import Timeline
 
 #: The outcome of a difference that was not seen to end, because its robot was lost.
 LOST = "lost"
+#: An episode, one of its parts, all of them.
+_Piece = tuple[episodes.Setting | Conflict, Span, tuple[Span, ...]]
 
 
 def settings_of(timeline: Timeline) -> tuple[list[Setting], list[Event]]:
@@ -18,28 +20,35 @@ def settings_of(timeline: Timeline) -> tuple[list[Setting], list[Event]]:
     of an episode, by time.
     """
     pieces = [
-        (each, part)
+        (each, part, parts)
         for each in timeline.episodes
         if isinstance(each, episodes.Setting | Conflict)
-        for part in each.parts
+        for parts in [timeline.parts(each)]
+        for part in parts
     ]
     shown = timeline.state.robots.shown.values()
     places = {(line.driver, name): at for line in shown for at, name in enumerate(line.values)}
 
-    def order(piece: tuple[episodes.Setting | Conflict, Span]) -> tuple[int, ...]:
+    def order(piece: _Piece) -> tuple[int, ...]:
         """By time; of one moment as the driver lists them."""
-        each, part = piece
+        each, part, _ = piece
         return part.begin, each.seq, part.end, places.get((each.driver, each.label), len(places))
 
     pieces.sort(key=order)
-    rows = [_row(each, part) for each, part in pieces if isinstance(each, episodes.Setting)]
+    rows = [
+        _row(each, part, changed=part is parts[0])
+        for each, part, parts in pieces
+        if isinstance(each, episodes.Setting)
+    ]
     events = [
-        _event(each, part) for each, part in pieces if isinstance(each, Conflict) or each.differs
+        _event(each, part, last=part is parts[-1])
+        for each, part, parts in pieces
+        if isinstance(each, Conflict) or each.differs
     ]
     return rows, events
 
 
-def _row(each: episodes.Setting, part: Span) -> Setting:
+def _row(each: episodes.Setting, part: Span, *, changed: bool) -> Setting:
     return Setting(
         seq=each.seq,
         begin=part.begin,
@@ -49,14 +58,14 @@ def _row(each: episodes.Setting, part: Span) -> Setting:
         value=each.value,
         wanted=each.wanted,
         differs=each.differs,
-        changed=part is each.parts[0],
+        changed=changed,
         participant=part.context.participant,
         condition=part.context.condition,
         trial=part.context.trial,
     )
 
 
-def _event(each: episodes.Setting | Conflict, part: Span) -> Event:
+def _event(each: episodes.Setting | Conflict, part: Span, *, last: bool) -> Event:
     event = Event(
         seq=each.seq,
         begin=part.begin,
@@ -67,7 +76,6 @@ def _event(each: episodes.Setting | Conflict, part: Span) -> Event:
         condition=part.context.condition,
         trial=part.context.trial,
     )
-    last = part is each.parts[-1]
     if last and each.cut:
         event.outcome = OPEN
     if isinstance(each, Conflict):

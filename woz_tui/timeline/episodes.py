@@ -14,7 +14,7 @@ import msgspec
 
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
-from woz_tui.timeline.context import Context, Span
+from woz_tui.timeline.context import Context
 
 #: Things of one sort that are remembered at the same time: those whose end never comes, and names
 #: that a damaged log makes up.
@@ -94,8 +94,8 @@ class Episode(msgspec.Struct, frozen=True, kw_only=True):
 
     `end` is None while it goes on. `seq` is that of its first message. `outcome` is one of
     `Outcome`, `cut`: it did not end by itself, but the log did, or what followed it shows that it
-    was over. `context` is the one in which it began, `parts` are its pieces by context: in order,
-    gapless, together exactly as long as the episode. A `Timeline` fills in these two.
+    was over. `context` is the one in which it began; a `Timeline` fills it in, and has the
+    episode's `parts`.
     """
 
     kind: ClassVar[str] = ""
@@ -106,7 +106,6 @@ class Episode(msgspec.Struct, frozen=True, kw_only=True):
     outcome: str = Outcome.OPEN
     cut: bool = False
     context: Context = Context()
-    parts: tuple[Span, ...] = ()
 
     @property
     def duration(self) -> int:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from typing import TypeVar
 
-from msgspec.structs import replace
+from msgspec.structs import force_setattr, replace
 
 from woz_tui.core import messages as m
 from woz_tui.timeline.context import Context, Contexts, Span
@@ -24,8 +24,7 @@ class Timeline:
     Attributes:
         state: What holds now.
         contexts: Whose time it was.
-        episodes: After `finish`: all of them by beginning and `seq`, each with its context and
-            parts.
+        episodes: After `finish`: all of them by beginning and `seq`, each with its context.
     """
 
     def __init__(self, *, passing: bool = False) -> None:
@@ -57,6 +56,10 @@ class Timeline:
     def of(self, kind: type[E]) -> list[E]:
         """All episodes of one kind, in their order."""
         return [episode for episode in self.episodes if isinstance(episode, kind)]
+
+    def parts(self, episode: Episode) -> tuple[Span, ...]:
+        """Its pieces by context: in order, gapless, together exactly as long as the episode."""
+        return self.contexts.parts(episode.begin, episode.begin + episode.duration, episode.seq)
 
     def counts(self, context: Context) -> bool:
         """Whether what happened in this context is to be analysed: not in a trial that was aborted
@@ -109,17 +112,11 @@ class Timeline:
         found = [*self._ended, *self.state.finish()]
         found.sort(key=lambda episode: (episode.begin, episode.seq))
         found = _with_mistakes(found, self._mistakes)
-        self.episodes = tuple(map(self._placed, found))
+        at = self.contexts.at
+        for episode in found:  # nobody else has them: no need to copy each
+            force_setattr(episode, "context", at(episode.begin, episode.seq))
+        self.episodes = tuple(found)
         self._trials = {trial.seq: trial for trial in self.of(Trial)}
-
-    def _placed(self, episode: Episode) -> Episode:
-        begin, seq = episode.begin, episode.seq
-        end = begin if episode.end is None else episode.end
-        return replace(
-            episode,
-            context=self.contexts.at(begin, seq),
-            parts=self.contexts.parts(begin, end, seq),
-        )
 
 
 def _with_mistakes(episodes: list[Episode], mistakes: list[m.Mistake]) -> list[Episode]:

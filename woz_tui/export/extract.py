@@ -62,7 +62,6 @@ class Extractor:
         """
         self.session.lines += 1
         state = self._timeline.state
-        again = isinstance(message, m.StopPressed) and message.scope in state.stops
         if isinstance(message, m.SettingsShown):
             message = line.message  # all that is shown of settings is in the timeline
         if message is not None:
@@ -74,8 +73,7 @@ class Extractor:
                 self.session.end_reason = reason or "-"
         if isinstance(message, m.Dispatched | m.Progress) and message.command in state.commands:
             return  # the command has it
-        while_off = isinstance(message, m.EngagementChanged) and not state.model.on
-        if isinstance(message, _PARTS) and not again and not while_off:
+        if isinstance(message, _PARTS):
             self._lines[line.seq] = line.fields
         elif line.kind not in NO_EVENTS:
             t = min(max(line.t, state.t), LONGEST)

@@ -215,8 +215,9 @@ class SessionState:
         if self.begin is None:
             self.begin = self.t
         changes = case(self, message)
-        # A case that makes several episodes is a generator: it does its work here.
-        return () if changes is None else [*changes]
+        if changes is None or isinstance(changes, tuple):
+            return changes or ()
+        return [*changes]  # a case that makes several is a generator: it does its work here
 
     def finish(self) -> list[Episode]:
         """The log is over: what goes on is cut at its last moment."""
@@ -250,6 +251,7 @@ class SessionState:
         had_model = before is not None and bool(before.settings.get("engagement"))
         if had_model and self.model.present and not message.settings.get("engagement"):
             yield from self.model.vanish(self.t, message)
+        yield from self._moment(message)
 
     def _changed(self, message: m.SessionChanged) -> Iterable[Episode]:
         self.study.change(message)
@@ -351,7 +353,7 @@ class SessionState:
         first, *later = stop.presses
         presses = (first, *later[-(PRESSES - 2) :], press)
         self.stops[message.scope] = replace(stop, presses=presses)
-        return iter(())
+        return iter(self._moment(message))
 
     def _confirmed(self, message: m.StopConfirmed) -> Iterable[Episode]:
         """It belongs to the earliest press that none has confirmed."""
@@ -438,9 +440,11 @@ class SessionState:
     def _adopted(self, message: m.EngagementAdopted) -> Iterator[Episode]:
         return self.model.adopt(message, self.t)
 
-    def _engagement(self, message: m.EngagementChanged) -> Iterator[Episode]:
+    def _engagement(self, message: m.EngagementChanged) -> Iterable[Episode]:
         begin = self.t if self.begin is None else self.begin
-        return self.model.change(message, self.t, begin)
+        off = self.model.off is not None
+        changes = self.model.change(message, self.t, begin)
+        return (*changes, *self._moment(message)) if off else changes
 
     def _engagement_shown(self, message: m.EngagementShown) -> None:
         self.model.shown = message

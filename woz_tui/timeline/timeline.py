@@ -9,7 +9,7 @@ from msgspec.structs import force_setattr, replace
 
 from woz_tui.core import messages as m
 from woz_tui.timeline.context import Context, Contexts, Span
-from woz_tui.timeline.episodes import Action, Command, Episode, Trial, Utterance
+from woz_tui.timeline.episodes import Action, Command, Episode, Moment, Trial, Utterance
 from woz_tui.timeline.state import SessionState
 
 E = TypeVar("E", bound=Episode)
@@ -34,7 +34,6 @@ class Timeline:
         self._ended: list[Episode] = []
         #: Where among those an utterance is: its text comes later.
         self._spoken: dict[tuple[str, int], int] = {}
-        self._mistakes: list[m.Mistake] = []
         self._trials: dict[int | None, Trial] = {}
         self._begun = False
 
@@ -70,19 +69,16 @@ class Timeline:
 
     def take(self, message: m.Message) -> None:
         """The next message; `finish` must not have been called."""
-        state = self.state
-        before = state.context
-        first = state.begin is None
+        state, study = self.state, self.state.study
+        before, first = study.context, state.begin is None
         changes = state.take(message)
         if first and state.begin is not None:
             self.contexts.enter(state.begin, message.seq, before)
-        if state.context is not before or (state.study.begun and not self._begun):
+        if study.context is not before or (study.begun and not self._begun):
             self._enter(message)
         for episode in changes:
             if episode.end is not None:
                 self._keep(episode)
-        if isinstance(message, m.Mistake):
-            self._mistakes.append(message)
 
     def _enter(self, message: m.Message) -> None:
         """Another context holds. Whose the time was before the first line that says so is lost: it
@@ -111,7 +107,7 @@ class Timeline:
         """The log is over."""
         found = [*self._ended, *self.state.finish()]
         found.sort(key=lambda episode: (episode.begin, episode.seq))
-        found = _with_mistakes(found, self._mistakes)
+        _add_mistakes(found)
         at = self.contexts.at
         for episode in found:  # nobody else has them: no need to copy each
             force_setattr(episode, "context", at(episode.begin, episode.seq))
@@ -119,22 +115,26 @@ class Timeline:
         self._trials = {trial.seq: trial for trial in self.of(Trial)}
 
 
-def _with_mistakes(episodes: list[Episode], mistakes: list[m.Mistake]) -> list[Episode]:
-    """Actions and commands with the line that calls them a mistake, also when they were over."""
-    places: dict[str, list[int]] = {}
-    for at, episode in enumerate(episodes):
+def _add_mistakes(episodes: list[Episode]) -> None:
+    """Actions and commands get the line that calls them a mistake, also when they were over."""
+    mistakes = [
+        each.message
+        for each in episodes
+        if isinstance(each, Moment) and isinstance(each.message, m.Mistake)
+    ]
+    places: dict[str, list[int]] = {mistake.run: [] for mistake in mistakes}
+    for at, episode in enumerate(episodes) if mistakes else ():
         if isinstance(episode, Action):
-            places.setdefault(episode.request.run, []).append(at)
+            places.get(episode.request.run, []).append(at)
         elif isinstance(episode, Command):
-            places.setdefault(episode.request.command, []).append(at)
+            places.get(episode.request.command, []).append(at)
     for mistake in mistakes:
-        for at in reversed(places.get(mistake.run, ())):
+        for at in reversed(places[mistake.run]):
             episode = episodes[at]
             if episode.seq < mistake.seq and isinstance(episode, Action | Command):
                 if episode.mistake is None:
                     episodes[at] = replace(episode, mistake=mistake)
                 break
-    return episodes
 
 
 def timeline_of(messages: Iterable[m.Message]) -> Timeline:

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
-from tests.analysis.told import SECOND, Told, in_time, seconds
+from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
 from woz_tui.analysis.figures import Outcomes, SessionFigures
-from woz_tui.analysis.gather import figures_of
 from woz_tui.core import messages as m
 
 

@@ -12,13 +12,12 @@ import msgspec
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from tests.analysis.told import STEM
+from tests.analysis.told import STEM, drawn, figures_of
 from tests.core.examples import messages as examples
 from woz_tui.analysis import plain
 from woz_tui.analysis.figures import CUE_FATES, SessionFigures
-from woz_tui.analysis.gather import Options, figures_of
+from woz_tui.analysis.gather import Options
 from woz_tui.analysis.html.page import render
-from woz_tui.analysis.lanes import Drawing
 from woz_tui.analysis.methods import paragraphs
 from woz_tui.analysis.report import Report
 from woz_tui.analysis.session import NoSessionError, Wanted, examine
@@ -102,11 +101,8 @@ def test_messages_in_any_order_raise_nothing(course: list[tuple[m.AnyMessage, in
     messages = [
         msgspec.structs.replace(message, seq=seq, t=t) for seq, (message, t) in enumerate(course)
     ]
-    drawing = Drawing()
-    for message in messages:
-        drawing.take(message)
     figures = figures_of(messages)
-    used(figures, Report(figures, drawing.timeline()))
+    used(figures, Report(figures, drawn(messages)))
 
 
 @settings(max_examples=50, deadline=None)

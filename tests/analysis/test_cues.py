@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from tests.analysis.told import SECOND, Told, in_time, seconds
+from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options, figures_of
+from woz_tui.analysis.gather import Options
 from woz_tui.core import messages as m
 
 

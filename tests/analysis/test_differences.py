@@ -10,11 +10,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.analysis.told import SECOND, Told, in_time
+from tests.analysis.told import SECOND, Told, drawn, figures_of, in_time
 from woz_tui.analysis.differences import by_trial
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options, figures_of
-from woz_tui.analysis.lanes import Drawing
+from woz_tui.analysis.gather import Options
 from woz_tui.analysis.measures import measured
 from woz_tui.analysis.session import examine
 from woz_tui.analysis.tidy import Folder
@@ -187,10 +186,8 @@ def test_the_timeline_draws_each_from_its_beginning_to_its_end() -> None:
     it = Told().add(1, m.TrialStarted(trial=1)).add(2, shown({"volume": 0.6, "eyes": "x"}))
     it.add(4, m.TrialEnded(trial=1, outcome="done")).add(5, shown({"volume": 0.6}))
     it.add(6, LOST).add(8, BACK).end(9)
-    drawing = Drawing()
-    for message in in_time(it):
-        drawing.take(message)
-    [lane] = [lane for lane in drawing.timeline().lanes if lane.sort == "setting"]
+    drawing = drawn(in_time(it))
+    [lane] = [lane for lane in drawing.lanes if lane.sort == "setting"]
     assert [
         (each.label, each.begin // SECOND, each.end // SECOND, each.cut) for each in lane.intervals
     ] == [

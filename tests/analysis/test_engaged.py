@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from tests.analysis.told import SECOND, Told, in_time, seconds
+from tests.analysis.told import SECOND, Told, figures_of, in_time, seconds
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import figures_of
 from woz_tui.core import messages as m
 
 SETTINGS = m.EngagementAdopted(settings={"start": "run"})
@@ -88,13 +87,13 @@ def test_a_log_of_schema_1_has_a_model_if_it_ever_moved() -> None:
     assert told(Told().end(40)).whole.engagement.share is None
 
 
-def test_time_counts_in_its_condition_and_a_stay_where_it_ends() -> None:
+def test_time_counts_in_its_condition_and_a_stay_where_it_begins() -> None:
     it = visit()
     it.add(50, m.SessionChanged(condition="cold")).end(100)
     warm, cold = told(it).parts
     assert (warm.engagement.on_us, cold.engagement.on_us) == (50 * SECOND, 50 * SECOND)
     assert (warm.engagement.engaged_us, cold.engagement.engaged_us) == (20 * SECOND, 10 * SECOND)
-    assert (warm.engagement.episodes.n, cold.engagement.episodes.n) == (0, 1)
+    assert (warm.engagement.episodes.n, cold.engagement.episodes.n) == (1, 0)
     assert told(it).whole.engagement.on_us == 100 * SECOND
 
 

@@ -9,10 +9,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.told import SECOND, Told, in_time, study
+from tests.analysis.told import SECOND, Told, figures_of, in_time, study
 from woz_tui.analysis import plain
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import figures_of
 from woz_tui.analysis.groups import Grouped, Row, totals
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.session import examine

@@ -6,26 +6,18 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tests.analysis.told import SECOND, Told, in_time
-from woz_tui.analysis.lanes import PLACES, Drawing, told
-from woz_tui.analysis.timeline import Lane, Timeline
+from tests.analysis.told import SECOND, Told, drawn, in_time
+from woz_tui.analysis.lanes import PLACES, Curves, Lane, told
 from woz_tui.core import messages as m
 
 
-def drawn(it: Told) -> Timeline:
-    drawing = Drawing()
-    for message in in_time(it):
-        drawing.take(message)
-    return drawing.timeline()
-
-
-def lanes(timeline: Timeline) -> dict[str, Lane]:
-    return {lane.name: lane for lane in timeline.lanes}
+def lanes(it: Told) -> dict[str, Lane]:
+    return {lane.name: lane for lane in drawn(in_time(it)).lanes}
 
 
 def test_every_panel_has_a_lane() -> None:
     it = Told().act(1, took=2.0).act(5, "Nod", "Body", end="refused").act(8, took=None).end(10)
-    found = lanes(drawn(it))
+    found = lanes(it)
     speech, body = found["Speech"], found["Body"]
     assert [(each.begin, each.end, each.outcome, each.cut) for each in speech.intervals] == [
         (1 * SECOND, 3 * SECOND, "done", False),
@@ -37,7 +29,7 @@ def test_every_panel_has_a_lane() -> None:
 
 def test_states_follow_each_other_without_a_gap() -> None:
     it = Told().state(10, "Wait", "PersonDetected").state(20, "PersonDetected", "Wait").end(30)
-    states = lanes(drawn(it))["engagement"].intervals
+    states = lanes(it)["engagement"].intervals
     assert [(each.label, each.begin // SECOND, each.end // SECOND) for each in states] == [
         ("Wait", 0, 10),
         ("PersonDetected", 10, 20),
@@ -49,7 +41,7 @@ def test_lanes_come_in_a_fixed_order() -> None:
     it = Told().act(1).add(2, m.Note(text="x")).add(3, m.StopPressed(source="key"))
     it.add(4, m.DriverLost(driver="head")).state(5, "Wait", "PersonDetected").speech(6, 7)
     it.add(8, m.TrialStarted(trial=1)).add(9, m.TrialEnded(trial=1, outcome="excluded")).end(10)
-    timeline = drawn(it)
+    timeline = drawn(in_time(it))
     assert [lane.sort for lane in timeline.lanes] == [
         *("trial", "engagement", "speech", "panel", "stop", "driver", "mark")
     ]
@@ -60,7 +52,7 @@ def test_lanes_come_in_a_fixed_order() -> None:
 def test_what_was_understood_belongs_to_its_utterance() -> None:
     it = Told().speech(1, 3).speech(5, 6, 2)
     it.add(7, m.SpeechText(driver="mic", segment=1, text="where is the exit"))
-    first, second = lanes(drawn(it.end(9)))["visitor speaks"].intervals
+    first, second = lanes(it.end(9))["visitor speaks"].intervals
     assert (first.detail, second.detail) == ("where is the exit", "")
 
 
@@ -72,20 +64,20 @@ def test_arguments_in_a_few_words() -> None:
 
 @given(st.lists(st.integers(0, 3_600), min_size=1, max_size=50))
 def test_a_curve_keeps_its_mean_and_never_grows(times: list[int]) -> None:
-    drawing = Drawing()
+    curves = Curves()
     for t in sorted(times):
-        drawing.take(m.Reading(t=t * SECOND, sensor="distance", value=2.5, unit="m"))
-    [curve] = drawing.timeline().curves
+        curves.take(m.Reading(sensor="distance", value=2.5, unit="m"), t * SECOND)
+    [curve] = curves
     assert len(curve.values) <= PLACES
     assert {value for value in curve.values if value is not None} == {2.5}
     assert curve.unit == "m"
 
 
 def test_a_curve_is_a_mean_of_what_falls_together() -> None:
-    drawing = Drawing()
+    curves = Curves()
     for t, value in ((0, 1.0), (10_000, 3.0), (60_000, 5.0)):
-        drawing.take(m.Reading(t=t, sensor="distance", value=value))
-    drawing.take(m.Reading(t=70_000, sensor="distance", value=None))
-    drawing.take(m.Reading(t=70_000, sensor="gaze", value=1.0))
-    [curve] = drawing.timeline().curves
+        curves.take(m.Reading(sensor="distance", value=value), t)
+    curves.take(m.Reading(sensor="distance", value=None), 70_000)
+    curves.take(m.Reading(sensor="gaze", value=1.0), 70_000)
+    [curve] = curves
     assert curve.values == pytest.approx((2.0, 5.0))

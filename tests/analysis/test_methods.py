@@ -5,9 +5,8 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from tests.analysis.told import SECOND, Told, in_time, study
+from tests.analysis.told import SECOND, Told, figures_of, in_time, study
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import figures_of
 from woz_tui.analysis.grammar import listed, some, times
 from woz_tui.analysis.methods import paragraphs
 from woz_tui.analysis.session import examine

@@ -8,10 +8,9 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.told import SECOND, STEM, Told, in_time
+from tests.analysis.told import SECOND, STEM, Told, figures_of, in_time
 from woz_tui.analysis import plain
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import figures_of
 from woz_tui.analysis.groups import Grouped
 from woz_tui.analysis.html.page import render
 from woz_tui.analysis.methods import paragraphs

@@ -8,11 +8,26 @@ from typing import Any, Self
 
 import msgspec
 
+from woz_tui.analysis import gather, lanes
+from woz_tui.analysis.figures import SessionFigures
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.timeline.timeline import timeline_of
 
 SECOND = 1_000_000
 STEM = "2026-03-01T10-00-00_P07_S01"
+
+
+def figures_of(
+    messages: Iterable[m.AnyMessage], options: gather.Options = gather.DEFAULTS
+) -> SessionFigures:
+    """The figures of messages in the order of a log."""
+    return gather.figures_of(timeline_of(messages), options)
+
+
+def drawn(messages: Iterable[m.AnyMessage]) -> lanes.Drawing:
+    """What is drawn of messages in the order of a log."""
+    return lanes.drawing_of(timeline_of(messages))
 
 
 class Told:

@@ -9,11 +9,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from tests.analysis.told import Told, in_time
+from tests.analysis.told import Told, figures_of, in_time
 from tests.replay.again import written
 from tests.replay.test_plan import LOG, START
 from woz_tui import cli
-from woz_tui.analysis.gather import figures_of
 from woz_tui.cli.engagement_compare import engaged_share
 from woz_tui.cli.engagement_log import recounted
 from woz_tui.cli.engagement_off import Recorded

@@ -9,12 +9,11 @@ from typing import TypeVar
 
 from hypothesis import given, settings
 
+from tests.analysis.told import figures_of
 from tests.timeline.courses import recordings
-from woz_tui.analysis.course import Course
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.gather import Options, figures_of
-from woz_tui.analysis.lanes import Drawing
-from woz_tui.analysis.timeline import Interval
+from woz_tui.analysis.gather import Options
+from woz_tui.analysis.lanes import Interval, drawing_of
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.experiment.verbs import PERFORMERS
@@ -205,12 +204,10 @@ def test_report_differences_of_settings(messages: list[m.AnyMessage]) -> None:
 @settings(max_examples=30)
 @given(recordings())
 def test_report_lanes(messages: list[m.AnyMessage]) -> None:
-    timeline, drawing = timeline_of(messages), Drawing()
-    for message in messages:
-        drawing.take(message)
-    drawn = [each for lane in drawing.timeline().lanes for each in lane.intervals]
+    timeline = timeline_of(messages)
+    drawn = [each for lane in drawing_of(timeline).lanes for each in lane.intervals]
     assert lane(drawn, "speech") == {
-        (each.begin, each.end) for each in timeline.of(Utterance) if each.ended
+        (each.begin, each.end) for each in timeline.of(Utterance) if each.started or each.ended
     }
     assert lane(drawn, "trial") == {(each.begin, each.end) for each in timeline.of(Trial)}
     assert lane(drawn, "lost") == {(each.begin, each.end) for each in timeline.of(LostDriver)}
@@ -323,16 +320,3 @@ def steps(messages: list[m.AnyMessage]) -> Iterator[tuple[SessionState, m.AnyMes
     for message in messages:
         state.take(message)
         yield state, message
-
-
-@settings(max_examples=30)
-@given(recordings())
-def test_the_context_is_that_of_reports(messages: list[m.AnyMessage]) -> None:
-    course = Course()
-    handlers = course.handlers()
-    for state, message in steps(messages):
-        course.at(message.t)
-        if type(message) in handlers:
-            handlers[type(message)](message)
-        number = None if course.trial < 0 else course.trial
-        assert (course.participant, course.condition, number) == context(state.context)

@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
-from collections import deque
-from collections.abc import Collection
-from dataclasses import dataclass
+from collections import Counter, deque
+from collections.abc import Callable, Collection, Iterator, Sequence
+from dataclasses import dataclass, replace
+from operator import itemgetter
 from typing import Any
 
-from woz_tui.analysis.course import Course, Handlers
-from woz_tui.analysis.figures import Cue, Training
+from woz_tui.analysis.acts import Act
+from woz_tui.analysis.figures import Training
+from woz_tui.analysis.rows import PREFLIGHT, Cue, moments, placed
 from woz_tui.analysis.series import Series
-from woz_tui.analysis.tally import Tally
 from woz_tui.core import messages as m
+from woz_tui.timeline import episodes as e
+from woz_tui.timeline.context import Context
+from woz_tui.timeline.timeline import Timeline
 
 #: An answer within this time is one (microseconds), unless somebody says otherwise.
 WINDOW_US = 10_000_000
@@ -25,9 +29,13 @@ EARLY_US = 1_000_000
 #: States of the engagement model in which the visitor waits for an answer.
 WAITING = ("RobotThinks",)
 #: Markers that no human has set.
-UNMEANT = frozenset({"action", "preflight"})
+UNMEANT = frozenset({"action", PREFLIGHT})
 #: Acts that may come before the line of the cue they answer.
 _KEPT = 16
+#: How the cues of a training are judged that were answered.
+_REACTED = (e.Outcome.RIGHT, e.Outcome.WRONG)
+#: A cue, and the context of its line.
+Placed = tuple[Context, Cue]
 
 
 @dataclass(slots=True)
@@ -35,102 +43,66 @@ class _Open:
     sort: str
     t: int
     what: str
-    tally: Tally
-    trial: int
+    context: Context
     echo: bool = False
 
 
-class Cues:
-    """Matches cues with acts. A cue is open until the next act, the end of the window, or until it
-    is overtaken: by another one of its sort, by the visitor going on to speak, or by the engagement
-    model leaving the state. One that is not a marker may be answered before it comes.
-
-    Args:
-        course: Where the session stands.
-        window_us: Within this time after a cue the answer must come.
-        waiting: States of the engagement model that are cues.
+class _Cues:
+    """Matches cues with acts, line by line. A cue is open until the next act, the end of the
+    window, or until it is overtaken: by another one of its sort, by the visitor going on to speak,
+    or by the engagement model leaving the state. One that is not a marker may be answered before
+    it comes.
     """
 
-    def __init__(
-        self, course: Course, window_us: int = WINDOW_US, waiting: Collection[str] = WAITING
-    ) -> None:
-        self._course = course
+    def __init__(self, timeline: Timeline, window_us: int, waiting: Collection[str]) -> None:
+        self._at = timeline.contexts.at
         self._window = window_us
         self._waiting = frozenset(waiting)
+        self._t = self._seq = 0
         self._open: dict[str, _Open] = {}
         self._anticipated: _Open | None = None
-        self._acts: deque[tuple[int, str, str]] = deque(maxlen=_KEPT)
-        self._taught: dict[str, tuple[m.CueGiven, _Open]] = {}
-        self._judged = dict.fromkeys(("right", "wrong", "missed", "uncalled"), 0)
-        self._given = 0
-        self._trained = False
-        self._times = Series()
+        self._acts: deque[Act] = deque(maxlen=_KEPT)
+        self.found: list[Placed] = []
 
-    def handlers(self) -> Handlers:
-        """What it listens to."""
-        return {
-            m.SpeechStarted: self._speaks,
-            m.SpeechEnded: self._spoke,
-            m.EngagementChanged: self._engagement,
-            m.Marker: self._marker,
-            m.CueGiven: self._taught_cue,
-            m.CueAnswered: self._taught_answer,
-        }
+    def go(self, t: int, seq: int) -> None:
+        """The next line."""
+        self._t, self._seq = t, seq
 
-    def act(self, name: str, run: str) -> None:
+    def act(self, act: Act) -> None:
         """The wizard does something: it answers what is open."""
-        t = self._course.t
-        self._acts.append((t, name, run))
+        self._acts.append(act)
         for sort in list(self._open):
-            self._answer(self._open.pop(sort), t, name, run)
+            self._answer(self._open.pop(sort), act)
 
-    def finish(self) -> None:
+    def finish(self, t: int) -> None:
         """The log is over."""
+        self._t = t
         for cue in self._open.values():
             self._close(cue, "missed" if self._late(cue) else "cut")
-        for _, cue in self._taught.values():
-            self._close(cue, "cut")
 
-    @property
-    def training(self) -> Training | None:
-        """None if this was none."""
-        if not self._trained:
-            return None
-        judged = self._judged
-        return Training(
-            cues=self._given,
-            right=judged["right"],
-            wrong=judged["wrong"],
-            missed=judged["missed"],
-            uncalled=judged["uncalled"],
-            times=self._times,
-        )
-
-    # -- cues -------------------------------------------------------------------------------------
-
-    def _speaks(self, message: m.SpeechStarted) -> None:
+    def speaks(self, spoken: e.Utterance) -> None:
+        """The visitor begins to speak."""
         self._overtake("speech")
 
-    def _spoke(self, message: m.SpeechEnded) -> None:
-        course = self._course
-        course.tally.speech.add(message.ended - message.began)
-        ended = message.ended if 0 <= message.ended <= course.t else course.t
-        self._give("speech", ended, f"utterance {message.segment}", message.began)
+    def spoke(self, spoken: e.Utterance) -> None:
+        """Has spoken: the line of it comes later than the end."""
+        end = self._t if spoken.end is None else spoken.end
+        self._give("speech", end, f"utterance {spoken.segment}", spoken.begin)
 
-    def _engagement(self, message: m.EngagementChanged) -> None:
+    def enters(self, state: e.ModelState) -> None:
+        """The engagement model comes to another state."""
         self._overtake("engagement")
-        if message.now in self._waiting:
-            self._give("engagement", self._course.t, message.now, 0)
+        if state.state in self._waiting:
+            self._give("engagement", self._t, state.state, 0)
 
-    def _marker(self, message: m.Marker) -> None:
-        if message.source not in UNMEANT:
-            self._give("marker", self._course.t, message.text)
+    def marker(self, marker: m.Marker) -> None:
+        """Somebody sets a marker."""
+        self._give("marker", self._t, marker.text)
 
     def _give(self, sort: str, t: int, what: str, since: int | None = None) -> None:
         """A cue at `t`. An act after `since` may have anticipated it; None: nothing can."""
-        course = self._course
         self._overtake(sort)
-        cue = _Open(sort, t, what, course.tally, course.trial)
+        cue = _Open(sort, t, what, self._at(self._t, self._seq))
         others = [each for each in self._open.values() if not each.echo]
         if self._anticipated is not None:
             others.append(self._anticipated)
@@ -139,15 +111,15 @@ class Cues:
         if early is not None:
             if not cue.echo:
                 self._anticipated = cue
-            self._close(cue, "anticipated", action=early[1], run=early[2])
-        elif (already := self._act(t + 1, course.t)) is not None:
-            self._answer(cue, *already)
+            self._close(cue, "anticipated", action=early.name, run=early.id)
+        elif (already := self._act(t + 1, self._t)) is not None:
+            self._answer(cue, already)
         else:
             self._open[sort] = cue
 
-    def _act(self, begin: int, end: int) -> tuple[int, str, str] | None:
+    def _act(self, begin: int, end: int) -> Act | None:
         """The first act in this time, both ends included."""
-        return next((act for act in self._acts if begin <= act[0] <= end), None)
+        return next((act for act in self._acts if begin <= act.t <= end), None)
 
     def _overtake(self, sort: str) -> None:
         cue = self._open.pop(sort, None)
@@ -155,59 +127,87 @@ class Cues:
             self._close(cue, "missed" if self._late(cue) else "overtaken")
 
     def _late(self, cue: _Open) -> bool:
-        return self._course.t - cue.t > self._window
+        return self._t - cue.t > self._window
 
-    def _answer(self, cue: _Open, t: int, name: str, run: str) -> None:
-        reaction = t - cue.t
+    def _answer(self, cue: _Open, act: Act) -> None:
+        reaction = act.t - cue.t
         if reaction > self._window:
             self._close(cue, "missed")
         else:
-            self._close(cue, "answered", reaction_us=reaction, action=name, run=run)
+            self._close(cue, "answered", reaction_us=reaction, action=act.name, run=act.id)
 
     def _close(self, cue: _Open, fate: str, **answer: Any) -> None:
-        cue.tally.cues.append(
-            Cue(
-                sort=cue.sort,
-                t=cue.t,
-                what=cue.what,
-                fate=fate,
-                echo=cue.echo,
-                participant=cue.tally.participant,
-                condition=cue.tally.condition,
-                trial=cue.trial,
-                **answer,
-            )
+        row = Cue(
+            **placed(cue.context), sort=cue.sort, t=cue.t, what=cue.what, fate=fate, echo=cue.echo,
+            **answer,
+        )  # fmt: skip
+        self.found.append((cue.context, row))
+
+
+def cues_of(
+    timeline: Timeline, acts: Sequence[Act], window_us: int, waiting: Collection[str]
+) -> list[Placed]:
+    """All cues but those of a training, as they were over."""
+    cues = _Cues(timeline, window_us, waiting)
+    lines: list[tuple[int, int, Callable[[Any], None], Any]] = [
+        (act.t, act.seq, cues.act, act) for act in acts
+    ]
+    for spoken in timeline.of(e.Utterance):
+        if spoken.started is not None:
+            lines.append((spoken.started.t, spoken.started.seq, cues.speaks, spoken))
+        if spoken.ended is not None:
+            lines.append((spoken.ended.t, spoken.ended.seq, cues.spoke, spoken))
+    for state in timeline.of(e.ModelState):
+        if state.entered is not None:
+            lines.append((state.begin, state.seq, cues.enters, state))
+    for _, marker in moments(timeline, m.Marker):
+        if marker.source not in UNMEANT:
+            lines.append((marker.t, marker.seq, cues.marker, marker))
+    for t, seq, case, what in sorted(lines, key=itemgetter(0, 1)):
+        cues.go(t, seq)
+        case(what)
+    cues.finish(timeline.end)
+    return cues.found
+
+
+# -- training -------------------------------------------------------------------------------------
+
+
+def trained_cues(timeline: Timeline) -> Iterator[Placed]:
+    """The cues of a training, as it judged them."""
+    for cue in timeline.of(e.Cue):
+        given = Cue(**placed(cue.context), sort="training", t=cue.begin, what=cue.label, fate="cut")
+        answer = cue.answered
+        if answer is None or cue.outcome == e.Outcome.VOID:  # a stop or the end: nobody's failure
+            yield cue.context, given
+            continue
+        yield (
+            cue.context,
+            replace(
+                given,
+                fate="answered" if cue.outcome in _REACTED else "missed",
+                reaction_us=answer.reaction_us if answer.reaction_us >= 0 else None,
+                action=answer.action,
+                run=answer.run,
+                judged=answer.judged,
+            ),
         )
 
-    # -- training ---------------------------------------------------------------------------------
 
-    def _taught_cue(self, message: m.CueGiven) -> None:
-        course = self._course
-        self._given += 1
-        self._trained = True
-        cue = _Open("training", course.t, message.sort, course.tally, course.trial)
-        self._taught[message.cue] = (message, cue)
-
-    def _taught_answer(self, message: m.CueAnswered) -> None:
-        self._trained = True
-        if message.judged in self._judged:
-            self._judged[message.judged] += 1
-        given = self._taught.pop(message.cue, None)
-        if given is None:
-            return
-        if message.judged == "void":  # the stop came in between, or the end: nobody's failure
-            self._given -= 1
-            self._close(given[1], "cut")
-            return
-        reaction = message.reaction_us if message.reaction_us >= 0 else None
-        fate = "answered" if message.judged in ("right", "wrong") else "missed"
-        if reaction is not None and fate == "answered":
-            self._times.add(reaction)
-        self._close(
-            given[1],
-            fate,
-            reaction_us=reaction,
-            action=message.action,
-            run=message.run,
-            judged=message.judged,
-        )
+def training_of(timeline: Timeline, cues: Sequence[Placed]) -> Training | None:
+    """How the `trained_cues` were judged; None if this was no training."""
+    given = timeline.of(e.Cue)
+    answers = [cue.answered for cue in given if cue.answered is not None]
+    answers += [answer for _, answer in moments(timeline, m.CueAnswered)]
+    if not given and not answers:
+        return None
+    judged = Counter(answer.judged for answer in answers)
+    times = (cue.reaction_us for _, cue in cues if cue.fate == "answered")
+    return Training(
+        cues=sum(cue.outcome != e.Outcome.VOID for cue in given),
+        right=judged["right"],
+        wrong=judged["wrong"],
+        missed=judged["missed"],
+        uncalled=judged["uncalled"],
+        times=Series(us for us in times if us is not None),
+    )

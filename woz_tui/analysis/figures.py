@@ -12,7 +12,6 @@ from dataclasses import dataclass, field
 from woz_tui.analysis.rows import (
     CUE_FATES,
     CUE_SORTS,
-    NOT_COUNTED,
     Answer,
     ConsoleChange,
     Cue,
@@ -35,7 +34,6 @@ __all__ = [
     "CUE_FATES",
     "CUE_SORTS",
     "ENDS",
-    "NOT_COUNTED",
     "ActionCount",
     "Answer",
     "ConsoleChange",
@@ -303,7 +301,7 @@ class SessionFigures:
     """All figures of one session.
 
     `parts` are by participant and condition, in the order in which they came; `whole` has all of
-    them together. Both leave out what happened in trials that do not count (see `NOT_COUNTED`)
+    them together. Both leave out what happened in trials that do not count (aborted or excluded)
     unless `all_trials`. Everything else is of the session as it was. `participants` are those who
     took part (see `people`); `participant` names them, or all codes if nobody did.
     """

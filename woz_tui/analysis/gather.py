@@ -1,22 +1,24 @@
-"""One pass over the messages of a session, from which all of its figures come."""
+"""The figures of a session, counted over what its timeline has.
+
+What happened counts in the context in which it began, times count in that in which they passed.
+"""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterable, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
 
-from woz_tui.analysis.acts import Acts
-from woz_tui.analysis.around import Hardware, Marks, Setting, Stops
-from woz_tui.analysis.asked import Asked
-from woz_tui.analysis.course import Course, Handlers
-from woz_tui.analysis.cues import WAITING, WINDOW_US, Cues
-from woz_tui.analysis.differences import Differences
-from woz_tui.analysis.engaged import Engaged
-from woz_tui.analysis.figures import Cue, Part, SessionFigures, Trial, Wholeness
+from woz_tui.analysis import rows
+from woz_tui.analysis.acts import Act, acts_of, of_robot
+from woz_tui.analysis.cues import WAITING, WINDOW_US, cues_of, trained_cues, training_of
+from woz_tui.analysis.figures import Cue, PanelOffer, Part, SessionFigures, Trial, Wholeness
 from woz_tui.analysis.people import taking_part
+from woz_tui.analysis.series import Series
 from woz_tui.analysis.tally import Tally, part
 from woz_tui.core import messages as m
+from woz_tui.timeline import episodes as e
+from woz_tui.timeline.context import Context
+from woz_tui.timeline.timeline import Timeline
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,155 +39,263 @@ class Options:
 DEFAULTS = Options()
 
 
-class Gatherer:
-    """Takes messages in the order of the log; `figures` tells what they amount to.
+def figures_of(
+    timeline: Timeline, options: Options = DEFAULTS, path: str = "", stem: str = ""
+) -> SessionFigures:
+    """All figures of a session whose timeline is finished; of its log see `wholeness`."""
+    state = timeline.state
+    start, assigned, ended = state.start, state.study.assigned, state.end
+    trials = tuple(rows.trials(timeline))
+    answers = tuple(rows.answers(timeline))
+    acts = acts_of(timeline)
+    trained = [*trained_cues(timeline)]
+    cues = [*cues_of(timeline, acts, options.window_us, options.waiting), *trained]
+    counting = _Counting(timeline)
+    counting.count(acts)
+    for context, cue in cues:
+        counting.at(context).cues.append(cue)
+    tallies = counting.tallies
+    people = taking_part(tallies, trials, answers)
 
-    Memory does not grow with the length of a session except by some 20 bytes for each act, and by a
-    row for each cue, state, trial and mark.
-    """
+    def counted(context: Context) -> bool:
+        return context.participant in people and timeline.counts(context)
 
-    def __init__(self, options: Options = DEFAULTS) -> None:
-        self._options = options
-        self._course = Course()
-        self._cues = Cues(self._course, options.window_us, options.waiting)
-        self._acts = Acts(self._course, self._cues.act)
-        self._engaged = Engaged(self._course)
-        self._asked = Asked(self._course)
-        self._stops = Stops(self._course)
-        self._marks = Marks(self._course)
-        self._hardware = Hardware(self._course)
-        self._differences = Differences(self._course)
-        self._setting = Setting(self._course)
-        self._handlers = _joined(
-            self._course.handlers(),
-            self._setting.handlers(),
-            self._engaged.handlers(),
-            self._acts.handlers(),
-            self._cues.handlers(),
-            self._asked.handlers(),
-            self._stops.handlers(),
-            self._marks.handlers(),
-            self._hardware.handlers(),
-            self._differences.handlers(),
-        )
-        self._finished = False
-
-    def take(self, message: m.AnyMessage) -> None:
-        """The next message."""
-        self._course.at(message.t)
-        for handle in self._handlers.get(type(message), ()):
-            handle(message)
-
-    def figures(
-        self, path: str = "", stem: str = "", wholeness: Wholeness | None = None
-    ) -> SessionFigures:
-        """All figures; nothing may be taken any more."""
-        self._finish()
-        course, setting = self._course, self._setting
-        start = setting.start
-        trials = course.trials()
-        tallies = course.tallies
-        counted = [tally for tally in tallies if self._options.all_trials or course.counts(tally)]
-        people = taking_part(tallies, trials, self._asked.answers)
-        return SessionFigures(
-            path=path,
-            stem=stem,
-            session=start.session if start else "",
-            participant=_named(tallies, people),
-            participants=tuple(_each(_of(tallies, people))),
-            condition=", ".join(_each(tally.condition for tally in tallies)),
-            wizard=start.wizard if start else "",
-            software=" ".join(filter(None, map(start.software.get, ("name", "version"))))
-            if start
-            else "",
-            schema=start.schema if start else 0,
-            experiment=start.experiment if start else "",
-            experiment_sha256=start.experiment_sha256 if start else "",
-            title=setting.title,
-            started=_began(start),
-            duration_us=course.t - course.begin,
-            ended=setting.ended,
-            window_us=self._options.window_us,
-            all_trials=self._options.all_trials,
-            whole=self._part(counted, trials, people),
-            parts=tuple(self._parts(counted, trials, people)),
-            cues=tuple(self._told_cues(tallies, people)),
-            visits=tuple(self._engaged.visits),
-            trials=tuple(trials),
-            breaks=tuple(course.breaks),
-            stops=tuple(self._stops.stops),
-            marks=tuple(self._marks.marks),
-            answers=self._asked.answers,
-            rounds=self._asked.rounds,
-            training=self._cues.training,
-            panels=setting.panels,
-            profiles=tuple(setting.profiles),
-            consoles=tuple(self._hardware.consoles),
-            lost_drivers=tuple(self._hardware.lost),
-            differences=self._differences.rows(course.counts, people),
-            drivers=tuple(self._hardware.drivers),
-            restrictions=tuple(setting.restrictions),
-            shaping=tuple(setting.shaping),
-            reloads=setting.reloads,
-            rerun_of=setting.rerun_of,
-            order=setting.order,
-            order_method=setting.order_method,
-            wholeness=wholeness or Wholeness(ended=bool(setting.ended)),
-        )
-
-    def _finish(self) -> None:
-        if self._finished:
-            return
-        self._finished = True
-        self._course.finish()
-        self._acts.finish()
-        self._cues.finish()
-        self._engaged.finish()
-        self._hardware.finish()
-        self._differences.finish()
-
-    def _part(self, tallies: list[Tally], trials: list[Trial], people: set[str]) -> Part:
-        return part(
-            tallies,
-            _named(tallies, people),
-            ", ".join(_each(tally.condition for tally in tallies)),
-            self._trials_of(trials),
-        )
-
-    def _parts(self, tallies: list[Tally], trials: list[Trial], people: set[str]) -> Iterable[Part]:
-        groups: dict[tuple[str, str], list[Tally]] = {}
-        for tally in tallies:
-            groups.setdefault((tally.participant, tally.condition), []).append(tally)
-        for (participant, condition), found in groups.items():
-            of_it = [
-                trial
-                for trial in trials
-                if (trial.participant, trial.condition) == (participant, condition)
-            ]
-            begun = self._trials_of(of_it)
-            yield part(found, participant, condition, begun, counted=participant in people)
-
-    def _trials_of(self, trials: list[Trial]) -> int:
-        return sum(self._options.all_trials or trial.counted for trial in trials)
-
-    def _told_cues(self, tallies: list[Tally], people: set[str]) -> list[Cue]:
-        cues = [
-            cue
-            if self._course.counts(tally) and tally.participant in people
-            else replace(cue, counted=False)
-            for tally in tallies
-            for cue in tally.cues
-        ]
-        return sorted(cues, key=lambda cue: cue.t)
+    whole, *parts = _parts(tallies, trials, people, options)
+    plan = _first_plan(timeline)
+    return SessionFigures(
+        path=path,
+        stem=stem,
+        session=start.session if start else "",
+        participant=_named(tallies, people),
+        participants=tuple(_each(_of(tallies, people))),
+        condition=", ".join(_each(tally.condition for tally in tallies)),
+        wizard=start.wizard if start else "",
+        software=" ".join(filter(None, map(start.software.get, ("name", "version"))))
+        if start
+        else "",
+        schema=start.schema if start else 0,
+        experiment=start.experiment if start else "",
+        experiment_sha256=start.experiment_sha256 if start else "",
+        title=plan.title if plan else "",
+        started=_began(start),
+        duration_us=timeline.end - timeline.begin,
+        ended=(ended.reason or "ended") if ended else "",
+        window_us=options.window_us,
+        all_trials=options.all_trials,
+        whole=whole,
+        parts=tuple(parts),
+        cues=tuple(_listed(cues, counted)),
+        visits=tuple(rows.visits(timeline)),
+        trials=trials,
+        breaks=tuple(rows.breaks(timeline)),
+        stops=tuple(rows.stops(timeline)),
+        marks=tuple(rows.marks(timeline)),
+        answers=answers,
+        rounds=tuple(rows.rounds(timeline)),
+        training=training_of(timeline, trained),
+        panels=tuple(_panels(plan)),
+        profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.Profile))),
+        consoles=tuple(rows.consoles(timeline)),
+        lost_drivers=tuple(rows.lost_drivers(timeline)),
+        differences=tuple(rows.differences(timeline, counted)),
+        drivers=tuple(rows.drivers(timeline)),
+        restrictions=tuple(rows.restrictions(timeline)),
+        shaping=tuple(rows.shapings(timeline)),
+        reloads=sum(1 for _ in rows.moments(timeline, m.ExperimentReloaded)),
+        rerun_of=next((each.label for each in reversed(timeline.of(e.Rerun))), ""),
+        order=tuple(assigned.order) if assigned else (),
+        order_method=assigned.method if assigned else "",
+        wholeness=Wholeness(ended=ended is not None),
+    )
 
 
-def _joined(*parts: Handlers) -> dict[type[Any], tuple[Callable[..., None], ...]]:
-    """All handlers of a kind, in the order given."""
-    joined: dict[type[Any], tuple[Callable[..., None], ...]] = {}
-    for handlers in parts:
-        for kind, handle in handlers.items():
-            joined[kind] = (*joined.get(kind, ()), handle)
-    return joined
+class _Counting:
+    """Adds up what happened, by participant, condition and run of a trial."""
+
+    def __init__(self, timeline: Timeline) -> None:
+        self._timeline = timeline
+        self._tallies: dict[tuple[str, str, int | None], Tally] = {}
+        for span in timeline.spans:
+            self.at(span.context).us += span.end - span.begin
+
+    def at(self, context: Context) -> Tally:
+        """Where it counts."""
+        key = (context.participant, context.condition, context.run)
+        found = self._tallies.get(key)
+        if found is None:
+            counted = self._timeline.counts(context)
+            found = self._tallies[key] = Tally(*key, counted=counted)
+        return found
+
+    @property
+    def tallies(self) -> list[Tally]:
+        """All in the order in which they came; those in which nothing was are left out."""
+        found = [tally for tally in self._tallies.values() if not tally.empty]
+        return found or [*self._tallies.values()][:1] or [Tally("", "")]
+
+    def count(self, acts: Sequence[Act]) -> None:
+        """Everything but cues."""
+        self._acts(acts)
+        self._actions()
+        self._commands()
+        self._moments()
+        self._lost_mistakes()
+        self._engagement()
+        self._settings()
+        for spoken in self._timeline.of(e.Utterance):
+            if spoken.ended is not None:
+                self.at(spoken.context).speech.add(spoken.duration)
+        for stop in self._timeline.of(e.Stop):
+            # A lost console stops the drive: nobody pressed that.
+            self.at(stop.context).stops += stop.label == "all"
+
+    def _acts(self, acts: Sequence[Act]) -> None:
+        before: Act | None = None
+        for act in acts:
+            tally = self.at(act.context)
+            tally.direct += act.direct
+            tally.by_hand += not act.direct
+            tally.mistakes += act.mistake
+            if act.started is not None:
+                tally.press.add(act.started)
+            # No gap reaches over the border between two trials or conditions.
+            if before is not None and before.context is act.context:
+                tally.gaps.add(act.t - before.t)
+            before = act
+
+    def _actions(self) -> None:
+        for action in self._timeline.of(e.Action):
+            tally, outcome = self.at(action.context), action.outcome
+            tally.counts[action.label, action.request.panel, action.source, outcome] += 1
+            if outcome == e.Outcome.DONE:
+                tally.took.add(action.duration)
+            if action.held is not None:
+                tally.held.add(action.held_us)
+
+    def _commands(self) -> None:
+        for command in self._timeline.of(e.Command):
+            if not of_robot(command):
+                continue
+            verb = self.at(command.context).verb(command.label)
+            verb.ends[command.outcome] += 1
+            if command.latency_us is not None:
+                verb.dispatched.add(command.latency_us)
+            if command.duration_us is not None:
+                verb.done.add(command.duration_us)
+
+    def _moments(self) -> None:
+        for moment in self._timeline.of(e.Moment):
+            match moment.message:
+                case m.Marker(source=source) if source != rows.PREFLIGHT:
+                    self.at(moment.context).markers += 1
+                case m.Note():
+                    self.at(moment.context).notes += 1
+                case m.StopPressed(scope="all"):
+                    self.at(moment.context).stops += 1
+                case m.ActionHeld(until=until):
+                    self.at(moment.context).held.add(until - moment.begin)
+                case m.EngagementChanged() as change:
+                    self._transition(moment.context, change)
+
+    def _lost_mistakes(self) -> None:
+        """Those that label an act whose lines are lost; not a knob on its way."""
+        timeline = self._timeline
+        found = {
+            each.run: context for context, each in reversed([*rows.moments(timeline, m.Mistake)])
+        }
+        for each in timeline.of(e.Action) if found else ():
+            found.pop(each.request.run, None)
+        for command in timeline.of(e.Command) if found else ():
+            found.pop(command.request.command, None)
+        for run, context in found.items():
+            self.at(context).mistakes += run not in timeline.passed
+
+    # -- times ------------------------------------------------------------------------------------
+
+    def _passed(self, episode: e.Episode) -> Iterator[tuple[Tally, int]]:
+        """Where its time counts."""
+        for piece in self._timeline.parts(episode):
+            yield self.at(piece.context), piece.end - piece.begin
+
+    def _engagement(self) -> None:
+        for state in self._timeline.of(e.ModelState):
+            if state.entered is not None:
+                self._transition(state.context, state.entered)
+            lengths = self.at(state.context).lengths
+            lengths.setdefault(state.state, Series()).add(state.duration)
+            for tally, us in self._passed(state):
+                tally.on_us += us
+                tally.state_us[state.state] += us
+        for engaged in self._timeline.of(e.Engagement):
+            self.at(engaged.context).episodes.add(engaged.duration)
+            for tally, us in self._passed(engaged):
+                tally.engaged_us += us
+        for off in self._timeline.of(e.ModelOff):
+            for tally, us in self._passed(off):
+                tally.off_us += us
+
+    def _transition(self, context: Context, change: m.EngagementChanged) -> None:
+        tally = self.at(context)
+        tally.transitions[change.was, change.now] += 1
+        tally.forced += change.forced
+
+    def _settings(self) -> None:
+        """Each moment counts once, however many settings are known, or differ."""
+        parts = self._timeline.contexts.parts
+        settings = self._timeline.of(e.Setting)
+        for begin, end in _together(each for each in settings if each.differs is not None):
+            for piece in parts(begin, end, -1):
+                self.at(piece.context).settings_us += piece.end - piece.begin
+        for begin, end in _together(each for each in settings if each.differs):
+            for piece in parts(begin, end, -1):
+                self.at(piece.context).differing_us += piece.end - piece.begin
+
+
+def _together(episodes: Iterable[e.Episode]) -> Iterator[tuple[int, int]]:
+    """The times in which at least one of the episodes, given by their beginning, went on."""
+    begin = end = 0
+    for each in episodes:
+        if each.begin > end:
+            if end > begin:
+                yield begin, end
+            begin = end = each.begin
+        end = max(end, each.begin + each.duration)
+    if end > begin:
+        yield begin, end
+
+
+def _parts(
+    tallies: list[Tally], trials: Sequence[Trial], people: set[str], options: Options
+) -> Iterator[Part]:
+    """The whole, then each participant's conditions."""
+    every = options.all_trials
+    counted = [tally for tally in tallies if every or tally.counted]
+    conditions = ", ".join(_each(tally.condition for tally in counted))
+    begun = [trial for trial in trials if every or trial.counted]
+    yield part(counted, _named(counted, people), conditions, len(begun))
+    groups: dict[tuple[str, str], list[Tally]] = {}
+    for tally in counted:
+        groups.setdefault((tally.participant, tally.condition), []).append(tally)
+    for key, found in groups.items():
+        of_it = sum((trial.participant, trial.condition) == key for trial in begun)
+        yield part(found, *key, of_it, counted=key[0] in people)
+
+
+def _listed(cues: Iterable[tuple[Context, Cue]], counted: Callable[[Context], bool]) -> list[Cue]:
+    """All cues by time, with whether they count."""
+    found = [cue if counted(context) else replace(cue, counted=False) for context, cue in cues]
+    return sorted(found, key=lambda cue: cue.t)
+
+
+def _first_plan(timeline: Timeline) -> m.SessionPlan | None:
+    """What consoles were shown at the beginning; None if they never were."""
+    plans = [plan for _, plan in rows.moments(timeline, m.SessionPlan)]
+    return next((plan for plan in plans if plan.title), plans[-1] if plans else None)
+
+
+def _panels(plan: m.SessionPlan | None) -> Iterator[PanelOffer]:
+    for panel in plan.panels if plan else ():
+        yield PanelOffer(panel.title, tuple(each.name for each in panel.actions), panel.locked)
 
 
 def _each(names: Iterable[str]) -> dict[str, None]:
@@ -207,11 +317,3 @@ def _began(start: m.SessionStart | None) -> str:
     if start is None:
         return ""
     return start.clock.get("wall_at_t0", "") or start.ts
-
-
-def figures_of(messages: Iterable[m.AnyMessage], options: Options = DEFAULTS) -> SessionFigures:
-    """The figures of messages that are in memory or come from anywhere."""
-    gatherer = Gatherer(options)
-    for message in messages:
-        gatherer.take(message)
-    return gatherer.figures()

@@ -1,18 +1,93 @@
-"""From the messages of a session to its timeline."""
+"""A session as lanes of intervals and instants: what is drawn of it, on a terminal or a page.
+
+Times are microseconds on the axis of `t`.
+"""
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, field
 from typing import Any
 
-from woz_tui.analysis.acts import ACTION_ENDS
-from woz_tui.analysis.known import Known, Stretch, worded
-from woz_tui.analysis.series import LONGEST
-from woz_tui.analysis.timeline import LANES, Curve, Instant, Interval, Lane, Timeline
+from woz_tui.analysis.acts import is_direct, of_robot
+from woz_tui.analysis.rows import PREFLIGHT, moments, worded
 from woz_tui.core import messages as m
-from woz_tui.experiment.verbs import PERFORMERS
+from woz_tui.timeline import episodes as e
+from woz_tui.timeline.timeline import Timeline
+
+#: Sorts of lanes, in the order in which they are drawn.
+LANES = ("trial", "engagement", "speech", "panel", "stop", "driver", "setting", "mark")
+
+
+@dataclass(frozen=True, slots=True)
+class Interval:
+    """Something that lasted.
+
+    Attributes:
+        begin: When it began.
+        end: When it ended; the log's last moment if its end is not in the log (`cut`).
+        label: Action, state, trial, driver.
+        sort: action, state, trial, break, speech, stop, lost or differing (a robot's setting).
+        outcome: Of actions one of `figures.ENDS`; of trials as in the log; otherwise empty.
+        source: Of actions: key, script ...; of stops where they came from.
+        detail: What else there is to say: a reason, a sentence that was understood.
+        run: Of actions: their id.
+        cut: Its end is not in the log.
+        facts: Names and values of what else a picture can tell, of actions what was said, the
+            arguments, and how long the driver took to start: `(("say", "Hello"), ("latency",
+            "12 ms"))`.
+    """
+
+    begin: int
+    end: int
+    label: str
+    sort: str
+    outcome: str = ""
+    source: str = ""
+    detail: str = ""
+    run: str = ""
+    cut: bool = False
+    facts: tuple[tuple[str, str], ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Instant:
+    """Something that happened: a marker, a note, a mistake, an answer to a questionnaire."""
+
+    t: int
+    label: str
+    sort: str
+    detail: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Lane:
+    """One row of the picture. `name` is the panel's title, or what the lane is about."""
+
+    name: str
+    sort: str
+    intervals: tuple[Interval, ...] = ()
+    instants: tuple[Instant, ...] = ()
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """A sensor's values, thinned to means over equal steps of time; None where nothing was read."""
+
+    sensor: str
+    unit: str
+    step_us: int
+    values: tuple[float | None, ...]
+
+
+@dataclass(frozen=True, slots=True)
+class Drawing:
+    """All lanes of a session; a lane without anything in it is left out."""
+
+    duration_us: int
+    lanes: tuple[Lane, ...] = ()
+    curves: tuple[Curve, ...] = field(default=())
+
 
 #: Sensors whose values are drawn, if samples are read.
 CURVES = ("distance", "loudness")
@@ -20,15 +95,6 @@ CURVES = ("distance", "loudness")
 PLACES = 2048
 #: The step with which a curve begins, in microseconds.
 _STEP = 50_000
-#: How a command that belongs to no action can end, as an action's outcome.
-_COMMAND_ENDS: dict[type[m.Message], str] = {
-    m.Done: "done",
-    m.Failed: "failed",
-    m.TimedOut: "failed",
-    m.Refused: "refused",
-    m.Stopped: "stopped",
-    m.Superseded: "stopped",
-}
 #: Name of the lane of commands that belong to no action: a sentence typed on the spot.
 DIRECT = "(direct)"
 #: Facts of one action, and characters of one.
@@ -37,266 +103,198 @@ _FACTS, _WORDS = 12, 200
 _Key = tuple[str, str]
 
 
-@dataclass(slots=True)
-class _Open:
-    lane: _Key
-    interval: Interval
-
-
-class Drawing:
-    """Takes messages in the order of the log, samples too if curves are wanted."""
-
-    def __init__(self) -> None:
-        self._t = 0
-        self._intervals: dict[_Key, list[Interval]] = {}
-        self._instants: dict[_Key, list[Instant]] = {}
-        self._open: dict[tuple[str, str], _Open] = {}
-        self._panels: list[str] = []
-        self._speech: dict[tuple[str, int], int] = {}
-        self._curves: dict[str, _Thinned] = {}
-        #: First command of a run -> the run.
-        self._first: dict[str, str] = {}
-        self._settings: Known[None] = Known(None, lambda each: bool(each.differs))
-        self._handlers: dict[type[Any], Callable[..., None]] = {
-            m.SessionPlan: self._plan,
-            m.ActionRequested: self._requested,
-            m.Command: self._command,
-            m.Dispatched: self._dispatched,
-            **dict.fromkeys(ACTION_ENDS, self._ended),
-            **dict.fromkeys(_COMMAND_ENDS, self._command_ended),
-            m.EngagementChanged: self._engagement,
-            m.SpeechEnded: self._speech_ended,
-            m.SpeechText: self._speech_text,
-            m.TrialStarted: self._trial,
-            m.TrialEnded: self._trial_ended,
-            m.BreakStarted: self._break,
-            m.BreakEnded: self._break_ended,
-            m.StopPressed: self._stop,
-            m.StopReleased: self._released,
-            m.DriverLost: self._lost,
-            m.DriverFaulted: self._lost,
-            m.DriverConnected: self._found,
-            m.SettingsShown: self._told_settings,
-            m.Marker: self._marker,
-            m.Note: self._note,
-            m.Mistake: self._mistake,
-            m.QuestionnaireStarted: self._asked,
-            m.ConsoleLost: self._console_lost,
-            m.Reading: self._reading,
-        }
-
-    def take(self, message: m.AnyMessage) -> None:
-        """The next message."""
-        if self._t < message.t < LONGEST:
-            self._t = message.t
-        handle = self._handlers.get(type(message))
-        if handle is not None:
-            handle(message)
-
-    def timeline(self) -> Timeline:
-        """All lanes; what has no end lasts to the log's last moment."""
-        for each in list(self._open):
-            self._close(each, cut=True)
-        self._settings.finish(self._t)
-        if self._settings.over:
-            lane = self._intervals.setdefault(("setting", "settings differ"), [])
-            lane += map(_differing, self._settings.over)
-        keys = {**dict.fromkeys(self._intervals), **dict.fromkeys(self._instants)}
-        order = {title: place for place, title in enumerate(self._panels)}
-        keys_in_order = sorted(
-            keys, key=lambda key: (LANES.index(key[0]), order.get(key[1], len(order)))
-        )
-        return Timeline(
-            duration_us=self._t,
-            lanes=tuple(self._lane(key) for key in keys_in_order),
-            curves=tuple(each.curve(sensor) for sensor, each in sorted(self._curves.items())),
-        )
-
-    def _lane(self, key: _Key) -> Lane:
-        intervals = sorted(self._intervals.get(key, ()), key=lambda each: (each.begin, each.end))
-        instants = sorted(self._instants.get(key, ()), key=lambda each: each.t)
-        return Lane(key[1], key[0], tuple(intervals), tuple(instants))
-
-    # -- lasting ------------------------------------------------------------------------------
-
-    def _begin(self, key: tuple[str, str], lane: _Key, interval: Interval) -> None:
-        self._close(key, cut=True)
-        self._open[key] = _Open(lane, interval)
-
-    def _close(self, key: tuple[str, str], *, cut: bool = False, **changes: str) -> None:
-        found = self._open.pop(key, None)
-        if found is not None:
-            kept = {name: value for name, value in changes.items() if value}
-            ended = replace(found.interval, end=self._t, cut=cut, **kept)  # type: ignore[arg-type]
-            self._intervals.setdefault(found.lane, []).append(ended)
-
-    def _interval(self, label: str, sort: str, **more: Any) -> Interval:
-        return Interval(begin=self._t, end=self._t, label=label, sort=sort, **more)
-
-    def _plan(self, message: m.SessionPlan) -> None:
-        self._panels = self._panels or [panel.title for panel in message.panels]
-
-    def _requested(self, message: m.ActionRequested) -> None:
-        panel = message.panel or f"({message.source})"
-        interval = self._interval(
-            message.action, "action", source=message.source, run=message.run, outcome="open"
-        )
-        self._begin(("run", message.run), ("panel", panel), interval)
-
-    def _ended(self, message: m.ActionEnd) -> None:
-        self._close(("run", message.run), outcome=ACTION_ENDS[type(message)], detail=message.reason)
-
-    def _command(self, message: m.Command) -> None:
-        """What it does becomes a fact of its action; without an action it has a bar of its own."""
-        if message.passing or message.driver in PERFORMERS:
-            return
-        if not message.run:
-            self._direct(message)
-            return
-        found = self._open.get(("run", message.run)) if message.run else None
-        if found is None:
-            return
-        if len(found.interval.facts) < _FACTS:
-            fact = (message.verb, told(message.args))
-            found.interval = replace(found.interval, facts=(*found.interval.facts, fact))
-            self._first.setdefault(message.command, message.run)
-
-    def _direct(self, message: m.Command) -> None:
-        fact = (message.verb, told(message.args))
-        interval = self._interval(
-            message.verb, "action", source=message.source, outcome="open", facts=(fact,)
-        )
-        self._begin(("command", message.command), ("panel", DIRECT), interval)
-
-    def _command_ended(self, message: m.End) -> None:
-        self._close(
-            ("command", message.command),
-            outcome=_COMMAND_ENDS[type(message)],
-            detail=message.reason,
-        )
-
-    def _dispatched(self, message: m.Dispatched) -> None:
-        run = self._first.pop(message.command, "")
-        found = self._open.get(("run", run) if run else ("command", message.command))
-        if found is not None and all(name != "latency" for name, _ in found.interval.facts):
-            fact = ("latency", f"{message.latency_us / 1000:.1f} ms")
-            found.interval = replace(found.interval, facts=(*found.interval.facts, fact))
-
-    def _engagement(self, message: m.EngagementChanged) -> None:
-        key, lane = ("engagement", ""), ("engagement", "engagement")
-        if key not in self._open and lane not in self._intervals:
-            self._open[key] = _Open(lane, Interval(0, 0, message.was, "state"))
-        self._close(key)
-        self._begin(key, lane, self._interval(message.now, "state", detail=message.why))
-
-    def _trial(self, message: m.TrialStarted) -> None:
-        detail = message.condition
-        interval = self._interval(f"trial {message.trial}", "trial", detail=detail)
-        self._begin(("trial", ""), ("trial", "trials"), interval)
-
-    def _trial_ended(self, message: m.TrialEnded) -> None:
-        self._close(("trial", ""), outcome=message.outcome)
-
-    def _break(self, message: m.BreakStarted) -> None:
-        interval = self._interval("break", "break", detail=message.text)
-        self._begin(("break", ""), ("trial", "trials"), interval)
-
-    def _break_ended(self, message: m.BreakEnded) -> None:
-        self._close(("break", ""))
-
-    def _stop(self, message: m.StopPressed) -> None:
-        if ("stop", "") not in self._open:
-            interval = self._interval("stop", "stop", source=message.source, detail=message.scope)
-            self._begin(("stop", ""), ("stop", "stop"), interval)
-
-    def _released(self, message: m.StopReleased) -> None:
-        self._close(("stop", ""))
-
-    def _told_settings(
-        self, message: m.SettingsShown | m.DriverLost | m.DriverFaulted | m.DriverConnected
-    ) -> None:
-        self._settings.take(message, self._t, message.seq)
-
-    def _lost(self, message: m.DriverLost | m.DriverFaulted) -> None:
-        self._told_settings(message)
-        if ("driver", message.driver) not in self._open:
-            interval = self._interval(message.driver, "lost", detail=message.detail)
-            self._begin(("driver", message.driver), ("driver", "drivers lost"), interval)
-
-    def _found(self, message: m.DriverConnected) -> None:
-        self._told_settings(message)
-        self._close(("driver", message.driver))
-
-    def _speech_ended(self, message: m.SpeechEnded) -> None:
-        end = min(max(0, message.ended), self._t)
-        begin = min(max(0, message.began), end)
-        lane = self._intervals.setdefault(("speech", "visitor speaks"), [])
-        self._speech[message.driver, message.segment] = len(lane)
-        lane.append(Interval(begin, end, f"utterance {message.segment}", "speech"))
-
-    def _speech_text(self, message: m.SpeechText) -> None:
-        place = self._speech.get((message.driver, message.segment))
-        if place is not None:
-            lane = self._intervals["speech", "visitor speaks"]
-            lane[place] = replace(lane[place], detail=message.text or message.detail)
-
-    # -- at once ------------------------------------------------------------------------------
-
-    def _instant(self, label: str, sort: str, detail: str = "") -> None:
-        self._instants.setdefault(("mark", "marks"), []).append(
-            Instant(self._t, label, sort, detail)
-        )
-
-    def _marker(self, message: m.Marker) -> None:
-        if message.source != "preflight":
-            self._instant(message.text, "marker", message.source)
-
-    def _note(self, message: m.Note) -> None:
-        self._instant(message.text, "note")
-
-    def _mistake(self, message: m.Mistake) -> None:
-        self._instant(message.action, "mistake", message.text)
-
-    def _asked(self, message: m.QuestionnaireStarted) -> None:
-        self._instant(message.title or message.questionnaire, "questionnaire")
-
-    def _console_lost(self, message: m.ConsoleLost) -> None:
-        self._instant(message.console, "console lost", message.why)
-
-    def _reading(self, message: m.Reading) -> None:
-        if message.sensor not in CURVES:
-            return
-        found = self._curves.get(message.sensor)
-        if found is None:
-            found = self._curves[message.sensor] = _Thinned(message.unit)
-        if message.value is not None:
-            found.add(self._t, message.value)
-
-
-def _differing(each: Stretch[None]) -> Interval:
-    assert each.state is not None
-    facts = (("had", worded(each.state.value)), ("wanted", worded(each.state.wanted)))
-    return Interval(
-        each.begin,
-        each.end,
-        each.name,
-        "differing",
-        cut=each.cut,
-        facts=(("driver", each.driver), *facts),
+def drawing_of(timeline: Timeline, curves: Iterable[Curve] = ()) -> Drawing:
+    """All lanes of a timeline that is finished; what has no end lasts to its last moment."""
+    intervals: dict[_Key, list[Interval]] = {}
+    instants: dict[_Key, list[Instant]] = {}
+    of_runs = _commands(timeline)
+    for each in timeline.episodes:
+        lane, make = _DRAWN.get(type(each), (_MARKS, None))
+        interval = make(each) if make is not None else None
+        if isinstance(each, e.Action):
+            lane = ("panel", each.request.panel or f"({each.source})")
+            interval = _action(each, of_runs.get(each.request.run, ()))
+        if interval is not None:
+            intervals.setdefault(lane, []).append(interval)
+        if (instant := _instant(each)) is not None:
+            instants.setdefault(_MARKS, []).append(instant)
+    panels = _panels(timeline)
+    keys = sorted(
+        dict.fromkeys((*intervals, *instants)),
+        key=lambda key: (LANES.index(key[0]), panels.get(key[1], len(panels))),
     )
+    lanes = (
+        Lane(key[1], key[0], _in_time(intervals.get(key, ())), tuple(instants.get(key, ())))
+        for key in keys
+    )
+    return Drawing(timeline.end, tuple(lanes), tuple(curves))
+
+
+def _panels(timeline: Timeline) -> dict[str, int]:
+    """Panels, and at which place consoles showed each at first."""
+    plans = (plan.panels for _, plan in moments(timeline, m.SessionPlan) if plan.panels)
+    return {panel.title: at for at, panel in enumerate(next(plans, ()))}
+
+
+def _in_time(intervals: Iterable[Interval]) -> tuple[Interval, ...]:
+    return tuple(sorted(intervals, key=lambda each: (each.begin, each.end)))
+
+
+def _interval(each: e.Episode, label: str, sort: str, **more: Any) -> Interval:
+    end = each.begin + each.duration
+    return Interval(each.begin, end, label, sort, cut=each.cut, **more)
+
+
+# -- panels ---------------------------------------------------------------------------------------
+
+
+def _commands(timeline: Timeline) -> dict[str, list[e.Command]]:
+    """The commands to robots of each run."""
+    found: dict[str, list[e.Command]] = {}
+    for each in timeline.of(e.Command):
+        if each.request.run and of_robot(each):
+            found.setdefault(each.request.run, []).append(each)
+    return found
+
+
+def _action(action: e.Action, commands: Iterable[e.Command]) -> Interval:
+    own = [each for each in commands if each.request.command in action.commands][:_FACTS]
+    facts = [(each.seq, _fact(each)) for each in own]
+    return _act(action, facts, run=action.request.run)
+
+
+def _direct(command: e.Command) -> Interval | None:
+    """One without an action has a bar of its own."""
+    return _act(command, [(command.seq, _fact(command))]) if is_direct(command) else None
+
+
+def _act(
+    act: e.Action | e.Command, facts: list[tuple[int, tuple[str, str]]], run: str = ""
+) -> Interval:
+    """What its commands were is told in the order of the lines, as is when the first began."""
+    if act.dispatched is not None and act.latency_us is not None:
+        latency = f"{act.latency_us / 1000:.1f} ms"
+        facts = sorted([*facts, (act.dispatched.seq, ("latency", latency))])
+    return _interval(
+        act,
+        act.label,
+        "action",
+        source=act.source,
+        run=run,
+        outcome=act.outcome,
+        detail=act.reason,
+        facts=tuple(fact for _, fact in facts),
+    )
+
+
+def _fact(command: e.Command) -> tuple[str, str]:
+    return command.label, told(command.request.args)
 
 
 def told(args: Mapping[str, m.Json]) -> str:
     """Arguments in a few words: a lone one as it is, more of them with their names."""
     if len(args) == 1:
-        [value] = args.values()
-        words = value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+        words = worded(*args.values())
     else:
-        words = ", ".join(
-            f"{name} {value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)}"
-            for name, value in args.items()
-        )
+        words = ", ".join(f"{name} {worded(value)}" for name, value in args.items())
     return words if len(words) <= _WORDS else words[: _WORDS - 1] + "…"
+
+
+# -- other lanes ----------------------------------------------------------------------------------
+
+
+def _trial(trial: e.Trial) -> Interval:
+    outcome = trial.ended.outcome if trial.ended is not None else ""
+    label, detail = f"trial {trial.label}", trial.context.condition
+    return _interval(trial, label, "trial", outcome=outcome, detail=detail)
+
+
+def _break(pause: e.Break) -> Interval:
+    return _interval(pause, "break", "break", detail=pause.started.text)
+
+
+def _state(state: e.ModelState) -> Interval:
+    why = state.entered.why if state.entered is not None else ""
+    return _interval(state, state.label, "state", detail=why)
+
+
+def _speech(spoken: e.Utterance) -> Interval | None:
+    """Without its beginning and its end nobody knows how long it was."""
+    if spoken.started is None and spoken.ended is None:
+        return None
+    text = (spoken.text.text or spoken.text.detail) if spoken.text is not None else ""
+    return _interval(spoken, f"utterance {spoken.label}", "speech", detail=text)
+
+
+def _stop(stop: e.Stop) -> Interval:
+    return _interval(stop, "stop", "stop", source=stop.source, detail=stop.label)
+
+
+def _lost(lost: e.LostDriver) -> Interval:
+    return _interval(lost, lost.label, "lost", detail=lost.reason)
+
+
+def _differing(setting: e.Setting) -> Interval | None:
+    if not setting.differs:
+        return None
+    facts = (("had", worded(setting.value)), ("wanted", worded(setting.wanted)))
+    return _interval(
+        setting, setting.label, "differing", facts=(("driver", setting.driver), *facts)
+    )
+
+
+_MARKS: _Key = ("mark", "marks")
+#: What is drawn as an interval, on which lane, and how; actions have a lane for each panel.
+_DRAWN: Mapping[type[e.Episode], tuple[_Key, Callable[[Any], Interval | None]]] = {
+    e.Command: (("panel", DIRECT), _direct),
+    e.Trial: (("trial", "trials"), _trial),
+    e.Break: (("trial", "trials"), _break),
+    e.ModelState: (("engagement", "engagement"), _state),
+    e.Utterance: (("speech", "visitor speaks"), _speech),
+    e.Stop: (("stop", "stop"), _stop),
+    e.LostDriver: (("driver", "drivers lost"), _lost),
+    e.Setting: (("setting", "settings differ"), _differing),
+}
+
+
+def _instant(each: e.Episode) -> Instant | None:
+    """What it is on the lane of marks; None: nothing."""
+    if isinstance(each, e.Questionnaire) and each.started is not None:
+        return Instant(each.begin, each.started.title or each.name, "questionnaire")
+    match each.message if isinstance(each, e.Moment) else None:
+        case m.Marker(text=text, source=source) if source != PREFLIGHT:
+            return Instant(each.begin, text, "marker", source)
+        case m.Note(text=text):
+            return Instant(each.begin, text, "note")
+        case m.Mistake(action=action, text=text):
+            return Instant(each.begin, action, "mistake", text)
+        case m.ConsoleLost(console=console, why=why):
+            return Instant(each.begin, console, "console lost", why)
+    return None
+
+
+# -- curves ---------------------------------------------------------------------------------------
+
+
+class Curves:
+    """Takes the values of sensors that are drawn."""
+
+    def __init__(self) -> None:
+        self._sensors: dict[str, _Thinned] = {}
+
+    def take(self, reading: m.Reading, t: int) -> None:
+        """The next value, which came at `t`."""
+        if reading.sensor not in CURVES:
+            return
+        found = self._sensors.get(reading.sensor)
+        if found is None:
+            found = self._sensors[reading.sensor] = _Thinned(reading.unit)
+        if reading.value is not None:
+            found.add(t, reading.value)
+
+    def __iter__(self) -> Iterator[Curve]:
+        for sensor, each in sorted(self._sensors.items()):
+            yield each.curve(sensor)
 
 
 class _Thinned:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from woz_tui.analysis.figures import SessionFigures
-from woz_tui.analysis.timeline import Timeline
+from woz_tui.analysis.lanes import Drawing
 
 
 @dataclass(frozen=True, slots=True)
@@ -13,4 +13,4 @@ class Report:
     """`timeline` is None unless it was asked for."""
 
     figures: SessionFigures
-    timeline: Timeline | None = None
+    timeline: Drawing | None = None

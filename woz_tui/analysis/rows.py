@@ -1,15 +1,32 @@
-"""What happened in a session, one by one: cues, trials, stops, answers, with times like `t`."""
+"""What happened in a session, one by one: cues, trials, stops, answers, with times like `t`; and
+where in the timeline each of them is.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from operator import attrgetter
+from typing import Any, TypeVar
+
+from woz_tui.core import messages as m
+from woz_tui.timeline import episodes as e
+from woz_tui.timeline.context import Context
+from woz_tui.timeline.episodes import NOT_COUNTED
+from woz_tui.timeline.timeline import Timeline
+
+M = TypeVar("M", bound=m.Message)
 
 #: What can be a cue. `training` are those of `woz train`.
 CUE_SORTS = ("speech", "engagement", "marker", "training")
 #: What can become of a cue.
 CUE_FATES = ("answered", "anticipated", "missed", "overtaken", "cut")
-#: Outcomes of trials whose data do not count unless somebody wants all of them.
-NOT_COUNTED = ("aborted", "excluded")
+#: The name under which an unbroken engagement stands among the visits.
+ENGAGED_VISIT = "engaged"
+#: The source of markers that the preflight list sets.
+PREFLIGHT = "preflight"
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +95,8 @@ class Span:
 class Stop:
     """A stop. `elapsed_us` and the drivers are None and empty if no confirmation is in the log;
     a driver of several parts is followed by those in brackets. `unreached`: those of `missing`
-    that were not connected.
+    that were not connected. `released`: when it was over, one of driving alone as soon as it was
+    confirmed; None: it lasted to the end.
     """
 
     t: int
@@ -107,7 +125,8 @@ class Mark:
 class Visit:
     """A stay in a state of the engagement model, or (`state` is `engaged`) an unbroken engagement.
 
-    `cut`: it was not over when the log, or the model, ended.
+    Participant, condition, trial and visitor are those of its beginning; of an engagement the
+    visitor who was recognised last. `cut`: it was not over when the log, or the model, ended.
     """
 
     state: str
@@ -123,15 +142,15 @@ class Visit:
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """A robot's setting was other than asked for, within one trial and condition.
+    """A robot's setting was other than asked for, within one trial, condition or break.
 
     Attributes:
         setting: Its name.
         value: What the robot had, in words.
         wanted: What was asked for.
         begin: When it was read so.
-        end: When it was read otherwise, the robot was lost, or the trial or condition changed.
-        changed: It began then; else it goes on from before a change of trial or condition.
+        end: When it was read otherwise, the robot was lost, or trial, condition or break changed.
+        changed: It began then; else it goes on from before such a change.
         cut: It lasted when the log ended.
         trial: Number of the trial, -1 outside.
     """
@@ -223,3 +242,238 @@ class ConsoleChange:
     role: str
     lost: bool
     why: str = ""
+
+
+# -- from the timeline ----------------------------------------------------------------------------
+
+
+def placed(context: Context) -> dict[str, Any]:
+    """Participant, condition and trial, as rows have them."""
+    return {
+        "participant": context.participant,
+        "condition": context.condition,
+        "trial": -1 if context.trial is None else context.trial,
+    }
+
+
+def worded(value: m.Json) -> str:
+    """A setting's or an argument's value: a text as it is, anything else as JSON has it."""
+    return value if isinstance(value, str) else json.dumps(value, ensure_ascii=False)
+
+
+def moments(timeline: Timeline, kind: type[M]) -> Iterator[tuple[Context, M]]:
+    """Messages of a kind that stand for themselves, each with its context."""
+    for each in timeline.of(e.Moment):
+        if isinstance(each.message, kind):
+            yield each.context, each.message
+
+
+def trials(timeline: Timeline) -> Iterator[Trial]:
+    """All trials, also those that do not count."""
+    actions = Counter(each.context.run for each in timeline.of(e.Action))
+    for each in timeline.of(e.Trial):
+        yield Trial(
+            trial=each.started.trial,
+            participant=each.context.participant,
+            condition=each.context.condition,
+            begin=each.begin,
+            end=None if each.cut else each.end,
+            outcome="" if each.cut else each.outcome,
+            text=each.text,
+            actions=actions[each.seq],
+        )
+
+
+def breaks(timeline: Timeline) -> Iterator[Span]:
+    """All breaks, inside trials and outside."""
+    for each in timeline.of(e.Break):
+        text = each.ended.text if each.ended is not None else ""
+        yield Span(each.begin, each.end, "break", text or each.started.text)
+
+
+def lost_drivers(timeline: Timeline) -> Iterator[Span]:
+    """Each time a driver was lost or faulted."""
+    for each in timeline.of(e.LostDriver):
+        yield Span(each.begin, None if each.cut else each.end, each.label, each.reason)
+
+
+def drivers(timeline: Timeline) -> dict[str, None]:
+    """Names of all drivers that were ever ready or lost, in the order of the first time."""
+    kinds = m.DriverConnected | m.DriverFaulted | m.DriverLost
+    names: dict[str, None] = {}
+    for each in timeline.episodes:
+        if isinstance(each, e.LostDriver):
+            names[each.label] = None
+        elif isinstance(each, e.Moment) and isinstance(each.message, kinds):
+            names[each.message.driver] = None
+    return names
+
+
+def stops(timeline: Timeline) -> Iterator[Stop]:
+    """Every press of the stop, who confirmed it, and when it was released."""
+    for each in timeline.of(e.Stop):
+        for press in each.presses:
+            pressed = press.pressed
+            row = Stop(
+                *(pressed.t, pressed.source, pressed.scope),
+                released=None if each.cut else each.end,
+            )
+            yield _confirmed(row, press.confirmations[0]) if press.confirmations else row
+
+
+def _confirmed(row: Stop, message: m.StopConfirmed) -> Stop:
+    unreached = {name: ["not reached"] for name in message.unreached}
+    return replace(
+        row,
+        confirmed=_with_parts(message.confirmed, message.parts),
+        missing=_with_parts(message.missing, {**message.missing_parts, **unreached}),
+        unreached=tuple(message.unreached),
+        elapsed_us=message.elapsed_us,
+    )
+
+
+def _with_parts(names: list[str], parts: Mapping[str, list[str]]) -> tuple[str, ...]:
+    """`pepper (motion, speech)`: names of drivers, with the parts that were named of some."""
+    return tuple(
+        f"{name} ({', '.join(parts[name])})" if parts.get(name) else name for name in names
+    )
+
+
+def marks(timeline: Timeline) -> Iterator[Mark]:
+    """Markers but those of the preflight list, notes and mistakes."""
+    for each in timeline.of(e.Moment):
+        match each.message:
+            case m.Marker() as marker if marker.source != PREFLIGHT:
+                yield Mark(each.begin, "marker", marker.text, source=marker.source)
+            case m.Note() as note:
+                yield Mark(each.begin, "note", note.text)
+            case m.Mistake() as wrong:
+                yield Mark(each.begin, "mistake", wrong.text, wrong.action, wrong.run)
+
+
+def visits(timeline: Timeline) -> list[Visit]:
+    """Stays in states and engagements, by when they were over."""
+    found = [_visit(each, each.state) for each in timeline.of(e.ModelState)]
+    found += [_visit(each, ENGAGED_VISIT) for each in timeline.of(e.Engagement)]
+    return sorted(found, key=lambda visit: visit.end)
+
+
+def _visit(each: e.ModelState | e.Engagement, state: str) -> Visit:
+    return Visit(
+        **placed(each.context),
+        state=state,
+        begin=each.begin,
+        end=each.begin + each.duration,
+        outcome=each.reason,
+        visitor=each.visitor,
+        cut=each.cut,
+    )
+
+
+def differences(timeline: Timeline, counted: Callable[[Context], bool]) -> list[Difference]:
+    """All times in which a setting was other than asked for, by context; the earliest first."""
+    found = _differences(timeline, counted)
+    return sorted(found, key=attrgetter("begin", "driver", "setting"))
+
+
+def _differences(timeline: Timeline, counted: Callable[[Context], bool]) -> Iterator[Difference]:
+    for each in timeline.of(e.Setting):
+        if not each.differs:
+            continue
+        parts = timeline.parts(each)
+        for part in parts:
+            yield Difference(
+                **placed(part.context),
+                driver=each.driver,
+                setting=each.name,
+                value=worded(each.value),
+                wanted=worded(each.wanted),
+                begin=part.begin,
+                end=part.end,
+                changed=part is parts[0],
+                cut=each.cut and part is parts[-1],
+                counted=counted(part.context),
+            )
+
+
+def rounds(timeline: Timeline) -> Iterator[Round]:
+    """Each time a questionnaire was put to somebody."""
+    for each, number in _numbered(timeline):
+        started = each.started
+        yield Round(
+            questionnaire=each.name,
+            round=number,
+            title=started.title if started is not None else "",
+            t=each.begin,
+            reason=each.ended.reason if each.ended is not None else "",
+            answered=sum(not answer.skipped for answer in each.answers.values()),
+            items=len(_items(each)),
+        )
+
+
+def answers(timeline: Timeline) -> Iterator[Answer]:
+    """The last answers of each round, in the order in which the items were answered first."""
+    for each, number in _numbered(timeline):
+        items = _items(each)
+        place = placed(each.context) | {"trial": -1 if each.trial is None else each.trial}
+        for answer in each.answers.values():
+            item = items.get(answer.item, {})
+            yield Answer(
+                **place,
+                questionnaire=each.name,
+                round=number,
+                item=answer.item,
+                question=answer.question,
+                value=None if answer.skipped else answer.value,
+                text=answer.text,
+                skipped=answer.skipped,
+                answered_us=answer.answered_us if answer.answered_us >= 0 else None,
+                low=_number(item.get("low")),
+                high=_number(item.get("high")),
+            )
+
+
+def _numbered(timeline: Timeline) -> Iterator[tuple[e.Questionnaire, int]]:
+    """Questionnaires, and how often each had been put by then."""
+    put: Counter[str] = Counter()
+    for each in timeline.of(e.Questionnaire):
+        put[each.name] += 1
+        yield each, put[each.name]
+
+
+def _items(asked: e.Questionnaire) -> Mapping[str, Mapping[str, Any]]:
+    listed = asked.started.items if asked.started is not None else []
+    return {str(item.get("name", "")): item for item in listed}
+
+
+def _number(value: object) -> float | None:
+    return float(value) if isinstance(value, int | float) else None
+
+
+def restrictions(timeline: Timeline) -> Iterator[Restriction]:
+    """Each change of what the wizard could see."""
+    of_it = (each for each in timeline.episodes if isinstance(each, e.Restriction | e.Moment))
+    for line in _lines(of_it, m.PerceptionChanged):
+        yield Restriction(line.t, tuple(line.hidden), tuple(line.blurred))
+
+
+def _lines(episodes: Iterable[e.Episode], kind: type[M]) -> list[M]:
+    """All messages of a kind, each once; one may end an episode and begin another."""
+    found = {id(line): line for each in episodes for line in each.lines if isinstance(line, kind)}
+    return sorted(found.values(), key=lambda line: (line.t, line.seq))
+
+
+def shapings(timeline: Timeline) -> Iterator[Shaping]:
+    """Each change of how answers were held back."""
+    for _, line in moments(timeline, m.ShapingChanged):
+        yield Shaping(line.t, line.floor_us, line.jitter_us, tuple(line.cues))
+
+
+def consoles(timeline: Timeline) -> Iterator[ConsoleChange]:
+    """Each console that came or went."""
+    for each in timeline.of(e.Moment):
+        match each.message:
+            case m.ConsoleAttached(console=console, role=role):
+                yield ConsoleChange(each.begin, console, role, lost=False)
+            case m.ConsoleLost(console=console, role=role, why=why):
+                yield ConsoleChange(each.begin, console, role, lost=True, why=why)

@@ -7,8 +7,7 @@ import statistics
 from array import array
 from collections.abc import Iterable, Sequence
 
-#: Durations beyond this (73,000 years, in microseconds) come from damaged lines only.
-LONGEST = 1 << 61
+from woz_tui.timeline.state import LONGEST
 
 
 def quantile(ordered: Sequence[float], share: float) -> float:

@@ -6,12 +6,14 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from pathlib import Path
 
-from woz_tui.analysis.gather import DEFAULTS, Gatherer, Options
-from woz_tui.analysis.lanes import Drawing
+from woz_tui.analysis.gather import DEFAULTS, Options, figures_of
+from woz_tui.analysis.lanes import Curves, drawing_of
 from woz_tui.analysis.report import Report
 from woz_tui.analysis.wholeness import Roll, verified, wholeness
+from woz_tui.core.messages import Reading
 from woz_tui.record.log import Damage, Line, files_of
 from woz_tui.record.stream import messages
+from woz_tui.timeline.timeline import Timeline
 
 
 class NoSessionError(ValueError):
@@ -52,24 +54,23 @@ def examine(
         OSError: None of its files can be read.
     """
     damage = Damage()
-    gatherer = Gatherer(options)
-    drawing = Drawing() if wanted.timeline or wanted.curves else None
-    some = 0
-    roll = Roll()
+    timeline, curves, roll = Timeline(), Curves(), Roll()
+    some = False
     for message in messages(path, damage, places=places, samples=wanted.curves):
         roll.take(message)
         if isinstance(message, Line):
             continue
-        some += 1
-        gatherer.take(message)
-        if drawing is not None:
-            drawing.take(message)
+        some = True
+        timeline.take(message)
+        if isinstance(message, Reading):
+            curves.take(message, timeline.end)
     if not some:
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it holds no session'}")
+    timeline.finish()
     found = files_of(path, places, samples=False)
-    figures = gatherer.figures(str(path), found.stem)
+    figures = figures_of(timeline, options, str(path), found.stem)
     whole = wholeness(figures, damage, found, roll)
     if wanted.verified:
         whole = verified(whole, path, places)
-    timeline = drawing.timeline() if drawing is not None else None
-    return Report(replace(figures, wholeness=whole), timeline)
+    drawing = drawing_of(timeline, curves) if wanted.timeline or wanted.curves else None
+    return Report(replace(figures, wholeness=whole), drawing)

@@ -39,14 +39,16 @@ class VerbTally:
 
 @dataclass(slots=True)
 class Tally:
-    """One condition of one participant within one run of a trial, or outside of trials (`run` -1).
+    """One condition of one participant within one run of a trial, or outside of trials (`run` None,
+    see `Context`). `counted`: it is in no trial that was aborted or excluded.
 
     The attributes are those of `figures.Part` and `figures.Engagement`, still growing.
     """
 
     participant: str
     condition: str
-    run: int = -1
+    run: int | None = None
+    counted: bool = True
     us: int = 0
     counts: Counter[CountKey] = field(default_factory=Counter)
     by_hand: int = 0
@@ -80,9 +82,10 @@ class Tally:
             found = self.verbs[name] = VerbTally()
         return found
 
-    def length(self, state: str, us: int) -> None:
-        """A stay in a state of the engagement model has ended."""
-        self.lengths.setdefault(state, Series()).add(us)
+    @property
+    def empty(self) -> bool:
+        """Whether nothing was in it."""
+        return self == Tally(self.participant, self.condition, self.run, self.counted)
 
     def add(self, other: Tally) -> None:
         """Take all of another one."""

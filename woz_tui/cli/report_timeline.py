@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 from rich.text import Text
 
-from woz_tui.analysis.timeline import Interval, Lane, Timeline
+from woz_tui.analysis.lanes import Drawing, Interval, Lane
 from woz_tui.cli.report_page import Signs, clock
 
 #: State -> how much goes on, a place in `Signs.levels`.
@@ -80,7 +80,7 @@ class Scale:
             yield cell, max(0.0, end - begin) / long
 
 
-def picture(timeline: Timeline, width: int, signs: Signs) -> list[Text]:
+def picture(timeline: Drawing, width: int, signs: Signs) -> list[Text]:
     """All lanes with their names, the axis of time, and what the signs mean."""
     names = min(_NAMES_AT_MOST, max((len(lane.name) for lane in timeline.lanes), default=0))
     scale = Scale(timeline.duration_us, max(10, width - names - 1))
@@ -213,7 +213,7 @@ def axis(scale: Scale, left: int, signs: Signs) -> list[Text]:
     return [Text(blank + "".join(ruler), "dim"), Text(blank + "".join(labels).rstrip(), "dim")]
 
 
-def _legend(timeline: Timeline, width: int, signs: Signs) -> list[Text]:
+def _legend(timeline: Drawing, width: int, signs: Signs) -> list[Text]:
     """What the signs mean that are there, in as many lines as it takes."""
     sorts = {lane.sort for lane in timeline.lanes}
     marks = {instant.sort for lane in timeline.lanes for instant in lane.instants}

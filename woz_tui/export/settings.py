@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from woz_tui.analysis.known import worded
+from woz_tui.analysis.rows import worded
 from woz_tui.export.course import OPEN, Event, Setting
 from woz_tui.timeline import episodes
 from woz_tui.timeline.context import Span

@@ -11,7 +11,7 @@ from typing import Any, Generic, TypeVar
 
 import msgspec
 
-from woz_tui.analysis.known import worded
+from woz_tui.analysis.rows import worded
 from woz_tui.core.messages import Json, Reading
 from woz_tui.export.course import OPEN, Answer, Event, Session, Setting
 from woz_tui.export.text import seconds

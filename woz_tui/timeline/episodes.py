@@ -88,6 +88,9 @@ OUTCOMES: Mapping[type[m.Message], Outcome] = {
     m.Superseded: Outcome.SUPERSEDED,
 }
 
+#: Outcomes of trials whose data do not count unless somebody wants all of them.
+NOT_COUNTED = (Outcome.ABORTED, Outcome.EXCLUDED)
+
 
 class Episode(msgspec.Struct, frozen=True, kw_only=True):
     """Something that lasted from `begin` up to `end`, in microseconds on the axis of `t`.
@@ -300,7 +303,7 @@ class Trial(Episode, frozen=True, kw_only=True):
     @property
     def counts(self) -> bool:
         """Whether it is to be analysed."""
-        return self.outcome not in (Outcome.ABORTED, Outcome.EXCLUDED)
+        return self.outcome not in NOT_COUNTED
 
     @property
     def text(self) -> str:

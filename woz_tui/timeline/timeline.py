@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import TypeVar
+from typing import TypeVar, cast
 
 from msgspec.structs import force_setattr, replace
 
 from woz_tui.core import messages as m
 from woz_tui.timeline.context import Context, Contexts, Span
-from woz_tui.timeline.episodes import Action, Command, Episode, Moment, Trial, Utterance
+from woz_tui.timeline.episodes import Action, Command, Episode, Moment, Trial, Utterance, keep
 from woz_tui.timeline.state import SessionState
 
 E = TypeVar("E", bound=Episode)
@@ -24,16 +24,19 @@ class Timeline:
     Attributes:
         state: What holds now.
         contexts: Whose time it was.
+        passed: Ids of the last passing commands, where they are no episodes.
         episodes: After `finish`: all of them by beginning and `seq`, each with its context.
     """
 
     def __init__(self, *, passing: bool = False) -> None:
         self.state = SessionState(all_commands=passing)
         self.contexts = Contexts()
+        self.passed: dict[str, None] = {}
         self.episodes: tuple[Episode, ...] = ()
         self._ended: list[Episode] = []
         #: Where among those an utterance is: its text comes later.
         self._spoken: dict[tuple[str, int], int] = {}
+        self._by_kind: dict[type[Episode], list[Episode]] = {}
         self._trials: dict[int | None, Trial] = {}
         self._begun = False
 
@@ -54,7 +57,7 @@ class Timeline:
 
     def of(self, kind: type[E]) -> list[E]:
         """All episodes of one kind, in their order."""
-        return [episode for episode in self.episodes if isinstance(episode, kind)]
+        return cast("list[E]", self._by_kind.get(kind, []))
 
     def parts(self, episode: Episode) -> tuple[Span, ...]:
         """Its pieces by context: in order, gapless, together exactly as long as the episode."""
@@ -79,6 +82,8 @@ class Timeline:
         for episode in changes:
             if episode.end is not None:
                 self._keep(episode)
+        if not changes and type(message) is m.Command:
+            keep(self.passed, message.command, None)
 
     def _enter(self, message: m.Message) -> None:
         """Another context holds. Whose the time was before the first line that says so is lost: it
@@ -111,6 +116,7 @@ class Timeline:
         at = self.contexts.at
         for episode in found:  # nobody else has them: no need to copy each
             force_setattr(episode, "context", at(episode.begin, episode.seq))
+            self._by_kind.setdefault(type(episode), []).append(episode)
         self.episodes = tuple(found)
         self._trials = {trial.seq: trial for trial in self.of(Trial)}
 

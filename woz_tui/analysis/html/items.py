@@ -2,16 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 from statistics import median
 
 from woz_tui.analysis.html.markup import clean
 from woz_tui.analysis.html.sorts import SORTS
-from woz_tui.analysis.rows import NOT_COUNTED
-from woz_tui.analysis.timeline import Curve, Instant, Interval, Lane, Timeline
+from woz_tui.analysis.lanes import Curve, Drawing, Instant, Interval, Lane
 from woz_tui.sensing.machine import ENGAGED
+from woz_tui.timeline.episodes import NOT_COUNTED, Outcome
 
 #: Points of a curve on the page; more could not be told apart, and would only make it large.
 POINTS = 1500
@@ -19,6 +19,8 @@ POINTS = 1500
 _PAUSE = 1_000_000
 #: What the detail of an interval is called.
 _DETAILS = {"state": "why", "trial": "condition", "stop": "reach"}
+#: Outcomes of commands that look like another one.
+_LOOKS: Mapping[str, str] = {Outcome.TIMED_OUT: "failed", Outcome.SUPERSEDED: "stopped"}
 
 
 @dataclass(frozen=True, slots=True)
@@ -46,7 +48,7 @@ class Row:
     items: tuple[Item, ...]
 
 
-def rows(timeline: Timeline) -> list[Row]:
+def rows(timeline: Drawing) -> list[Row]:
     """All lanes; the items are numbered through, from 0."""
     found: list[Row] = []
     number = 0
@@ -83,8 +85,8 @@ def _item(number: int, lane: Lane, thing: Interval | Instant) -> Item:
 
 def _facts(thing: Interval) -> Iterator[tuple[str, str]]:
     yield from ((name, clean(value)) for name, value in thing.facts)
-    if thing.sort != "action":  # whose outcome is its sort
-        yield from _stated(outcome=thing.outcome)
+    if thing.outcome != _sort(thing):
+        yield from _stated(outcome=thing.outcome.replace("_", " "))
     if thing.sort != "speech":  # whose detail is its label
         yield from _stated(**{_DETAILS.get(thing.sort, "detail"): thing.detail})
     yield from _stated(source=thing.source)
@@ -99,7 +101,7 @@ def _stated(**facts: str) -> tuple[tuple[str, str], ...]:
 
 def _sort(thing: Interval) -> str:
     if thing.sort == "action":
-        return _known(thing.outcome)
+        return _known(_LOOKS.get(thing.outcome, thing.outcome))
     if thing.sort == "state":
         return "engaged" if thing.label in ENGAGED else "state"
     if thing.sort == "trial":
@@ -112,7 +114,7 @@ def _known(sort: str) -> str:
     return name if name in SORTS else "other"
 
 
-def page_data(timeline: Timeline, lanes: Sequence[Row], zero: str) -> dict[str, object]:
+def page_data(timeline: Drawing, lanes: Sequence[Row], zero: str) -> dict[str, object]:
     """What the page's script draws from; see assets/04-lanes.js. Times in seconds."""
     return {
         "end": _seconds(timeline.duration_us),

@@ -10,7 +10,7 @@ from woz_tui.analysis.html.items import Item, Row, curve_range, thinned
 from woz_tui.analysis.html.markup import Markup, joined, short, tag
 from woz_tui.analysis.html.numbers import clock
 from woz_tui.analysis.html.sorts import SORTS
-from woz_tui.analysis.timeline import Curve, Timeline
+from woz_tui.analysis.lanes import Curve, Drawing
 
 WIDTH, GUTTER, RIGHT = 960, 150, 10
 RULER, ROW, GAP, CURVE = 22, 18, 5, 46
@@ -47,7 +47,7 @@ class Scale:
             yield self.x(us), clock(us, 1 if step < 1 else 0)
 
 
-def picture(timeline: Timeline, lanes: Sequence[Row], title: str) -> Markup:
+def picture(timeline: Drawing, lanes: Sequence[Row], title: str) -> Markup:
     """The whole session as an SVG element."""
     scale = Scale(timeline.duration_us)
     drawn: list[Markup] = []

@@ -14,8 +14,8 @@ from woz_tui.analysis.html.numbers import DASH, calendar, clock, counted, durati
 from woz_tui.analysis.html.picture import picture
 from woz_tui.analysis.html.plots import distribution, transitions
 from woz_tui.analysis.html.sorts import SORTS, swatch
+from woz_tui.analysis.lanes import Drawing
 from woz_tui.analysis.report import Report
-from woz_tui.analysis.timeline import Timeline
 
 #: Sorts that are listed even where there are too many events to list all without a script.
 NOTABLE = frozenset({"failed", "stopped", "refused", "open", "trial", "left-out", "break"}) | {
@@ -36,7 +36,7 @@ class Entry:
 
     name: str
     report: Report
-    timeline: Timeline
+    timeline: Drawing
     lanes: list[Row]
     alone: bool
 
@@ -61,7 +61,7 @@ def entries(reports: Sequence[Report]) -> list[Entry]:
     """All reports, numbered from 1; a report without a timeline gets an empty one."""
     found = []
     for number, report in enumerate(reports, 1):
-        timeline = report.timeline or Timeline(report.figures.duration_us)
+        timeline = report.timeline or Drawing(report.figures.duration_us)
         lanes = rows(timeline)
         found.append(Entry(f"session-{number}", report, timeline, lanes, len(reports) == 1))
     return found

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from woz_tui.analysis.html.items import Row
 from woz_tui.analysis.html.markup import Markup, joined, short, tag
 from woz_tui.analysis.html.picture import Scale
-from woz_tui.analysis.timeline import LANES
+from woz_tui.analysis.lanes import LANES
 
 _WIDTH, _BAND = 1000, 6
 #: Bands of a strip, from the top: which sorts of lanes they show.

@@ -6,6 +6,7 @@ from tests.analysis.told import SECOND, Told, figures_of, in_time
 from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import Options
 from woz_tui.core import messages as m
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView
 
 
@@ -179,7 +180,8 @@ def test_what_the_wizard_had_and_could_see() -> None:
     action = ActionView(name="Hello", label="Hello")
     plan = m.SessionPlan(
         title="Guide", panels=[PanelView(title="Speech", actions=[action], locked=True)],
-        script=[], verbs={}, variables=[], conditions=[], keyboard="us", drivers=[], settings={},
+        script=[], verbs={}, variables=[], conditions=[], keyboard="us", drivers=[],
+        settings=Settings(),
     )  # fmt: skip
     it = Told().add(0, plan).add(1, m.PerceptionChanged(hidden=["gaze"], blurred=["transcript"]))
     it.add(2, m.ShapingChanged(floor_us=800_000, jitter_us=400_000, cues=["speech"]))

@@ -12,6 +12,7 @@ from woz_tui.analysis.methods import paragraphs
 from woz_tui.analysis.session import examine
 from woz_tui.analysis.study import Facts, Studies
 from woz_tui.core import messages as m
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView
 
 
@@ -95,7 +96,7 @@ def test_what_the_wizard_had_and_saw() -> None:
     ]
     plan = m.SessionPlan(
         title="Guide", panels=panels, script=[], verbs={}, variables=[], conditions=[],
-        keyboard="us", drivers=[], settings={},
+        keyboard="us", drivers=[], settings=Settings(),
     )  # fmt: skip
     it = Told().add(0, plan)
     it.add(0, m.PerceptionChanged(hidden=["gaze", "identity"], blurred=["transcript"]))

@@ -146,8 +146,7 @@ def test_the_commands_of_then_are_shown_as_the_wizard_saw_them(
 def test_so_are_they_while_it_runs_without_a_console(tmp_path: Path) -> None:
     log(tmp_path)
     read = load(tmp_path / "small.yaml", installed())
-    study = plan_of(Shown(read, installed(), values=dict(read.variables))).settings["study"]
-    assert isinstance(study, dict)
+    study = plan_of(Shown(read, installed(), values=dict(read.variables))).settings.study
     long = command("c1", args={"text": "Good day. " * 9, "style": "warm"}, source="replay")
     sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
     progress = Progress(blind=blind_of(study))

@@ -9,6 +9,7 @@ import msgspec
 from tests.console.scripted import raw
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView
 
 Ended = m.ActionDone | m.ActionFailed | m.ActionStopped | m.ActionRefused
@@ -125,7 +126,7 @@ def welcome(
         drivers=["head", "voice", "face", "range", "microphone"],
         state=raw(state if state is not None else healthy()),
         recent=raw(recent if recent is not None else []),
-        settings={"participant_pattern": "P\\d\\d", **(settings or {})},
+        settings=msgspec.convert({"participant_pattern": "P\\d\\d", **(settings or {})}, Settings),
     )
 
 

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
+
 from tests.console import scenes
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import StudySettings
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 LABELS = {"warm": "Lemon", "cold": "Orange"}
@@ -66,6 +69,11 @@ def told(**other: Any) -> dict[str, m.Json]:
         "due": [],
         **other,
     }
+
+
+def typed(told: dict[str, m.Json]) -> StudySettings:
+    """The same as the console reads it."""
+    return msgspec.convert(told, StudySettings)
 
 
 def assigned() -> m.ConditionsAssigned:

@@ -15,6 +15,7 @@ from woz_tui.console.picture import Picture
 from woz_tui.console.study.blind import Blind, blind_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import StudySettings
 from woz_tui.core.views import ActionView, PanelView
 
 NOW = studied.NOW
@@ -153,7 +154,7 @@ async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
             verbs={},
             conditions=["warm", "cold"],
             keyboard="us",
-            study=studied.told(blind=studied.LABELS),
+            study=studied.typed(studied.told(blind=studied.LABELS)),
         )
         await seat.tell(changed, m.SessionChanged(condition="cold", t=NOW))
         assert "Orange" in seat.text("Status")
@@ -186,8 +187,7 @@ def test_one_label_for_all_still_lets_the_wizard_choose() -> None:
 def test_nothing_is_changed_where_nobody_is_blind() -> None:
     message = m.Notice(level="info", text="the condition is cold now", t=NOW)
     assert Blind().message(message) is message
-    assert not blind_of({"blind": {}})
-    assert not blind_of({"blind": "yes"})
+    assert not blind_of(StudySettings())
 
 
 def test_names_of_actions_stay_what_they_are() -> None:

@@ -38,7 +38,7 @@ def test_what_is_due_is_the_same_for_both(steps: list[object]) -> None:
     questionnaires = [
         {"name": when, "title": when, "when": when, "items": []} for when in reversed(WHENS)
     ]
-    told = studied.told(questionnaires=questionnaires)
+    told = studied.typed(studied.told(questionnaires=questionnaires))
     shown, robot = Study(), SessionState()
     robot.study.settings = told
     shown.tell(told)

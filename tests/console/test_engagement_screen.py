@@ -19,6 +19,7 @@ from woz_tui.console.screens.engagement import EngagementDialog
 from woz_tui.console.screens.orders import ForceDialog, IdentityDialog, VisitorDialog
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import ModelLimits
 from woz_tui.experiment.engagement import STATES
 from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS
 from woz_tui.sensing.machine import EDGES, State
@@ -167,11 +168,11 @@ def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
     picture.take([engaged.welcome(settings=engaged.told())], 0)
     kept = r.PanelsChanged(
         title="t", panels=[], script=[], verbs={}, conditions=[], keyboard="us",
-        engagement={"timeouts": {}},
+        engagement=ModelLimits(attempts=3),
     )  # fmt: skip
     picture.take([kept], 0)
     assert picture.engaged.shown is not None
-    picture.take([msgspec.structs.replace(kept, engagement={})], 0)
+    picture.take([msgspec.structs.replace(kept, engagement=ModelLimits())], 0)
     assert picture.engaged.shown is None
 
 

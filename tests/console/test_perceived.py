@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
+import msgspec
 import pytest
 
 from tests.console import bodies, engaged, scenes, studied
@@ -13,6 +14,7 @@ from woz_tui.console.picture import Picture
 from woz_tui.console.study.perceived import Perception, dots, kind_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import Restricted, StudySettings
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 EVERYTHING = ["transcript", "distance", "loudness", "presence", "gaze", "identity", "direction"]
@@ -148,9 +150,11 @@ async def test_blurred_figures_are_words() -> None:
 
 
 async def test_a_hidden_face_is_not_drawn_and_keeps_its_place() -> None:
-    study: dict[str, m.Json] = {"study": studied.told(perception={"hide": ["face", "joints"]})}
-    shown, kept = bodies.welcome(bodies.alive()), bodies.welcome(bodies.alive())
-    kept.settings.update(study)
+    study = StudySettings(perception=Restricted(hide=["face", "joints"]))
+    shown = bodies.welcome(bodies.alive())
+    kept = msgspec.structs.replace(
+        shown, settings=msgspec.structs.replace(shown.settings, study=study)
+    )
     async with sitting(shown, size=(160, 50)) as seat:
         seen = seat.text("BodyPane").splitlines()
     async with sitting(kept, size=(160, 50)) as seat:

@@ -8,10 +8,11 @@ from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
 from woz_tui.console.picture import Picture
-from woz_tui.console.profiles import Profiles, profiles_of
+from woz_tui.console.profiles import Profiles
 from woz_tui.console.status import Line, status_rows
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import Allowance
 
 pytestmark = pytest.mark.toolkit("U3")
 
@@ -43,7 +44,7 @@ def changed(current: str, names: tuple[str, ...] = ("child", "adult")) -> r.Pane
         keyboard="us",
         profiles=[*names],
         profile=current,
-        allows=ALLOWS,
+        allows=msgspec.convert(ALLOWS, dict[str, Allowance]),
     )
 
 
@@ -191,8 +192,5 @@ def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs)
     assert glyphs is UNICODE or text.isascii()
 
 
-def test_what_another_version_tells_is_left_out() -> None:
-    odd: dict[str, m.Json] = {"profile": 3, "profiles": ["a", 4, None], "allows": ["a"]}
-    assert profiles_of(odd) == Profiles("", ("a",), {})
-    told = Profiles("", ("a", "b"), {"a": 7, "b": {"panels": "Speech", "verbs": [1]}})
-    assert (told.words("a"), told.words("b")) == ("", "by themselves: 1")
+def test_a_profile_of_which_nothing_is_known_has_no_words() -> None:
+    assert Profiles("", ("a",), {}).words("a") == ""

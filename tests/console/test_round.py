@@ -9,9 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.console import studied
-from woz_tui.console.study.questions import Answer, Asked, Item, Questionnaire, items_of
+from woz_tui.console.study.questions import Answer, Asked, items_of
 from woz_tui.console.study.round import HELD_US, QUICK, SETTLING_US, Page, Round
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
+from woz_tui.core.settings import Item, Questionnaire
 
 KEYS = ["enter", "tab", "up", "down", "left", "right", "backspace", "home", "end", "pageup"]
 KEYS += ["pagedown", "ctrl+d", "y", "n", "space", "x", "-", *"0123456789"]

@@ -271,7 +271,7 @@ async def test_what_was_declined_is_not_offered_again() -> None:
 
 def study(*messages: m.Message, **told: m.Json) -> Study:
     made = Study()
-    made.tell(studied.told(**told))
+    made.tell(studied.typed(studied.told(**told)))
     for message in (scenes.start(), studied.assigned(), *messages):
         made.take(message)
     return made

@@ -16,6 +16,7 @@ import msgspec
 from tests.core.study_examples import BEGINNING, COURSE
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core import settings as s
 from woz_tui.core import wire
 from woz_tui.core.clock import timestamp
 from woz_tui.core.pictures import PictureShown
@@ -312,15 +313,15 @@ def answers() -> list[r.AnyAnswer]:
             drivers=["voice", "head"],
             state=[_raw(stream[0]), _raw(stream[4])],
             recent=[_raw(stream[2])],
-            settings={
-                "dead_man": 3.0,
-                "stale_after": 1.5,
-                "profiles": ["child"],
-                "allows": {"child": {"panels": ["Speech"], "hide": True}},
-                "outlines": {
+            settings=s.Settings(
+                dead_man=3.0,
+                stale_after=1.5,
+                profiles=["child"],
+                allows={"child": s.Allowance(panels=["Speech"], hide=True)},
+                outlines={
                     "panel": {"kind": "panel", "controls": ["pitch", "tempo"]},
                 },
-            },
+            ),
             boot_id="6ba7b810-9dad-11d1-80b4-00c04fd430c8",
         ),
         r.Reply(ref=4, ok=True, run="a00001"),
@@ -351,9 +352,9 @@ def answers() -> list[r.AnyAnswer]:
             steps={"head": 8.0, "hip": 3.0, "drive": 0.2, "turn": 15.0},
             profiles=["child"],
             profile="child",
-            allows={"child": {"panels": ["Speech"], "hide": True}},
-            engagement={"timeouts": {"listening": 60.0}, "handshake": 60.0, "attempts": 3},
-            study={"design": {"order": "latin-square", "within": True, "trials": 3}},
+            allows={"child": s.Allowance(panels=["Speech"], hide=True)},
+            engagement=s.ModelLimits({"listening": 60.0}, handshake=60.0, attempts=3),
+            study=s.StudySettings(design=s.DesignView("latin-square", within=True, trials=3)),
         ),
         PictureShown(
             ref=34,

@@ -34,6 +34,7 @@ _PLAIN: dict[Any, st.SearchStrategy[Any]] = {
     bool: st.booleans(),
     type(None): st.none(),
     Any: json,
+    msgspec.UnsetType: st.just(msgspec.UNSET),
     msgspec.Raw: st.just(msgspec.Raw(b'{"kind":"marker","seq":1}')),
 }
 
@@ -55,6 +56,8 @@ def _composed(hint: Any, arguments: tuple[Any, ...]) -> st.SearchStrategy[Any]:
             return st.one_of([of(argument) for argument in arguments])
         case typing.Literal:
             return st.sampled_from(arguments)
+        case builtin if builtin is tuple and arguments[-1] is ...:
+            return st.lists(of(arguments[0]), max_size=3).map(tuple)
         case builtin if builtin is tuple:
             return st.tuples(*map(of, arguments))
         case builtin if builtin is list:

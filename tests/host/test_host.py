@@ -271,7 +271,7 @@ async def test_two_robots_joints_of_one_name_keep_their_limits_apart(tmp_path: P
         pan = replace(session.experiment.drivers[0], sensors=("joint.pan",))
         drivers = [replace(pan, name=f"{robot}.head") for robot in ("left", "right")]
         session.experiment = replace(session.experiment, drivers=tuple(drivers))
-        span = [-90.0, 60.0]
+        span = (-90.0, 60.0)
         assert joint_limits(session) == {"left.pan": span, "right.pan": span}
 
 

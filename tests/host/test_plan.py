@@ -30,7 +30,7 @@ async def test_the_log_says_what_a_console_is_welcomed_with(tmp_path: Path) -> N
 async def test_nobody_who_takes_part_is_in_it(tmp_path: Path) -> None:
     async with served(tmp_path) as host:
         (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
-        assert plan.settings["values"] == {"place": "museum"}
+        assert plan.settings.values == {"place": "museum"}
         assert "P07" not in wire.encode(plan).decode()
 
 
@@ -40,7 +40,7 @@ async def test_no_home_folder_is_in_it(tmp_path: Path, monkeypatch: pytest.Monke
     async with served(tmp_path, made=made) as host:
         welcome = await (await host.connect()).hello()
         (plan,) = (line for line in host.lines if isinstance(line, m.SessionPlan))
-        assert plan.settings["values"] == {"place": "~/museum.png"}
+        assert plan.settings.values == {"place": "~/museum.png"}
         assert "jane" not in wire.encode(plan).decode()
         assert welcome["settings"]["values"]["place"] == "/home/jane/museum.png"
 
@@ -52,7 +52,7 @@ async def test_it_is_said_again_when_panels_change(tmp_path: Path) -> None:
         await peer.hello()
         assert (await peer.ask("profile", profile="child"))["ok"]
         plans = [line for line in host.lines if isinstance(line, m.SessionPlan)]
-        assert [plan.settings["profile"] for plan in plans] == ["", "child"]
+        assert [plan.settings.profile for plan in plans] == ["", "child"]
         assert [line["profile"] for line in peer.seen if line["kind"] == "panels"] == ["child"]
 
 

@@ -15,6 +15,7 @@ from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
 from woz_tui.core.clock import timestamp
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.replay.player import Incoming, Player, Start
 from woz_tui.replay.reel import Reel
@@ -50,7 +51,7 @@ PLAN = m.SessionPlan(
     conditions=["warm", "cold"],
     keyboard="us",
     drivers=["robot"],
-    settings={
+    settings=msgspec.convert({
         "study": {
             "design": {"order": "latin-square", "within": True, "trials": 2},
             "blind": {},
@@ -68,8 +69,8 @@ PLAN = m.SessionPlan(
             "shaping": None,
             "by_condition": {},
         }
-    },
-)
+    }, Settings),
+)  # fmt: skip
 
 
 def stamped(timed: Iterable[tuple[float, m.AnyMessage]]) -> list[m.AnyMessage]:

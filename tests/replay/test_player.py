@@ -295,9 +295,9 @@ def test_what_is_missing_is_told_at_the_beginning_and_stays_known() -> None:
     assert it.picture.notice is not None
     assert "3 damaged line(s)" in it.picture.notice.text
     it.go(10)
-    told = it.picture.settings["replay"]
-    assert isinstance(told, dict)
-    assert told["notes"] == ["3 damaged line(s) left out"]
+    told = it.picture.settings.replay
+    assert told
+    assert told.notes == ["3 damaged line(s) left out"]
 
 
 def test_an_empty_reel_is_at_its_end() -> None:

@@ -20,6 +20,7 @@ from tests.replay.logs import (
 )
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.settings import ModelLimits, Restricted, Settings
 from woz_tui.record.log import Line
 from woz_tui.replay.marks import Cuts, steady
 from woz_tui.replay.player import Start
@@ -214,7 +215,7 @@ def test_a_plan_of_the_middle_counts_from_then_on() -> None:
         conditions=[],
         keyboard="us",
         drivers=[],
-        settings={},
+        settings=Settings(),
     )
     it = Viewer(reel_of(stamped([(0, START), (1, PLAN), (5, later), (9, m.Marker())])))
     assert it.picture.title == "Museum guide"
@@ -246,12 +247,12 @@ def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
 def test_the_study_of_a_moment_knows_nothing_of_what_comes_next() -> None:
     timed: list[Timed] = [(0, START), (1, PLAN), (2, m.TrialStarted(trial=1)), (9, m.Marker())]
     reel = reel_of(stamped(timed))
-    assert [reel.moment(index, 0).study["running"] for index in (2, 3, 4)] == [False, True, True]
+    assert [reel.moment(index, 0).study.running for index in (2, 3, 4)] == [False, True, True]
 
 
 def test_a_model_that_a_reload_took_away_holds_no_more() -> None:
-    def plan(engagement: m.Json) -> m.SessionPlan:
-        settings = {**PLAN.settings, "engagement": engagement}
+    def plan(engagement: ModelLimits) -> m.SessionPlan:
+        settings = msgspec.structs.replace(PLAN.settings, engagement=engagement)
         return msgspec.structs.replace(PLAN, settings=settings)
 
     changed = m.EngagementChanged(
@@ -259,9 +260,9 @@ def test_a_model_that_a_reload_took_away_holds_no_more() -> None:
     )
     timed: list[Timed] = [
         (0, START),
-        (1, plan({"signs": []})),
+        (1, plan(ModelLimits(attempts=3))),
         (2, changed),
-        (5, plan({})),
+        (5, plan(ModelLimits())),
         (9, m.Marker()),
     ]
     reel = reel_of(stamped(timed))
@@ -271,10 +272,12 @@ def test_a_model_that_a_reload_took_away_holds_no_more() -> None:
 
 
 def _blind() -> m.SessionPlan:
-    study = PLAN.settings["study"]
-    assert isinstance(study, dict)
-    kept = {"blind": {"warm": "A", "cold": "B"}, "perception": {"hide": ["distance"], "blur": []}}
-    return msgspec.structs.replace(PLAN, settings={"study": {**study, **kept}})
+    study = msgspec.structs.replace(
+        PLAN.settings.study,
+        blind={"warm": "A", "cold": "B"},
+        perception=Restricted(hide=["distance"]),
+    )
+    return msgspec.structs.replace(PLAN, settings=Settings(study=study))
 
 
 @pytest.mark.parametrize("reveal", [False, True])

@@ -13,6 +13,7 @@ from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Stage, action, call, experiment, together
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.settings import Settings
 from woz_tui.experiment.shape import Experiment
 from woz_tui.experiment.study import (
     Design,
@@ -98,7 +99,7 @@ def log(
     path = folder / f"{name}.jsonl"
     plan = [m.SessionPlan(
         title=title, panels=[], script=[], verbs={}, variables=[], conditions=[], keyboard="us",
-        drivers=[], settings={},
+        drivers=[], settings=Settings(),
     )] if title is not None else []  # fmt: skip
     start = m.SessionStart(
         session="S01", participant="", experiment="made.yaml", experiment_sha256="0" * 64,

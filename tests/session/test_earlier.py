@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from tests.session.studied import had, log
 from woz_tui.core import messages as m
 from woz_tui.core import wire
+from woz_tui.core.settings import Settings
 from woz_tui.session import earlier
 from woz_tui.session.earlier import Earlier, Found
 from woz_tui.session.proposal import Past
@@ -180,7 +181,7 @@ def test_of_what_was_shown_only_the_title_is_kept(tmp_path: Path) -> None:
     log(tmp_path, "2026-03-01T10-00-00_S01", had("P01", ORDER, "d"), title="T")
     plan = m.SessionPlan(
         title="T", panels=[], script=["x"] * 1000, verbs={}, variables=["v"] * 1000, conditions=[],
-        keyboard="us", drivers=[], settings={"values": {"a": "b" * 1000}},
+        keyboard="us", drivers=[], settings=Settings(values={"a": "b" * 1000}),
     )  # fmt: skip
     path = tmp_path / "2026-03-02T10-00-00_S02.jsonl"
     path.write_bytes(wire.encode(msgspec.structs.replace(plan, seq=0, t=0)))

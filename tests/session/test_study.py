@@ -11,6 +11,7 @@ import pytest
 from tests.session.rig import Stage
 from tests.session.studied import STUDY, had, log, on_stage, said, studied
 from woz_tui.core import messages as m
+from woz_tui.core.settings import Check
 from woz_tui.experiment.study import Perception, Study
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.preflight import preflight
@@ -339,9 +340,9 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
         assert "there are the door is shut, the camera" in caught.value.hint
         found = await preflight(stage.session)
         assert {finding.subject for finding in found} < {*study.state.checks}
-        assert study_snapshot(study.settings, study.state)["preflight"] == [
-            {"check": "the door is shut", "ok": True},
-            {"check": "the camera sees the table", "ok": False},
+        assert study_snapshot(study.settings, study.state).preflight == [
+            Check("the door is shut", ok=True),
+            Check("the camera sees the table", ok=False),
         ]
 
     stage = on_stage(tmp_path, scenario)

@@ -11,11 +11,12 @@ from hypothesis import strategies as st
 
 from tests.core.examples import messages as examples
 from woz_tui.core import messages as m
+from woz_tui.core.settings import Settings, StudySettings
 from woz_tui.experiment.engagement import STATES
 
 SECOND = 1_000_000
-#: `settings["study"]` of what consoles are shown.
-STUDY: dict[str, Any] = {
+#: `settings.study` of what consoles are shown.
+STUDY = msgspec.convert({
     "design": {"order": "latin-square", "within": True, "trials": 2},
     "questionnaires": [
         {"name": "each", "when": "trial"},
@@ -23,9 +24,9 @@ STUDY: dict[str, Any] = {
         {"name": "last", "when": "end"},
         {"name": "whenever", "when": "hand"},
     ],
-    "preflight": ["door", "table"],
+    "preflight": [{"check": "door"}, {"check": "table"}],
     "blind": {},
-}
+}, StudySettings)  # fmt: skip
 
 
 def start(participant: str = "P01", condition: str = "warm") -> m.SessionStart:
@@ -41,7 +42,7 @@ def plan(**settings: Any) -> m.SessionPlan:
     """What consoles are shown."""
     return m.SessionPlan(
         title="Guide", panels=[], script=[], verbs={}, variables=[], conditions=["warm", "cold"],
-        keyboard="us", drivers=["robot"], settings={"study": STUDY, **settings},
+        keyboard="us", drivers=["robot"], settings=Settings(study=STUDY, **settings),
     )  # fmt: skip
 
 

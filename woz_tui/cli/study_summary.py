@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 
+import msgspec
+
 from woz_tui.core.messages import Json
 from woz_tui.experiment.orders import Order, block_size, planned, rows
 from woz_tui.experiment.shape import Experiment
@@ -52,7 +54,10 @@ def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
 def as_json(experiment: Experiment) -> dict[str, Json]:
     """The same for programs: the sections, and the design's orders."""
     study = experiment.study
-    told: dict[str, Json] = {**study_settings(experiment)}
+    told: dict[str, Json] = msgspec.to_builtins(study_settings(experiment))
+    for now in ("assigned", "planned", "trial", "running", "on_break", "due"):
+        del told[now]
+    told["preflight"] = [*study.preflight]
     told["training"] = _plain(asdict(study.training))
     if study.design is not None:
         told["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]

@@ -260,7 +260,7 @@ class Console(App[str]):
         self._panels.bear(self.caps)
         self.keyboard.bind(self.keymap.table, self._own_keys())
         self.keyboard.verbs = picture.verbs
-        self.desk.arrows.adopt(picture.settings.get("steps"))
+        self.desk.arrows.adopt(picture.settings.steps)
         if self.keymap.warnings:
             self.news(self.keymap.warnings[0], "warn")
 

@@ -136,12 +136,9 @@ def _loudness(picture: Picture, name: str, frame: Frame, speech: str = "") -> li
 
 
 def _threshold(picture: Picture, loudness: str) -> float | None:
-    """RMS from which a voice counts, as the microphone published it or the host told."""
+    """RMS from which a voice counts, as the microphone published it."""
     published = picture.sensors.get(f"{loudness}.threshold")
-    if published is not None:
-        return published.value
-    told = picture.settings.get("loudness_threshold")
-    return float(told) if isinstance(told, int | float) else None
+    return published.value if published is not None else None
 
 
 # -- who is there, and what the robot makes of it -------------------------------------------------

@@ -31,7 +31,7 @@ from woz_tui.console.parts import (
     State,
     StopPicture,
 )
-from woz_tui.console.profiles import Profiles, profiles_of
+from woz_tui.console.profiles import Profiles
 from woz_tui.console.reducers import reduce
 from woz_tui.console.replay.standing import ReplayPicture, following
 from woz_tui.console.robot.outlines import robots_of
@@ -43,6 +43,7 @@ from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.robots import RobotOutline
+from woz_tui.core.settings import Settings, StudySettings
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.core.wire import WireError, decode_message
 
@@ -80,7 +81,7 @@ class Picture:
     variables: tuple[str, ...] = ()
     conditions: tuple[str, ...] = ()
     keyboard: str = "us"
-    settings: dict[str, m.Json] = field(default_factory=dict)
+    settings: Settings = field(default_factory=Settings)
     profiles: Profiles = field(default_factory=Profiles)
     #: Conditions by the labels that the wizard is told, and what the wizard does not get to see.
     blind: Blind = field(default_factory=Blind)
@@ -170,17 +171,16 @@ class Picture:
         self.welcomed = True
         self.console, self.role, self.log = welcome.console, welcome.role, welcome.log
         self.variables = tuple(welcome.variables)
-        self.settings = dict(welcome.settings)
-        self.outlines = outlines_of(self.settings)
-        self.robot_outlines = robots_of(self.settings)
-        self.profiles = profiles_of(self.settings)
+        self.settings = welcome.settings
+        self.outlines = outlines_of(self.settings.outlines)
+        self.robot_outlines = robots_of(self.settings.outlines)
+        self.profiles = _profiles(welcome.settings)
         self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
-        self._study(self.settings.get("study"))
+        self._study(self.settings.study)
         self._plan(welcome)
         self._recall(welcome)
         self.study.read_tidings()  # old ones
-        if isinstance(told := self.settings.get("study"), dict):
-            self.study.reach(told)  # of old messages only the last of each kind is there
+        self.study.next = self.settings.study.trial  # of messages only the last of each is there
 
     def _recall(self, welcome: r.Welcome) -> None:
         """What holds and the last lines, each once and in their order: only these are listed."""
@@ -195,27 +195,31 @@ class Picture:
 
     def _panels(self, changed: r.PanelsChanged) -> None:
         self.locks = {}
-        self.settings["values"] = dict(changed.values)
-        self.settings["profiles"] = list(changed.profiles)
-        self.settings["profile"] = changed.profile
-        if changed.steps:
-            self.settings["steps"] = dict(changed.steps)
-        self.settings["allows"] = dict(changed.allows)
-        if self.settings.get("engagement") and not changed.engagement:
+        before = self.settings
+        if before.engagement and not changed.engagement:
             self.engaged = Engaged()  # the file has no such section any more
-        self.settings["engagement"] = dict(changed.engagement)
-        self.profiles = profiles_of(self.settings)
-        if changed.study:
-            self.settings["study"] = dict(changed.study)
+        self.settings = msgspec.structs.replace(
+            before,
+            values=changed.values,
+            profiles=changed.profiles,
+            profile=changed.profile,
+            steps=changed.steps or before.steps,
+            allows=changed.allows,
+            engagement=changed.engagement,
+            study=changed.study or before.study,
+        )
+        self.profiles = _profiles(changed)
+        if changed.study is not None:
             self._study(changed.study)
         self._plan(changed)
 
-    def _study(self, told: m.Json) -> None:
+    def _study(self, study: StudySettings) -> None:
         """What the wizard may know comes first: all that follows is seen through it."""
-        study = told if isinstance(told, dict) else {}
         self.blind = blind_of(study)
         self._perceive(perception_of(study))
-        self.study.tell({**study, "assigned": self.blind.conditions(study.get("assigned"))})
+        self.study.tell(
+            msgspec.structs.replace(study, assigned=[*self.blind.labels(study.assigned)])
+        )
 
     def _perceive(self, perception: Perception) -> None:
         """Keep this from the wizard from now on, also what is on the screen already."""
@@ -290,8 +294,7 @@ class Picture:
 
     def filled(self, words: str) -> str:
         """An utterance with the variables whose values the console knows."""
-        told = self.settings.get("values")
-        values = {**told} if isinstance(told, dict) else {}
+        values: dict[str, str | int] = {**self.settings.values}
         trial = "" if self.trial is None else self.trial
         now = {"participant": self.participant, "condition": self.condition, "trial": trial}
         values |= {name: value for name, value in now.items() if value != ""}
@@ -366,6 +369,10 @@ def _under_way(run: Run, now: int) -> Standing:
         return Standing(State.HELD, *held)
     left_us, share = run.timing(now)
     return Standing(State.RUNNING if run.running else State.QUEUED, left_us, share)
+
+
+def _profiles(told: Settings | r.PanelsChanged) -> Profiles:
+    return Profiles(told.profile, tuple(told.profiles), told.allows)
 
 
 def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:

@@ -66,14 +66,8 @@ def _sensor(picture: Picture, kind: str, joint: str) -> SensorPicture | None:
 
 def _limits(picture: Picture) -> dict[str, tuple[float, float]]:
     """Joint -> lowest and highest angle in degrees, as far as the host has told."""
-    told = picture.settings.get("joints")
-    limits = {}
-    if isinstance(told, dict):
-        for name, pair in told.items():
-            match pair:
-                case [int() | float() as low, int() | float() as high] if low < high:
-                    limits[name] = (float(low), float(high))
-    return limits
+    joints = picture.settings.joints
+    return {name: (low, high) for name, (low, high) in joints.items() if low < high}
 
 
 def _joint(picture: Picture, name: str, shown: str, frame: Frame) -> Row:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from woz_tui.core.messages import Json
+from woz_tui.core.settings import Allowance
 
 #: What may be used where no profile is in use.
 EVERYTHING = "everything"
@@ -21,7 +21,7 @@ class Profiles:
 
     current: str = ""
     names: tuple[str, ...] = ()
-    allows: Mapping[str, Json] = field(default_factory=dict)
+    allows: Mapping[str, Allowance] = field(default_factory=dict)
 
     @property
     def offered(self) -> tuple[str, ...]:
@@ -37,21 +37,11 @@ class Profiles:
         if name not in self.names:
             return "not in the file any more"
         told = self.allows.get(name)
-        if not isinstance(told, dict):
+        if told is None:
             return ""
         parts = [
             f"{word}: {', '.join(map(str, names))}"
             for kind, word in _KINDS.items()
-            if isinstance(names := told.get(kind), list) and names
+            if (names := getattr(told, kind))
         ]
-        return "; ".join([*parts, "the rest is hidden"] if told.get("hide") else parts)
-
-
-def profiles_of(settings: Mapping[str, Json]) -> Profiles:
-    """As a welcome's settings tell; what another version tells in another shape is left out."""
-    current, names, allows = (settings.get(key) for key in ("profile", "profiles", "allows"))
-    return Profiles(
-        current if isinstance(current, str) else "",
-        tuple(name for name in names if isinstance(name, str)) if isinstance(names, list) else (),
-        allows if isinstance(allows, dict) else {},
-    )
+        return "; ".join([*parts, "the rest is hidden"] if told.hide else parts)

@@ -10,7 +10,7 @@ from woz_tui.console.cells import Cells, Piece, Row, clean, fit, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
-from woz_tui.console.replay.standing import notes, wall_at
+from woz_tui.console.replay.standing import wall_at
 from woz_tui.console.robot.trouble import driver_trouble
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
@@ -149,7 +149,7 @@ def _log(picture: Picture, glyphs: Glyphs) -> Row:
         return ()
     began = wall_at(picture.settings, 0)
     day = f"  {began:%Y-%m-%d}  " if began is not None else "  "
-    damaged = bool(notes(picture.settings))
+    damaged = bool(picture.settings.replay and picture.settings.replay.notes)
     state = (f"{glyphs.warning} log incomplete ", "warn") if damaged else ("log complete ", "muted")
     return (day, "plain"), state
 

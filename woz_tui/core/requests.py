@@ -12,6 +12,7 @@ import msgspec
 
 from woz_tui.core.envelope import Json
 from woz_tui.core.pictures import PictureFormat, PictureShown
+from woz_tui.core.settings import Allowance, ModelLimits, Settings, StudySettings
 from woz_tui.core.views import PanelView
 
 PROTOCOL = 1
@@ -339,7 +340,7 @@ class Welcome(
     drivers: list[str]
     state: list[msgspec.Raw] = []
     recent: list[msgspec.Raw] = []
-    settings: dict[str, Json] = {}
+    settings: Settings = Settings()
     boot_id: str = ""
 
 
@@ -395,9 +396,9 @@ class PanelsChanged(
     steps: dict[str, float] = {}
     profiles: list[str] = []
     profile: str = ""
-    allows: dict[str, Json] = {}
-    engagement: dict[str, Json] = {}
-    study: dict[str, Json] = {}
+    allows: dict[str, Allowance] = {}
+    engagement: ModelLimits = ModelLimits()
+    study: StudySettings | None = None
 
 
 #: Lines from the host that are not messages of the session.

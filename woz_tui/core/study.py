@@ -10,7 +10,8 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.core.envelope import Json, Message
+from woz_tui.core.envelope import Message
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import PanelView
 
 # -- a log that needs nothing beside it -----------------------------------------------------------
@@ -42,7 +43,7 @@ class SessionPlan(Message, frozen=True, kw_only=True, omit_defaults=True, tag="s
     conditions: list[str]
     keyboard: str
     drivers: list[str]
-    settings: dict[str, Json]
+    settings: Settings
 
 
 # -- conditions and trials ------------------------------------------------------------------------

@@ -10,6 +10,7 @@ import msgspec
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.driver import Driver
+from woz_tui.core.settings import Settings, StudySettings
 from woz_tui.experiment.shape import Experiment, Profile
 from woz_tui.host.views import (
     allowances,
@@ -35,7 +36,7 @@ class Shown:
     locked: Mapping[str, bool] = field(default_factory=dict)
     profile: Profile | None = None
     values: Mapping[str, str] = field(default_factory=dict)
-    study: Mapping[str, m.Json] = field(default_factory=dict)
+    study: StudySettings | None = None
 
     @classmethod
     def of(cls, session: Session) -> Shown:
@@ -62,20 +63,20 @@ def plan_of(shown: Shown) -> m.SessionPlan:
         conditions=list(experiment.conditions),
         keyboard=experiment.keyboard,
         drivers=[spec.name for spec in experiment.drivers],
-        settings={
-            "stale_after": experiment.session.stale_after,
-            "dead_man": experiment.session.dead_man,
-            "participant_pattern": experiment.participant_pattern,
-            "joints": joint_limits(shown),
-            "outlines": outlines(shown),
-            "values": dict(shown.values),
-            "steps": asdict(experiment.steps),
-            "profiles": [*experiment.profiles],
-            "profile": shown.profile.name if shown.profile is not None else "",
-            "allows": allowances(experiment),
-            "engagement": engagement_limits(experiment),
-            "study": {**study_settings(experiment), **shown.study},
-        },
+        settings=Settings(
+            stale_after=experiment.session.stale_after,
+            dead_man=experiment.session.dead_man,
+            participant_pattern=experiment.participant_pattern,
+            joints=joint_limits(shown),
+            outlines=outlines(shown),
+            values=dict(shown.values),
+            steps=asdict(experiment.steps),
+            profiles=[*experiment.profiles],
+            profile=shown.profile.name if shown.profile is not None else "",
+            allows=allowances(experiment),
+            engagement=engagement_limits(experiment),
+            study=shown.study or study_settings(experiment),
+        ),
     )
 
 
@@ -84,9 +85,8 @@ def plan_for_log(shown: Shown) -> m.SessionPlan:
     the home folder is `~` wherever a text begins a path with it.
     """
     plan = plan_of(shown)
-    own: dict[str, m.Json] = {
-        name: text for name, text in shown.values.items() if name in shown.experiment.variables
-    }
-    told = msgspec.structs.replace(plan, settings={**plan.settings, "values": own})
+    own = {name: text for name, text in shown.values.items() if name in shown.experiment.variables}
+    settings = msgspec.structs.replace(plan.settings, values=own)
+    told = msgspec.structs.replace(plan, settings=settings)
     line = without_home(wire.encode(told).decode())
     return msgspec.json.decode(line, type=m.SessionPlan)

@@ -9,6 +9,7 @@ from typing import Protocol
 
 from woz_tui.core.driver import Driver
 from woz_tui.core.messages import Json
+from woz_tui.core.settings import Allowance, ModelLimits
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.experiment.profiles import FIELDS
 from woz_tui.experiment.sensors import published_names
@@ -85,42 +86,38 @@ def variable_names(session: Session) -> list[str]:
     return sorted(session.values())
 
 
-def allowances(experiment: Experiment) -> dict[str, Json]:
+def allowances(experiment: Experiment) -> dict[str, Allowance]:
     """What each profile names, by its name; `hide` where it does not show the rest."""
     return {name: _allowance(profile) for name, profile in experiment.profiles.items()}
 
 
-def _allowance(profile: Profile) -> dict[str, Json]:
+def _allowance(profile: Profile) -> Allowance:
     named = {field: sorted(getattr(profile, field)) for field in FIELDS if field != "hide"}
-    told: dict[str, Json] = {field: [*names] for field, names in named.items() if names}
-    return {**told, "hide": True} if profile.hide else told
+    return Allowance(**named, hide=profile.hide)
 
 
-def engagement_limits(experiment: Experiment) -> dict[str, Json]:
+def engagement_limits(experiment: Experiment) -> ModelLimits:
     """What limits the engagement model in time; nothing in a session without one."""
     if experiment.engagement is None:
-        return {}
+        return ModelLimits()
     settings = experiment.engagement.settings
-    return {
-        "timeouts": asdict(settings.timeouts),
-        "handshake": settings.handshake.seconds,
-        "attempts": settings.handshake.attempts,
-    }
+    handshake = settings.handshake
+    return ModelLimits(asdict(settings.timeouts), handshake.seconds, handshake.attempts)
 
 
-def joint_limits(session: Cast) -> dict[str, Json]:
+def joint_limits(session: Cast) -> dict[str, tuple[float, float]]:
     """Lowest and highest angle of each joint in degrees, as far as its driver's class tells.
 
     Named as its sensor is published, without `joint.`: `left.pan` for `left.joint.pan`.
     """
-    limits: dict[str, Json] = {}
+    limits: dict[str, tuple[float, float]] = {}
     published = published_names(session.experiment.drivers)
     for spec in session.experiment.drivers:
         joints = session.catalogue[spec.type].joints(spec.settings)
         for name, span in (joints or {}).items():
             if span.low is not None and span.high is not None:
                 sensor = published[spec.name].get(f"joint.{name}", name)
-                limits[sensor.replace("joint.", "", 1)] = [float(span.low), float(span.high)]
+                limits[sensor.replace("joint.", "", 1)] = float(span.low), float(span.high)
     return limits
 
 

@@ -12,7 +12,7 @@ from woz_tui.record.log import Line
 from woz_tui.record.names import FileName
 from woz_tui.replay.origin import Origin
 from woz_tui.replay.reel import Reel
-from woz_tui.replay.studied import blind_study
+from woz_tui.replay.studied import last_blind
 
 
 class LogError(Exception):
@@ -100,7 +100,7 @@ def origin_of(lines: Iterable[object]) -> Origin:
             case m.ExperimentFiles():
                 files = line
             case m.SessionPlan():
-                study = blind_study(line) or study or {}
+                study = last_blind(study, line)
     return Origin(name, tuple(hashes), files, study)
 
 

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Driver
+from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.design import BLIND
 from woz_tui.experiment.shape import Experiment, ExperimentError
@@ -40,13 +41,13 @@ class Origin:
         hashes: SHA-256 of the experiment's files, at the beginning and after each reload.
         files: Their text as it was last; None in logs of a version that did not keep it.
         study: The study as consoles were told of it, by the last plan in the log whose wizard was
-            blind to the condition; empty if none was; None if the log has no plan.
+            blind to the condition; the defaults if none was; None if the log has no plan.
     """
 
     name: str
     hashes: tuple[str, ...]
     files: m.ExperimentFiles | None = None
-    study: Mapping[str, m.Json] | None = None
+    study: StudySettings | None = None
 
     def made_with(self, experiment: Experiment) -> bool:
         """Whether the session was played, or ended, with just these files."""
@@ -59,7 +60,7 @@ class Origin:
         """
         if self.study is None and self.files is not None:
             return any(BLIND in text for text in self.files.files.values())
-        return bool(self.study)
+        return self.study is not None and bool(self.study.blind)
 
 
 def places(log: Path, name: str) -> list[Path]:

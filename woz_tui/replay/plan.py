@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from pathlib import Path
@@ -18,11 +18,12 @@ import msgspec
 
 from woz_tui.analysis.played import ASKED
 from woz_tui.core import messages as m
+from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
 from woz_tui.record.log import Damage, files_of, read
 from woz_tui.replay.marks import steady
 from woz_tui.replay.origin import Origin
-from woz_tui.replay.studied import blind_study
+from woz_tui.replay.studied import last_blind
 
 #: Whose commands they are, in the log of the re-run.
 REPLAY = "replay"
@@ -147,7 +148,7 @@ class _Reader:
     start: m.SessionStart | None = None
     hashes: list[str] = field(default_factory=list)
     files: m.ExperimentFiles | None = None
-    study: Mapping[str, m.Json] | None = None
+    study: StudySettings | None = None
     lives: dict[str, _Life] = field(default_factory=dict)
     marks: list[m.Marker] = field(default_factory=list)
     stops: list[int] = field(default_factory=list)
@@ -181,7 +182,7 @@ class _Reader:
             case m.ExperimentFiles():
                 self.files = message
             case m.SessionPlan():
-                self.study = blind_study(message) or self.study or {}
+                self.study = last_blind(self.study, message)
 
     def _life(self, command: str) -> _Life:
         return self.lives.setdefault(command, _Life())

@@ -24,6 +24,7 @@ from woz_tui.core.requests import (
     Replaying,
     Reply,
 )
+from woz_tui.core.settings import ReplayedLog
 from woz_tui.replay.marks import Cut
 from woz_tui.replay.places import PlaceError, find
 from woz_tui.replay.reel import Reel, thinned
@@ -156,19 +157,23 @@ class Player:
             told,
             state=_raw(moment.state),
             recent=_raw(moment.recent),
-            settings={**told.settings, **study, "replay": self._about()},
+            settings=msgspec.structs.replace(told.settings, study=study, replay=self._about()),
         )
         return [anew, *self._stands(now, marks=True)]
 
-    def _about(self) -> dict[str, m.Json]:
+    def _about(self) -> ReplayedLog:
         """What the console shows of the log itself."""
         at, wall = self.reel.wall(self._index)
-        told: dict[str, m.Json] = {"t": at, "ts": wall, "notes": [*self.notes]}
         start = self.reel.start
-        if start is not None:
-            software = " ".join(str(part) for part in start.software.values())
-            told |= {"wizard": start.wizard, "experiment": start.experiment, "software": software}
-        return {**told, "lines": len(self.reel.lines)}
+        return ReplayedLog(
+            t=at,
+            ts=wall,
+            notes=[*self.notes],
+            wizard=start.wizard if start else "",
+            experiment=start.experiment if start else "",
+            software=" ".join(start.software.values()) if start else "",
+            lines=len(self.reel.lines),
+        )
 
     def _stands(self, now: int, *, marks: bool = False) -> list[Incoming]:
         """How the replay stands, and how fast time goes on."""

@@ -17,9 +17,10 @@ import msgspec
 
 from woz_tui.core import messages as m
 from woz_tui.core.envelope import Message
+from woz_tui.core.settings import StudySettings
 from woz_tui.record.log import Line
 from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, marks_of, steady
-from woz_tui.replay.studied import labels_of, revealed, study_of
+from woz_tui.replay.studied import revealed
 from woz_tui.replay.told import plan_from
 from woz_tui.session.recent import MOST, Recent
 from woz_tui.session.study_view import study_snapshot
@@ -78,7 +79,7 @@ class Moment:
 
     state: list[m.Message]
     recent: list[m.Message]
-    study: dict[str, m.Json]
+    study: StudySettings
 
 
 class Reel:
@@ -126,7 +127,7 @@ class Reel:
     @cached_property
     def marks(self) -> list[Mark]:
         """Everything to go to, oldest first."""
-        labels = labels_of(self.plan(0))
+        labels = self.plan(0).settings.study.blind
         return marks_of(
             mark_of(line, t, labels) for line, t in zip(self.lines, self.times, strict=True)
         )
@@ -175,9 +176,9 @@ class Reel:
         if state.model.gone:
             held = [message for message in held if not isinstance(message, m.EngagementShown)]
         held.sort(key=lambda message: message.seq)
-        settings = study_of(self.plan(index))
+        settings = self.plan(index).settings.study
         state.study.settings = settings  # the plan need not be a line of the log
-        study = study_snapshot(settings, state.study) if settings else {}
+        study = study_snapshot(settings, state.study)
         return Moment(held, self.recent(index), study)
 
     def recent(self, index: int) -> list[m.Message]:

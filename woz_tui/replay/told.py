@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import PurePath
 
 from woz_tui.core import messages as m
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView
 
 #: Actions of which the log does not say on which panel they are.
@@ -91,5 +92,5 @@ def plan_from(messages: Iterable[object]) -> m.SessionPlan:
         conditions=[*found.conditions],
         keyboard="us",
         drivers=[*found.drivers],
-        settings={},
+        settings=Settings(),
     )

@@ -14,6 +14,7 @@ from pathlib import Path
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.regular import open_regular
+from woz_tui.core.settings import Settings
 from woz_tui.experiment.due import OVER
 from woz_tui.record.files import files_of
 from woz_tui.record.names import FileName
@@ -137,7 +138,7 @@ def _bare(plan: m.SessionPlan) -> m.SessionPlan:
         conditions=[],
         keyboard="",
         drivers=[],
-        settings={},
+        settings=Settings(),
     )
 
 

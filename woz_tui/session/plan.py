@@ -2,21 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from woz_tui.core import messages as m
 from woz_tui.core.requests import PROTOCOL, PanelsChanged, Welcome
-
-#: Settings that a console is told again when panels change, and what each of them is.
-_CHANGING: Mapping[str, type] = {
-    "values": dict,
-    "steps": dict,
-    "profiles": list,
-    "profile": str,
-    "allows": dict,
-    "engagement": dict,
-    "study": dict,
-}
 
 
 def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, log: str) -> Welcome:
@@ -42,11 +29,7 @@ def welcome(plan: m.SessionPlan, *, console: str, role: str, seq: int, t: int, l
 
 def panels_changed(plan: m.SessionPlan) -> PanelsChanged:
     """What is news in a plan for a console that has had another one."""
-    told = {
-        name: plan.settings[name]
-        for name, kind in _CHANGING.items()
-        if isinstance(plan.settings.get(name), kind)
-    }
+    settings = plan.settings
     return PanelsChanged(
         title=plan.title,
         panels=plan.panels,
@@ -54,5 +37,11 @@ def panels_changed(plan: m.SessionPlan) -> PanelsChanged:
         verbs=plan.verbs,
         conditions=plan.conditions,
         keyboard=plan.keyboard,
-        **told,  # type: ignore[arg-type]  # the kinds were looked at
+        values=settings.values,
+        steps=settings.steps,
+        profiles=settings.profiles,
+        profile=settings.profile,
+        allows=settings.allows,
+        engagement=settings.engagement,
+        study=settings.study,
     )

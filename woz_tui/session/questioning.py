@@ -7,6 +7,7 @@ from typing import Any
 
 from woz_tui.core import messages as m
 from woz_tui.core.requests import AskAnswer
+from woz_tui.core.settings import Item
 from woz_tui.session.identity import AskError
 from woz_tui.timeline.study import StudyState
 
@@ -47,7 +48,7 @@ class Questioning:
         current = self._study.questionnaire
         if current is not None:
             raise AskError(f"the questionnaire {current.name!r} is under way", "end it first")
-        known = {str(each["name"]): each for each in self._study.settings["questionnaires"]}
+        known = {each.name: each for each in self._study.settings.questionnaires}
         if name not in known:
             raise AskError(
                 f"there is no questionnaire {name!r}",
@@ -60,8 +61,8 @@ class Questioning:
         self._publish(
             m.QuestionnaireStarted(
                 questionnaire=name,
-                title=str(known[name]["title"]),
-                items=[dict(item) for item in known[name]["items"]],
+                title=known[name].title,
+                items=[*map(_as_asked, known[name].items)],
                 trial=due.get(name, trial),
                 source=source,
             )
@@ -121,6 +122,16 @@ class Questioning:
                 skipped=request.skipped,
             )
         )
+
+
+def _as_asked(item: Item) -> dict[str, Any]:
+    """An item as in `questionnaire.started`: a scale's points and ends, or `text`."""
+    seen: dict[str, Any] = {"name": item.name, "question": item.question}
+    if item.text:
+        seen["text"] = True
+    else:
+        seen |= {"low": item.low, "high": item.high, "ends": [*item.ends]}
+    return {**seen, "optional": True} if item.optional else seen
 
 
 def _check_skipped(request: AskAnswer, item: Mapping[str, Any]) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
 from woz_tui.experiment.study import Design
@@ -57,9 +57,9 @@ class LiveStudy:
         old, new = self.settings, study_settings(self._session.experiment)
         self.settings = self.state.settings = new
         self._proposed.clear()
-        if old["perception"] != new["perception"]:
+        if old.perception != new.perception:
             self._tell_perception()
-        if old["shaping"] != new["shaping"]:
+        if old.shaping != new.shaping:
             self._tell_shaping()
 
     def close(self) -> None:
@@ -94,7 +94,7 @@ class LiveStudy:
 
     def shown(self, values: Mapping[str, str]) -> dict[str, str]:
         """`values` as a wizard may know them who is blind to the condition."""
-        if not self.settings["blind"]:
+        if not self.settings.blind:
             return dict(values)
         depending = self._session.experiment.by_condition
         seen = {name: text for name, text in values.items() if name not in depending}
@@ -102,8 +102,7 @@ class LiveStudy:
 
     def label(self, condition: str) -> str:
         """What a blind wizard reads instead of a condition."""
-        blind: Any = self.settings["blind"]
-        return str(blind.get(condition, condition))
+        return self.settings.blind.get(condition, condition)
 
     # -- conditions --------------------------------------------------------------------------------
 
@@ -221,7 +220,7 @@ class LiveStudy:
 
     def check(self, check: str, ok: bool, text: str, source: str) -> None:
         """Tick a line of the file's list, or take the tick away."""
-        known: Any = self.settings["preflight"]
+        known = [each.check for each in self.settings.preflight]
         if check not in known:
             raise AskError(
                 f"the preflight list has no {check!r}",

@@ -245,11 +245,10 @@ class SessionState:
 
     def _plan(self, message: m.SessionPlan) -> Iterator[Episode]:
         before, self.plan = self.plan, message
-        study = message.settings.get("study")
-        self.study.settings = study if isinstance(study, dict) else {}
+        self.study.settings = message.settings.study
         self.locks.clear()  # the panels say it themselves
-        had_model = before is not None and bool(before.settings.get("engagement"))
-        if had_model and self.model.present and not message.settings.get("engagement"):
+        had_model = before is not None and bool(before.settings.engagement)
+        if had_model and self.model.present and not message.settings.engagement:
             yield from self.model.vanish(self.t, message)
         yield from self._moment(message)
 

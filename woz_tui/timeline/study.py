@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass, field
-from typing import Any
 
 from msgspec.structs import replace
 
 from woz_tui.core import messages as m
+from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.due import OVER, due_behind
 from woz_tui.timeline.context import Context
 from woz_tui.timeline.episodes import Break, Episode, Outcome, Questionnaire, Trial, keep
@@ -31,7 +31,7 @@ class StudyState:
     Times: `t` in microseconds, never earlier than before.
 
     Attributes:
-        settings: `settings["study"]` of the last `session.plan`, or what the robot process has put
+        settings: `settings.study` of the last `session.plan`, or what the robot process has put
             here: what the experiment file says.
         participant, condition: Codes; empty while nobody has set one.
         context: To whom and what this moment belongs.
@@ -43,7 +43,7 @@ class StudyState:
         had: Questionnaires that this participant has had or declined, and their ends by name.
     """
 
-    settings: Mapping[str, Any] = field(default_factory=dict)
+    settings: StudySettings = field(default_factory=StudySettings)
     participant: str = ""
     condition: str = ""
     context: Context = field(default_factory=Context)
@@ -92,9 +92,8 @@ class StudyState:
     @property
     def trials(self) -> int:
         """Trials in each condition; 0: not specified."""
-        design = self.settings.get("design")
-        trials = design.get("trials") if isinstance(design, Mapping) else 0
-        return trials if isinstance(trials, int) else 0
+        design = self.settings.design
+        return design.trials if design is not None else 0
 
     @property
     def planned(self) -> int:
@@ -131,10 +130,9 @@ class StudyState:
         ]
 
     def _questionnaires(self, when: str) -> Iterator[str]:
-        listed = self.settings.get("questionnaires")
-        for each in listed if isinstance(listed, list) else ():
-            if isinstance(each, Mapping) and each.get("when") == when:
-                yield str(each.get("name", ""))
+        for each in self.settings.questionnaires:
+            if each.when == when:
+                yield each.name
 
     @property
     def lines(self) -> Iterator[m.Message]:

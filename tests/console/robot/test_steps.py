@@ -17,10 +17,9 @@ from woz_tui.console.keyboard import Steps as Pressed
 from woz_tui.console.robot.steps import STEPS, ArrowSteps, steps_offered
 from woz_tui.core import requests as r
 from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import Steps
 
-TOLD: dict[str, Json] = {"head": 7.0, "hip": 2.0, "drive": 0.25, "turn": 15.0}
+TOLD: dict[str, float] = {"head": 7.0, "hip": 2.0, "drive": 0.25, "turn": 15.0}
 
 
 def arrows() -> tuple[ArrowSteps, Keyboard]:
@@ -50,10 +49,8 @@ def test_the_files_steps_are_adopted_and_the_wizards_stay() -> None:
     assert keyboard.steps.head == 9.0
 
 
-@pytest.mark.parametrize(
-    "told", [None, 3, [], {}, {"head": "far"}, {"head": math.nan}, {"head": -1}, {"head": 1e9}]
-)
-def test_steps_that_cannot_be_read_change_nothing(told: Json) -> None:
+@pytest.mark.parametrize("told", [{}, {"head": math.nan}, {"head": -1.0}, {"head": 1e9}])
+def test_steps_that_cannot_be_read_change_nothing(told: dict[str, float]) -> None:
     steps, keyboard = arrows()
     steps.adopt(told)
     assert keyboard.steps == Pressed()

@@ -64,11 +64,10 @@ class PanelOutline:
 Outline = BodyOutline | PanelOutline
 
 
-def outlines_of(settings: Mapping[str, Json]) -> dict[str, Outline]:
+def outlines_of(told: Mapping[str, Json]) -> dict[str, Outline]:
     """All outlines that can be read, by driver, in the robot file's order."""
-    told = settings.get("outlines")
     found: dict[str, Outline] = {}
-    for driver, outline in told.items() if isinstance(told, dict) else ():
+    for driver, outline in told.items():
         if isinstance(outline, dict):
             read = _READERS.get(str(outline.get("kind")))
             made = read(driver, outline) if read is not None else None

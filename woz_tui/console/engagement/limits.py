@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-
 from woz_tui.console.cells import Piece
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
-from woz_tui.core.messages import Json
 
 #: The limit that counts from the entry into a state, and what ends there in words.
 _LIMITS = {
@@ -23,22 +20,15 @@ _SOON = 0.75
 
 def running(picture: Picture, shown: m.EngagementShown, now: int) -> list[Piece]:
     """`12 of 60 s to speak`, for the state as it stands."""
-    told = picture.settings.get("engagement")
-    if not isinstance(told, Mapping):
-        return []
-    limits = told.get("timeouts")
+    limits = picture.settings.engagement
     name, words = _LIMITS.get(shown.state, ("", ""))
+    limit: float | None
     if shown.state == "Handshake":
-        limit, words = _number(told.get("handshake")), "for the handshake"
+        limit, words = limits.handshake, "for the handshake"
     else:
-        limit = _number(limits.get(name)) if isinstance(limits, Mapping) else None
+        limit = limits.timeouts.get(name)
     if limit is None or limit <= 0:
         return []
     gone = max(0, now - shown.since) / 1e6
     look = "warn" if gone >= _SOON * limit else "muted"
     return [(f"{min(gone, limit):.0f} of {limit:.0f} s {words}", look)]
-
-
-def _number(told: Json) -> float | None:
-    good = isinstance(told, int | float) and not isinstance(told, bool)
-    return float(told) if good and isinstance(told, int | float) else None

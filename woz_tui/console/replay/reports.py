@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from woz_tui.console.cells import Row, clean, fit
 from woz_tui.console.figures import elapsed
-from woz_tui.console.replay.standing import about, notes, wall_at
+from woz_tui.console.replay.standing import wall_at
 from woz_tui.console.screens.dialog import Report
 from woz_tui.console.screens.help import HelpDialog
+from woz_tui.core.settings import ReplayedLog
 
 NAME = 14
 
@@ -38,7 +39,7 @@ class AboutDialog(Report):
 
     def lines(self) -> list[Row]:
         """One fact a line; what is missing in full sentences."""
-        picture, told = self.picture, about(self.picture.settings)
+        picture, told = self.picture, self.picture.settings.replay or ReplayedLog()
         began = wall_at(picture.settings, 0)
         length = elapsed(picture.replay.length_us) if picture.replay is not None else ""
         facts = {
@@ -48,7 +49,7 @@ class AboutDialog(Report):
             "session": picture.session,
             "participant": picture.participant,
             "condition": picture.condition,
-            **{name: told.get(name) for name in ("wizard", "experiment", "software", "lines")},
+            **{name: getattr(told, name) for name in ("wizard", "experiment", "software", "lines")},
         }
         rows: list[Row] = [
             ((fit(name, NAME), "muted"), (clean(str(value)), "plain"))
@@ -58,7 +59,8 @@ class AboutDialog(Report):
         return [*rows, (), *self._state()]
 
     def _state(self) -> list[Row]:
-        told = notes(self.picture.settings)
-        if not told:
+        told = self.picture.settings.replay or ReplayedLog()
+        if not told.notes:
             return [((f"{self.glyphs.yes} ", "good"), ("The log is complete.", "plain"))]
-        return [((f"{self.glyphs.warning} ", "warn"), (clean(note), "plain")) for note in told]
+        mark = (f"{self.glyphs.warning} ", "warn")
+        return [(mark, (clean(note), "plain")) for note in told.notes]

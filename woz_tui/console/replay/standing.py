@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from datetime import datetime, timedelta
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
-from woz_tui.core.messages import Json
 from woz_tui.core.requests import Replaying
+from woz_tui.core.settings import Settings
 
 
 class Place(NamedTuple):
@@ -45,25 +44,12 @@ def following(before: ReplayPicture | None, told: Replaying) -> ReplayPicture:
     return replace(now, places=places)
 
 
-def about(settings: Mapping[str, Json]) -> dict[str, Any]:
-    """What the welcome says of the log that is replayed; another version may say anything."""
-    told = settings.get("replay")
-    return told if isinstance(told, dict) else {}
-
-
-def notes(settings: Mapping[str, Json]) -> list[str]:
-    """What is to be known of the log: damage, what is missing."""
-    told = about(settings).get("notes")
-    return [str(note) for note in told] if isinstance(told, list) else []
-
-
-def wall_at(settings: Mapping[str, Json], t: int) -> datetime | None:
+def wall_at(settings: Settings, t: int) -> datetime | None:
     """What the clock on the wall said at `t`, in UTC; None where the log does not tell."""
-    told = about(settings)
-    at, stamp = told.get("t"), told.get("ts")
-    if not isinstance(at, int) or not isinstance(stamp, str):
+    told = settings.replay
+    if not told or not told.ts:
         return None
     try:
-        return datetime.fromisoformat(stamp) + timedelta(microseconds=t - at)
+        return datetime.fromisoformat(told.ts) + timedelta(microseconds=t - told.t)
     except (ValueError, OverflowError):
         return None

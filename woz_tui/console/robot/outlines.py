@@ -8,10 +8,7 @@ from woz_tui.core.messages import Json
 from woz_tui.core.robots import RobotOutline
 
 
-def robots_of(settings: Mapping[str, Json]) -> dict[str, RobotOutline]:
+def robots_of(told: Mapping[str, Json]) -> dict[str, RobotOutline]:
     """Outlines of whole robots by driver; what cannot be read is left out."""
-    told = settings.get("outlines")
-    if not isinstance(told, dict):
-        return {}
     read = {driver: RobotOutline.read(outline) for driver, outline in told.items()}
     return {driver: outline for driver, outline in read.items() if outline is not None}

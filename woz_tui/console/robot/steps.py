@@ -5,11 +5,10 @@ wizard changes it.
 from __future__ import annotations
 
 import math
-from collections.abc import Collection
+from collections.abc import Collection, Mapping
 from dataclasses import replace
 
 from woz_tui.console.keyboard import Keyboard, Steps
-from woz_tui.core.messages import Json
 from woz_tui.core.robots import Setting
 
 SECTION = "Arrow keys of this console"
@@ -31,17 +30,17 @@ class ArrowSteps:
 
     def __init__(self, keyboard: Keyboard) -> None:
         self._keyboard = keyboard
-        self._told: Json = None
+        self._told: Mapping[str, float] = {}
 
-    def adopt(self, told: Json) -> None:
+    def adopt(self, told: Mapping[str, float]) -> None:
         """The experiment file's steps; told again, they leave alone what the wizard has changed."""
         if told == self._told:
             return
         self._told = told
         for setting in STEPS:
-            value = told.get(setting.name) if isinstance(told, dict) else None
-            if isinstance(value, int | float) and _fits(setting, value):
-                self.change(setting.name, float(value))
+            value = told.get(setting.name)
+            if value is not None and _fits(setting, value):
+                self.change(setting.name, value)
 
     def change(self, name: str, value: float) -> None:
         """From now on one press goes so far: degrees, or metres of `drive`."""

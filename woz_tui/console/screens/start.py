@@ -127,8 +127,7 @@ class StartDialog(Form):
         return self.picture.participant or self.picture.before
 
     def _pattern(self) -> str:
-        pattern = self.picture.settings.get("participant_pattern")
-        return pattern if isinstance(pattern, str) and pattern else PATTERN
+        return self.picture.settings.participant_pattern or PATTERN
 
     # -- what is proposed -----------------------------------------------------------------------
 

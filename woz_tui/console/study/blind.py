@@ -16,6 +16,7 @@ import msgspec
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.messages import Json
+from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.template import fill
 
 Told = TypeVar("Told", bound=msgspec.Struct)
@@ -125,18 +126,9 @@ class Blind:
         return self.conditions(value) if name == "order" else None
 
 
-def blind_of(study: Mapping[str, Json]) -> Blind:
-    """As a welcome's settings tell it: `blind`, condition -> label, and `by_condition`, variable ->
-    condition -> text.
-    """
-    labels, texts = study.get("blind"), study.get("by_condition")
-    if not isinstance(labels, dict):
-        return Blind()
-    depending = {
-        name: [str(text) for text in told.values()] if isinstance(told, dict) else []
-        for name, told in (texts.items() if isinstance(texts, dict) else ())
-    }
-    return Blind({name: str(label) for name, label in labels.items()}, depending)
+def blind_of(study: StudySettings) -> Blind:
+    """As a welcome's settings tell it."""
+    return Blind(study.blind, {name: texts.values() for name, texts in study.by_condition.items()})
 
 
 def _has_words(text: str) -> bool:

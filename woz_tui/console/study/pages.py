@@ -8,8 +8,8 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.study.questions import Item
 from woz_tui.console.study.round import WIDE, Page, Round
+from woz_tui.core.settings import Item
 
 #: Cells of a page's column, and of a box on a scale.
 COLUMN, BOX = 72, 9

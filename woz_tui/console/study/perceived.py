@@ -14,6 +14,7 @@ import msgspec
 
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
+from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.engagement import STATES
 from woz_tui.experiment.study import BLURRED, PERCEIVED
 from woz_tui.sensing.proxemics import ZONES
@@ -239,16 +240,9 @@ def kind_of(sensor: str) -> str:
     return next((part for part in reversed(parts) if part in PERCEIVED), "")
 
 
-def perception_of(study: Mapping[str, Json]) -> Perception:
-    """As a welcome's settings tell it: `perception` with the lists `hide` and `blur`."""
-    told = study.get("perception")
-    if not isinstance(told, dict):
-        return Perception()
-    hide, blur = told.get("hide"), told.get("blur")
-    return Perception(
-        [str(name) for name in hide] if isinstance(hide, list) else (),
-        [str(name) for name in blur] if isinstance(blur, list) else (),
-    )
+def perception_of(study: StudySettings) -> Perception:
+    """As a welcome's settings tell it."""
+    return Perception(study.perception.hide, study.perception.blur)
 
 
 _CHANGES: Mapping[type[m.Message], Callable[[Perception, Any], m.Message | None]] = {

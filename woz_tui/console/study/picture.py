@@ -1,20 +1,20 @@
 """What the console knows of the study: order, trial, break, questionnaires, preflight list.
 
-Everything comes from the welcome's `settings["study"]` and from messages, so that a log that is
+Everything comes from the welcome's `settings.study` and from messages, so that a log that is
 played back shows the same.
 """
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any, NamedTuple
 
 from woz_tui.console.figures import seconds
-from woz_tui.console.study.questions import Asked, Questionnaire, items_of, questionnaires_of
+from woz_tui.console.study.questions import Asked, items_of
 from woz_tui.core import messages as m
-from woz_tui.core.messages import Json
+from woz_tui.core.settings import Questionnaire, StudySettings
 from woz_tui.experiment.due import OVER, due_behind
 
 #: Sentences for the wizard that may wait to be read.
@@ -124,26 +124,14 @@ class Study:
 
     # -- from the robot process -----------------------------------------------------------------
 
-    def tell(self, told: Mapping[str, Json]) -> None:
+    def tell(self, told: StudySettings) -> None:
         """What the experiment file says, and where the session stands."""
-        self.questionnaires = questionnaires_of(told.get("questionnaires"))
-        self.checks = _checks(told.get("preflight"))
-        design = told.get("design")
-        self.designed = isinstance(design, Mapping)
-        trials = design.get("trials") if isinstance(design, Mapping) else 0
-        self.trials = trials if isinstance(trials, int) else 0
-        if (order := _names(told.get("assigned"))) is not None:
-            self.order = tuple(order)
-        if isinstance(planned := told.get("planned"), int):
-            self.planned = planned
-        self.reach(told)
-        if (due := _names(told.get("due"))) is not None:
-            self.due = due
-
-    def reach(self, told: Mapping[str, Json]) -> None:
-        """Which trial is next, as the robot process says."""
-        if isinstance(following := told.get("trial"), int):
-            self.next = following
+        self.questionnaires = tuple(told.questionnaires)
+        self.checks = {each.check: each.ok for each in told.preflight}
+        self.designed = told.design is not None
+        self.trials = told.design.trials if told.design is not None else 0
+        self.order, self.planned = tuple(told.assigned), told.planned
+        self.next, self.due = told.trial, [*told.due]
 
     def take(self, message: m.Message) -> None:
         """Work a message in; others than those of the study are passed over."""
@@ -240,20 +228,6 @@ def judged(told: m.CueAnswered) -> tuple[str, str]:
     word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
     took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
     return f"{word}{took}", look
-
-
-def _checks(told: Json) -> dict[str, bool]:
-    checks: dict[str, bool] = {}
-    for one in told if isinstance(told, list) else ():
-        if isinstance(one, Mapping) and isinstance(one.get("check"), str):
-            checks[str(one["check"])] = one.get("ok") is True
-        elif isinstance(one, str):
-            checks[one] = False
-    return checks
-
-
-def _names(told: Json) -> list[str] | None:
-    return [str(name) for name in told] if isinstance(told, list) else None
 
 
 _REDUCERS: dict[type[m.Message], Callable[[Study, Any], None]] = {

@@ -9,8 +9,9 @@ from __future__ import annotations
 import enum
 from collections.abc import Callable
 
-from woz_tui.console.study.questions import Answer, Asked, Item
+from woz_tui.console.study.questions import Answer, Asked
 from woz_tui.core.requests import AskAnswer, AskQuestionnaire
+from woz_tui.core.settings import Item
 
 #: Steps of the page keys on a wide scale.
 _LEAP = 10

@@ -1,0 +1,161 @@
+"""What a welcome says beside the panels: how the session is set, and the study around it.
+
+Each struct is a JSON object of the same shape on the socket and in `session.plan` of a log; a key
+that an older log does not have has its default.
+"""
+
+from __future__ import annotations
+
+import msgspec
+from msgspec import UNSET, UnsetType
+
+from woz_tui.core.envelope import Json
+
+#: The highest number of one digit.
+_DIGIT = 9
+
+
+class Allowance(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What a profile names; `hide`: the rest is not shown."""
+
+    panels: list[str] = []
+    actions: list[str] = []
+    controls: list[str] = []
+    verbs: list[str] = []
+    hide: bool = False
+
+
+class ModelLimits(msgspec.Struct, frozen=True, omit_defaults=True):
+    """What limits the engagement model in time, in seconds; the defaults: there is no model.
+
+    `handshake`: seconds of a whole one, which has `attempts`.
+    """
+
+    timeouts: dict[str, float | None] = {}
+    handshake: float = 0.0
+    attempts: int = 0
+
+    def __bool__(self) -> bool:
+        """Whether the session has a model."""
+        return self != ModelLimits()
+
+
+class DesignView(msgspec.Struct, frozen=True):
+    """How conditions are ordered; `within`: each participant gets all; `trials` in each."""
+
+    order: str = ""
+    within: bool = True
+    trials: int = 0
+
+
+class Item(msgspec.Struct, frozen=True):
+    """One question: a scale of whole numbers from `low` to `high`, or a free text.
+
+    `ends` is what the scale's ends are called; `optional`: may be left out.
+    """
+
+    name: str
+    question: str = ""
+    low: int = 1
+    high: int = 7
+    ends: tuple[str, str] = ("", "")
+    text: bool = False
+    optional: bool = False
+
+    @property
+    def digits(self) -> bool:
+        """Whether each point of the scale is one digit."""
+        return self.low >= 0 and self.high <= _DIGIT
+
+
+class Questionnaire(msgspec.Struct, frozen=True):
+    """Items asked together; `when` is end, trial, condition or hand."""
+
+    name: str
+    title: str = ""
+    introduction: str = ""
+    when: str = "end"
+    items: tuple[Item, ...] = ()
+
+    @property
+    def heading(self) -> str:
+        """Its title, or its name."""
+        return self.title or self.name
+
+
+class Check(msgspec.Struct, frozen=True):
+    """What a human has to see to before the first participant, and whether it is ticked."""
+
+    check: str
+    ok: bool = False
+
+
+class Restricted(msgspec.Struct, frozen=True):
+    """What is not shown to the wizard (`hide`), or not legibly (`blur`)."""
+
+    hide: list[str] = []
+    blur: list[str] = []
+
+
+class ShapingView(msgspec.Struct, frozen=True):
+    """How soon the robot may answer one of the `cues`: `floor` and `jitter` in seconds."""
+
+    floor: float = 0.0
+    jitter: float = 0.0
+    cues: list[str] = []
+
+
+class StudySettings(msgspec.Struct, frozen=True):
+    """What the file says of the study, and how it stands at this moment.
+
+    `blind`: condition -> label; for whoever is blind to the condition, label -> label.
+    `by_condition`: variable -> condition -> text. The last six are as of this moment: `assigned`
+    is the participant's order of conditions, `trial` the number of the next one or of that which
+    is `running`, `due` names questionnaires.
+    """
+
+    design: DesignView | None = None
+    blind: dict[str, str] = {}
+    questionnaires: list[Questionnaire] = []
+    preflight: list[Check] = []
+    perception: Restricted = Restricted()
+    shaping: ShapingView | None = None
+    by_condition: dict[str, dict[str, str]] = {}
+    assigned: list[str] = []
+    planned: int = 0
+    trial: int = 1
+    running: bool = False
+    on_break: bool = False
+    due: list[str] = []
+
+
+class ReplayedLog(msgspec.Struct, frozen=True):
+    """The log that a replay plays: at `t` microseconds the clock on the wall said `ts`."""
+
+    t: int = 0
+    ts: str = ""
+    notes: list[str] = []
+    wizard: str = ""
+    experiment: str = ""
+    software: str = ""
+    lines: int = 0
+
+
+class Settings(msgspec.Struct, frozen=True, kw_only=True):
+    """See `docs/protocol.md`. `outlines` are as the drivers' classes give them; `replay` is there
+    in a replay alone.
+    """
+
+    stale_after: float = 0.0
+    dead_man: float = 0.0
+    participant_pattern: str = ""
+    joints: dict[str, tuple[float, float]] = {}
+    outlines: dict[str, Json] = {}
+    values: dict[str, str] = {}
+    steps: dict[str, float] = {}
+    profiles: list[str] = []
+    profile: str = ""
+    allows: dict[str, Allowance] = {}
+    engagement: ModelLimits = ModelLimits()
+    study: StudySettings = StudySettings()
+    replay: ReplayedLog | UnsetType = UNSET

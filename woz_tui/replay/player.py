@@ -152,12 +152,13 @@ class Player:
             t=self._t,
             log=self.log,
         )
-        study: dict[str, m.Json] = {"study": moment.study} if moment.study else {}
         anew = msgspec.structs.replace(
             told,
             state=_raw(moment.state),
             recent=_raw(moment.recent),
-            settings=msgspec.structs.replace(told.settings, study=study, replay=self._about()),
+            settings=msgspec.structs.replace(
+                told.settings, study=moment.study, replay=self._about()
+            ),
         )
         return [anew, *self._stands(now, marks=True)]
 

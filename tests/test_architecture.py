@@ -23,6 +23,7 @@ ROOMS = [
     "woz_tui.bus",
     "woz_tui.sensing",
     "woz_tui.motion",
+    "woz_tui.testing",
     "woz_tui.record",
     "woz_tui.timeline",
     "woz_tui.analysis",

@@ -15,7 +15,6 @@ from tests.drivers.servo_stand import HEAD, SILENT_MS, head, stand
 from tests.fakes.servo_codec import PING
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
-from woz_tui.core.conformance import check
 from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost, Notice
 
@@ -92,14 +91,6 @@ async def test_port_in_use_names_the_other_program(tmp_path: Path) -> None:
         assert "in use by" in lost.detail
         assert f"({os.getpid()})" in lost.detail
         await other.close()
-
-
-async def test_the_driver_keeps_the_contract(tmp_path: Path) -> None:
-    with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
-        for link in (bus.link, tmp_path / "nothing"):
-            settings = head(link, pan="pan", poses={"up": {"tilt": 10.0}})
-            (finding,) = await check(DynamixelServos, settings)
-            assert finding.level == "ok", finding
 
 
 async def test_stop_without_a_line_is_confirmed_only_if_nothing_held(tmp_path: Path) -> None:

@@ -10,8 +10,8 @@ from woz_drivers.segment_files import SegmentFiles
 from woz_drivers.transcriber import Heard, Transcriber
 
 from tests.drivers.heard import until
-from tests.fakes.listening import ListeningOutlet
 from woz_tui.core.messages import SpeechText
+from woz_tui.testing import RecordingContext
 
 
 @pytest.fixture
@@ -43,7 +43,7 @@ async def test_a_system_without_another_thread_is_told_and_frees_the_writer(
 
 
 async def test_a_segment_that_cannot_be_read_costs_only_its_own_text(tmp_path: Path) -> None:
-    outlet = ListeningOutlet(tmp_path)
+    outlet = RecordingContext(tmp_path)
     transcriber = Transcriber("ear", ("echo", "hello"), 30.0, outlet)
     transcriber.start()
     loop = asyncio.get_running_loop()

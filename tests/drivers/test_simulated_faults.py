@@ -9,10 +9,10 @@ from pathlib import Path
 import pytest
 from woz_drivers.simulated import ScheduledFault, Settings, SimulatedRobot
 
-from tests.fakes.listening import PlainJob
 from tests.fakes.simulated_rig import Rig, rig
 from woz_tui.core.driver import DriverError, Health, Lost, Probe, Rejected, Scope
 from woz_tui.core.messages import Json
+from woz_tui.testing import PlainJob
 
 
 @pytest.fixture

@@ -10,11 +10,11 @@ from pathlib import Path
 
 from woz_drivers.simulated import Settings, SimulatedRobot
 
-from tests.fakes.listening import ListeningOutlet, PlainJob
 from tests.fakes.manual_pace import ManualPace
 from woz_tui.core.clock import ManualClock
 from woz_tui.core.driver import Health
 from woz_tui.core.messages import Json
+from woz_tui.testing import PlainJob, RecordingContext
 
 
 @dataclass
@@ -23,7 +23,7 @@ class Rig:
 
     robot: SimulatedRobot
     pace: ManualPace
-    outlet: ListeningOutlet
+    outlet: RecordingContext
 
     def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
         return asyncio.create_task(self.perform(PlainJob(verb, args)))
@@ -50,7 +50,7 @@ class Rig:
 async def rig(folder: Path, settings: Settings | None = None) -> AsyncIterator[Rig]:
     clock = ManualClock()
     pace = ManualPace(clock)
-    outlet = ListeningOutlet(folder, clock)
+    outlet = RecordingContext(folder, clock)
     robot = SimulatedRobot("robot", settings or Settings(), outlet, pace=pace)
     await robot.open()
     await pace.settle()

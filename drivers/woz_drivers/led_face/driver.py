@@ -66,6 +66,8 @@ class LedFace(PassiveDriver):
         self._seen = 0
         self._wanted = Wanted(blank(*settings.wired), 0.0)
         self._pattern: Wanted | None = None
+        #: Set when the face is lost: what is shown for a while ends.
+        self._gone = asyncio.Event()
         self._task: asyncio.Task[None] | None = None
         self._line = SerialLine(
             settings.port,
@@ -111,10 +113,13 @@ class LedFace(PassiveDriver):
             self._mounted(PATTERNS[str(picture)](self.settings.width, self.settings.height)),
             self.settings.brightness,
         )
+        self._gone.clear()
         try:
-            await asyncio.sleep(seconds)
+            with contextlib.suppress(TimeoutError):
+                await asyncio.wait_for(self._gone.wait(), seconds)
         finally:
             self._pattern = None
+        self._need_face()
         return {"picture": picture, "seconds": seconds}
 
     async def close(self) -> None:
@@ -194,10 +199,13 @@ class LedFace(PassiveDriver):
             self._line.write(data)
 
     def _troubled(self, trouble: Trouble) -> None:
+        self._gone.set()
         self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
 
     def _tell(self) -> None:
         talk = self._talk
+        if talk.state is not State.TALKING:
+            self._gone.set()
         self.outlet.health(_HEALTH[talk.state], f"{self.settings.port}: {talk.detail}", talk.remedy)
 
     def _need_face(self) -> None:

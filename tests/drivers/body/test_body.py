@@ -14,7 +14,6 @@ from woz_drivers.body.loop import BodyLoop
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.conformance import check
 from woz_tui.core.driver import Lost, Probe, Rejected, Scope
 from woz_tui.core.messages import (
     Json,
@@ -24,12 +23,6 @@ from woz_tui.motion.kinematics import Chain
 from woz_tui.motion.shapes import FaceShape, JointShape
 
 # -- what it declares -----------------------------------------------------------------------------
-
-
-async def test_it_keeps_the_driver_contract(tmp_path: Path) -> None:
-    for name in ("eyepi", "five-joints"):
-        findings = await check(Body, robot(name, tmp_path))
-        assert [finding.level for finding in findings] == ["ok"], findings
 
 
 def test_a_body_without_a_face_has_no_verbs_about_it() -> None:

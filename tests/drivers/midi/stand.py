@@ -12,20 +12,20 @@ from woz_drivers.midi import MidiPanel
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import until
-from tests.fakes.listening import ListeningOutlet
 from tests.fakes.midi_panel import MidiPanelFake
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.driver import Ask, Health
 from woz_tui.core.messages import ControlsMoved, Json
 from woz_tui.motion.inputs import CONTROLS
 from woz_tui.motion.setpoints import STATE, State
+from woz_tui.testing import RecordingContext
 
 JOINTS = ("pitch", "middle", "top")
 
 Told = Callable[[bool, str], None]
 
 
-class Desk(ListeningOutlet):
+class Desk(RecordingContext):
     """Answers at once, or with `slow` when the test says so; a body that does what is asked."""
 
     def __init__(self, folder: Path, clock: Clock | None = None) -> None:

@@ -23,7 +23,6 @@ from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.maps import BUILT_IN
 from woz_drivers.midi.settings import MidiSettings
 
-from tests.fakes.listening import ListeningOutlet
 from woz_tui import plugins
 from woz_tui.bus.arguments import checked
 from woz_tui.core.driver import Ask, Verb
@@ -32,6 +31,7 @@ from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import offered
 from woz_tui.motion.setpoints import STATE
 from woz_tui.motion.ticks import Refused, Tick
+from woz_tui.testing import RecordingContext
 
 ROOT = Path(__file__).parents[3]
 TICK_S = 0.02
@@ -51,7 +51,7 @@ def verbs() -> Mapping[str, Verb]:
     return {verb.name: verb for verb in offered(eyepi(), eyepi().playable)}
 
 
-class Stage(ListeningOutlet):
+class Stage(RecordingContext):
     """The panel in front of the engine; `jump`: without soft take-over."""
 
     def __init__(self, folder: Path, name: str = "thesis", take_over: str = "jump") -> None:

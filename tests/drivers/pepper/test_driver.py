@@ -16,7 +16,6 @@ from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.drivers.pepper.played import QUIET, joined, played
 from tests.fakes.naoqi import stand_in, stand_in_here
 from woz_tui.bus.bus import Bus
-from woz_tui.core.conformance import check
 from woz_tui.core.driver import DriverError, Lost, Rejected
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
@@ -39,14 +38,6 @@ VERBS = {
     *("sound", "screen", "tablet", "autonomy", "collision", "picture", "record_sound", "listen"),
     *("learn_face", "connect", "disconnect", "naoqi"),
 }
-
-
-@pytest.mark.parametrize("robots", [("tcp://127.0.0.1:1",), ("simulated",), (), ("no such/name",)])
-async def test_it_keeps_the_contract_with_and_without_a_robot(
-    robots: tuple[str, ...], tmp_path: Path
-) -> None:
-    findings = await check(Pepper, PepperSettings(robots=robots), folder=tmp_path)
-    assert [finding.level for finding in findings] == ["ok"], findings
 
 
 def test_verbs_lanes_joints_and_sensors_are_those_that_files_rely_on() -> None:

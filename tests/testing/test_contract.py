@@ -1,19 +1,20 @@
-"""The conformance check finds what is wrong with a driver, and nothing in a right one."""
+"""The kit for drivers finds what is wrong with one, and nothing in a right one."""
 
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Callable, Mapping
+import contextlib
+from collections.abc import AsyncIterator, Callable, Mapping
 from dataclasses import dataclass
 from typing import Any, ClassVar
 
 import pytest
 
-from woz_tui.core.conformance import MODEL_VERBS, RESERVED, check
 from woz_tui.core.driver import (
     Argument,
     Driver,
     Finding,
+    Health,
     Job,
     Lost,
     Probe,
@@ -26,6 +27,8 @@ from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import ACTION_FIELDS
 from woz_tui.experiment.verbs import ENGAGEMENT_VERBS, WAIT, session_verbs
+from woz_tui.testing import Device, DriverTests, PlainJob, check, contract
+from woz_tui.testing.contract import MODEL_VERBS, RESERVED
 
 
 @dataclass(frozen=True)
@@ -59,11 +62,11 @@ class Right(Driver):
 
 async def complaints(driver: type[Right]) -> list[str]:
     found = await check(driver, driver.Settings())
-    return [f"{finding.subject}: {finding.text}" for finding in found if finding.level == "error"]
+    return [f"{finding.subject}: {finding.text}" for finding in found]
 
 
 async def test_a_right_driver_passes() -> None:
-    assert [finding.level for finding in await check(Right, Right.Settings())] == ["ok"]
+    assert await check(Right, Right.Settings()) == []
 
 
 def offering(*verbs: Verb) -> type[Right]:
@@ -156,6 +159,16 @@ class Careless(Right):
         self.task = asyncio.create_task(asyncio.sleep(3), name="forgotten")
 
 
+class Restless(Right):
+    async def close(self) -> None:
+        await super().close()
+        asyncio.get_running_loop().call_later(0.05, self.outlet.reading, "warmth", 1.0)
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        return ("warmth",)
+
+
 class Excited(Right):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -201,11 +214,178 @@ async def test_remarks_about_arguments_are_right() -> None:
         (Stubborn, "stop(ALL) with nothing running: took more than 0.5 s"),
         (OnlyOnce, "close for the second time: raised RuntimeError('closed already')"),
         (Careless, "close: left 'forgotten' running"),
+        (Restless, "close: published something afterwards"),
         (Excited, "examine: raised OSError('no such port')"),
     ],
 )
 async def test_wrong_behaviour_is_found(driver: type[Right], complaint: str) -> None:
     assert complaint in await complaints(driver)
+
+
+# -- with a device --------------------------------------------------------------------------------
+
+
+class Cable:
+    """A device in the same program: things that a driver can wait for."""
+
+    def __init__(self) -> None:
+        self.out = asyncio.Event()
+        self.listeners: list[Callable[[Health], None]] = []
+
+    def unplug(self) -> None:
+        self.out.set()
+        self._tell(Health.LOST)
+
+    def plug(self) -> None:
+        self.out.clear()
+        self._tell(Health.CONNECTED)
+
+    def _tell(self, health: Health) -> None:
+        for listener in self.listeners:
+            listener(health)
+
+
+@dataclass(frozen=True)
+class Wired:
+    """Where the device is."""
+
+    cable: Cable | None = None
+
+
+class Spinner(Driver):
+    """A right driver of something that turns until the cable is pulled."""
+
+    Settings = Wired
+    summary = "turns"
+    settings: Wired
+    closed = False
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        return (Verb("spin", "turn round"),)
+
+    async def open(self) -> None:
+        self.outlet.health(Health.CONNECTING)
+        if self.settings.cable is not None:
+            self.settings.cable.listeners.append(self.told)
+            self.told(Health.CONNECTED)
+
+    def told(self, health: Health) -> None:
+        if not self.closed:
+            self.outlet.health(health)
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        cable = self.settings.cable
+        if job.verb != "spin":
+            raise Rejected(f"it cannot {job.verb}")
+        if self.closed or cable is None or cable.out.is_set():
+            raise Lost("it is not there")
+        await self.spin(cable)
+        raise Lost("the cable was pulled")
+
+    async def spin(self, cable: Cable) -> None:
+        await cable.out.wait()
+
+    async def stop(self, scope: Scope) -> None:
+        return
+
+    async def close(self) -> None:
+        self.closed = True
+
+
+class TestSpinner(DriverTests):
+    driver = Spinner
+    settings = Wired()
+
+    @contextlib.asynccontextmanager
+    async def device(self) -> AsyncIterator[Device]:
+        cable = Cable()
+        yield Device(Wired(cable), cable.unplug, cable.plug, PlainJob("spin"))
+
+
+class WaitsForTheCommand(Spinner):
+    """Its stop waits for the end of what it should stop."""
+
+    async def stop(self, scope: Scope) -> None:
+        if self.settings.cable is not None and scope is Scope.ALL:
+            await self.settings.cable.out.wait()
+
+
+class Deaf(Spinner):
+    """Goes on after it was cancelled, for a second."""
+
+    async def spin(self, cable: Cable) -> None:
+        try:
+            await cable.out.wait()
+        except asyncio.CancelledError:
+            await asyncio.sleep(1.0)
+            raise
+
+
+class Swallowing(Spinner):
+    """Says that a cancelled command was carried out."""
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        try:
+            return await super().perform(job)
+        except asyncio.CancelledError:
+            return {}
+
+
+class OneStopOnly(Spinner):
+    """Takes no more commands after a stop."""
+
+    async def stop(self, scope: Scope) -> None:
+        self.closed = self.closed or scope is Scope.ALL
+
+
+class Optimistic(Spinner):
+    """Says nothing of a pulled cable."""
+
+    def told(self, health: Health) -> None:
+        if health is not Health.LOST:
+            super().told(health)
+
+
+class Waiting(Spinner):
+    """Its command goes on without a device."""
+
+    async def spin(self, cable: Cable) -> None:
+        await asyncio.Event().wait()
+
+
+class GivesUp(Spinner):
+    """Never finds again what it has lost."""
+
+    lost = False
+
+    def told(self, health: Health) -> None:
+        self.lost = self.lost or health is Health.LOST
+        super().told(Health.LOST if self.lost else health)
+
+
+@pytest.mark.parametrize(
+    ("broken", "complaint"),
+    [
+        (WaitsForTheCommand, r"stop\(ALL\) in the middle of a command: took more than 0.5 s"),
+        (Deaf, "a command that is stopped: goes on for more than 0.5 s"),
+        (Swallowing, "a command that is stopped: raised nothing"),
+        (OneStopOnly, "perform after a stop: ended at once and raised Lost"),
+        (Optimistic, "an unplugged device: health is not LOST"),
+        (Waiting, "an unplugged device: perform goes on"),
+        (GivesUp, "a device that is back: is not CONNECTED"),
+    ],
+)
+def test_what_only_a_device_shows_is_found(
+    broken: type[Spinner], complaint: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Broken(TestSpinner):
+        driver = broken
+
+    monkeypatch.setattr(contract, "NOTICE_S", 0.5)
+    with pytest.raises(AssertionError, match=complaint):
+        Broken().test_stop_and_cancel_end_a_command()
+        Broken().test_notices_a_lost_device()
 
 
 def test_the_words_it_reserves_are_those_of_actions_session_and_model() -> None:

@@ -1,0 +1,102 @@
+"""Every driver of ours keeps the contract, tried with the kit that strangers use."""
+
+from __future__ import annotations
+
+import contextlib
+from collections.abc import AsyncIterator
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any
+
+import pytest
+from woz_drivers import simulated
+from woz_drivers.camera.settings import CameraSettings
+from woz_drivers.dynamixel import DynamixelServos
+from woz_drivers.led_face import LedFace
+from woz_drivers.led_face.settings import LedFaceSettings
+from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_drivers.midi.settings import MidiSettings
+from woz_drivers.pepper.settings import PepperSettings
+from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
+from woz_drivers.speech_settings import SpeechSettings
+
+from tests.drivers.body.rig import robot
+from tests.drivers.servo_stand import head
+from tests.fakes.led_face import PluggedFace
+from tests.fakes.rangefinder import PluggedSensor
+from tests.fakes.servos import ServoBus
+from woz_tui.plugins import installed
+from woz_tui.testing import Device, DriverTests, PlainJob, check
+
+NOWHERE = "/dev/no-such-port"
+SETTINGS: list[tuple[str, Any]] = [
+    ("camera", CameraSettings(command=("no-such-program",))),
+    ("dynamixel", head(Path(NOWHERE), pan="pan", poses={"up": {"tilt": 10.0}})),
+    ("led-face", LedFaceSettings(NOWHERE)),
+    ("microphone", MicrophoneSettings(command=("no-such-program",))),
+    ("midi", MidiSettings(device=NOWHERE)),
+    *(("pepper", PepperSettings(robots=robots)) for robots in [(), ("simulated",), ("a/b",)]),
+    ("pepper", PepperSettings(robots=("tcp://127.0.0.1:1",))),
+    ("rangefinder", RangefinderSettings(NOWHERE)),
+    ("simulated", simulated.Settings()),
+    ("simulated", simulated.Settings(visitor=True)),
+    ("simulated", simulated.Settings(joints={})),
+    ("simulated", simulated.Settings(moves={"hop": 1})),
+    ("speech", SpeechSettings(synthesise=("no-such-program",))),
+]
+
+
+@pytest.mark.parametrize(("driver", "settings"), SETTINGS, ids=[name for name, _ in SETTINGS])
+async def test_it_keeps_the_contract_without_hardware(
+    driver: str, settings: Any, tmp_path: Path
+) -> None:
+    assert await check(installed()[driver], settings, tmp_path) == []
+
+
+@pytest.mark.parametrize("name", ["eyepi", "five-joints"])
+async def test_a_body_keeps_the_contract(name: str, tmp_path: Path) -> None:
+    assert await check(installed()["body"], robot(name, tmp_path)) == []
+
+
+def test_every_driver_of_ours_is_tried() -> None:
+    assert {name for name, _ in SETTINGS} | {"body"} == set(installed())
+
+
+class TestRangefinder(DriverTests):
+    driver = Rangefinder
+    settings = RangefinderSettings(NOWHERE)
+
+    @contextlib.asynccontextmanager
+    async def device(self) -> AsyncIterator[Device]:
+        with TemporaryDirectory() as folder:
+            sensor = PluggedSensor(Path(folder) / "port")
+            settings = RangefinderSettings(str(sensor.port))
+            yield Device(settings, sensor.unplug, sensor.plug)
+            sensor.unplug()
+
+
+@pytest.mark.cpp
+class TestLedFace(DriverTests):
+    driver = LedFace
+    settings = LedFaceSettings(NOWHERE)
+
+    @contextlib.asynccontextmanager
+    async def device(self) -> AsyncIterator[Device]:
+        with TemporaryDirectory() as folder:
+            face = PluggedFace(Path(folder) / "port")
+            command = PlainJob("pattern", {"picture": "arrow", "seconds": 25.0})
+            settings = LedFaceSettings(str(face.port))
+            yield Device(settings, face.unplug, face.plug, command)
+            face.unplug()
+
+
+@pytest.mark.real_clock
+class TestDynamixel(DriverTests):
+    driver = DynamixelServos
+    settings = head(Path(NOWHERE))
+
+    @contextlib.asynccontextmanager
+    async def device(self) -> AsyncIterator[Device]:
+        with TemporaryDirectory() as folder, ServoBus([11, 12, 13], Path(folder) / "port") as bus:
+            command = PlainJob("pose", {"joints": {"pan": 80.0}, "seconds": 20.0})
+            yield Device(head(bus.link, torque=True), bus.pull, bus.plug, command)

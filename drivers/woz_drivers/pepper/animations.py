@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import ClassVar
 
 from woz_drivers.pepper.animations_known import path_of
 from woz_drivers.pepper.memory import flag
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
@@ -21,13 +20,13 @@ LANE = "body"
 ASK_S = 0.03
 
 
-class Animations:
+class Animations(Part):
     """Plays one animation at a time. The robot ends it when the call is cancelled."""
 
-    name: ClassVar[str] = "animations"
+    name = "animations"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         self._endings = Endings()
         self._playing = ""
 
@@ -74,16 +73,9 @@ class Animations:
         await self._end(self._playing)
         return (self.name,)
 
-    async def connected(self) -> None:
-        """Nothing to set."""
-
     def lost(self) -> None:
         """What was played is not known to play any more."""
         self._playing = ""
-
-    async def read(self) -> Mapping[str, Json]:
-        """It has no settings."""
-        return {}
 
     async def close(self) -> None:
         """End what is on its way."""

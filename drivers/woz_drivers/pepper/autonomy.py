@@ -7,15 +7,14 @@ taken for granted because it was set once.
 from __future__ import annotations
 
 from collections.abc import Mapping
-from typing import ClassVar
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.autonomy_settings import ABILITIES, CHAINS, DISTANCES, FLAGS
-from woz_drivers.pepper.parts import LOOK_S, Robot
+from woz_drivers.pepper.parts import LOOK_S, Part, Robot
 from woz_drivers.pepper.parts_calls import Call, answers
 from woz_drivers.pepper.settings import ENGAGEMENT_MODES, STATES, PepperSettings
 from woz_drivers.simulated.values import number
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Verb
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -28,16 +27,15 @@ _METRES = Range(0.0, 5.0, "m")
 _BACK = "from interactive it gets to solitary by disabled alone, in which it rests"
 
 
-class Autonomy:
+class Autonomy(Part):
     """Switches of the robot's autonomy, and the distances that it keeps."""
 
-    name: ClassVar[str] = "autonomy"
+    name = "autonomy"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._asked = asked_for(settings.autonomy)
-        self._outlet = outlet
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -93,10 +91,6 @@ class Autonomy:
             )
         return dict(wanted)
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """Autonomous life is left as it is: what it moves now ends with the stop of motion."""
-        return ()
-
     async def connected(self) -> None:
         """Apply what the robot file says, or the wizard since; what the robot refuses is told."""
         wanted = dict(self._asked)
@@ -104,9 +98,6 @@ class Autonomy:
             del wanted["state"]  # said again, `disabled` sends a robot to rest that was woken since
         for name, error in (await self._set(wanted)).items():
             self._outlet.notice("warning", f"{name} could not be set: {error.what}", error.remedy)
-
-    def lost(self) -> None:
-        """Nothing is kept."""
 
     async def read(self) -> Mapping[str, Json]:
         """All of it as the robot has it now."""
@@ -124,9 +115,6 @@ class Autonomy:
         values = await answers(calls)
         read = {name: _read_back(name, value) for name, value in values.items()}
         return {name: value for name, value in read.items() if value is not None}
-
-    async def close(self) -> None:
-        """Nothing to let go."""
 
     async def _state(self) -> Json:
         """Of autonomous life; None: it does not say. Raises `Lost`."""

@@ -5,11 +5,10 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Mapping
-from typing import ClassVar
 
 from woz_drivers.pepper.memory import items
 from woz_drivers.pepper.memory import number as number_of
-from woz_drivers.pepper.parts import LOOK_S, Robot
+from woz_drivers.pepper.parts import LOOK_S, Part, Robot
 from woz_drivers.pepper.parts_calls import Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
@@ -27,13 +26,13 @@ STILL, ASK_S = 0.01, 0.03
 _METRES = Range(-5, 5, "m")
 
 
-class Base:
+class Base(Part):
     """Three wheels by `ALMotion.moveTo`; the posture stays as it is."""
 
-    name: ClassVar[str] = "driving"
+    name = "driving"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         self._endings = Endings()
 
     @classmethod
@@ -77,16 +76,6 @@ class Base:
         while not _still(await self._robot.call(MOTION, "getRobotVelocity")):  # noqa: ASYNC110
             await asyncio.sleep(ASK_S)  # the robot tells of no end: it has to be asked
         return (self.name,)
-
-    async def connected(self) -> None:
-        """Nothing to set."""
-
-    def lost(self) -> None:
-        """Nothing is kept."""
-
-    async def read(self) -> Mapping[str, Json]:
-        """It has no settings; the distances that it keeps are with the autonomy."""
-        return {}
 
     async def close(self) -> None:
         """End what is on its way."""

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable, Mapping
-from typing import ClassVar
 
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.body_joints import checked, limb, native
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import positive, text
@@ -27,14 +26,13 @@ SHORTEST_S = 0.1
 _SECONDS = Range(0, 60, "s")
 
 
-class Body:
+class Body(Part):
     """Joints and postures by ALMotion and ALRobotPosture."""
 
-    name: ClassVar[str] = "motion"
+    name = "motion"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
-        self._settings = settings
+        super().__init__(robot, settings, outlet)
         self._endings = Endings()
 
     @classmethod
@@ -112,12 +110,6 @@ class Body:
             return ()
         await self._robot.call(MOTION, "killAll")
         return (self.name,)
-
-    async def connected(self) -> None:
-        """Nothing to set: a robot that sleeps is not woken by being looked at."""
-
-    def lost(self) -> None:
-        """Nothing is kept."""
 
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""

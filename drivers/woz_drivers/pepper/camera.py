@@ -8,15 +8,14 @@ import math
 from collections.abc import Mapping
 from datetime import datetime
 from pathlib import Path
-from typing import ClassVar
 
 from woz_drivers.pepper import camera_files
 from woz_drivers.pepper.camera_wire import RGB, VGA, Frame, frame, resolution
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.parts_task import Background, apart
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected, Verb
 from woz_tui.core.messages import Json
 from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
 
@@ -35,15 +34,14 @@ _FAREWELL_S = 0.5
 _NO_PICTURE = "is the robot awake? else restart it"
 
 
-class Camera:
+class Camera(Part):
     """Asks for pictures only while `core.pictures.WATCHED` holds, each after the last has come."""
 
-    name: ClassVar[str] = "camera"
+    name = "camera"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         self._folder = settings.pictures
-        self._outlet = outlet
         self._pictures = outlet.feed(PICTURE)
         self._watched = outlet.feed(WATCHED)
         self._watching = Background("the camera", outlet)
@@ -82,10 +80,6 @@ class Camera:
             "robot_time": taken.robot_s,
         }
 
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """Looking disturbs nobody."""
-        return ()
-
     async def connected(self) -> None:
         """Forget what an earlier program left behind, and look whether somebody watches."""
         await self._watching.close()
@@ -99,10 +93,6 @@ class Camera:
         """No more pictures; who looks at the last one sees how old it is."""
         self._watching.cancel()
         self._subscribed = None
-
-    async def read(self) -> Mapping[str, Json]:
-        """Nothing of it is shown among the settings."""
-        return {}
 
     async def close(self) -> None:
         """Let the camera go."""

@@ -205,8 +205,7 @@ class Pepper(Driver):
         """Take the posture of the robot file, otherwise rest; autonomous life stays as it is."""
         if self._present:
             for part in self._parts:
-                if isinstance(part, Body):
-                    await part.rest()
+                await part.rest()
 
     async def close(self) -> None:
         """End everything of this driver; the robot itself is left as it is."""

@@ -10,10 +10,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import ClassVar
 
 from woz_drivers.pepper.eyes_color import BLACK, WHITE, Color
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import color as color_of
@@ -41,15 +40,13 @@ LONGEST = Range(0, 3600, "s")
 MARGIN_S = 5.0
 
 
-class Eyes:
+class Eyes(Part):
     """Both eyes together."""
 
-    name: ClassVar[str] = "eyes"
+    name = "eyes"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
-        self._settings = settings
-        self._outlet = outlet
+        super().__init__(robot, settings, outlet)
         self._endings = Endings()
         #: Shown last by command, undimmed; None: whatever the robot shows by itself.
         self._shown: Color | None = None

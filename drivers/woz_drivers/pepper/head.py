@@ -9,12 +9,11 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
-from typing import ClassVar
 
 from woz_drivers.pepper.body import MOTION, hold
 from woz_drivers.pepper.body_joints import HEAD_PITCH, HEAD_YAW, HIP_PITCH, HIP_ROLL, head, hip
 from woz_drivers.pepper.memory import item, within
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
 from woz_tui.core.clock import Clock
@@ -101,12 +100,13 @@ class Pair:
         )
 
 
-class Head:
+class Head(Part):
     """`gaze`, `nudge` and `hip`. What they began ends with the stop of all motion (`Body`)."""
 
-    name: ClassVar[str] = "head"
+    name = "head"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        super().__init__(robot, settings, outlet)
         clock = outlet.clock
         self._head = Pair(robot, clock, (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
         self._hip = Pair(robot, clock, (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
@@ -181,17 +181,7 @@ class Head:
             self.lost()
         return ()
 
-    async def connected(self) -> None:
-        """Nothing to set."""
-
     def lost(self) -> None:
         """Where they are is not known any more."""
         self._head.forget()
         self._hip.forget()
-
-    async def read(self) -> Mapping[str, Json]:
-        """They have no settings."""
-        return {}
-
-    async def close(self) -> None:
-        """Nothing to let go."""

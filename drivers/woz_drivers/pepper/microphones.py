@@ -6,13 +6,12 @@ import contextlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import PurePosixPath
-from typing import ClassVar
 
 from woz_drivers.pepper.camera_files import stamp
 from woz_drivers.pepper.microphones_listening import Listening
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Verb
 from woz_tui.core.messages import Json
 
 #: Of the recordings on the robot.
@@ -31,15 +30,14 @@ class _Recording:
     t_us: int
 
 
-class Microphones:
+class Microphones(Part):
     """`record_sound` has the robot write a file of its own, `listen` brings its sound here."""
 
-    name: ClassVar[str] = "microphones"
+    name = "microphones"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         self._folder = settings.recordings
-        self._outlet = outlet
         self._recording: _Recording | None = None
         self._listening: Listening | None = None
         #: Those that ended without being waited for.
@@ -62,13 +60,6 @@ class Microphones:
             case "listen":
                 return await (self._listen() if on else self._end_listen())
         raise Rejected(f"the microphones cannot {job.verb}")
-
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """Listening disturbs nobody, and what is recorded is wanted."""
-        return ()
-
-    async def connected(self) -> None:
-        """Nothing goes on by itself: a recording begins when the wizard says so."""
 
     def lost(self) -> None:
         """A recording may go on without us; the file here ends."""

@@ -5,12 +5,12 @@ from __future__ import annotations
 import json
 import re
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
-from woz_tui.core.driver import Argument, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, Job, Rejected, Verb
 from woz_tui.core.messages import Json
 
 #: Its own: a call that never returns must not keep the wizard from letting the robot go.
@@ -21,13 +21,10 @@ _LONGEST = 50_000
 _CALL = re.compile(r"(?P<service>\w+)\.(?P<method>\w+)", re.ASCII)
 
 
-class NaoqiCall:
+class NaoqiCall(Part):
     """The verb `naoqi`."""
 
-    name: ClassVar[str] = "calls"
-
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+    name = "calls"
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -51,23 +48,6 @@ class NaoqiCall:
         args = listed(text(job.args, "args") or "[]")
         result = await self._robot.call(service, method, *args, within=LIMIT_S)
         return {"call": f"{service}.{method}", "args": args, "result": _short(_plain(result))}
-
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """What a call began is ended by the stop of motion, speech and sounds."""
-        return ()
-
-    async def connected(self) -> None:
-        """Nothing to set."""
-
-    def lost(self) -> None:
-        """Nothing is kept."""
-
-    async def read(self) -> Mapping[str, Json]:
-        """It has no settings."""
-        return {}
-
-    async def close(self) -> None:
-        """Nothing to let go."""
 
 
 def named(call: str) -> tuple[str, str]:

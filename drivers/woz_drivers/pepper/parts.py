@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from woz_drivers.pepper.link import Methods, Unsubscribe
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DriverError, Job, Outlet, Scope, Verb
+from woz_tui.core.driver import DriverError, Job, Outlet, Rejected, Scope, Verb
 from woz_tui.core.messages import Json
 
 if TYPE_CHECKING:
@@ -74,46 +74,56 @@ class Robot(Protocol):
         ...
 
 
-class Part(Protocol):
-    """One part. Made once a session; survives reconnections."""
+class Part:
+    """One part. Made once a session; survives reconnections. By itself it offers nothing, and
+    has nothing to stop, to set, to forget, to read back, to let go of.
+    """
 
     #: What the stop calls it: speech, motion, animations, tablet ...
     name: ClassVar[str]
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None: ...
+    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+        self._robot = robot
+        self._settings = settings
+        self._outlet = outlet
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
         """What it offers."""
-        ...
+        return ()
+
+    @classmethod
+    def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
+        """What it publishes."""
+        return ()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out one of its verbs; cancelled by the stop: then end it on the robot, too, but do
         not wait for that (the part's `stop` does).
         """
-        ...
+        raise Rejected(f"{self.name} cannot {job.verb}")
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Stand still; return what confirmed, in words (`speech`, `motion` ...). Raises if nothing
         did. Nothing to stop: return at once with nothing.
         """
-        ...
+        return ()
 
     async def connected(self) -> None:
         """The robot is there, for the first time or again: apply what the settings say."""
-        ...
 
     def lost(self) -> None:
         """The robot is gone: forget ids and subscriptions, sensors are stale."""
-        ...
 
     async def read(self) -> Mapping[str, Json]:
         """Settings as the robot has them now, by name; called once a second or more."""
-        ...
+        return {}
+
+    async def rest(self) -> None:
+        """Take the pose in which the robot may be left alone."""
 
     async def close(self) -> None:
         """Let go: end tasks, close files, unsubscribe. Never raises."""
-        ...
 
 
 #: Read back for the screen; the names of `SettingsShown.values` (`docs/pepper.md`).

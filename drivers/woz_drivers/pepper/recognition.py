@@ -9,11 +9,10 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers.pepper.memory import flag, item, within
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.senses_asking import Asking
 from woz_drivers.pepper.senses_modules import NAME
@@ -22,14 +21,10 @@ from woz_tui.core.driver import (
     SPEECH,
     SPEECH_TEXT,
     DriverError,
-    Job,
     Lost,
     Outlet,
-    Rejected,
-    Scope,
-    Verb,
 )
-from woz_tui.core.messages import Json, SpeechEnded, SpeechStarted, SpeechText
+from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
 
 SERVICE = "ALSpeechRecognition"
 DETECTED, RECOGNIZED = "SpeechDetected", "WordRecognized"
@@ -42,15 +37,13 @@ _FAREWELL_S = 0.5
 _LONGEST = 200
 
 
-class Recognition:
+class Recognition(Part):
     """Tells when somebody speaks, and what, where `recognition.phrases` names what to expect."""
 
-    name: ClassVar[str] = "recognition"
+    name = "recognition"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
-        self._settings = settings.recognition
-        self._outlet = outlet
+        super().__init__(robot, settings, outlet)
         self._asking = Asking(robot)
         self._polling = Background("reading what the robot understands", outlet)
         self._segment = 0
@@ -63,26 +56,13 @@ class Recognition:
         self._lingers = False
 
     @classmethod
-    def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
-        """It only listens."""
-        return ()
-
-    @classmethod
     def sensors(cls, settings: PepperSettings) -> tuple[str, ...]:
         """Segments of speech and their texts, where there is something to recognise."""
         return (SPEECH, SPEECH_TEXT) if settings.recognition.phrases else ()
 
-    async def perform(self, job: Job) -> Mapping[str, Json]:
-        """There is nothing to perform."""
-        raise Rejected(f"speech recognition cannot {job.verb}")
-
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """Listening disturbs nobody."""
-        return ()
-
     async def connected(self) -> None:
         """Have the robot listen for the phrases."""
-        if not self._settings.phrases:
+        if not self._settings.recognition.phrases:
             return
         await self._polling.close()
         self._asking.forget()
@@ -105,25 +85,21 @@ class Recognition:
         if self._began_us is not None:
             self._end("the robot is not there")
         self._awaited = self._lingers = False
-        if self._settings.phrases:
+        if self._settings.recognition.phrases:
             self._outlet.sensor(SPEECH, "stale", "the robot is not there")
-
-    async def read(self) -> Mapping[str, Json]:
-        """It has no settings to read back."""
-        return {}
 
     async def close(self) -> None:
         """The robot need not listen for us any more."""
         await self._polling.close()
         if self._began_us is not None:
             self._end("the session ended")
-        if self._settings.phrases and self._robot.there:
+        if self._settings.recognition.phrases and self._robot.there:
             with contextlib.suppress(DriverError):
                 await self._robot.call(SERVICE, "unsubscribe", NAME, within=_FAREWELL_S)
 
     async def _begin(self) -> None:
         """NAOqi takes other phrases only while nobody listens, or all pause."""
-        call, settings = self._robot.call, self._settings
+        call, settings = self._robot.call, self._settings.recognition
         with contextlib.suppress(DriverError):  # an earlier session may have left it
             await call(SERVICE, "unsubscribe", NAME)
         await call(SERVICE, "pause", True)
@@ -157,7 +133,7 @@ class Recognition:
         phrase, confidence = recognised(values[RECOGNIZED])
         if phrase:
             await self._forget()
-        if phrase and confidence >= self._settings.confidence:
+        if phrase and confidence >= self._settings.recognition.confidence:
             self._lingers = speaks
             self._tell_text(phrase)
             return

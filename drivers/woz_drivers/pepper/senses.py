@@ -9,17 +9,17 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers.pepper import memory, people
-from woz_drivers.pepper.parts import Robot, together
+from woz_drivers.pepper.parts import Part, Robot, together
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.senses_asking import Asking
 from woz_drivers.pepper.senses_modules import Modules, wanted
 from woz_drivers.pepper.senses_told import Refusal, Told
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Verb
 from woz_tui.core.messages import Json
 
 #: A missing module is asked for again after so long: at its start a robot has them one by one.
@@ -28,15 +28,14 @@ _AGAIN_US = 10_000_000
 LEARN_S = 20.0
 
 
-class Senses:
+class Senses(Part):
     """Readings of the robot's own sensors, `senses.rate` times a second."""
 
-    name: ClassVar[str] = "senses"
+    name = "senses"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         self._rate = settings.senses.rate
-        self._outlet = outlet
         self._sensors = self.sensors(settings)
         self._modules = Modules(robot, wanted(settings), self._silent)
         self._begun_us = 0
@@ -80,10 +79,6 @@ class Senses:
                 "one person alone looks at it, from a metre away, in good light; then try again",
             )
         return {"name": name}
-
-    async def stop(self, scope: Scope) -> tuple[str, ...]:
-        """Sensing disturbs nobody."""
-        return ()
 
     async def connected(self) -> None:
         """Have the robot's modules run, and begin to read."""

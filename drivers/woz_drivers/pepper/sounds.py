@@ -10,10 +10,9 @@ import asyncio
 import contextlib
 from collections.abc import Mapping
 from pathlib import Path
-from typing import ClassVar
 
 from woz_drivers.pepper.memory import within
-from woz_drivers.pepper.parts import Absent, Robot
+from woz_drivers.pepper.parts import Absent, Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import is_address
@@ -41,13 +40,13 @@ def here_of(path: str, folder: Path) -> Path | None:
         return None
 
 
-class Sounds:
+class Sounds(Part):
     """One sound at a time; a file is loaded once."""
 
-    name: ClassVar[str] = "sounds"
+    name = "sounds"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         self._folder = outlet.folder
         self._endings = Endings()
         self._ids: dict[str, int] = {}

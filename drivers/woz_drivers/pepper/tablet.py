@@ -7,10 +7,10 @@ import contextlib
 import logging
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar
+from typing import Any
 
 from woz_drivers.pepper.link import Unsubscribe
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import Kind, kind, page
@@ -35,15 +35,14 @@ class _Video:
     text: str
 
 
-class Screen:
+class Screen(Part):
     """Verbs `screen` and `tablet`, the default picture, and touches as readings."""
 
-    name: ClassVar[str] = "tablet"
+    name = "tablet"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         self._default = settings.tablet.default
-        self._outlet = outlet
         self._touch = Touch(robot, outlet) if settings.senses.touch else None
         self._turn = asyncio.Lock()
         self._video: _Video | None = None

@@ -9,10 +9,9 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Mapping
-from typing import ClassVar
 
 from woz_drivers.pepper import memory, speech_text
-from woz_drivers.pepper.parts import Robot
+from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers, apply
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems
@@ -29,20 +28,19 @@ _PARAMETERS = {"speech_speed": "speed", "speech_pitch": "pitchShift"}
 _NAMES = ("volume", *_PARAMETERS)
 
 
-class Voice:
+class Voice(Part):
     """Text to speech; one utterance at a time."""
 
-    name: ClassVar[str] = "speech"
+    name = "speech"
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        self._robot = robot
+        super().__init__(robot, settings, outlet)
         voice = settings.voice
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._asked: dict[str, float] = {}
         for name, value in zip(_NAMES, (voice.volume, voice.speed, voice.pitch), strict=True):
             if value is not None:
                 self._asked[name] = float(value)
-        self._outlet = outlet
         self._endings = Endings()
         #: In per cent, as last read; only the expected duration depends on it.
         self._speed = settings.voice.speed or 100.0
@@ -105,9 +103,6 @@ class Voice:
             self._outlet,
             {name.replace("_", " "): self._call(name, to) for name, to in self._asked.items()},
         )
-
-    def lost(self) -> None:
-        """Nothing is kept."""
 
     async def read(self) -> Mapping[str, Json]:
         """Volume (0 to 1), speed (per cent) and pitch as the robot has them."""

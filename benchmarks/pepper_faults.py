@@ -3,7 +3,7 @@
     python benchmarks/pepper_faults.py [--rounds 10] [--away 3] [--quick]
 
 The simulated Pepper is a process of its own behind a network that can be cut. Fifty calls a second
-go to it, and one utterance of some minutes is under way. Then, in turns and for both clients,
+go to it, and one utterance of some minutes is under way. Then, in turns,
 
 * it is killed, and another one is started on its port;
 * it is frozen (SIGSTOP), and goes on after a while;
@@ -19,8 +19,8 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import importlib.util
 import random
+import sys
 import tempfile
 import time
 from collections.abc import AsyncIterator
@@ -34,7 +34,6 @@ from benchmarks.figures import Spread, machine, table, verdict
 from tests.drivers.pepper.connected import Outcome, Stand, stand
 from tests.fakes.dropping_proxy import DroppingProxy, dropping_proxy
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.leaving import leave
 
 FAULTS = ("killed", "frozen", "cut")
 GOAL_S = 2.0
@@ -46,7 +45,7 @@ _SETTLE_S = 0.3
 
 @dataclass
 class Figures:
-    """Of one kind of fault with one client; seconds."""
+    """Of one kind of fault; seconds."""
 
     known: list[float] = field(default_factory=list)
     back: list[float] = field(default_factory=list)
@@ -76,21 +75,21 @@ class Caller:
 
 
 @asynccontextmanager
-async def scene(client: str) -> AsyncIterator[tuple[StandIn, DroppingProxy, Stand]]:
+async def scene() -> AsyncIterator[tuple[StandIn, DroppingProxy, Stand]]:
     """A robot, the network before it, and a connection that stands."""
     with tempfile.TemporaryDirectory() as folder:
         async with (
             stand_in() as robot,
             dropping_proxy(robot.port) as network,
-            stand(Path(folder), network.address, client=client) as it,
+            stand(Path(folder), network.address) as it,
         ):
             await it.until(lambda: it.came == 1)
             yield robot, network, it
 
 
-async def measure(client: str, fault: str, away_s: float, figures: Figures) -> None:
+async def measure(fault: str, away_s: float, figures: Figures) -> None:
     """One fault."""
-    async with scene(client) as (robot, network, it):
+    async with scene() as (robot, network, it):
         saying = it.begin("ALTextToSpeech", "say", "word " * 1000, within=600)
         await robot.called("ALTextToSpeech.say")
         caller = Caller(it)
@@ -132,11 +131,11 @@ async def _come_back(
             figures.unforeseen += one.begun_ns / 1e9 > begun + FRESH_S + _GAP_S
 
 
-def row(client: str, fault: str, figures: Figures) -> list[str]:
+def row(fault: str, figures: Figures) -> list[str]:
     """One line of the table."""
     known, back = Spread.of(figures.known), Spread.of(figures.back)
     return [
-        f"{fault}, {client}",
+        fault,
         str(known.count),
         f"{known.p50 * 1000:.0f}",
         f"{known.worst * 1000:.0f}",
@@ -150,21 +149,15 @@ def row(client: str, fault: str, figures: Figures) -> list[str]:
 
 
 async def measured(rounds: int, away_s: float, together: bool) -> list[list[str]]:
-    """All faults with all clients, in turns or, for a quick look, together."""
-    clients = ("own", "qi") if importlib.util.find_spec("qi") else ("own",)
-    kinds = [(client, fault) for fault in FAULTS for client in clients]
-    figures = {kind: Figures() for kind in kinds}
-    measures = [
-        measure(client, fault, away_s, figures[client, fault])
-        for _ in range(rounds)
-        for client, fault in kinds
-    ]
+    """All faults, in turns or, for a quick look, together."""
+    figures = {fault: Figures() for fault in FAULTS}
+    measures = [measure(fault, away_s, figures[fault]) for _ in range(rounds) for fault in FAULTS]
     if together:
         await asyncio.gather(*measures)
     else:
         for one in measures:
             await one
-    return [row(client, fault, figures[client, fault]) for client, fault in kinds]
+    return [row(fault, figures[fault]) for fault in FAULTS]
 
 
 def main() -> int:
@@ -183,4 +176,4 @@ def main() -> int:
 
 
 if __name__ == "__main__":
-    leave(main())
+    sys.exit(main())

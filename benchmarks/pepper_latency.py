@@ -8,10 +8,10 @@ entered. In turns, with a pause drawn at random between them, it is called by
 * a bare call of the package `qi`: the floor;
 * a Flask route that makes the same call, over a connection that stays open: what a browser's
   button costs;
-* `woz host`: the action's line written to its socket, until the method is entered, once with each
-  client. It is recorded in the log before it is sent.
+* `woz host`: the action's line written to its socket, until the method is entered. It is recorded
+  in the log before it is sent.
 
-Where the package `qi` has no wheels there is only our own client to measure, and no goal.
+Where the package `qi` has no wheels there is no goal.
 
 Once with nothing else going on, once while states are read: the Flask program reads eight states
 once a second, the robot process all of its settings, and five times a second its senses.
@@ -41,7 +41,6 @@ os.environ["QI_LOG_LEVEL"] = "0"
 
 from benchmarks.figures import Spread, machine, table, verdict
 from woz_tui.cli.launch import Launch
-from woz_tui.core.leaving import leave, leave_at_once
 
 PROGRAMS = Path(__file__).parent / "programs"
 #: Seconds between two calls.
@@ -56,7 +55,6 @@ robot:
   drivers:
     pepper:
       type: pepper
-      client: {client}
       robots: ["{address}"]
       senses: {senses}
 panels:
@@ -114,7 +112,6 @@ def session(address: str) -> Any:
     """A bare session of the package `qi`."""
     import qi  # noqa: PLC0415 - after the variable that keeps it silent
 
-    leave_at_once("libqi")
     made = qi.Session()
     made.connect(address)
     return made
@@ -201,13 +198,13 @@ class Wizard:
 
 
 @contextlib.contextmanager
-def console(address: str, client: str, senses: str, settle_s: float) -> Iterator[Sender]:
-    """A robot process with this client."""
+def console(address: str, senses: str, settle_s: float) -> Iterator[Sender]:
+    """A robot process."""
     with tempfile.TemporaryDirectory() as folder:
         file = Path(folder) / "latency.yaml"
-        file.write_text(_FILE.format(client=client, address=address, senses=senses))
+        file.write_text(_FILE.format(address=address, senses=senses))
         launch = Launch([str(file), "--recordings", str(Path(folder) / "log"),
-                         "--name", f"latency-{os.getpid()}-{client}"])  # fmt: skip
+                         "--name", f"latency-{os.getpid()}"])  # fmt: skip
         try:
             wizard = Wizard(launch.wait().socket)
             time.sleep(settle_s)
@@ -234,9 +231,7 @@ def roads(address: str, polling: bool, settle_s: float) -> Iterator[dict[str, Se
         if QI:
             made["bare qi"] = bare(address)
             made["Flask route"] = opened.enter_context(route(address, polls))
-        for client in ("qi", "own") if QI else ("own",):
-            way = console(address, client, senses, settle_s)
-            made[f"woz, client {client}"] = opened.enter_context(way)
+        made["woz"] = opened.enter_context(console(address, senses, settle_s))
         yield made
 
 
@@ -297,4 +292,5 @@ def main() -> None:
 
 if __name__ == "__main__":
     main()
-    leave(0)
+    sys.stdout.flush()
+    os._exit(0)  # libqi's threads end in an abort now and then, when the process does

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import subprocess
 import sys
@@ -13,6 +12,7 @@ import pytest
 from benchmarks.figures import Spread, verdict
 from benchmarks.sessions import Entry, matched
 from benchmarks.stop_latency import answered
+from tests.fakes import libqi
 
 pytestmark = pytest.mark.real_clock
 
@@ -27,16 +27,15 @@ TABLES: dict[str, tuple[str, ...]] = {
     "motion_rate.py": ("robot process", "in the console's process", "bare loop"),
     "engagement_sample.py": ("bare queues", "the model, joint", "lines, fifo"),
     "report.py": ("json.loads on every line", "woz report --csv", "woz methods"),
-    "pepper_faults.py": ("killed, own", "frozen, own", "cut, own", "late unforeseen"),
-    "pepper_latency.py": ("idle: woz, client own", "polling: woz, client own"),
+    "pepper_faults.py": ("killed", "frozen", "cut", "late unforeseen"),
+    "pepper_latency.py": ("idle: woz", "polling: woz"),
     "log_reading.py": ("LogIndex.open", "random seeks (ms)", "messages, without samples"),
     "start_up.py": ("woz run, to first paint", "woz host, to its line", "woz_tui.console.app"),
 }
 
 
-if importlib.util.find_spec("qi"):
-    TABLES["pepper_faults.py"] += ("killed, qi", "frozen, qi", "cut, qi")
-    TABLES["pepper_latency.py"] += ("idle: Flask route", "polling: woz, client qi", "bare qi")
+if libqi.HERE:
+    TABLES["pepper_latency.py"] += ("idle: Flask route", "bare qi")
 
 
 #: Longer than all others together: `make test ARGS="-m benchmarks"` runs them, quickly, too.

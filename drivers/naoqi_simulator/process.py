@@ -4,25 +4,25 @@ from __future__ import annotations
 
 import argparse
 import asyncio
-import importlib.util
 import json
 import os
 import signal
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Protocol
 
 from naoqi_simulator.control import Control
+from naoqi_simulator.faults import Desk
+from naoqi_simulator.host import Host
 from naoqi_simulator.life import STATES
 from naoqi_simulator.passing import PacedTime
 from naoqi_simulator.pepper import Pepper
 from naoqi_simulator.table import Service
 from naoqi_simulator.world import Clients, Options, World
 
-SERVERS = ("auto", "qi", "own")
-#: The package `qi` calls from threads of its own; a real robot has no interpreter to wait for.
-SWITCH_S = 0.0005
+#: Makes what carries the services.
+Hosting = Callable[[Desk], "Carrier"]
 
 EPILOG = """\
 The first line on standard output says where it listens: {"address": "tcp://127.0.0.1:PORT"}.
@@ -44,8 +44,8 @@ moody, invalid-signature (ALMemory), none. The service StandIn on the wire does 
 """
 
 
-class Host(Clients, Protocol):
-    """What carries the services: the package qi, or our own server."""
+class Carrier(Clients, Protocol):
+    """What carries the services: `Host`, or a test's."""
 
     def offer(self, services: Mapping[str, Service]) -> None:
         """Offer all services as soon as it listens."""
@@ -71,7 +71,7 @@ def parser() -> argparse.ArgumentParser:
     add = made.add_argument
     add("--host", default="127.0.0.1", help="address to listen on (default: this machine only)")
     add("--port", type=int, default=0, help="0: any that is free")
-    add("--server", choices=SERVERS, default="auto", help="auto: qi if it is installed, else own")
+    add("--server", help=argparse.SUPPRESS)  # there were two; older calls name one
     add("--pace", type=float, default=1.0, help="how fast its time passes; 10: ten times as fast")
     add("--seed", type=int, default=7, help="of the visitors and of moods")
     add("--visitors", choices=("seeded", "none"), default="seeded", help="people who come and go")
@@ -84,26 +84,18 @@ def parser() -> argparse.ArgumentParser:
     return made
 
 
-def chosen_server(wanted: str) -> str:
-    """`qi` or `own`."""
-    if wanted == "auto":
-        return "qi" if importlib.util.find_spec("qi") else "own"
-    return wanted
-
-
-def main(arguments: list[str] | None = None) -> int:
+def main(arguments: list[str] | None = None, hosting: Hosting = Host) -> int:
     """Run until SIGTERM, SIGINT, or the end of the orders."""
     given = parser().parse_args(arguments)
     out = _own_output()
     try:
-        sys.setswitchinterval(SWITCH_S)
-        asyncio.run(_serve(given, out))
+        asyncio.run(_serve(given, out, hosting))
     except (OSError, ValueError) as error:
         sys.stderr.write(f"{error}\n")
         return 2
     finally:
         os.close(out)
-    # The library's threads may still be busy; nothing of ours is left to save.
+    # The thread that reads orders may still be busy; nothing of ours is left to save.
     sys.stderr.flush()
     os._exit(0)
 
@@ -115,7 +107,7 @@ def _own_output() -> int:
     return out
 
 
-async def _serve(given: argparse.Namespace, out: int) -> None:
+async def _serve(given: argparse.Namespace, out: int, hosting: Hosting) -> None:
     loop = asyncio.get_running_loop()
     options = Options(
         seed=given.seed,
@@ -127,7 +119,7 @@ async def _serve(given: argparse.Namespace, out: int) -> None:
         files=given.files,
     )
     pepper = Pepper(World(PacedTime(given.pace), options))
-    host, address = await start(pepper, chosen_server(given.server), given.host, given.port)
+    host, address = await start(pepper, given.host, given.port, hosting)
     ended = asyncio.Event()
     for one in (signal.SIGTERM, signal.SIGINT):
         loop.add_signal_handler(one, ended.set)
@@ -143,24 +135,12 @@ async def _serve(given: argparse.Namespace, out: int) -> None:
         task.result()
 
 
-async def start(pepper: Pepper, server: str, host: str, port: int) -> tuple[Host, str]:
+async def start(
+    pepper: Pepper, host: str = "127.0.0.1", port: int = 0, hosting: Hosting = Host
+) -> tuple[Carrier, str]:
     """Let a robot be reached; how to hang up, and the address. Raises OSError."""
-    hosting = _host(pepper, server)
-    hosting.offer(pepper.services)
-    address = await hosting.listen(host, port)
-    pepper.world.clients = hosting
-    return hosting, address
-
-
-def _host(pepper: Pepper, server: str) -> Host:
-    desk = pepper.world.desk
-    if server == "own":
-        from naoqi_simulator.host_own import OwnHost  # noqa: PLC0415 - only the one is needed
-
-        return OwnHost(desk)
-    try:
-        from naoqi_simulator.host_qi import QiHost  # noqa: PLC0415 - only where it is installed
-
-        return QiHost(desk, asyncio.get_running_loop())
-    except ImportError as error:
-        raise OSError(f"{error}; install woz-tui[pepper], or use --server own") from None
+    hosted = hosting(pepper.world.desk)
+    hosted.offer(pepper.services)
+    address = await hosted.listen(host, port)
+    pepper.world.clients = hosted
+    return hosted, address

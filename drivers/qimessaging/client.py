@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import ssl
 from collections.abc import Callable
 from typing import Any, Final, Self
@@ -71,6 +72,7 @@ class Client:
         user: str = "",
         token: str = "",
         timeout: float = TIMEOUT,  # noqa: ASYNC109 - a setting of the client, too
+        prepare: Callable[[socket.socket], None] | None = None,
     ) -> Self:
         """Connect to a directory.
 
@@ -81,6 +83,7 @@ class Client:
             user: The name to log in with; empty where the robot wants no login.
             token: The password.
             timeout: How long opening, and later finding a service, may take, in seconds.
+            prepare: Called with the socket of each connection once we are let in: sets options.
 
         Raises:
             ConnectionLost: Nobody listens there, TLS does not come about, or it hung up.
@@ -89,7 +92,7 @@ class Client:
             ProtocolError: Something else listens there.
         """
         services = Host()
-        way_in = WayIn(tls, user, token, services.handle)
+        way_in = WayIn(tls, user, token, services.handle, prepare=prepare)
         endpoint = Endpoint(host, port, tls is not None)
         try:
             async with asyncio.timeout(timeout):
@@ -208,6 +211,7 @@ class Client:
         self._connection.end("closed")
         await self._listener.close()
         await self._host.close()
+        await asyncio.sleep(0)  # in this turn the loop closes the sockets
 
     # Inside.
 

@@ -109,6 +109,11 @@ class Connection(asyncio.Protocol):
         """How many calls wait for their reply."""
         return len(self._pending)
 
+    @property
+    def socket(self) -> Any:
+        """The connected socket, for options; it is not to be read, written or closed."""
+        return self._transport.get_extra_info("socket") if self._transport else None
+
     def address(self, which: str) -> tuple[str, int]:
         """Return host and port: of the other end (`peername`) or of ours (`sockname`)."""
         found = self._transport.get_extra_info(which) if self._transport else None

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import asyncio
+import socket
 import ssl
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from qimessaging.connection import Connection, Incoming
@@ -24,6 +26,7 @@ class WayIn:
         incoming: Takes the calls which the other end makes to services of ours.
         longest: The longest message accepted, in bytes.
         objection: What the robot said against our greeting, last time.
+        prepare: Called with the socket of each connection once we are let in.
     """
 
     tls: ssl.SSLContext | None = None
@@ -32,6 +35,7 @@ class WayIn:
     incoming: Incoming | None = None
     longest: int = LONGEST
     objection: str = ""
+    prepare: Callable[[socket.socket], None] | None = None
 
     async def connect(self, endpoint: Endpoint, within: float) -> Connection:
         """Open a connection and log in.
@@ -76,6 +80,8 @@ class WayIn:
             connection.end("opening the connection was given up")
             raise
         self.token, self.objection = entered.token, entered.objection
+        if self.prepare is not None and not connection.lost.done():
+            self.prepare(connection.socket)
         return connection
 
 

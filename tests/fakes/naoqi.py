@@ -22,6 +22,9 @@ from naoqi_simulator.process import start
 from naoqi_simulator.table import Refused
 from naoqi_simulator.world import Options, World
 
+from tests.fakes import libqi
+
+_PROGRAMS = {"own": "naoqi_simulator", "qi": "tests.fakes.naoqi_by_libqi"}
 #: Real seconds for anything that should happen; a broken robot fails a test, it hangs none.
 PATIENCE_S = 40.0
 
@@ -162,7 +165,7 @@ class StandIn(Robot):
 
 @asynccontextmanager
 async def stand_in(
-    server: str = "auto",
+    server: str = "qi" if libqi.HERE else "own",
     *,
     pace: float = 20.0,
     port: int = 0,
@@ -172,11 +175,12 @@ async def stand_in(
 ) -> AsyncIterator[StandIn]:
     """Start a robot, yield it when it listens, end it.
 
+    `server`: its own, or libqi's, which shows that ours understands that.
     `pace`: how many times as fast its time passes. Without `visitors` nobody comes by, so that
     nobody stands in its way; `person` puts somebody there.
     """
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "naoqi_simulator", "--control", "--server", server),
+        *(sys.executable, "-m", _PROGRAMS[server], "--control"),
         *("--pace", str(pace), "--port", str(port), "--life", life),
         *("--visitors", "seeded" if visitors else "none", *options),
         stdin=asyncio.subprocess.PIPE,
@@ -220,7 +224,7 @@ async def stand_in_here(
     """
     world = World(time or PacedTime(20.0), options or Options(visitors=False))
     robot = StandInHere(Pepper(world))
-    host, robot.address = await start(robot.pepper, "own", "127.0.0.1", 0)
+    host, robot.address = await start(robot.pepper)
     try:
         yield robot
     finally:

@@ -11,7 +11,6 @@ from typing import NoReturn
 
 from woz_tui import __version__
 from woz_tui.cli.streams import clean_streams
-from woz_tui.core.leaving import leave
 
 #: Command -> its module's one-line summary. A module has `add(parser)`, which declares its options
 #: and sets `run`, a function from the parsed arguments to the exit code.
@@ -86,4 +85,4 @@ def _cut_short(why: str) -> int:
 
 def program() -> NoReturn:
     """The command `woz`: `main`, and the end of the process."""
-    leave(main())
+    sys.exit(main())

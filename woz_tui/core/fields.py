@@ -23,6 +23,10 @@ class Section:
         """
         return ()
 
+    def warnings(self) -> Sequence[tuple[str, str]]:
+        """What can be used but is not as it is written, in the same pairs."""
+        return ()
+
     def included(self) -> Any:
         """Files that the settings name and that belong to the experiment
         (`experiment.settings.Included`); None if there are none.

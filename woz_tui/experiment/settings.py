@@ -135,13 +135,15 @@ def _made(spot: Spot, shape: type, values: dict[str, Any]) -> Any:
         made = shape(**values)
         section = made if isinstance(made, fields.Section) else fields.Section()
         problems = list(section.problems())
+        hints = list(section.warnings())
         included: Included | None = None if problems else section.included()
     except Exception as error:  # noqa: BLE001 - a plug-in's code; its failure is the file's error
         spot.error(str(error) or type(error).__name__)
         return BAD
-    for path, message in problems:
-        full = _below(spot.path, path)
-        spot.report.error(spot.report.place(full, spot.place.file), full, message)
+    for say, said in ((spot.report.error, problems), (spot.report.warning, hints)):
+        for path, message in said:
+            full = _below(spot.path, path)
+            say(spot.report.place(full, spot.place.file), full, message)
     if included is not None and not _taken(spot.report, included):
         return BAD
     return BAD if problems else made

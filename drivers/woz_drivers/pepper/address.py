@@ -49,12 +49,6 @@ class Address:
         return not self.host
 
     @property
-    def url(self) -> str:
-        """As libqi writes it, without the user."""
-        host = f"[{self.host}]" if ":" in self.host else self.host
-        return f"{'tcps' if self.secure else 'tcp'}://{host}:{self.port}"
-
-    @property
     def shown(self) -> str:
         """In as few words as the wizard needs."""
         if self.simulated:

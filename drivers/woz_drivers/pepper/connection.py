@@ -30,9 +30,16 @@ from typing import Any, TypeVar
 
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.connection_line import HALTS, Line, silence, until_services
-from woz_drivers.pepper.link import Gone, Methods, Missing, Said, Unanswered, Unsubscribe
-from woz_drivers.pepper.links import open_link
-from woz_drivers.pepper.links_trouble import Refused
+from woz_drivers.pepper.link import (
+    Gone,
+    Methods,
+    Missing,
+    Refused,
+    Said,
+    Unanswered,
+    Unsubscribe,
+    open_link,
+)
 from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, Absent
 from woz_drivers.pepper.served_files import Files
 from woz_drivers.pepper.settings import PepperSettings
@@ -129,11 +136,6 @@ class Connection:
     def robot(self) -> str:
         """Which robot is being played, as shown; empty: none."""
         return self._address.shown if self._address is not None else ""
-
-    @property
-    def client(self) -> str:
-        """Which library carries the connection; empty while there is none."""
-        return self._line.link.client if self._line is not None else ""
 
     # -- for the parts: `parts.Robot` ----------------------------------------------------------
 
@@ -344,9 +346,9 @@ class Connection:
         except DriverError as error:
             if not line.leaving:  # else the wizard has just said so
                 self._outlet.notice("warning", f"{line.shown}: {error.what}", error.remedy)
-        detail = f"{line.shown}, client {line.link.client}"
         absent = ", ".join(sorted(self._absent[address]))
-        self._outlet.health(Health.CONNECTED, f"{detail}; without {absent}" if absent else detail)
+        detail = f"{line.shown}; without {absent}" if absent else line.shown
+        self._outlet.health(Health.CONNECTED, detail)
         if not first.done():
             first.set_result(None)
 

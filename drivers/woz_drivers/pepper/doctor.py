@@ -10,11 +10,10 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.pepper import memory, qi_link_library
+from woz_drivers.pepper import memory
 from woz_drivers.pepper.address import Address, parse
 from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
-from woz_drivers.pepper.link import Link, LinkError, Missing
-from woz_drivers.pepper.links import open_link
+from woz_drivers.pepper.link import Link, LinkError, Missing, open_link
 from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
@@ -35,7 +34,7 @@ _ROOM = 500 * 1000 * 1000
 async def examine(probe: Probe) -> list[Finding]:
     """Everything about every robot of the file. Never raises."""
     settings: PepperSettings = probe.settings
-    findings = [_client(settings)]
+    findings: list[Finding] = []
     if not settings.robots:
         findings.append(
             Finding("warning", "robots", "names no robot", "write an address, or `simulated`")
@@ -45,20 +44,6 @@ async def examine(probe: Probe) -> list[Finding]:
     findings += _default(settings, probe.folder)
     findings.append(_disk(settings, probe.folder))
     return findings
-
-
-def _client(settings: PepperSettings) -> Finding:
-    if settings.client == "own":
-        return Finding("ok", "client", "our own, as the file says")
-    if not qi_link_library.installed():
-        if settings.client == "qi":
-            remedy = "pip install 'woz-tui[pepper]', or set `client: own`"
-            return Finding("error", "client", "the package qi is not installed", remedy)
-        return Finding("ok", "client", "our own; the package qi is not installed")
-    try:
-        return Finding("ok", "client", f"qi {qi_link_library.library().__version__}")
-    except ImportError as error:
-        return Finding("error", "client", f"qi does not load: {error}", "set `client: own`")
 
 
 async def _robot(text: str, probe: Probe) -> list[Finding]:
@@ -105,7 +90,7 @@ async def _line(address: Address, link: Link) -> Finding:
         await link.ask(_WITHIN_S)
         took.append((loop.time() - begun) * 1000)
     median, worst = statistics.median(took), max(took)
-    text = f"answers by {link.client} in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
+    text = f"answers in {median:.1f} ms (worst of {_QUESTIONS}: {worst:.1f} ms)"
     if median > _SLOW_MS:
         remedy = "use a cable, or a wireless network of its own on 5 GHz"
         return Finding("warning", address.shown, text, remedy)
@@ -113,13 +98,6 @@ async def _line(address: Address, link: Link) -> Finding:
 
 
 def _certificate(address: Address, link: Link, settings: PepperSettings) -> Finding:
-    if not link.certificate:
-        return Finding(
-            "warning",
-            address.shown,
-            "its certificate is not looked at: the package qi does not show it",
-            "set `client: own` and `trusted` to be sure which robot it is",
-        )
     if settings.trusted:
         return Finding("ok", address.shown, "shows the trusted certificate")
     return Finding(

@@ -232,7 +232,7 @@ class Pepper(Driver):
         self._connection.named(robot)  # what is no address must not cost the robot that is there
         await self._let_go()
         await self._connection.connect(robot)
-        return {"robot": self._connection.robot, "client": self._connection.client}
+        return {"robot": self._connection.robot}
 
     async def _disconnect(self) -> dict[str, Json]:
         robot = self._connection.robot

@@ -11,6 +11,7 @@ from woz_drivers.simulated.values import color
 from woz_tui.core.driver import Rejected
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 
+#: What a file may name as its client from the time when there were two.
 CLIENTS = ("auto", "qi", "own")
 STATES = ("", "solitary", "interactive", "safeguard", "disabled")
 ENGAGEMENT_MODES = ("", "Unengaged", "FullyEngaged", "SemiEngaged")
@@ -95,7 +96,7 @@ class PepperSettings(Section):
             " tcps://USER@HOST:9503, or simulated"
         ),
     ]
-    client: Annotated[str, OneOf(CLIENTS), Doc("auto: qi if it is installed, else own")] = "auto"
+    client: Annotated[str, OneOf(CLIENTS), Doc("not needed: there is one client")] = "auto"
     connect: Annotated[bool, Doc("connect at the start; else wait for the wizard")] = True
     password: Annotated[
         str, Doc("name of the environment variable that holds the password for tcps")
@@ -136,6 +137,12 @@ class PepperSettings(Section):
         if self.voice.pitch is not None and 0 < self.voice.pitch < 1:
             found.append(("voice.pitch", "is 0 for its own voice, or 1 to 4 times that"))
         return found
+
+    def warnings(self) -> list[tuple[str, str]]:
+        """What is not as it is written, by the setting's path."""
+        if self.client != "qi":
+            return []
+        return [("client", "the package qi is not used: woz-tui's own client is; remove this line")]
 
     def _passwords(self) -> Iterator[tuple[str, str]]:
         """Addresses with something in them that may be a password: the file goes into every log.

@@ -7,24 +7,22 @@ import json
 import socket
 import sys
 from collections.abc import AsyncIterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any
 
 import pytest
 
 from tests.drivers.naoqi.hands import Caller, Said, own_caller, qi_caller, qi_session
+from tests.fakes.libqi import SERVERS, needed
 from tests.fakes.naoqi import PATIENCE_S, StandIn, stand_in
 
 pytestmark = pytest.mark.real_clock
 
-QI = pytest.mark.skipif(find_spec("qi") is None, reason="the package qi has no wheel for this")
-SERVERS = ["own", pytest.param("qi", marks=QI)]
 BOTH = [
     ("own", "own"),
-    pytest.param(("qi", "qi"), marks=QI),
-    pytest.param(("own", "qi"), marks=QI),
-    pytest.param(("qi", "own"), marks=QI),
+    pytest.param(("qi", "qi"), marks=needed),
+    pytest.param(("own", "qi"), marks=needed),
+    pytest.param(("qi", "own"), marks=needed),
 ]
 HEY = "animations/Stand/Gestures/Hey_1"
 LONG = "animations/Stand/Waiting/ShowSky_1"
@@ -136,7 +134,7 @@ async def _events_reach_their_subscriber(robot: StandIn, call: Caller) -> None:
     assert heard == [[1, "two"]]
 
 
-@QI
+@needed
 @pytest.mark.parametrize("server", ["own", "qi"])
 async def test_signals_and_sound_reach_the_package_qi(robot: StandIn) -> None:
     heard: dict[str, list[Any]] = {"touch": [], "sound": []}
@@ -176,7 +174,7 @@ async def _came(robot: StandIn, heard: list[Any]) -> None:
     await robot.until(came)
 
 
-@QI
+@needed
 @pytest.mark.parametrize("server", ["own", "qi"])
 async def test_the_package_qi_cancels_an_animation_and_not_speech(server: str) -> None:
     async with stand_in(server, pace=2.0) as robot, qi_session(robot.address) as session:
@@ -236,12 +234,11 @@ async def test_a_robot_that_freezes_itself_thaws_by_itself(robot: StandIn) -> No
     assert (await robot.get("faults")) == []
 
 
-@pytest.mark.parametrize("server", SERVERS)
-async def test_a_taken_port_is_said(server: str) -> None:
+async def test_a_taken_port_is_said() -> None:
     with socket.create_server(("127.0.0.1", 0)) as taken:
         port = str(taken.getsockname()[1])
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "naoqi_simulator", "--port", port, "--server", server),
+            *(sys.executable, "-m", "naoqi_simulator", "--port", port),
             stdout=asyncio.subprocess.PIPE,
             stderr=asyncio.subprocess.PIPE,
         )
@@ -262,7 +259,7 @@ async def test_orders_may_come_from_a_file(tmp_path: Path) -> None:
     orders.write_text('{"do": "get", "name": "life"}\n\nnonsense\n')
     with orders.open() as given:
         process = await asyncio.create_subprocess_exec(
-            *(sys.executable, "-m", "naoqi_simulator", "--control", "--server", "own"),
+            *(sys.executable, "-m", "naoqi_simulator", "--control"),
             stdin=given,
             stdout=asyncio.subprocess.PIPE,
         )

@@ -16,7 +16,7 @@ from woz_drivers.pepper.settings import PepperSettings
 from tests.drivers.heard import Heard
 from woz_tui.core.messages import DriverConnected
 
-SETTINGS = PepperSettings(robots=(), client="own")
+SETTINGS = PepperSettings(robots=())
 #: Signatures of the methods that are asked, by service.
 _ASKED = {
     "ALMotion": (

@@ -1,8 +1,7 @@
-"""Fixtures for everything that talks to a NAOqi: both clients, a robot, what the wizard is told."""
+"""Fixtures for everything that talks to a NAOqi: a robot, what the wizard is told."""
 
 from __future__ import annotations
 
-import importlib.util
 from collections.abc import AsyncIterator, Iterator
 from pathlib import Path
 
@@ -13,15 +12,6 @@ from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import patience
 from tests.drivers.pepper.played import Played, played
 from tests.fakes.naoqi import StandIn, stand_in
-
-#: What carries a connection here: our own client everywhere, qi where it has wheels.
-CLIENTS = ("own", "qi") if importlib.util.find_spec("qi") else ("own",)
-
-
-@pytest.fixture(params=CLIENTS)
-def client(request: pytest.FixtureRequest) -> str:
-    """The setting `client`: the test runs with each of them."""
-    return str(request.param)
 
 
 @pytest.fixture

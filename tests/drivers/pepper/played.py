@@ -112,7 +112,6 @@ class Played:
 async def played(
     folder: Path,
     *,
-    client: str = "auto",
     pace: float = PACE,
     life: str = "solitary",
     options: tuple[str, ...] = (),
@@ -125,7 +124,7 @@ async def played(
     """
     with patience(hurried=hurried):
         async with stand_in(pace=pace, life=life, options=options) as robot:
-            given = PepperSettings(robots=(robot.address,), client=client, senses=QUIET)
+            given = PepperSettings(robots=(robot.address,), senses=QUIET)
             it = await joined(robot, folder, dataclasses.replace(given, **settings))
             try:
                 yield it

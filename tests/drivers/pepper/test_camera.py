@@ -44,9 +44,9 @@ async def _let_go(robot: StandIn) -> None:
     "ALVideoDevice.subscribe", "ALVideoDevice.getImageRemote", "ALVideoDevice.unsubscribe"
 )
 async def test_pictures_come_while_somebody_watches_and_not_otherwise(
-    tmp_path: Path, robot: StandIn, client: str
+    tmp_path: Path, robot: StandIn
 ) -> None:
-    async with wired(Camera, tmp_path, robot, client=client) as it:
+    async with wired(Camera, tmp_path, robot) as it:
         assert await robot.trace("ALVideoDevice.subscribe") == []
         _watch(it)
         await until(lambda: _came(it) >= 3)
@@ -132,8 +132,8 @@ async def test_after_a_loss_the_view_comes_back(tmp_path: Path) -> None:
 
 @pytest.mark.naoqi("ALVideoDevice.subscribe", "ALVideoDevice.getImageRemote")
 @pytest.mark.woz4u("camera_save_dir")
-async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn, client: str) -> None:
-    async with wired(Camera, tmp_path, robot, client=client) as it:
+async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Camera, tmp_path, robot) as it:
         before = it.heard.outlet.t(it.heard.clock.now_us())
         told = await it.do("picture")
         after = it.heard.outlet.t(it.heard.clock.now_us())

@@ -16,7 +16,7 @@ from naoqi_simulator.table import Method, Service
 from naoqi_simulator.world import Options, World
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.driver import Pepper
-from woz_drivers.pepper.links import open_link
+from woz_drivers.pepper.link import open_link
 from woz_drivers.pepper.settings import Autonomy, PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
@@ -29,12 +29,12 @@ from woz_tui.core.messages import DriverConnected, Notice
 
 @pytest.mark.parametrize("turns", range(8))
 async def test_a_stop_while_a_robot_is_let_go_leaves_no_driver_without_one(
-    client: str, tmp_path: Path, turns: int
+    tmp_path: Path, turns: int
 ) -> None:
     async with (
         stand_in_here() as one,
         stand_in_here() as other,
-        stand(tmp_path, one.address, client=client) as it,
+        stand(tmp_path, one.address) as it,
     ):
         await it.is_so(Health.CONNECTED)
         taking = asyncio.create_task(it.connection.connect(other.address))
@@ -48,7 +48,7 @@ async def test_a_stop_while_a_robot_is_let_go_leaves_no_driver_without_one(
 
 
 async def test_a_change_that_a_stop_cut_short_does_not_outlive_the_session(tmp_path: Path) -> None:
-    async with stand_in_here() as one, stand(tmp_path, one.address, client="own") as it:
+    async with stand_in_here() as one, stand(tmp_path, one.address) as it:
         await it.is_so(Health.CONNECTED)
         tasks = [asyncio.create_task(it.connection.connect()) for _ in range(3)]
         await asyncio.sleep(0)
@@ -58,7 +58,6 @@ async def test_a_change_that_a_stop_cut_short_does_not_outlive_the_session(tmp_p
         await asyncio.gather(*tasks, return_exceptions=True)
         with pytest.raises(Lost, match="session is over"):
             await it.connection.connect()
-        assert it.connection.client == ""
 
 
 async def test_what_is_no_address_costs_nobody_the_stop(tmp_path: Path) -> None:
@@ -132,8 +131,7 @@ async def test_a_colour_that_failed_is_not_shown_at_the_next_connection(tmp_path
 
 
 async def test_a_robot_that_wakes_takes_connections_again() -> None:
-    """By our own client: how the package lets its unfinished connections go is not in our hands."""
-    settings = PepperSettings(robots=(), client="own")
+    settings = PepperSettings(robots=())
     async with stand_in() as robot:
         robot.freeze()
         for _ in range(2):
@@ -159,9 +157,9 @@ async def test_what_begins_behind_the_stop_that_overtook_it_is_ended_too(tmp_pat
         return value
 
     pepper.world.desk.enter = enter  # type: ignore[method-assign]
-    host, address = await start(pepper, "own", "127.0.0.1", 0)
+    host, address = await start(pepper)
     heard = Heard(tmp_path)
-    driver = Pepper("it", PepperSettings(robots=(address,), client="own"), heard.outlet)
+    driver = Pepper("it", PepperSettings(robots=(address,)), heard.outlet)
     await driver.open()
     await heard.first(DriverConnected)
     going = asyncio.create_task(driver.perform(Ordered("posture", {"name": "Crouch"})))
@@ -183,9 +181,9 @@ async def test_a_robot_without_a_player_confirms_its_stop(
     pepper.services = {
         name: one for name, one in pepper.services.items() if name != "ALAudioPlayer"
     }
-    host, address = await start(pepper, "own", "127.0.0.1", 0)
+    host, address = await start(pepper)
     heard = Heard(tmp_path)
-    driver = Pepper("it", PepperSettings(robots=(address,), client="own"), heard.outlet)
+    driver = Pepper("it", PepperSettings(robots=(address,)), heard.outlet)
     await driver.open()
     assert "without ALAudioPlayer" in (await heard.first(DriverConnected)).detail
     report = await driver.stop(Scope.ALL)

@@ -31,12 +31,11 @@ async def bare() -> AsyncIterator[str]:
     await server.close()
 
 
-async def test_it_begins_with_the_first_robot(robot: StandIn, client: str, tmp_path: Path) -> None:
-    async with stand(tmp_path, robot.address, "127.0.0.1:1", client=client) as it:
-        await it.is_so(Health.CONNECTED, f"127.0.0.1:{robot.port}", client)
+async def test_it_begins_with_the_first_robot(robot: StandIn, tmp_path: Path) -> None:
+    async with stand(tmp_path, robot.address, "127.0.0.1:1") as it:
+        await it.is_so(Health.CONNECTED, f"127.0.0.1:{robot.port}")
         assert it.connection.there
         assert it.connection.robot == f"127.0.0.1:{robot.port}"
-        assert it.connection.client.startswith(client)
         assert it.connection.local_host == "127.0.0.1"
         assert it.came == 1
         await it.connection.probe()
@@ -51,8 +50,8 @@ async def test_it_begins_with_the_first_robot(robot: StandIn, client: str, tmp_p
         assert not await robot.trace("ALMotion.stopMove", "ALTextToSpeech.stopAll")
 
 
-async def test_a_robot_hosted_by_our_own_server(client: str, tmp_path: Path) -> None:
-    async with stand_in("own") as robot, stand(tmp_path, robot.address, client=client) as it:
+async def test_a_robot_hosted_by_our_own_server(tmp_path: Path) -> None:
+    async with stand_in("own") as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         assert await it.connection.call("ALSystem", "robotName") == "Pepper"
         saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
@@ -61,8 +60,8 @@ async def test_a_robot_hosted_by_our_own_server(client: str, tmp_path: Path) -> 
         assert is_lost(await saying)
 
 
-async def test_signals_are_heard(robot: StandIn, client: str, tmp_path: Path) -> None:
-    async with stand(tmp_path, robot.address, client=client) as it:
+async def test_signals_are_heard(robot: StandIn, tmp_path: Path) -> None:
+    async with stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         touches: list[tuple[float, float]] = []
         forget = await it.connection.listen(
@@ -83,8 +82,8 @@ async def test_it_waits_for_the_wizard_where_the_file_says_so(bare: str, tmp_pat
         assert it.connection.there
 
 
-async def test_another_robot_is_taken(robot: StandIn, client: str, tmp_path: Path) -> None:
-    async with stand_in() as other, stand(tmp_path, robot.address, client=client) as it:
+async def test_another_robot_is_taken(robot: StandIn, tmp_path: Path) -> None:
+    async with stand_in() as other, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
         await robot.called("ALTextToSpeech.say")
@@ -102,8 +101,8 @@ async def test_another_robot_is_taken(robot: StandIn, client: str, tmp_path: Pat
         assert await robot.trace("ALTextToSpeech.stopAll")
 
 
-async def test_let_go_it_stays_away(bare: str, client: str, tmp_path: Path) -> None:
-    async with stand(tmp_path, bare, client=client) as it:
+async def test_let_go_it_stays_away(bare: str, tmp_path: Path) -> None:
+    async with stand(tmp_path, bare) as it:
         await it.is_so(Health.CONNECTED)
         await it.connection.disconnect()
         await it.is_so(Health.LOST, "disconnected by the wizard", "connect")
@@ -160,10 +159,10 @@ async def test_a_file_with_a_wrong_address_is_told_of(tmp_path: Path) -> None:
         assert "Hush" not in str(it.heard.messages)
 
 
-async def test_a_robot_that_is_not_there_is_looked_for(client: str, tmp_path: Path) -> None:
+async def test_a_robot_that_is_not_there_is_looked_for(tmp_path: Path) -> None:
     async with stand_in() as first:
         port = first.port
-    async with stand(tmp_path, client=client) as it:
+    async with stand(tmp_path) as it:
         with pytest.raises(Lost, match=f"nothing listens on port {port}"):
             await it.connection.connect(f"127.0.0.1:{port}")
         await it.is_so(Health.LOST, "nothing listens")
@@ -171,11 +170,11 @@ async def test_a_robot_that_is_not_there_is_looked_for(client: str, tmp_path: Pa
             await it.is_so(Health.CONNECTED)
 
 
-async def test_services_that_come_one_by_one_are_waited_for(client: str, tmp_path: Path) -> None:
+async def test_services_that_come_one_by_one_are_waited_for(tmp_path: Path) -> None:
     server = Server()
     endpoint = await server.listen("127.0.0.1")
     server.add("ALMemory")
-    async with stand(tmp_path, str(endpoint), client=client) as it:
+    async with stand(tmp_path, str(endpoint)) as it:
         await it.is_so(Health.CONNECTING, "is starting: waiting for", "ALMotion")
         with pytest.raises(Lost, match="is starting"):
             await it.connection.call("ALMemory", "getData", "x")
@@ -186,13 +185,11 @@ async def test_services_that_come_one_by_one_are_waited_for(client: str, tmp_pat
     await server.close()
 
 
-async def test_a_robot_that_goes_while_it_starts_was_never_there(
-    client: str, tmp_path: Path
-) -> None:
+async def test_a_robot_that_goes_while_it_starts_was_never_there(tmp_path: Path) -> None:
     server = Server()
     endpoint = await server.listen("127.0.0.1")
     server.add("ALMemory")
-    async with stand(tmp_path, str(endpoint), client=client) as it:
+    async with stand(tmp_path, str(endpoint)) as it:
         await it.is_so(Health.CONNECTING, "is starting")
         await server.close()
         await it.is_so(Health.LOST)
@@ -200,14 +197,14 @@ async def test_a_robot_that_goes_while_it_starts_was_never_there(
 
 
 async def test_a_robot_without_some_services_is_played_even_so(
-    client: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr("woz_drivers.pepper.connection_line._COMES_WITHIN_S", 0.3)
     server = Server()
     endpoint = await server.listen("127.0.0.1")
     for name in sorted(ESSENTIAL):
         server.add(name)
-    async with stand(tmp_path, str(endpoint), client=client) as it:
+    async with stand(tmp_path, str(endpoint)) as it:
         await it.is_so(Health.CONNECTED, "without", "ALTabletService")
         # The next time nobody waits for what was not there.
         monkeypatch.setattr("woz_drivers.pepper.connection_line._COMES_WITHIN_S", 3600.0)
@@ -228,9 +225,7 @@ async def test_a_wrong_password_is_not_tried_again_and_again(
 
     server = Server(authenticator=refuse)
     endpoint = await server.listen("127.0.0.1")
-    async with stand(
-        tmp_path, str(endpoint), client="own", password="ROBOT_PASSWORD", connect=False
-    ) as it:
+    async with stand(tmp_path, str(endpoint), password="ROBOT_PASSWORD", connect=False) as it:
         with pytest.raises(Lost):
             await it.connection.connect()
         await it.is_so(Health.FAULTED, "password", "ROBOT_PASSWORD")
@@ -265,11 +260,11 @@ def open_files() -> int:
     return len(list(Path("/proc/self/fd").iterdir()))
 
 
-async def test_nothing_is_left_after_the_end(robot: StandIn, client: str, tmp_path: Path) -> None:
-    async with stand(tmp_path, robot.address, client=client) as it:
+async def test_nothing_is_left_after_the_end(robot: StandIn, tmp_path: Path) -> None:
+    async with stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
     threads, files = threads_now(), open_files()
-    async with stand(tmp_path, robot.address, client=client) as it:
+    async with stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         saying = it.begin("ALTextToSpeech", "say", "word " * 500, within=60)
         await robot.called("ALTextToSpeech.say")
@@ -283,16 +278,14 @@ async def test_nothing_is_left_after_the_end(robot: StandIn, client: str, tmp_pa
     await it.until(lambda: open_files() <= files)
 
 
-async def test_the_simulated_robot_lives_as_long_as_it_is_played(
-    client: str, tmp_path: Path
-) -> None:
+async def test_the_simulated_robot_lives_as_long_as_it_is_played(tmp_path: Path) -> None:
     def children() -> set[int]:
         found = Path(f"/proc/{os.getpid()}/task/{os.getpid()}/children").read_text().split()
         lines = {number: Path(f"/proc/{number}/cmdline").read_bytes() for number in found}
         return {int(number) for number, line in lines.items() if b"naoqi_simulator" in line}
 
     before = children()
-    async with stand(tmp_path, "simulated", client=client, pace=20.0) as it:
+    async with stand(tmp_path, "simulated", pace=20.0) as it:
         await it.is_so(Health.CONNECTED, "simulated")
         (first,) = children() - before
         os.kill(first, 9)

@@ -25,14 +25,14 @@ def texts(findings: list[Finding], level: str) -> str:
 
 
 async def test_a_robot_that_is_well(
-    robot: StandIn, client: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    robot: StandIn, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(doctor, "_SLOW_MS", 10_000.0)  # a busy machine is no slow network
     await robot.clear()
-    findings = await examined(tmp_path, robot.address, client=client)
+    findings = await examined(tmp_path, robot.address)
     fine = texts(findings, "ok")
     for words in (
-        *("client", "ms (worst of 20", "all services are there", "runs NAOqi 2.5.10.7"),
+        *("ms (worst of 20", "all services are there", "runs NAOqi 2.5.10.7"),
         *("is called Pepper", "battery at 87 %", "autonomous life is solitary"),
         *("tablet is there", "GB free"),
     ):
@@ -109,13 +109,6 @@ async def test_the_simulated_robot_is_looked_at_and_ended(tmp_path: Path) -> Non
     findings = await examined(tmp_path, "simulated", pictures="not/there/yet")
     assert "simulated: runs NAOqi" in texts(findings, "ok")
     assert not texts(findings, "error")
-
-
-async def test_without_the_package_qi(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.qi_link_library.find_spec", lambda name: None)
-    assert "not installed" in texts(await examined(tmp_path), "ok")
-    (missing,) = [one for one in await examined(tmp_path, client="qi") if one.level == "error"]
-    assert "woz-tui[pepper]" in missing.remedy
 
 
 @pytest.mark.parametrize(

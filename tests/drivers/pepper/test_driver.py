@@ -72,11 +72,10 @@ def test_it_is_found_by_the_name_that_files_use() -> None:
 # -- the line ------------------------------------------------------------------------------------
 
 
-async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path, client: str) -> None:
-    async with stand_in() as other, played(tmp_path, client=client) as it:
+async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path) -> None:
+    async with stand_in() as other, played(tmp_path) as it:
         sent = await it.do("connect", robot=other.address)
         assert sent["robot"] == other.address.removeprefix("tcp://")
-        assert str(sent["client"]).startswith(client)
         await it.do("say", text="Here I am.")
         assert await other.trace("ALAnimatedSpeech.say")
         assert await it.calls("ALAnimatedSpeech.say") == []
@@ -193,7 +192,7 @@ async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_t
 ) -> None:
     async with stand_in_here() as robot:
         heard = Heard(tmp_path)
-        settings = PepperSettings(robots=(robot.address,), senses=QUIET, client="own")
+        settings = PepperSettings(robots=(robot.address,), senses=QUIET)
         driver = Pepper("it", settings, heard.outlet)
         hub = Hub(heard.clock, lambda message, line: None)
         bus = Bus(hub, {"it": driver}, {"it": Pepper.verbs(settings)})

@@ -56,8 +56,8 @@ async def marked_until(it: Stand, ended: asyncio.Task[Outcome]) -> list[asyncio.
     return sent
 
 
-async def test_a_killed_robot_is_told_of_and_found_again(client: str, tmp_path: Path) -> None:
-    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+async def test_a_killed_robot_is_told_of_and_found_again(tmp_path: Path) -> None:
+    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         port = robot.port
         saying = await said(robot, it)
@@ -73,8 +73,8 @@ async def test_a_killed_robot_is_told_of_and_found_again(client: str, tmp_path: 
             assert it.came == 2
 
 
-async def test_a_frozen_robot_wakes_and_is_silenced_first(client: str, tmp_path: Path) -> None:
-    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+async def test_a_frozen_robot_wakes_and_is_silenced_first(tmp_path: Path) -> None:
+    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         saying = await said(robot, it)
         await it.connection.call(*MARK, 0)  # now calls pass unasked for a moment
@@ -102,11 +102,11 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(client: str, tmp_path:
         assert max(stop.at_ns for stop in stops) < arrived[LAST].at_ns
 
 
-async def test_what_was_sent_into_a_cut_cable_never_arrives(client: str, tmp_path: Path) -> None:
+async def test_what_was_sent_into_a_cut_cable_never_arrives(tmp_path: Path) -> None:
     async with (
         stand_in() as robot,
         dropping_proxy(robot.port) as network,
-        stand(tmp_path, network.address, client=client) as it,
+        stand(tmp_path, network.address) as it,
     ):
         await it.is_so(Health.CONNECTED)
         saying = await said(robot, it)
@@ -125,11 +125,11 @@ async def test_what_was_sent_into_a_cut_cable_never_arrives(client: str, tmp_pat
         assert await robot.trace("ALTextToSpeech.stopAll")
 
 
-async def test_a_short_cut_is_no_loss(client: str, tmp_path: Path) -> None:
+async def test_a_short_cut_is_no_loss(tmp_path: Path) -> None:
     async with (
         stand_in() as robot,
         dropping_proxy(robot.port) as network,
-        stand(tmp_path, network.address, client=client) as it,
+        stand(tmp_path, network.address) as it,
     ):
         await it.is_so(Health.CONNECTED)
         await it.connection.probe()
@@ -141,13 +141,11 @@ async def test_a_short_cut_is_no_loss(client: str, tmp_path: Path) -> None:
         assert it.went == 0
 
 
-async def test_a_network_that_breaks_the_line_ends_calls_at_once(
-    client: str, tmp_path: Path
-) -> None:
+async def test_a_network_that_breaks_the_line_ends_calls_at_once(tmp_path: Path) -> None:
     async with (
         stand_in() as robot,
         dropping_proxy(robot.port) as network,
-        stand(tmp_path, network.address, client=client) as it,
+        stand(tmp_path, network.address) as it,
     ):
         await it.is_so(Health.CONNECTED)
         saying = await said(robot, it)
@@ -158,20 +156,18 @@ async def test_a_network_that_breaks_the_line_ends_calls_at_once(
         assert {call.name for call in await robot.trace()} >= SILENCE
 
 
-async def test_a_slow_network_is_played_slowly(client: str, tmp_path: Path) -> None:
+async def test_a_slow_network_is_played_slowly(tmp_path: Path) -> None:
     async with stand_in() as robot, dropping_proxy(robot.port) as network:
         network.delay_s = 0.04
-        async with stand(tmp_path, network.address, client=client) as it:
+        async with stand(tmp_path, network.address) as it:
             await it.is_so(Health.CONNECTED)
             for number in range(3):
                 assert (await it.call(*MARK, number)).error is None
             assert it.went == 0
 
 
-async def test_a_robot_that_does_not_answer_one_call_is_not_lost(
-    client: str, tmp_path: Path
-) -> None:
-    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+async def test_a_robot_that_does_not_answer_one_call_is_not_lost(tmp_path: Path) -> None:
+    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         await robot.fault("deaf")
         with pytest.raises(Lost, match=r"did not answer ALSystem\.robotName in time") as lost:
@@ -184,12 +180,12 @@ async def test_a_robot_that_does_not_answer_one_call_is_not_lost(
 
 
 async def test_a_silent_robot_is_asked_to_stop_even_so(
-    client: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     # It is silent, and does not count as gone before the test has looked.
     monkeypatch.setattr("woz_drivers.pepper.connection_pulse.ANSWER_S", WITHIN_S)
     monkeypatch.setattr("woz_drivers.pepper.connection_pulse.KNOWN_S", 2 * WITHIN_S)
-    async with stand_in() as robot, stand(tmp_path, robot.address, client=client) as it:
+    async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         robot.freeze()
         await it.until(lambda: not it.connection.there)

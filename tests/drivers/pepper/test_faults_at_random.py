@@ -80,15 +80,15 @@ class Troubled:
             return list(await asyncio.gather(*self.calls))
 
 
-async def test_many_faults_in_a_row(client: str, tmp_path: Path) -> None:
+async def test_many_faults_in_a_row(tmp_path: Path) -> None:
     process = psutil.Process()
     # On our own server: one of libqi may accept nobody any more once a connection was reset that it
     # had not accepted yet, and then there is nothing to be shown of the driver.
     async with stand_in("own") as robot:
-        await trouble(robot, client, tmp_path, faults=3)
+        await trouble(robot, tmp_path, faults=3)
         gc.collect()
         threads, memory = threads_now(), process.memory_info().rss
-        lost = await trouble(robot, client, tmp_path, faults=FAULTS)
+        lost = await trouble(robot, tmp_path, faults=FAULTS)
         assert lost > STANDS * FAULTS / 2, "the faults had no effect"
         gc.collect()
         assert process.memory_info().rss - memory < GROWTH
@@ -97,7 +97,7 @@ async def test_many_faults_in_a_row(client: str, tmp_path: Path) -> None:
                 await asyncio.sleep(0.01)
 
 
-async def trouble(robot: StandIn, client: str, folder: Path, faults: int) -> int:
+async def trouble(robot: StandIn, folder: Path, faults: int) -> int:
     """That many faults for each of the connections; returns how many calls were lost."""
     await robot.clear()
     tasks = len(asyncio.all_tasks())
@@ -105,7 +105,7 @@ async def trouble(robot: StandIn, client: str, folder: Path, faults: int) -> int
         troubled: list[Troubled] = []
         for number in range(STANDS):
             network = await stack.enter_async_context(dropping_proxy(robot.port))
-            it = await stack.enter_async_context(stand(folder, network.address, client=client))
+            it = await stack.enter_async_context(stand(folder, network.address))
             await it.until(lambda it=it: it.came == 1)  # type: ignore[misc]
             troubled.append(Troubled(number, it, network, seed=faults * 10 + number))
         await asyncio.gather(*(one.meets(faults) for one in troubled))

@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import socket
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
+from pathlib import Path
 from typing import Any
 
 import pytest
 from qimessaging.hosting import Method, Signal
 from qimessaging.server import Server
-from woz_drivers.pepper import links_socket
 from woz_drivers.pepper.address import Address, parse
-from woz_drivers.pepper.link import Gone, Link, Missing, Said, Unanswered, binary
-from woz_drivers.pepper.links import chosen_client, open_link
-from woz_drivers.pepper.links_trouble import Refused
+from woz_drivers.pepper.link import (
+    UNCONFIRMED_MS,
+    Gone,
+    Link,
+    Missing,
+    Said,
+    Unanswered,
+    binary,
+    open_link,
+)
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import threads_now
@@ -69,8 +77,8 @@ async def desk() -> AsyncIterator[Desk]:
 
 
 @asynccontextmanager
-async def opened(desk: Desk, client: str) -> AsyncIterator[Link]:
-    settings = PepperSettings(robots=(), client=client)
+async def opened(desk: Desk) -> AsyncIterator[Link]:
+    settings = PepperSettings(robots=())
     link = await open_link(parse(desk.host), settings, within=WITHIN_S)
     try:
         yield link
@@ -86,24 +94,22 @@ async def happens(event: asyncio.Event) -> None:
     "value",
     [True, 0, -3, 1 << 40, 2.5, "", "Grüße, 世界", [1, "a", [2.5, None]], {"a": [1]}, b"\xff\x00"],
 )
-async def test_values_go_there_and_back(desk: Desk, client: str, value: Any) -> None:
-    async with opened(desk, client) as link:
+async def test_values_go_there_and_back(desk: Desk, value: Any) -> None:
+    async with opened(desk) as link:
         found = await link.call("Desk", "echo", value, within=WITHIN_S)
         assert found == value
         assert isinstance(found, bool) == isinstance(value, bool)
 
 
 @pytest.mark.parametrize("data", [b"\xff\x00\x80", b"\x00\x00", b"plain"])
-async def test_bytes_are_bytes_even_where_they_could_be_text(
-    desk: Desk, client: str, data: bytes
-) -> None:
-    async with opened(desk, client) as link:
+async def test_bytes_are_bytes_even_where_they_could_be_text(desk: Desk, data: bytes) -> None:
+    async with opened(desk) as link:
         assert binary(await link.call("Desk", "echo", data, within=WITHIN_S)) == data
         assert binary((await link.call("Desk", "picture", within=WITHIN_S))[2]) == b"\xff\x00"
 
 
-async def test_a_text_that_looks_like_bytes_stays_a_text(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_a_text_that_looks_like_bytes_stays_a_text(desk: Desk) -> None:
+    async with opened(desk) as link:
         assert await link.call("Desk", "echo", "b'hello'", within=WITHIN_S) == "b'hello'"
 
 
@@ -112,8 +118,8 @@ def test_a_number_is_no_picture() -> None:
         binary(3)
 
 
-async def test_what_the_robot_refuses_is_said_in_one_line(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_what_the_robot_refuses_is_said_in_one_line(desk: Desk) -> None:
+    async with opened(desk) as link:
         with pytest.raises(Said, match=r"Desk\.fails: .*no such animation") as said:
             await link.call("Desk", "fails", within=WITHIN_S)
         assert "\n" not in str(said.value)
@@ -125,8 +131,8 @@ async def test_what_the_robot_refuses_is_said_in_one_line(desk: Desk, client: st
             await link.listen("Desk", "nothing", print)
 
 
-async def test_a_missing_service_is_found_once_it_is_there(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_a_missing_service_is_found_once_it_is_there(desk: Desk) -> None:
+    async with opened(desk) as link:
         with pytest.raises(Missing, match="Late"):
             await link.call("Late", "echo", 1, within=WITHIN_S)
         assert await link.services(WITHIN_S) == {"ServiceDirectory", "Desk"}
@@ -135,8 +141,8 @@ async def test_a_missing_service_is_found_once_it_is_there(desk: Desk, client: s
         assert "Late" in await link.services(WITHIN_S)
 
 
-async def test_no_answer_in_time_is_no_loss(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_no_answer_in_time_is_no_loss(desk: Desk) -> None:
+    async with opened(desk) as link:
         within = 0.05
         while not desk.entered.is_set():  # a busy machine may not even have sent it by then
             with pytest.raises(Unanswered, match=r"Desk\.waits"):
@@ -147,8 +153,8 @@ async def test_no_answer_in_time_is_no_loss(desk: Desk, client: str) -> None:
         await link.ask(WITHIN_S)
 
 
-async def test_a_cancelled_call_is_cancelled_on_the_robot(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_a_cancelled_call_is_cancelled_on_the_robot(desk: Desk) -> None:
+    async with opened(desk) as link:
         calling = asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S))
         await happens(desk.entered)
         calling.cancel()
@@ -157,8 +163,8 @@ async def test_a_cancelled_call_is_cancelled_on_the_robot(desk: Desk, client: st
             await calling
 
 
-async def test_signals_are_heard_until_they_are_not_wanted(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_signals_are_heard_until_they_are_not_wanted(desk: Desk) -> None:
+    async with opened(desk) as link:
         touches: asyncio.Queue[tuple[float, str]] = asyncio.Queue()
 
         def touch(x: float, what: str) -> None:
@@ -173,8 +179,8 @@ async def test_signals_are_heard_until_they_are_not_wanted(desk: Desk, client: s
         assert touches.empty()
 
 
-async def test_closing_ends_the_calls_under_way(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_closing_ends_the_calls_under_way(desk: Desk) -> None:
+    async with opened(desk) as link:
         calls = [asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S)) for _ in range(3)]
         looking = asyncio.create_task(link.call("Other", "echo", within=WITHIN_S))
         await happens(desk.entered)
@@ -190,8 +196,8 @@ async def test_closing_ends_the_calls_under_way(desk: Desk, client: str) -> None
         await link.close()
 
 
-async def test_a_robot_that_hangs_up_is_known_at_once(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_a_robot_that_hangs_up_is_known_at_once(desk: Desk) -> None:
+    async with opened(desk) as link:
         calling = asyncio.create_task(link.call("Desk", "waits", within=WITHIN_S))
         await happens(desk.entered)
         await desk.server.close()
@@ -200,8 +206,8 @@ async def test_a_robot_that_hangs_up_is_known_at_once(desk: Desk, client: str) -
         assert await asyncio.wait_for(link.lost, WITHIN_S)
 
 
-async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
+async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk) -> None:
+    async with opened(desk) as link:
         assert await link.call("Desk", "echo", 1, within=WITHIN_S) == 1
         desk.server.remove("Desk")
         with pytest.raises(Said):
@@ -218,16 +224,15 @@ async def test_a_service_that_comes_again_is_looked_up_again(desk: Desk, client:
         assert await asyncio.wait_for(again(), WITHIN_S) == 3
 
 
-async def test_it_says_who_carries_it_and_where_from(desk: Desk, client: str) -> None:
-    async with opened(desk, client) as link:
-        assert link.client.startswith(client)
+async def test_it_says_who_carries_it_and_where_from(desk: Desk) -> None:
+    async with opened(desk) as link:
         assert link.local_host == "127.0.0.1"
         assert link.certificate == ""
 
 
-async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None:
+async def test_links_leave_no_threads_and_tasks(desk: Desk) -> None:
     async def once() -> None:
-        async with opened(desk, client) as link:
+        async with opened(desk) as link:
             await link.call("Desk", "echo", 1, within=WITHIN_S)
 
     for _ in range(3):
@@ -240,24 +245,23 @@ async def test_links_leave_no_threads_and_tasks(desk: Desk, client: str) -> None
             await asyncio.sleep(0.01)
 
 
-async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(
-    desk: Desk, client: str
-) -> None:
+async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(desk: Desk) -> None:
     place = ("127.0.0.1", parse(desk.host).port)
 
-    def limits() -> dict[tuple[str, int, str, int], int]:
+    def limits() -> list[int]:
         """How long each connection to the robot waits for a confirmation, in milliseconds."""
-        option = socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT
-        return {name: held.getsockopt(*option) for held, name in links_socket._connected({place})}
+        found = []
+        for entry in Path("/proc/self/fd").iterdir():
+            with suppress(OSError), socket.socket(fileno=os.dup(int(entry.name))) as held:
+                if held.type == socket.SOCK_STREAM and held.getpeername() == place:
+                    found.append(held.getsockopt(socket.IPPROTO_TCP, socket.TCP_USER_TIMEOUT))
+        return sorted(found)
 
-    with socket.create_connection(place) as other:
-        foreign = {(*other.getsockname(), *place): 0}
-        async with opened(desk, client) as link:
+    with socket.create_connection(place):
+        async with opened(desk) as link:
             await link.call("Desk", "echo", 1, within=WITHIN_S)
-            ours = limits().keys() - foreign.keys()
-            assert ours
-            assert limits() == foreign | dict.fromkeys(ours, links_socket.UNCONFIRMED_MS)
-        assert limits() == foreign
+            assert limits() == [0, UNCONFIRMED_MS]
+        assert limits() == [0]
 
 
 @pytest.mark.parametrize(
@@ -268,14 +272,14 @@ async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(
         ("p" * 64 + ".local", "no host is called", "chest button"),
     ],
 )
-async def test_why_a_robot_is_not_reached(client: str, text: str, what: str, remedy: str) -> None:
+async def test_why_a_robot_is_not_reached(text: str, what: str, remedy: str) -> None:
     with pytest.raises(Lost) as lost:
-        await open_link(parse(text), PepperSettings(robots=(), client=client))
+        await open_link(parse(text), PepperSettings(robots=()))
     assert what in lost.value.what
     assert remedy in lost.value.remedy
 
 
-async def test_somebody_else_on_the_port_is_no_robot(client: str) -> None:
+async def test_somebody_else_on_the_port_is_no_robot() -> None:
     async def talk(_: asyncio.StreamReader, writer: asyncio.StreamWriter) -> None:
         writer.write(b"SSH-2.0-OpenSSH_9.6\r\n" * 5)
         await writer.drain()
@@ -283,28 +287,6 @@ async def test_somebody_else_on_the_port_is_no_robot(client: str) -> None:
     async with await asyncio.start_server(talk, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
         with pytest.raises(Lost) as lost:
-            await open_link(
-                Address("127.0.0.1", port), PepperSettings(robots=(), client=client), within=1.0
-            )
+            await open_link(Address("127.0.0.1", port), PepperSettings(robots=()), within=1.0)
         assert f"127.0.0.1:{port}" in lost.value.what
         server.close()
-
-
-def test_auto_takes_what_is_there() -> None:
-    plain, six = parse("pepper"), parse("[::1]")
-    assert chosen_client(plain, PepperSettings(robots=(), client="own")) == "own"
-    assert chosen_client(six, SETTINGS) == "own"
-    pinned = PepperSettings(robots=(), trusted="ab")
-    assert chosen_client(parse("tcps://pepper"), pinned) == "own"
-    with pytest.raises(Refused) as refused:
-        chosen_client(parse("tcps://pepper"), PepperSettings(robots=(), trusted="ab", client="qi"))
-    assert "client: own" in refused.value.remedy
-
-
-def test_without_the_package_auto_is_our_own_client(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("woz_drivers.pepper.qi_link_library.find_spec", lambda name: None)
-    assert chosen_client(parse("pepper"), SETTINGS) == "own"
-    with pytest.raises(Refused) as refused:
-        chosen_client(parse("pepper"), PepperSettings(robots=(), client="qi"))
-    assert "woz-tui[pepper]" in refused.value.remedy
-    assert "client: own" in refused.value.remedy

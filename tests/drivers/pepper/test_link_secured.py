@@ -12,9 +12,7 @@ from qimessaging.hosting import Method
 from qimessaging.server import Server
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.connection_line import WANTED
-from woz_drivers.pepper.link import Link
-from woz_drivers.pepper.links import open_link
-from woz_drivers.pepper.links_trouble import Refused
+from woz_drivers.pepper.link import Link, Refused, open_link
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import stand
@@ -64,10 +62,10 @@ def fingerprint() -> str:
 
 
 async def test_user_and_password_let_us_in(
-    guarded: Guarded, client: str, monkeypatch: pytest.MonkeyPatch
+    guarded: Guarded, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
-    link = await guarded.open(client=client)
+    link = await guarded.open()
     assert await link.call("Desk", "echo", 1, within=WITHIN_S) == 1
     assert set(guarded.asked) == {("ada", PASSWORD)}
     await link.close()
@@ -75,15 +73,14 @@ async def test_user_and_password_let_us_in(
 
 @pytest.mark.parametrize("given", ["wrong-Hush", ""])
 async def test_a_wrong_password_is_told_with_its_remedy(
-    guarded: Guarded, client: str, given: str, monkeypatch: pytest.MonkeyPatch
+    guarded: Guarded, given: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", given)
     with pytest.raises(Lost) as lost:
-        await guarded.open(client=client)
+        await guarded.open()
     assert "ROBOT_PASSWORD" in lost.value.remedy
     assert "Hush" not in lost.value.what + lost.value.remedy + repr(lost.value)
-    # libqi tells of no reason, so that trying again may help.
-    assert isinstance(lost.value, Refused) == (client == "own")
+    assert isinstance(lost.value, Refused)
 
 
 async def test_the_trusted_certificate_is_taken(
@@ -92,7 +89,7 @@ async def test_the_trusted_certificate_is_taken(
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
     spelled = ":".join(fingerprint()[at : at + 2] for at in range(0, 64, 2)).upper()
     for trusted in ("", fingerprint(), spelled):
-        link = await guarded.open(trusted=trusted, client="own")
+        link = await guarded.open(trusted=trusted)
         assert link.certificate == fingerprint()
         await link.close()
 
@@ -103,7 +100,7 @@ async def test_which_certificate_is_accepted_is_told(
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
     for name in sorted(WANTED):
         guarded.server.add(name)
-    given = {"client": "own", "password": "ROBOT_PASSWORD"}
+    given = {"password": "ROBOT_PASSWORD"}
     async with stand(tmp_path, guarded.address, **given) as it:
         await it.is_so(Health.CONNECTED)
         (notice,) = it.heard.all(Notice)
@@ -120,16 +117,14 @@ async def test_to_a_robot_with_another_certificate_no_password_is_sent(
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
     with pytest.raises(Refused) as refused:
-        await guarded.open(trusted="00" * 32)  # auto: our own client, which can look
+        await guarded.open(trusted="00" * 32)
     assert "certificate" in refused.value.what
     assert fingerprint() in refused.value.remedy
     assert guarded.asked == []
 
 
-async def test_a_plain_line_to_a_secured_port_ends_in_a_sentence(
-    guarded: Guarded, client: str
-) -> None:
+async def test_a_plain_line_to_a_secured_port_ends_in_a_sentence(guarded: Guarded) -> None:
     plain = guarded.address.replace("tcps://ada@", "tcp://")
     with pytest.raises(Lost) as lost:
-        await open_link(parse(plain), PepperSettings(robots=(), client=client), within=1.0)
+        await open_link(parse(plain), PepperSettings(robots=()), within=1.0)
     assert lost.value.remedy

@@ -19,6 +19,7 @@ from woz_drivers.pepper.microphones_listening import SERVICE
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
+from tests.fakes.libqi import SERVERS
 from tests.fakes.naoqi import StandIn, stand_in
 from woz_tui.core.driver import DriverError, Rejected, Scope
 
@@ -42,10 +43,8 @@ def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     "ALAudioRecorder.startMicrophonesRecording", "ALAudioRecorder.stopMicrophonesRecording"
 )
 @pytest.mark.woz4u("audio_save_dir")
-async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn, client: str) -> None:
-    async with wired(
-        Microphones, tmp_path, robot, client=client, recordings="/home/nao/sounds of today"
-    ) as it:
+async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn) -> None:
+    async with wired(Microphones, tmp_path, robot, recordings="/home/nao/sounds of today") as it:
         told = await it.do("record_sound", on=True)
         path = str(told["file"])
         assert path.startswith("/home/nao/sounds of today/woz-2")
@@ -112,11 +111,11 @@ def _sound(it: Wired[Microphones], file: Any) -> tuple[int, int, int, bytes]:
 @pytest.mark.naoqi(
     "ALAudioDevice.setClientPreferences", "ALAudioDevice.subscribe", "ALAudioDevice.unsubscribe"
 )
-@pytest.mark.parametrize("server", ["own", "auto"])
-async def test_the_robots_sound_is_a_file_here(tmp_path: Path, client: str, server: str) -> None:
+@pytest.mark.parametrize("server", SERVERS)
+async def test_the_robots_sound_is_a_file_here(tmp_path: Path, server: str) -> None:
     async with (
         stand_in(server, pace=2.0) as robot,
-        wired(Microphones, tmp_path, robot, client=client) as it,
+        wired(Microphones, tmp_path, robot) as it,
     ):
         before = it.heard.outlet.t(it.heard.clock.now_us())
         told = await it.do("listen", on=True)
@@ -160,8 +159,8 @@ async def test_without_sound_it_says_so_and_lets_go(tmp_path: Path, robot: Stand
     assert await robot.get("sound.subscribers") == []
 
 
-async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path, client: str) -> None:
-    async with stand_in() as robot, wired(Microphones, tmp_path, robot, client=client) as it:
+async def test_a_robot_that_goes_ends_the_file_and_it_is_whole(tmp_path: Path) -> None:
+    async with stand_in() as robot, wired(Microphones, tmp_path, robot) as it:
         told = await it.do("listen", on=True)
         robot.kill()
         await until(lambda: bool(it.notices))

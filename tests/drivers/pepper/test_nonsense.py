@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import asyncio
 import math
 from pathlib import Path
 from typing import Any
@@ -15,12 +14,9 @@ from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.camera_wire import frame
 from woz_drivers.pepper.eyes import Eyes
 from woz_drivers.pepper.head import Head
-from woz_drivers.pepper.link import Said
-from woz_drivers.pepper.links_socket import elsewhere
-from woz_drivers.pepper.links_trouble import words
+from woz_drivers.pepper.link import words
 from woz_drivers.pepper.memory import flag, word
 from woz_drivers.pepper.naoqi_call import NaoqiCall
-from woz_drivers.pepper.qi_link import _plain, _settle
 from woz_drivers.pepper.sounds import Sounds
 from woz_drivers.pepper.voice import Voice
 
@@ -53,36 +49,6 @@ def test_a_kind_of_picture_is_told_in_few_words() -> None:
     told = frame([1, 1, 3, "L" * 3_000_000, 0, 0, b"\0\0\0"])
     assert isinstance(told, str)
     assert len(told) < 100
-
-
-def test_addresses_that_are_none_lead_nowhere() -> None:
-    ends = [f"tcp://10.0.0.7:{'9' * 5000}", "tcp://10.0.0.8:\u0664\u0664", "tcp://10.0.0.9:40"]
-    assert elsewhere([(2, ends)], 1) == {("10.0.0.9", 40)}
-
-
-class _Broken:
-    """A future of libqi whose error is no text."""
-
-    def isCanceled(self) -> bool:  # noqa: N802 - libqi's name
-        return False
-
-    def hasError(self, _: int) -> bool:  # noqa: N802 - libqi's name
-        return True
-
-    def error(self, _: int) -> str:
-        return b"\x95".decode()
-
-
-async def test_an_error_of_libqi_that_is_no_text_ends_its_call() -> None:
-    mine: asyncio.Future[Any] = asyncio.get_running_loop().create_future()
-    _settle(mine, _Broken())
-    with pytest.raises(Said, match="cannot be read"):
-        await mine
-
-
-def test_a_text_that_looks_like_bytes_and_nests_is_a_text() -> None:
-    text = "b''" + "+b''" * 10_000
-    assert _plain([text]) == [text]
 
 
 async def _fails(what: Any, telling: str) -> None:

@@ -25,8 +25,8 @@ Listens = Callable[..., AbstractAsyncContextManager[Wired[Recognition]]]
 
 @pytest.fixture
 def listens(tmp_path: Path, robot: StandIn) -> Listens:
-    def begin(client: str = "own", settings: Settings = HEARS) -> Any:
-        return wired(Recognition, tmp_path, robot, client=client, recognition=settings)
+    def begin(settings: Settings = HEARS) -> Any:
+        return wired(Recognition, tmp_path, robot, recognition=settings)
 
     return begin
 
@@ -57,11 +57,9 @@ def _segments(it: Wired[Recognition]) -> list[int]:
     "WordRecognized",
     "SpeechDetected",
 )
-async def test_phrases_of_the_list_come_as_text(
-    listens: Listens, robot: StandIn, client: str
-) -> None:
+async def test_phrases_of_the_list_come_as_text(listens: Listens, robot: StandIn) -> None:
     await robot.person(SOMEBODY)
-    async with listens(client) as it:
+    async with listens() as it:
         for spoken, understood in (("Yes.", "yes"), ("My name is Ada!", "Ada"), ("yes", "yes")):
             before = len(_said(it))
             await robot.set("says", spoken)

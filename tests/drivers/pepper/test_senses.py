@@ -32,8 +32,8 @@ Sense = Callable[..., AbstractAsyncContextManager[Wired[Senses]]]
 
 @pytest.fixture
 def sense(tmp_path: Path, robot: StandIn) -> Sense:
-    def begin(client: str = "own", senses: settings.Senses = FAST) -> Any:
-        return wired(Senses, tmp_path, robot, client=client, senses=senses)
+    def begin(senses: settings.Senses = FAST) -> Any:
+        return wired(Senses, tmp_path, robot, senses=senses)
 
     return begin
 
@@ -64,8 +64,8 @@ def _why(it: Wired[Senses], sensor: str) -> str:
     "ALAudioDevice.enableEnergyComputation",
     "ALAudioDevice.getFrontMicEnergy",
 )
-async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn, client: str) -> None:
-    async with sense(client) as it:
+async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn) -> None:
+    async with sense() as it:
         await _round(it)
         await robot.person(ADA)
         await it.reads("distance", 1.25)
@@ -88,8 +88,8 @@ async def test_somebody_is_read_by_all_senses(sense: Sense, robot: StandIn, clie
 
 
 @pytest.mark.naoqi("ALFaceDetection.learnFace")
-async def test_a_face_gets_a_name(sense: Sense, robot: StandIn, client: str) -> None:
-    async with sense(client) as it:
+async def test_a_face_gets_a_name(sense: Sense, robot: StandIn) -> None:
+    async with sense() as it:
         with pytest.raises(DriverError, match="has not learnt the face of V7"):
             await it.do("learn_face", name="V7")
         await robot.person({"number": 7, "looking": True})

@@ -73,8 +73,8 @@ async def quiet(it: Played) -> bool:
 @pytest.mark.usefixtures("unhurried")
 @pytest.mark.naoqi("ALMotion.killAll", "ALMotion.stopMove", "ALTextToSpeech.stopAll")
 @pytest.mark.naoqi("ALAudioPlayer.stopAll")
-async def test_everything_ends_at_once_and_each_part_confirms(tmp_path: Path, client: str) -> None:
-    async with played(tmp_path, client=client, pace=PACE) as it:
+async def test_everything_ends_at_once_and_each_part_confirms(tmp_path: Path) -> None:
+    async with played(tmp_path, pace=PACE) as it:
         await busy(it)
         assert not await quiet(it)
         report = await it.stop()
@@ -149,9 +149,9 @@ async def test_an_animation_that_has_ended_already_confirms_too(tmp_path: Path) 
 
 
 async def test_a_frozen_robot_holds_nobody_up_and_ends_what_it_did_when_it_wakes(
-    tmp_path: Path, client: str
+    tmp_path: Path,
 ) -> None:
-    async with played(tmp_path, client=client, pace=PACE) as it:
+    async with played(tmp_path, pace=PACE) as it:
         await busy(it)
         await it.robot.clear()
         it.robot.freeze()

@@ -60,10 +60,10 @@ def _servers() -> int:
 @pytest.mark.naoqi("ALTabletService.showWebview", "ALTabletService.enableWifi")
 @pytest.mark.woz4u("tablet_root_location", "tablet_items", "is_default_img")
 async def test_the_default_is_shown_on_connect_and_pictures_when_asked(
-    folder: Path, robot: StandIn, client: str
+    folder: Path, robot: StandIn
 ) -> None:
     tablet = Tablet("shown", "logo.JPG")
-    async with wired(Screen, folder, robot, client=client, tablet=tablet) as it:
+    async with wired(Screen, folder, robot, tablet=tablet) as it:
         await _shows(robot, "webview", len(OTHER))
         assert await it.part.read() == {"tablet": "logo.JPG"}
         assert await it.do("screen", file="map.png") == {"shown": "map.png"}

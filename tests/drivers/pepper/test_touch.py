@@ -31,9 +31,9 @@ from woz_tui.core.messages import Reading
     "ALTabletService.onTouchUp",
 )
 async def test_a_finger_is_told_where_it_comes_down_moves_and_leaves(
-    tmp_path: Path, robot: StandIn, client: str
+    tmp_path: Path, robot: StandIn
 ) -> None:
-    async with wired(Screen, tmp_path, robot, client=client) as it:
+    async with wired(Screen, tmp_path, robot) as it:
         await it.heard.state("touch.x", "ok")
         await robot.touch(0.25, 0.75)
         await it.heard.until(lambda: len(it.heard.values("touch.y")) >= 3)

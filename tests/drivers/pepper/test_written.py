@@ -194,3 +194,20 @@ def test_no_password_in_a_file_gets_further_than_its_refusal(
     assert len(told) == 1
     assert told[0].startswith(place)
     assert "Hush" not in told[0]
+
+
+@pytest.mark.parametrize(("client", "warns"), [("qi", 1), ("own", 0), ("auto", 0)])
+def test_a_client_named_from_before_is_taken_with_a_warning(
+    tmp_path: Path, client: str, warns: int
+) -> None:
+    file = tmp_path / "experiment.yaml"
+    file.write_text(
+        "title: T\npanels: [{title: P, actions: [{key: h, label: Hi, say: Hi}]}]\nrobot:\n"
+        "  drivers:\n    pepper:\n      type: pepper\n      robots: [simulated]\n"
+        f"      client: {client}\n"
+    )
+    found = [one for one in load(file, {"pepper": Pepper}).warnings if one.path.endswith("client")]
+    assert len(found) == warns
+    for problem in found:
+        assert problem.place.line == 8
+        assert "own client" in problem.message

@@ -92,12 +92,10 @@ async def wired(
     kind: type[P],
     folder: Path,
     robot: StandIn | StandInHere,
-    *,
-    client: str = "own",
     **settings: Any,
 ) -> AsyncIterator[Wired[P]]:
     """Connect a part; yield it when it is there."""
-    given = PepperSettings(robots=(robot.address,), client=client, **settings)
+    given = PepperSettings(robots=(robot.address,), **settings)
     it = Wired(kind, folder, given, robot)
     with patience():
         it.connection.start()

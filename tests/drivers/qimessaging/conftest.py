@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import importlib.util
 import os
 import ssl
 import subprocess
@@ -14,10 +13,9 @@ import pytest
 from qimessaging import Client
 
 from tests.drivers.qimessaging.desk import QiCaller
+from tests.fakes import libqi
 
 HERE = Path(__file__).parent
-#: On machines without wheels of libqi our two ends are tested against each other alone.
-QI = importlib.util.find_spec("qi") is not None
 QUIET = {**os.environ, "QI_LOG_LEVEL": "0"}
 
 
@@ -41,7 +39,7 @@ def end(process: subprocess.Popen[str]) -> None:
 @pytest.fixture(scope="session")
 def qi_port() -> Iterator[int]:
     """The port of a process with a listening `qi.Session`."""
-    if not QI:
+    if not libqi.HERE:
         pytest.skip("the qi package has no wheels for this machine")
     process, port = start_qi_service()
     yield port
@@ -51,7 +49,7 @@ def qi_port() -> Iterator[int]:
 @pytest.fixture
 def mortal_qi_service() -> Iterator[tuple[subprocess.Popen[str], int]]:
     """Such a process for one test alone, which may kill it."""
-    if not QI:
+    if not libqi.HERE:
         pytest.skip("the qi package has no wheels for this machine")
     process, port = start_qi_service()
     yield process, port
@@ -69,7 +67,7 @@ async def client(qi_port: int) -> AsyncIterator[Client]:
 @pytest.fixture
 async def qi_caller() -> AsyncIterator[QiCaller]:
     """The qi package as a client, in a process of its own."""
-    if not QI:
+    if not libqi.HERE:
         pytest.skip("the qi package has no wheels for this machine")
     caller = await QiCaller.start(HERE / "qi_caller.py", QUIET)
     yield caller

@@ -1,13 +1,18 @@
-"""Hosts the services with the package `qi`, the robot's own library, at the end of the wire."""
+"""The simulated Pepper with libqi, the robot's own library, at its end of the wire.
+
+`python -m tests.fakes.naoqi_by_libqi` takes what `python -m naoqi_simulator` takes.
+"""
 
 from __future__ import annotations
 
 import asyncio
 import os
+import sys
 from collections.abc import Callable, Coroutine, Mapping, Sequence
 from typing import Any
 
 from naoqi_simulator.faults import Desk
+from naoqi_simulator.process import main
 from naoqi_simulator.table import Method, Refused, Service, methods_of
 from naoqi_simulator.world import Clients
 
@@ -19,13 +24,13 @@ class QiHost(Clients):
     sound reaches only a `processRemote` that is declared to take raw data (`r`).
     """
 
-    def __init__(self, desk: Desk, loop: asyncio.AbstractEventLoop) -> None:
+    def __init__(self, desk: Desk) -> None:
         # Before the import: the library writes its log to standard output.
         os.environ.setdefault("QI_LOG_LEVEL", "0")
-        import qi  # noqa: PLC0415 - an extra that is not installed everywhere
+        import qi  # noqa: PLC0415 - not installed everywhere
 
         self._qi: Any = qi
-        self._desk, self._loop = desk, loop
+        self._desk, self._loop = desk, asyncio.get_running_loop()
         self._session: Any = qi.Session()
         self._objects: list[Any] = []
         self._services: dict[str, Service] = {}
@@ -130,3 +135,9 @@ def _settle(waiting: asyncio.Future[Any], ended: Any) -> None:
         waiting.set_exception(RuntimeError(ended.error()))
     else:
         waiting.set_result(ended.value())
+
+
+if __name__ == "__main__":
+    # The library calls from threads of its own; a real robot has no interpreter to wait for.
+    sys.setswitchinterval(0.0005)
+    sys.exit(main(hosting=QiHost))

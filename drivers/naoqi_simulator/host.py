@@ -1,4 +1,4 @@
-"""Hosts the services with our own server of the qi wire: nothing but Python is needed."""
+"""Puts the services on the wire, with the server of `qimessaging`."""
 
 from __future__ import annotations
 
@@ -15,8 +15,8 @@ from naoqi_simulator.table import Method, Service, methods_of
 from naoqi_simulator.world import Clients
 
 
-class OwnHost(Clients):
-    """A server in our loop."""
+class Host(Clients):
+    """A server in the running loop."""
 
     def __init__(self, desk: Desk) -> None:
         self._desk = desk

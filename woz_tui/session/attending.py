@@ -8,7 +8,6 @@ and hears directions. A wizard who turns the head meanwhile has it: it is not tu
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Verb
@@ -19,10 +18,7 @@ from woz_tui.sensing.attention import Attention, Look, Order, Return, Stimulus
 from woz_tui.sensing.machine import ENGAGED
 from woz_tui.sensing.stream import Follower
 from woz_tui.session.alarm import Alarm
-from woz_tui.session.effects import ORIGIN
-
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
+from woz_tui.session.robot import ORIGIN, Robot
 
 GAZE, DIRECTION = "gaze", "direction"
 _NOWHERE = Place("", 0, 0)
@@ -32,7 +28,7 @@ class Attending:
     """Looks elsewhere and back.
 
     Args:
-        session: Whose runner, stop and experiment count.
+        robot: Turns its head.
         follower: Says what is heard and who is engaged.
         settings: What the section says.
         news: Called when what it attends to has changed.
@@ -40,19 +36,19 @@ class Attending:
 
     def __init__(
         self,
-        session: Session,
+        robot: Robot,
         follower: Follower,
         settings: EngagementSettings,
         news: Callable[[], object],
     ) -> None:
-        self._session = session
+        self._robot = robot
         self._follower = follower
         self._settings = settings.attention
         self._attention = Attention(settings.attention)
         self._news = news
-        self._alarm = Alarm(session.hub, self._ring)
-        self._head = head_of(session.experiment) if settings.attention.look else None
-        self._sensor = _direction_beside(session.experiment, self._head) if self._head else ""
+        self._alarm = Alarm(robot.hub, self._ring)
+        self._head = head_of(robot.experiment) if settings.attention.look else None
+        self._sensor = _direction_beside(robot.experiment, self._head) if self._head else ""
         self._direction: float | None = None
         self._before: dict[str, m.Json] = {}
         self._overruled = False
@@ -96,7 +92,7 @@ class Attending:
 
     @property
     def _now(self) -> int:
-        return self._session.hub.now()
+        return self._robot.hub.now()
 
     def _heard(self, direction: float | None) -> None:
         """A direction is a sound where it is loud, and not the robot itself."""
@@ -109,7 +105,7 @@ class Attending:
     def _carry_out(self, order: Order | None) -> None:
         match order:
             case Look(direction=direction):
-                self._overruled = self._session.bus.latched  # it does not turn, so not back either
+                self._overruled = self._robot.is_stopped  # it does not turn, so not back either
                 self._look({"yaw": direction, "pitch": 0.0})
             case Return(direction=direction) if not self._overruled:
                 self._look(self._before or {"yaw": direction or 0.0, "pitch": 0.0})
@@ -119,12 +115,12 @@ class Attending:
             self._news()
 
     def _look(self, args: Mapping[str, m.Json]) -> None:
-        if self._head is None or self._session.bus.latched or self._session.ended:
+        if self._head is None or not self._robot.may_move:
             return
         spec, verb = self._head
         known = {argument.name for argument in verb.arguments}
         fitting = {name: _within(verb, name, args[name]) for name in args if name in known}
-        self._session.runner.send(Call(GAZE, fitting, spec.name, _NOWHERE), ORIGIN)
+        self._robot.send(Call(GAZE, fitting, spec.name, _NOWHERE))
 
     def _ring(self) -> None:
         self._carry_out(self._attention.advance(self._now))

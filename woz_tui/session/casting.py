@@ -2,38 +2,50 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Mapping
+from pathlib import Path
 
+from woz_tui.core.clock import Clock
+from woz_tui.core.driver import Driver
+from woz_tui.core.feeds import Feeds
+from woz_tui.core.hub import Hub
 from woz_tui.experiment.sensors import published_names
+from woz_tui.experiment.shape import Experiment
 from woz_tui.plugins import PluginError
-from woz_tui.record.names import media_folder
 from woz_tui.session.outlet import Asked, DriverOutlet
 
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
 
+def make_drivers(
+    experiment: Experiment,
+    catalogue: Mapping[str, type[Driver]],
+    hub: Hub,
+    clock: Clock,
+    *,
+    feeds: Feeds,
+    asked: Asked,
+    media: Callable[[], Path],
+) -> dict[str, Driver]:
+    """Every driver by its name, each with an outlet of its own.
 
-def make_drivers(session: Session, asked: Asked) -> None:
-    """Make every driver, with an outlet of its own, and put it into `session.drivers`.
-
-    `asked` carries out what drivers ask for. Raises `PluginError` if one cannot be made.
+    `asked` carries out what drivers ask for, `media` is the folder for sound and pictures. Raises
+    `PluginError` if one cannot be made.
     """
-    names = published_names(session.experiment.drivers)
-    for spec in session.experiment.drivers:
+    names, drivers = published_names(experiment.drivers), dict[str, Driver]()
+    for spec in experiment.drivers:
         outlet = DriverOutlet(
             spec.name,
-            session.hub,
-            session.clock,
-            session.experiment.path.parent,
+            hub,
+            clock,
+            experiment.path.parent,
             names=names[spec.name],
-            feeds=session.feeds,
+            feeds=feeds,
             asked=asked,
-            media=lambda: media_folder(session.recorder.path),
+            media=media,
         )
         try:
-            driver = session.catalogue[spec.type](spec.name, spec.settings, outlet)
+            drivers[spec.name] = catalogue[spec.type](spec.name, spec.settings, outlet)
         except (Exception, SystemExit) as error:
             raise PluginError(
                 f"the driver {spec.name!r} cannot be made: {type(error).__name__}: {error}"
             ) from error
-        session.drivers[spec.name] = driver
+    return drivers

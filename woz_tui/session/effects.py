@@ -16,24 +16,17 @@ from __future__ import annotations
 
 import dataclasses
 from collections import deque
-from collections.abc import Iterable
-from typing import TYPE_CHECKING
+from collections.abc import Iterable, Mapping
 
 from woz_tui.core import messages as m
 from woz_tui.experiment.shape import Action, Call, Step, Together
-from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing.machine import State
 from woz_tui.sensing.model import Change
 from woz_tui.sensing.passing import SECOND
 from woz_tui.sensing.stream import SPEECH
-from woz_tui.session.runner import Origin
+from woz_tui.session.robot import ORIGIN, Robot
 from woz_tui.session.signals import Signals, nearly
 
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
-
-#: Whose hand it is, in the log.
-ORIGIN = Origin(ENGAGEMENT)
 #: Verbs whose result is seen until something else is shown.
 LASTING = frozenset({"eyes", "screen", "emotion"})
 #: Where somebody has had a turn: the greeting has been said.
@@ -45,14 +38,15 @@ _AT_ONCE = "refuse"
 
 
 class Effects:
-    """Plays what belongs to states, through the session's runner.
+    """Plays what belongs to states.
 
     Args:
-        session: Whose experiment, runner and stop count.
+        robot: On which it is played.
+        locked: Panels by title: whether they are locked.
     """
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
+    def __init__(self, robot: Robot, locked: Mapping[str, bool]) -> None:
+        self._robot, self._locked = robot, locked
         self._state: str = State.WAIT
         self._told: set[str] = set()
         self._runs: set[str] = set()
@@ -65,7 +59,7 @@ class Effects:
 
     def adopt(self) -> None:
         """The experiment was read: from now on its effects count."""
-        self._signals = Signals(self._session.experiment)
+        self._signals = Signals(self._robot.experiment)
         self._signals.entered(self._state)
 
     def gone(self) -> None:
@@ -82,10 +76,10 @@ class Effects:
         self._leave(f"{self._state} was left for {change.now}")
         self._state = change.now
         calls = self._signals.entered(change.now)
-        if self._session.bus.latched or self._session.ended:
+        if not self._robot.may_move:
             return
         self._signal(calls)
-        engagement = self._session.experiment.engagement
+        engagement = self._robot.engagement
         if engagement is None:
             return
         if self._chased(change.t):
@@ -102,7 +96,7 @@ class Effects:
         """The signs moved: somebody may be nearly engaged, or not any more."""
         verdicts: dict[str, m.Json] = {name: sign.verdict for name, sign in shown.signs.items()}
         calls = self._signals.noticed(nearly(verdicts, shown.uses))
-        if not (self._session.bus.latched or self._session.ended):
+        if self._robot.may_move:
             self._signal(calls)
 
     def released(self) -> None:
@@ -111,14 +105,14 @@ class Effects:
 
     def connected(self, driver: str) -> None:
         """A driver is there, for the first time or again: it shows what lasts."""
-        if not self._session.bus.latched:
+        if not self._robot.is_stopped:
             self._signal(call for call in self._lasting() if call.driver == driver)
 
     def _lasting(self) -> list[Call]:
         """What is to be seen in the present state, and stays to be seen."""
-        if self._session.ended:
+        if self._robot.is_over():
             return []
-        engagement = self._session.experiment.engagement
+        engagement = self._robot.engagement
         action = engagement.effects.get(self._state) if engagement else None
         calls = [*self._signals.entered(self._state), *(action.calls if action else ())]
         return [call for call in calls if call.verb in LASTING]
@@ -138,7 +132,7 @@ class Effects:
     def _leave(self, why: str) -> None:
         for run in list(self._runs - self._left):
             self._left.add(run)
-            self._session.runner.leave(run, why)
+            self._robot.runner.leave(run, why)
 
     def _chased(self, t: int) -> bool:
         """Whether states follow each other as only their own effects can make them."""
@@ -148,20 +142,19 @@ class Effects:
     def _play(self, action: Action, again: bool) -> None:
         action = _silent(action) if again else action
         if action.steps:
-            self._began(self._session.runner.play(action, ORIGIN)[0])
+            self._began(self._robot.runner.play(action, ORIGIN)[0])
 
     def _play_named(self, name: str, again: bool) -> None:
         """An action of a panel, as far as no lock stands against it.
 
         What the wizard may use by their profile is no affair of the robot's own.
         """
-        session = self._session
-        action = session.experiment.action(name)
+        action = self._robot.experiment.action(name)
         if action is None:
             self._tell(f"there is no action {name!r}")
-        elif action.locked or session.locked.get(action.panel, False):
+        elif action.locked or self._locked.get(action.panel, False):
             reason = f"{action.name!r} is locked" if action.locked else "its panel is locked"
-            self._began(session.runner.refuse(name, action.panel, ORIGIN, reason))
+            self._began(self._robot.runner.refuse(name, action.panel, ORIGIN, reason))
         else:
             self._play(action, again)
 
@@ -181,7 +174,7 @@ class Effects:
         lasting = call.verb in LASTING
         older = self._shown.pop(kind, "")
         if older and lasting:
-            self._session.runner.cancel(older, f"{self._state} has begun")
+            self._robot.runner.cancel(older, f"{self._state} has begun")
         done: list[m.End] = []
 
         def ended(end: m.End) -> None:
@@ -191,7 +184,7 @@ class Effects:
             self._signalled(call, end)
 
         when_busy = "queue" if lasting else _AT_ONCE
-        sent = self._session.runner.send(call, ORIGIN, when_busy, None, ended)
+        sent = self._robot.runner.send(call, ORIGIN, when_busy, None, ended)
         if not done:
             self._shown[kind] = sent.command
 
@@ -205,7 +198,7 @@ class Effects:
         """A notice, once for each reason."""
         if why not in self._told:
             self._told.add(why)
-            self._session.hub.publish(
+            self._robot.hub.publish(
                 m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy)
             )
 

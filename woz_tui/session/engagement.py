@@ -14,7 +14,7 @@ from __future__ import annotations
 import asyncio
 import logging
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from woz_tui.core import messages as m
 from woz_tui.core.driver import Job, Rejected, Scope, Verb
@@ -29,10 +29,9 @@ from woz_tui.sensing.stream import Follower
 from woz_tui.session.alarm import Alarm
 from woz_tui.session.attending import Attending
 from woz_tui.session.effects import Effects
+from woz_tui.session.robot import Robot
 from woz_tui.session.visiting import Visiting
-
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
+from woz_tui.timeline.state import SessionState
 
 #: Microseconds between two looks at the signs, while no state changes.
 SHOWN_EVERY_US = 200_000
@@ -46,18 +45,23 @@ class LiveEngagement:
     """See the module's text.
 
     Args:
-        session: Whose hub, runner, bus and experiment count; the last two from `begin` on.
+        robot: What it has to do with; its bus and runner count from `begin` on.
+        state: What holds in the session.
+        locked: Panels by title: whether they are locked.
+        logs: The folder where the log began.
     """
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
-        self._hub = session.hub
+    def __init__(
+        self, robot: Robot, state: SessionState, locked: Mapping[str, bool], logs: Path
+    ) -> None:
+        self._robot, self._state, self._logs = robot, state, logs
+        self._hub = robot.hub
         self._loop = asyncio.get_running_loop()
         self._follower: Follower | None = None
-        self._effects = Effects(session)
+        self._effects = Effects(robot, locked)
         self._visiting: Visiting | None = None
         self._attending: Attending | None = None
-        self._alarm = Alarm(session.hub, self._ring)
+        self._alarm = Alarm(robot.hub, self._ring)
         self._look: asyncio.TimerHandle | None = None
         self._shown: m.EngagementShown | None = None
         self._shown_us = -SHOWN_EVERY_US
@@ -198,13 +202,13 @@ class LiveEngagement:
 
     def _show_robots(self) -> None:
         """Robots that are there show how things stand."""
-        for name, driver in [*self._session.state.drivers.items()]:
+        for name, driver in [*self._state.drivers.items()]:
             if isinstance(driver.health, m.DriverConnected):
                 self._connected(name)
 
     def _follow_file(self, message: m.ExperimentReloaded | m.EngagementAdopted) -> None:
         """New settings count from when all hear of them; what the robot shows, at once."""
-        engagement = self._session.experiment.engagement
+        engagement = self._robot.engagement
         if isinstance(message, m.EngagementAdopted):
             self._reloaded(engagement if message.settings else None)
         elif not self._tell_settings():
@@ -214,7 +218,7 @@ class LiveEngagement:
         """Say which settings hold, if they are others than before. They are taken over when this is
         heard: whoever reads the log later takes them over at the same place.
         """
-        engagement = self._session.experiment.engagement
+        engagement = self._robot.engagement
         settings = plain(engagement.settings) if engagement else {}
         if settings == self._told:
             return False
@@ -229,7 +233,7 @@ class LiveEngagement:
             self._effects.gone()
             self._shown = None
         elif not had_one:
-            self._follower.catch_up(self._session.state.messages())
+            self._follower.catch_up(self._state.messages())
             self._show_robots()
         self._show()
         self._wind()
@@ -240,7 +244,7 @@ class LiveEngagement:
         self.offered.clear()
         self.offered.update({verb.name: verb for verb in verbs})
         if self._opened:
-            self._session.bus.offer(ENGAGEMENT, verbs)
+            self._robot.bus.offer(ENGAGEMENT, verbs)
         if engagement is None:
             self.close()
         else:
@@ -251,7 +255,7 @@ class LiveEngagement:
         """For all but a follower that there is: it reads of them, as in the log."""
         if self._follower is None or self._visiting is None:
             self._follower = Follower(settings)
-            self._visiting = Visiting(self._session, settings)
+            self._visiting = Visiting(self._robot, settings, self._logs)
         else:
             self._visiting.adopt(settings)
         if self._attending is None or not self._attending.fits(settings):
@@ -260,7 +264,7 @@ class LiveEngagement:
     def _attend(self, follower: Follower, settings: EngagementSettings) -> None:
         if self._attending is not None:
             self._attending.close()
-        self._attending = Attending(self._session, follower, settings, self._show_later)
+        self._attending = Attending(self._robot, follower, settings, self._show_later)
         self._attending.entered(follower.model.state)
         self._attending.attend(follower.mode)
 

@@ -2,34 +2,29 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 from woz_tui.core import messages as m
 from woz_tui.core.driver import LEARN_FACE
 from woz_tui.experiment.shape import Call, Place
 from woz_tui.sensing.model import Change
-from woz_tui.session.effects import ORIGIN
-
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
+from woz_tui.session.robot import Robot
 
 _NOWHERE = Place("", 0, 0)
 
 
-def introduced(session: Session, change: Change) -> None:
+def introduced(robot: Robot, change: Change) -> None:
     """A handshake has given somebody a name: their face gets it, unless it has one already."""
     recognised = change.verdicts.get("identity") not in (None, "", "Unknown")
     if change.outcome != "eng2know" or not change.visitor or recognised:
         return
-    for spec in session.experiment.drivers:
+    for spec in robot.experiment.drivers:
         if any(verb.name == LEARN_FACE for verb in spec.verbs):
-            _learn(session, spec.name, change.visitor)
+            _learn(robot, spec.name, change.visitor)
 
 
-def _learn(session: Session, driver: str, name: str) -> None:
+def _learn(robot: Robot, driver: str, name: str) -> None:
     def ended(end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut | m.Refused):
-            session.hub.publish(
+            robot.hub.publish(
                 m.Notice(
                     level="warning",
                     text=f"{driver} has not learnt the face of {name}: {end.reason}",
@@ -38,4 +33,4 @@ def _learn(session: Session, driver: str, name: str) -> None:
             )
 
     call = Call(LEARN_FACE, {"name": name}, driver, _NOWHERE)
-    session.runner.send(call, ORIGIN, "queue", None, ended)
+    robot.send(call, ended)

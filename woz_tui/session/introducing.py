@@ -7,7 +7,6 @@ reaches the model as commands, `visitor` or `handshake: fail`, so that the log h
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import HandshakeSettings
@@ -15,10 +14,7 @@ from woz_tui.experiment.shape import Call, Place
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.sensing.handshake import Done, Failed, Handshake, Learn, Order, Say
 from woz_tui.session.alarm import Alarm
-from woz_tui.session.effects import ORIGIN
-
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
+from woz_tui.session.robot import Robot
 
 _NOWHERE = Place("", 0, 0)
 
@@ -29,7 +25,7 @@ class Introduction:
     What is heard while the robot speaks is its own voice, and no answer.
 
     Args:
-        session: Whose runner and hub count.
+        robot: Speaks, and hears.
         settings: What is said, how often, how long.
         voice: The driver that speaks.
         is_taken: Whether a name belongs to somebody.
@@ -37,16 +33,16 @@ class Introduction:
 
     def __init__(
         self,
-        session: Session,
+        robot: Robot,
         settings: HandshakeSettings,
         voice: str,
         is_taken: Callable[[str], bool],
     ) -> None:
-        self._session = session
+        self._robot = robot
         self._settings = settings
         self._voice = voice
         self._procedure = Handshake(settings, is_taken)
-        self._alarm = Alarm(session.hub, self._ring)
+        self._alarm = Alarm(robot.hub, self._ring)
         self._saying = 0
         self._own: set[tuple[str, int]] = set()
 
@@ -92,7 +88,7 @@ class Introduction:
 
     @property
     def _now(self) -> int:
-        return self._session.hub.now()
+        return self._robot.hub.now()
 
     def _carry_out(self, order: Order | None, *, tell: bool = True) -> None:
         match order:
@@ -111,10 +107,10 @@ class Introduction:
         self._alarm.set(self._procedure.due())
 
     def _say(self, text: str) -> None:
-        if text and not self._session.ended:
+        if text and not self._robot.is_over():
             self._saying += 1
             call = Call("say", {"text": text}, self._voice, _NOWHERE)
-            self._session.runner.send(call, ORIGIN, "queue", None, self._said)
+            self._robot.send(call, self._said)
 
     def _said(self, end: m.End) -> None:
         self._saying -= 1
@@ -122,9 +118,8 @@ class Introduction:
         self._alarm.set(self._procedure.due())
 
     def _command(self, verb: str, **args: m.Json) -> None:
-        if self._session.ended:
-            return
-        self._session.runner.send(Call(verb, args, ENGAGEMENT, _NOWHERE), ORIGIN)
+        if not self._robot.is_over():
+            self._robot.send(Call(verb, args, ENGAGEMENT, _NOWHERE))
 
     def _ring(self) -> None:
         self._carry_out(self._procedure.advance(self._now))

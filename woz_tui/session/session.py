@@ -18,6 +18,7 @@ from woz_tui.core.driver import Ask, Driver, Performer
 from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Call, Experiment, Place
+from woz_tui.record.names import media_folder
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
 from woz_tui.session.beginning import begin, reloaded
@@ -27,6 +28,7 @@ from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
 from woz_tui.session.profiles import Profiles, by_hand, covered
 from woz_tui.session.recent import Recent
+from woz_tui.session.robot import Robot
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.shaping import Shaper
 from woz_tui.session.study import LiveStudy
@@ -60,7 +62,7 @@ class Session:
     identity: Identity
     recorder: Recorder
     clock: Clock
-    drivers: dict[str, Driver] = field(init=False, default_factory=dict)
+    drivers: dict[str, Driver] = field(init=False)
     feeds: Feeds = field(init=False, default_factory=Feeds)
     locked: dict[str, bool] = field(init=False, default_factory=dict)
     script_at: int = field(init=False, default=0)
@@ -76,10 +78,25 @@ class Session:
         self.hub.listen(self.state.take)
         self.hub.listen(self.recent.take)
         begin(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
-        self.engagement = LiveEngagement(self)
+        robot = Robot(
+            self.hub,
+            lambda: self.experiment,
+            lambda: self.ended,
+            lambda: self.clock.wall().date(),
+        )
+        logs = self.recorder.path.parent
+        self.engagement = LiveEngagement(robot, self.state, self.locked, logs)
         self.profiles = Profiles(self.hub.publish)
         self.study = LiveStudy(self)
-        make_drivers(self, self._asked)
+        self.drivers = make_drivers(
+            self.experiment,
+            self.catalogue,
+            self.hub,
+            self.clock,
+            feeds=self.feeds,
+            asked=self._asked,
+            media=lambda: media_folder(self.recorder.path),
+        )
         self.locked |= {panel.title: True for panel in self.experiment.panels if panel.locked}
         self.verbs = {spec.name: spec.verbs for spec in self.experiment.drivers}
         by_name = {
@@ -116,6 +133,7 @@ class Session:
             self.experiment.session.deadline,
             shaper=Shaper(self.hub, self.identity.seed),
         )
+        robot.bus, robot.runner = self.bus, self.runner
         self._by_name = by_name
         self._asking = Asking(
             {

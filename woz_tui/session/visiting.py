@@ -10,7 +10,6 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Callable
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
 from woz_tui.core.driver import SPEECH_TEXT
@@ -21,9 +20,7 @@ from woz_tui.sensing.people import store_at
 from woz_tui.session import faces
 from woz_tui.session.acquaintances import Acquaintances
 from woz_tui.session.introducing import Introduction
-
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
+from woz_tui.session.robot import Robot
 
 _SAY = "say"
 #: Who comes into one of these may be somebody whom another process has named meanwhile.
@@ -36,16 +33,16 @@ class Visiting:
     """See the module's text.
 
     Args:
-        session: Whose hub and runner count.
+        robot: Asks for a name, and learns faces.
         settings: What the section says.
+        logs: Where the log began: it may move on to another folder, the visitors do not.
     """
 
-    def __init__(self, session: Session, settings: EngagementSettings) -> None:
-        self._session = session
+    def __init__(self, robot: Robot, settings: EngagementSettings, logs: Path) -> None:
+        self._robot = robot
         self._settings = settings
         self._loop = asyncio.get_running_loop()
-        # Where the log began: it may move on to another folder, the visitors do not.
-        self._logs = session.recorder.path.parent
+        self._logs = logs
         self.known = self._acquaintances(store_at(settings.visitors, self._logs))
         self._introduction: Introduction | None = None
         self._verbs: dict[str, m.Command] = {}
@@ -59,18 +56,18 @@ class Visiting:
             self.known = self._acquaintances(path)
 
     def _acquaintances(self, path: Path) -> Acquaintances:
-        known = Acquaintances(path, self._session.hub.publish, self._later)
+        known = Acquaintances(path, self._robot.hub.publish, self._later)
         known.read()
         return known
 
     def _later(self, call: Callable[[], object]) -> None:
         """From any thread: in the session's, if it still goes on."""
-        self._loop.call_soon_threadsafe(lambda: None if self._session.ended else call())
+        self._loop.call_soon_threadsafe(lambda: None if self._robot.is_over() else call())
 
     def close(self) -> None:
         """The session ends, or goes on without the section."""
         self._end_introduction()
-        if not self._session.ended:
+        if not self._robot.is_over():
             self.known.look()
 
     async def finish(self) -> None:
@@ -91,15 +88,15 @@ class Visiting:
 
     def entered(self, change: Change) -> None:
         """The machine is in another state."""
-        if not self._session.ended:
-            faces.introduced(self._session, change)
+        if not self._robot.is_over():
+            faces.introduced(self._robot, change)
         if change.was == State.HANDSHAKE and self._introduction is not None:
             introduction, self._introduction = self._introduction, None
             introduction.left(change.outcome, self.name(change.visitor))
         if change.now == State.HANDSHAKE:
             self._introduce()
         elif change.now == State.KNOWN and change.visitor:
-            self.known.meet(change.visitor, self._session.clock.wall().date())
+            self.known.meet(change.visitor, self._robot.today())
         elif change.now == State.WAIT:
             self.known.gone()
         if change.now in _NEW:
@@ -120,7 +117,7 @@ class Visiting:
         named = verb == "visitor" or (verb == "handshake" and args.get("what") == "ok")
         if named and isinstance(name, str) and name:
             facts = {fact: str(args[fact]) for fact in ("age_group", "address") if args.get(fact)}
-            self.known.introduce(name, facts, self._session.clock.wall().date())
+            self.known.introduce(name, facts, self._robot.today())
 
     def resume(self, state: State) -> None:
         """The stop was released."""
@@ -131,7 +128,7 @@ class Visiting:
 
     def _introduce(self) -> None:
         self._end_introduction()
-        if self._session.ended:
+        if self._robot.is_over():
             return
         settings = self._settings.handshake
         voice = self._voice()
@@ -139,10 +136,10 @@ class Visiting:
             self._notice("the robot cannot ask for a name: it has no voice")
         elif settings.by != "robot":
             self._notice("a visitor without a name: who is it?")
-        elif not self._session.bus.latched:
+        elif not self._robot.is_stopped:
             if not self._hears():
                 self._notice("the robot asks for a name, and nobody hears the answer")
-            self._introduction = Introduction(self._session, settings, voice, self.known.is_taken)
+            self._introduction = Introduction(self._robot, settings, voice, self.known.is_taken)
             self._introduction.begin()
 
     def _end_introduction(self) -> None:
@@ -151,15 +148,15 @@ class Visiting:
             self._introduction = None
 
     def _voice(self) -> str:
-        drivers = self._session.experiment.drivers
+        drivers = self._robot.experiment.drivers
         speaking = (spec.name for spec in drivers for verb in spec.verbs if verb.name == _SAY)
         return next(speaking, "")
 
     def _hears(self) -> bool:
-        return any(SPEECH_TEXT in spec.sensors for spec in self._session.experiment.drivers)
+        return any(SPEECH_TEXT in spec.sensors for spec in self._robot.experiment.drivers)
 
     def _notice(self, text: str) -> None:
-        self._session.hub.publish(
+        self._robot.hub.publish(
             m.Notice(
                 level="info",
                 text=f"handshake: {text}",

@@ -1,0 +1,61 @@
+"""What the engagement model needs of a session: commands for the robot, and whether it may move."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass, field
+from datetime import date
+
+from woz_tui.bus.bus import Bus
+from woz_tui.core import messages as m
+from woz_tui.core.hub import Hub
+from woz_tui.experiment.shape import Call, Engagement, Experiment
+from woz_tui.experiment.verbs import ENGAGEMENT
+from woz_tui.session.runner import Origin, Runner
+
+#: Whose hand it is, in the log.
+ORIGIN = Origin(ENGAGEMENT)
+
+
+@dataclass
+class Robot:
+    """See the module's text.
+
+    Args:
+        hub: Where everything is published.
+        read: Gives the experiment as its file was read last.
+        is_over: Whether the session has ended.
+        today: The day on the calendar.
+    """
+
+    hub: Hub
+    read: Callable[[], Experiment]
+    is_over: Callable[[], bool]
+    today: Callable[[], date]
+    #: They come later: what the model offers belongs on the bus, too.
+    bus: Bus = field(init=False)
+    runner: Runner = field(init=False)
+
+    @property
+    def experiment(self) -> Experiment:
+        """As its file was read last."""
+        return self.read()
+
+    @property
+    def engagement(self) -> Engagement | None:
+        """The section of the file."""
+        return self.experiment.engagement
+
+    @property
+    def is_stopped(self) -> bool:
+        """Whether the stop is pressed."""
+        return self.bus.latched
+
+    @property
+    def may_move(self) -> bool:
+        """Whether anything may be asked of it."""
+        return not (self.is_stopped or self.is_over())
+
+    def send(self, call: Call, on_end: Callable[[m.End], None] | None = None) -> m.Command:
+        """Send one verb; it waits while its driver is busy."""
+        return self.runner.send(call, ORIGIN, "queue", None, on_end)

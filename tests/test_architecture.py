@@ -7,6 +7,7 @@ import importlib
 import re
 import subprocess
 import sys
+from collections.abc import Iterable, Iterator, Mapping
 from pathlib import Path
 
 import pytest
@@ -39,6 +40,8 @@ ROOMS = [
     "qimessaging",
     "naoqi_simulator",
 ]
+#: Top folders whose modules are asked for circles.
+PACKAGES = ("woz_tui", "drivers")
 VAGUE = re.compile(r"(^|_)(utils?|helpers?|manager|misc|common|stuff)(_|$)")
 
 #: Loading the left side must not load the right side.
@@ -113,6 +116,61 @@ def test_our_own_classes_are_never_mocked() -> None:
         and any(name.startswith(("unittest.mock", "mock")) for name in _imported(ast.parse(text)))
     ]
     assert mocking == []
+
+
+#: Modules that import each other in a circle, and why they still do.
+CIRCLES = {
+    frozenset(
+        f"woz_tui.console.{name}" for name in ("picture", "reducers", "sentences")
+    ): "the console's own state, which goes when it reads the timeline's"
+}
+
+
+def test_no_modules_import_each_other_in_a_circle() -> None:
+    """Also not for types alone: who reads one of them would have to read all."""
+    files = {_module(path): path for path in SOURCES if path.parts[len(ROOT.parts)] in PACKAGES}
+    graph = {name: set(_imports(name, path, files)) - {name} for name, path in files.items()}
+    assert len(graph) > 500
+    assert _circles({"a": {"b"}, "b": {"c"}, "c": {"b"}}) == {frozenset({"b", "c"})}
+    assert _circles(graph) - CIRCLES.keys() == set()
+
+
+def _module(path: Path) -> str:
+    top = path.parent
+    while (top / "__init__.py").exists():
+        top = top.parent
+    return ".".join(path.relative_to(top).with_suffix("").parts).removesuffix(".__init__")
+
+
+def _imports(name: str, path: Path, known: Iterable[str]) -> Iterator[str]:
+    """Modules of ours that a file imports anywhere in it."""
+    for node in ast.walk(ast.parse(path.read_text())):
+        if isinstance(node, ast.Import):
+            yield from (alias.name for alias in node.names if alias.name in known)
+        elif isinstance(node, ast.ImportFrom):
+            assert not node.level, f"{name} imports relatively"
+            for alias in node.names:
+                inner = f"{node.module}.{alias.name}"
+                yield inner if inner in known else str(node.module)
+
+
+def _circles(graph: Mapping[str, set[str]]) -> set[frozenset[str]]:
+    """Sets of more than one module of which each reaches each other one."""
+    reached = {name: _reached(graph, name) for name in graph}
+    together = {
+        frozenset(other for other in reached[name] if name in reached.get(other, ()))
+        for name in graph
+    }
+    return {circle for circle in together if len(circle) > 1}
+
+
+def _reached(graph: Mapping[str, set[str]], start: str) -> set[str]:
+    found: set[str] = set()
+    ahead = [start]
+    while ahead:
+        ahead += (new := graph.get(ahead.pop(), set()) - found)
+        found |= new
+    return found
 
 
 def _imported(tree: ast.Module) -> list[str]:

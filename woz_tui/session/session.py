@@ -87,7 +87,14 @@ class Session:
         logs = self.recorder.path.parent
         self.engagement = LiveEngagement(robot, self.state, self.locked, logs)
         self.profiles = Profiles(self.hub.publish)
-        self.study = LiveStudy(self)
+        self.study = LiveStudy(
+            self.hub,
+            self.state,
+            read=lambda: self.experiment,
+            identity=lambda: self.identity,
+            set_trial=self.set,
+            logs=logs,
+        )
         self.drivers = make_drivers(
             self.experiment,
             self.catalogue,

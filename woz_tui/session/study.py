@@ -5,40 +5,66 @@ Every change is a message; what follows from them is the timeline's. Refusals ar
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from pathlib import Path
+from typing import Protocol
 
 from woz_tui.core import messages as m
+from woz_tui.core.hub import Hub
+from woz_tui.experiment.shape import Experiment
 from woz_tui.experiment.study import Design
 from woz_tui.session.earlier import Earlier
-from woz_tui.session.identity import AskError, check_participant
+from woz_tui.session.identity import AskError, Identity, check_participant
 from woz_tui.session.proposal import Proposal, propose
 from woz_tui.session.questioning import Questioning
 from woz_tui.session.study_view import study_settings
 from woz_tui.session.variables import Values, by_condition
-
-if TYPE_CHECKING:
-    from woz_tui.session.session import Session
+from woz_tui.timeline.state import SessionState
 
 #: Where the wizard chose the order, and no design did.
 BY_HAND = "hand"
+
+
+class SetTrial(Protocol):
+    """Sets participant, condition and trial, each if it is given."""
+
+    def __call__(  # noqa: D102
+        self,
+        participant: str | None = None,
+        condition: str | None = None,
+        trial: int | None = None,
+    ) -> None: ...
 
 
 class LiveStudy:
     """See the module's text.
 
     Args:
-        session: Whose hub, experiment and identity count, and which sets the condition.
+        hub: Where everything is published.
+        state: What holds in the session.
+        read: Gives the experiment as its file was read last.
+        identity: Gives who takes part, and under which condition.
+        set_trial: Changes that.
+        logs: The folder with the logs of earlier sessions.
     """
 
-    def __init__(self, session: Session) -> None:
-        self._session = session
-        self._hub = session.hub
+    def __init__(
+        self,
+        hub: Hub,
+        state: SessionState,
+        *,
+        read: Callable[[], Experiment],
+        identity: Callable[[], Identity],
+        set_trial: SetTrial,
+        logs: Path,
+    ) -> None:
+        self._hub, self._read = hub, read
+        self._identity, self._set_trial = identity, set_trial
         #: What holds, and what the file says.
-        self.state = session.state.study
-        self.settings = self.state.settings = study_settings(session.experiment)
-        self._earlier = Earlier(session.recorder.path.parent)
+        self.state = state.study
+        self.settings = self.state.settings = study_settings(read())
+        self._earlier = Earlier(logs)
         self._proposed: dict[str, Proposal] = {}
         self.questioning = Questioning(self.state, self._hub.publish)
 
@@ -46,7 +72,7 @@ class LiveStudy:
 
     def begin(self) -> None:
         """Say what shapes the wizard's answers, as far as the file has it."""
-        study = self._session.experiment.study
+        study = self._read().study
         if study.perception.hide or study.perception.blur:
             self._tell_perception()
         if study.shaping is not None:
@@ -54,7 +80,7 @@ class LiveStudy:
 
     def adopt(self) -> None:
         """Go on with a changed file; what is under way goes on as it began."""
-        old, new = self.settings, study_settings(self._session.experiment)
+        old, new = self.settings, study_settings(self._read())
         self.settings = self.state.settings = new
         self._proposed.clear()
         if old.perception != new.perception:
@@ -69,13 +95,13 @@ class LiveStudy:
         self._end_trial("aborted", "the session ended")
 
     def _tell_perception(self) -> None:
-        perception = self._session.experiment.study.perception
+        perception = self._read().study.perception
         self._hub.publish(
             m.PerceptionChanged(hidden=[*perception.hide], blurred=[*perception.blur])
         )
 
     def _tell_shaping(self) -> None:
-        shaping = self._session.experiment.study.shaping
+        shaping = self._read().study.shaping
         self._hub.publish(
             m.ShapingChanged(
                 floor_us=round(shaping.floor * 1_000_000) if shaping else 0,
@@ -88,15 +114,15 @@ class LiveStudy:
 
     def filled(self, values: Mapping[str, str]) -> Values:
         """`values`, and the variables that depend on the condition."""
-        texts = self._session.experiment.by_condition
-        now, why = by_condition(texts, self._session.identity.condition, values)
+        texts = self._read().by_condition
+        now, why = by_condition(texts, self._identity().condition, values)
         return Values({**now, **values}, why)
 
     def shown(self, values: Mapping[str, str]) -> dict[str, str]:
         """`values` as a wizard may know them who is blind to the condition."""
         if not self.settings.blind:
             return dict(values)
-        depending = self._session.experiment.by_condition
+        depending = self._read().by_condition
         seen = {name: text for name, text in values.items() if name not in depending}
         return {**seen, "condition": self.label(values.get("condition", ""))}
 
@@ -110,7 +136,7 @@ class LiveStudy:
         """The order for this participant, from what the logs say. Reads files: to be called from a
         thread of its own, one at a time.
         """
-        experiment = self._session.experiment
+        experiment = self._read()
         design = self._design()
         check_participant(participant, experiment.participant_pattern)
         found = self._earlier.read(experiment.title, experiment.path.name)
@@ -122,7 +148,7 @@ class LiveStudy:
         return proposal
 
     def _design(self) -> Design:
-        design = self._session.experiment.study.design
+        design = self._read().study.design
         if design is None:
             raise AskError(
                 "the experiment has no design",
@@ -132,7 +158,7 @@ class LiveStudy:
 
     def assign(self, participant: str, order: list[str]) -> None:
         """This participant gets the conditions in this order, from the next trial on."""
-        design, experiment = self._design(), self._session.experiment
+        design, experiment = self._design(), self._read()
         check_participant(participant, experiment.participant_pattern)
         self._between_trials()
         _check_order(order, design, experiment.conditions)
@@ -140,7 +166,7 @@ class LiveStudy:
         as_proposed = proposal if proposal and [*proposal.order] == order else None
         trial = as_proposed.trial if as_proposed else 1
         place = min((trial - 1) // design.trials, len(order) - 1)
-        self._session.set(participant, order[place] if order else None, trial)
+        self._set_trial(participant, order[place] if order else None, trial)
         self._hub.publish(
             m.ConditionsAssigned(
                 participant=participant,
@@ -196,11 +222,11 @@ class LiveStudy:
                 "choose the next participant, or set the trial to run one again",
             )
         condition = state.condition_of(number) or state.condition
-        if self._session.experiment.conditions and not condition:
+        if self._read().conditions and not condition:
             raise AskError("no condition is set", "choose the participant's order first")
-        identity = self._session.identity
+        identity = self._identity()
         if (identity.condition, identity.trial) != (condition, number):
-            self._session.set(
+            self._set_trial(
                 condition=condition if condition != identity.condition else None,
                 trial=number,
             )

@@ -3,12 +3,11 @@
 from __future__ import annotations
 
 import asyncio
-import math
 from dataclasses import dataclass
 from typing import Any
 
 from naoqi_simulator.table import Refused, Service, offers
-from naoqi_simulator.visitor import Person
+from naoqi_simulator.visitor import HALF_ACROSS, HALF_UPRIGHT, Person
 from naoqi_simulator.world import World
 
 #: Width and height by NAOqi's number of a resolution.
@@ -17,8 +16,6 @@ RESOLUTIONS = {
 }
 RGB, BGR, GREY = 11, 13, 0
 _LAYERS = {RGB: 3, BGR: 3, GREY: 1}
-#: Pepper's upper camera: half of its field of view in radians, across and upright.
-HALF_ACROSS, HALF_UPRIGHT = math.radians(57.2 / 2), math.radians(44.3 / 2)
 #: How often the same name may be subscribed, as the documentation says.
 _MOST = 6
 

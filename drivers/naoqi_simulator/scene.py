@@ -7,8 +7,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from naoqi_simulator.camera import HALF_ACROSS, HALF_UPRIGHT
-from naoqi_simulator.visitor import Person
+from naoqi_simulator.visitor import HALF_ACROSS, HALF_UPRIGHT, Person
 
 Picture = NDArray[np.uint8]
 

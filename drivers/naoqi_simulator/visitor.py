@@ -16,6 +16,8 @@ NAMES = ("Ada", "Grace", "Alan")
 #: Seconds of walking up to the robot, and away.
 WALK_S = 3.0
 FAR_M = 2.6
+#: Pepper's upper camera: half of its field of view in radians, across and upright.
+HALF_ACROSS, HALF_UPRIGHT = math.radians(57.2 / 2), math.radians(44.3 / 2)
 #: What they say to the robot, and answer to questions that are not about their names.
 REMARKS = ("Oh, really?", "What is that over there?", "How old is it?", "That is a lot!")
 ANSWERS = ("Yes, please.", "I think so.", "I do not know.", "Tell me!")

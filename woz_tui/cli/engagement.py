@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import functools
 import json
 import os
 import stat
@@ -165,16 +166,36 @@ def _run(arguments: argparse.Namespace) -> int:
 def _log(
     arguments: argparse.Namespace, settings: EngagementSettings, file: BinaryIO, first: bytes
 ) -> int:
-    from woz_tui.cli import engagement_log, piped  # noqa: PLC0415
+    from woz_tui.cli import piped  # noqa: PLC0415
 
     try:
         if arguments.file != piped.NAME:
-            return engagement_log.run(arguments, settings)
+            return _again(arguments, Path(arguments.file), settings)
         with piped.kept(file, first) as path:
-            words = {**vars(arguments), "file": str(path)}
-            return engagement_log.run(argparse.Namespace(**words), settings)
+            return _again(arguments, path, settings)
     except (ValueError, piped.PipedError) as error:  # it may only look like a log
         raise UnreadableError(str(error)) from error
+
+
+def _again(arguments: argparse.Namespace, log: Path, settings: EngagementSettings) -> int:
+    """Print a log's transitions, or beside those that were recorded; or how trials went."""
+    from woz_tui.cli import engagement_log  # noqa: PLC0415
+
+    options = functools.partial(with_options, arguments)
+    begin, above = engagement_log.planned(
+        arguments, log, settings, options, lambda file: options(_experiments(file))
+    )
+    if arguments.trials:
+        from woz_tui.cli import engagement_trials  # noqa: PLC0415
+
+        engagement_trials.show(log, begin, above, as_json=arguments.json)
+        return 0
+    recount = engagement_log.run(log, begin, above, lines=not arguments.compare)
+    if arguments.compare:
+        from woz_tui.cli import engagement_compare  # noqa: PLC0415
+
+        engagement_compare.show(recount, as_json=arguments.json)
+    return 0
 
 
 def _together(arguments: argparse.Namespace) -> None:

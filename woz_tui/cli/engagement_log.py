@@ -50,24 +50,12 @@ class Recount:
     computed_off: Off = field(default_factory=Off)
 
 
-def run(arguments: argparse.Namespace, settings: EngagementSettings) -> int:
-    """Print the transitions as lines, or beside those that were recorded; or how trials went."""
-    path = Path(arguments.file)
-    begin, above = _plan(arguments, path, settings)
-    if arguments.trials:
-        from woz_tui.cli import engagement_trials  # noqa: PLC0415
-
-        engagement_trials.show(path, begin, above, as_json=arguments.json)
-        return 0
+def run(path: Path, begin: EngagementSettings | None, above: Above, *, lines: bool) -> Recount:
+    """Go through the log, printing the transitions as `lines`; its settings are `planned`."""
     damage = Damage()
-    lines = not arguments.compare
     recount = recounted(path, begin, damage, _print_change if lines else _keep_quiet, above)
     _hints(recount, damage)
-    if arguments.compare:
-        from woz_tui.cli import engagement_compare  # noqa: PLC0415
-
-        engagement_compare.show(recount, as_json=bool(getattr(arguments, "json", False)))
-    return 0
+    return recount
 
 
 def recounted(
@@ -181,17 +169,19 @@ def _keep_quiet(change: Change) -> None:
 # -- settings ----------------------------------------------------------------------------------
 
 
-def _plan(
-    arguments: argparse.Namespace, log: Path, settings: EngagementSettings
+def planned(
+    arguments: argparse.Namespace,
+    log: Path,
+    settings: EngagementSettings,
+    with_options: Callable[[EngagementSettings], EngagementSettings],
+    of_experiment: Callable[[Path], EngagementSettings],
 ) -> tuple[EngagementSettings | None, Above]:
     """Settings of the beginning, and what stands above those that the log tells itself."""
-    from woz_tui.cli.engagement import with_options  # noqa: PLC0415
-
     named = _named(arguments)
     if arguments.experiment is not None:
         return settings, Above.always(settings, named)
-    above = Above(lambda recorded: with_options(arguments, recorded), named)
-    return (None if _tells_settings(log) else _searched(arguments, log, settings)), above
+    above = Above(with_options, named)
+    return (None if _tells_settings(log) else _searched(log, settings, of_experiment)), above
 
 
 def _named(arguments: argparse.Namespace) -> dict[str, frozenset[str]]:
@@ -215,7 +205,9 @@ def _tells_settings(log: Path) -> bool:
 
 
 def _searched(
-    arguments: argparse.Namespace, log: Path, otherwise: EngagementSettings
+    log: Path,
+    otherwise: EngagementSettings,
+    of_experiment: Callable[[Path], EngagementSettings],
 ) -> EngagementSettings:
     """Those of the experiment that the session was run with, if its very file is still there."""
     start = _start_of(log)
@@ -226,9 +218,7 @@ def _searched(
     if found is None:
         _warn(f"{why}: these are the defaults (--experiment names a file)")
         return otherwise
-    from woz_tui.cli.engagement import settings_of  # noqa: PLC0415
-
-    return settings_of(argparse.Namespace(**{**vars(arguments), "experiment": found}))
+    return of_experiment(found)
 
 
 def _start_of(log: Path) -> m.SessionStart | None:

@@ -84,7 +84,7 @@ def run(arguments: argparse.Namespace) -> int:
     """Record and save; 0, or 1 after saying why nothing was saved."""
     # Here, so that the other commands start without the engine.
     from woz_tui import plugins  # noqa: PLC0415
-    from woz_tui.cli.render import RenderError  # noqa: PLC0415
+    from woz_tui.cli.rendered import RenderError  # noqa: PLC0415
     from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
     from woz_tui.motion.movefile import MoveFileError  # noqa: PLC0415
     from woz_tui.motion.movewriter import WriteError  # noqa: PLC0415

@@ -19,18 +19,10 @@ if TYPE_CHECKING:
     from woz_tui.motion.rendering import Input
     from woz_tui.motion.ticks import Tick
 
-#: Seconds of `idle` and of the modes that do not end by themselves.
-IDLE_S = 10.0
 #: Rows of cells for each joint's curve.
 CURVE_ROWS = 6
 #: Columns where there is no terminal.
 PAGE = 100
-#: How many smoothing time constants until nothing moves any more.
-SETTLED = 6.0
-
-
-class RenderError(Exception):
-    """What was asked for cannot be rendered; the text says why, and what could be."""
 
 
 def add(parser: argparse.ArgumentParser) -> None:
@@ -64,7 +56,9 @@ def _rate(text: str) -> float:
 
 def run(arguments: argparse.Namespace) -> int:
     """Print the lines (or the curves) and return 0; 2 if it cannot be rendered."""
+    # Here, so that the other commands start without the engine.
     from woz_tui import plugins  # noqa: PLC0415
+    from woz_tui.cli.rendered import RenderError  # noqa: PLC0415
     from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
     from woz_tui.motion.scripted import InputLineError  # noqa: PLC0415
 
@@ -88,12 +82,11 @@ def render(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]])
 
         print(described())
         return 0
-    if arguments.file is None or arguments.name is None:
-        raise RenderError("name a file and what is to be rendered: woz render FILE NAME")
-    # Here, so that the other commands start without the engine.
-    from woz_tui.cli.rendered import Stage  # noqa: PLC0415
+    from woz_tui.cli.rendered import RenderError, Stage  # noqa: PLC0415
     from woz_tui.motion.rendering import Rendering  # noqa: PLC0415
 
+    if arguments.file is None or arguments.name is None:
+        raise RenderError("name a file and what is to be rendered: woz render FILE NAME")
     stage = Stage.of(arguments.file, catalogue, arguments.body, arguments.seed)
     inputs = _inputs(arguments, stage)
     score, seconds = stage.score(arguments.name, inputs, _tell)

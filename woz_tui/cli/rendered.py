@@ -7,7 +7,6 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from woz_tui.cli.render import IDLE_S, SETTLED, RenderError
 from woz_tui.core.driver import Driver, Rejected
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.report import hint, listed
@@ -19,8 +18,16 @@ from woz_tui.motion.modes import Mode
 from woz_tui.motion.rendering import CUT_OFF, LONGEST_S, Input, RenderedDriver, Score, Step, Tell
 
 IDLE = "idle"
+#: Seconds of `idle` and of the modes that do not end by themselves.
+IDLE_S = 10.0
+#: How many smoothing time constants until nothing moves any more.
+SETTLED = 6.0
 #: Modes by what `NAME` says; normal is `idle`.
 MODES = tuple(mode.value for mode in Mode if mode is not Mode.NORMAL)
+
+
+class RenderError(Exception):
+    """What was asked for cannot be rendered; the text says why, and what could be."""
 
 
 @dataclass(frozen=True, slots=True)

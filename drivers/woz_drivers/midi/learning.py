@@ -15,7 +15,8 @@ from woz_drivers.midi import devices
 from woz_drivers.midi.fitted import Fitted, fitted, found_by
 from woz_drivers.midi.layouts import LAYOUTS, Signal
 from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.settings import MidiSettings, PanelMap
+from woz_drivers.midi.maps import PanelMap
+from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM, Decoder, MidiMessage
 from woz_tui.core.driver import DriverError
 

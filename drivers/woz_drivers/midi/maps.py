@@ -1,4 +1,4 @@
-"""Maps that need no file, both for a panel laid out as the Korg nanoKONTROL2.
+"""What a panel's map says; two that need no file, for a panel like the Korg nanoKONTROL2.
 
 `nanokontrol2` is how the EyePi robot was played in its published program (UTRobotics, University
 of Twente). `thesis` is appendix A of J. Oosterkamp's thesis. Here buttons 1-8 are the upper row
@@ -11,9 +11,33 @@ Neither source uses the transport keys: the session's own things are there.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Annotated
 
+from woz_drivers.midi.layouts import LAYOUTS
 from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.settings import PanelMap
+from woz_drivers.midi.rules import claimed_twice, found_in
+from woz_tui.core.fields import Doc, OneOf, Section
+
+
+@dataclass(frozen=True, slots=True)
+class PanelMap(Section):
+    """A whole panel: a file of its own, or right in the robot file."""
+
+    title: Annotated[str, Doc("what it is")] = ""
+    layout: Annotated[
+        str, OneOf(tuple(LAYOUTS)), Doc("a panel whose controls are known by name; none: see cc")
+    ] = "none"
+    device: Annotated[str, Doc("the sound card's name, as in /proc/asound/cards")] = ""
+    controls: Annotated[dict[str, Mapped], Doc("control -> what it does")] = field(
+        default_factory=dict
+    )
+
+    def problems(self) -> list[tuple[str, str]]:
+        """What does not fit together: pairs of a setting's path and a sentence."""
+        layout = LAYOUTS[self.layout]
+        return [*found_in(self.controls, layout), *claimed_twice(self, tuple(self.controls))]
+
 
 _TRANSPORT = {
     "stop": Mapped(stop="all"),

@@ -2,33 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 from woz_drivers.midi.layouts import LAYOUTS
 from woz_drivers.midi.mapped import JUMP, SOFT, Mapped
+from woz_drivers.midi.maps import BUILT_IN, PanelMap
 from woz_drivers.midi.rules import claimed_twice, found_in
 from woz_tui.core.fields import Doc, Included, OneOf, Section, Sibling
-
-
-@dataclass(frozen=True, slots=True)
-class PanelMap(Section):
-    """A whole panel: a file of its own, or right in the robot file."""
-
-    title: Annotated[str, Doc("what it is")] = ""
-    layout: Annotated[
-        str, OneOf(tuple(LAYOUTS)), Doc("a panel whose controls are known by name; none: see cc")
-    ] = "none"
-    device: Annotated[str, Doc("the sound card's name, as in /proc/asound/cards")] = ""
-    controls: Annotated[dict[str, Mapped], Doc("control -> what it does")] = field(
-        default_factory=dict
-    )
-
-    def problems(self) -> list[tuple[str, str]]:
-        """What does not fit together: pairs of a setting's path and a sentence."""
-        layout = LAYOUTS[self.layout]
-        return [*found_in(self.controls, layout), *claimed_twice(self, tuple(self.controls))]
 
 
 @dataclass(frozen=True, slots=True)
@@ -57,7 +38,7 @@ class MidiSettings(Section):
     @property
     def panel(self) -> PanelMap:
         """The map with this robot's own changes."""
-        base = self.map if isinstance(self.map, PanelMap) else built_in()[self.map]
+        base = self.map if isinstance(self.map, PanelMap) else BUILT_IN[self.map]
         changed = {name: _over(base.controls.get(name), it) for name, it in self.controls.items()}
         return replace(base, controls={**base.controls, **changed})
 
@@ -91,10 +72,3 @@ def _over(base: Mapped | None, change: Mapped) -> Mapped:
         lamp=base.lamp if change.lamp is None else change.lamp,
         **looks,
     )
-
-
-def built_in() -> Mapping[str, PanelMap]:
-    """The maps that need no file."""
-    from woz_drivers.midi.maps import BUILT_IN  # noqa: PLC0415 - maps are made of these shapes
-
-    return BUILT_IN

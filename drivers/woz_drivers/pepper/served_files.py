@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import Protocol
 
 from woz_drivers.pepper.file_server import FileServer
-from woz_drivers.pepper.parts import Robot
 from woz_drivers.pepper.parts_task import apart
 from woz_drivers.pepper.settings import Tablet
 from woz_drivers.pepper.tablet_page import is_address
@@ -14,13 +14,21 @@ from woz_tui.core.driver import DriverError, Lost, Outlet
 REMEDY = "check its name, and tablet.root"
 
 
+class Reached(Protocol):
+    """A robot, as far as it is served files."""
+
+    @property
+    def local_host(self) -> str:
+        """This machine's address as the robot reaches it; empty: it is not there."""
+
+
 class Files:
     """Serves files where the robot reaches this machine.
 
     The server begins with the first file, and anew when the robot is reached in another way.
     """
 
-    def __init__(self, robot: Robot, settings: Tablet, outlet: Outlet) -> None:
+    def __init__(self, robot: Reached, settings: Tablet, outlet: Outlet) -> None:
         self._robot = robot
         self._settings = settings
         self._outlet = outlet

@@ -9,7 +9,8 @@ import pytest
 from woz_drivers.midi import devices
 from woz_drivers.midi.devices import Device, DeviceError
 from woz_drivers.midi.doctor import examine
-from woz_drivers.midi.settings import MidiSettings, PanelMap
+from woz_drivers.midi.maps import PanelMap
+from woz_drivers.midi.settings import MidiSettings
 
 CARDS = """\
  0 [PCH            ]: HDA-Intel - HDA Intel PCH

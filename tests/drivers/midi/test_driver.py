@@ -10,7 +10,8 @@ import pytest
 from woz_drivers.midi import MidiPanel
 from woz_drivers.midi.hands import Line
 from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.settings import MidiSettings, PanelMap
+from woz_drivers.midi.maps import PanelMap
+from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import until
 from tests.drivers.midi.stand import Desk, stand

@@ -56,13 +56,5 @@ def by_hand(episode: Episode) -> bool:
 
 
 def _act(each: Action | Command, name: str) -> Act:
-    return Act(
-        t=each.begin,
-        seq=each.seq,
-        name=each.label,
-        id=name,
-        context=each.context,
-        direct=isinstance(each, Command),
-        started=each.latency_us,
-        mistake=each.mistake is not None,
-    )
+    direct, wrong = isinstance(each, Command), each.mistake is not None
+    return Act(each.begin, each.seq, each.label, name, each.context, direct, each.latency_us, wrong)

@@ -115,16 +115,18 @@ class _Counting:
     def __init__(self, timeline: Timeline) -> None:
         self._timeline = timeline
         self._tallies: dict[tuple[str, str, int | None], Tally] = {}
+        #: The same by the `id` of contexts, which the timeline keeps.
+        self._of: dict[int, Tally] = {}
         for span in timeline.spans:
             self.at(span.context).us += span.end - span.begin
 
     def at(self, context: Context) -> Tally:
         """Where it counts."""
-        key = (context.participant, context.condition, context.run)
-        found = self._tallies.get(key)
+        found = self._of.get(id(context))
         if found is None:
-            counted = self._timeline.counts(context)
-            found = self._tallies[key] = Tally(*key, counted=counted)
+            key = (context.participant, context.condition, context.run)
+            tally = Tally(*key, counted=self._timeline.counts(context))
+            found = self._of[id(context)] = self._tallies.setdefault(key, tally)
         return found
 
     @property
@@ -165,8 +167,8 @@ class _Counting:
 
     def _actions(self) -> None:
         for action in self._timeline.of(e.Action):
-            tally, outcome = self.at(action.context), action.outcome
-            tally.counts[action.label, action.request.panel, action.source, outcome] += 1
+            tally, request, outcome = self.at(action.context), action.request, action.outcome
+            tally.counts[request.action, request.panel, request.source, outcome] += 1
             if outcome == e.Outcome.DONE:
                 tally.took.add(action.duration)
             if action.held is not None:
@@ -176,12 +178,13 @@ class _Counting:
         for command in self._timeline.of(e.Command):
             if not of_robot(command):
                 continue
-            verb = self.at(command.context).verb(command.label)
+            verb = self.at(command.context).verb(command.request.verb)
             verb.ends[command.outcome] += 1
-            if command.latency_us is not None:
-                verb.dispatched.add(command.latency_us)
-            if command.duration_us is not None:
-                verb.done.add(command.duration_us)
+            latency, duration = command.latency_us, command.duration_us
+            if latency is not None:
+                verb.dispatched.add(latency)
+            if duration is not None:
+                verb.done.add(duration)
 
     def _moments(self) -> None:
         for moment in self._timeline.of(e.Moment):

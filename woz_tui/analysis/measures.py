@@ -115,9 +115,9 @@ MEASURES: tuple[Measure, ...] = (
     Measure("gap_max_s", "s", "longest of these gaps", "gap max",
             lambda part: seconds(part.gaps.most)),
     Measure(
-        "press_median_ms", "ms", "median time from the request of an act by hand to the first start "
-        "of a robot's driver for it; waits before its first command, holds by shaping and the queue "
-        "behind an earlier act are part of it",
+        "press_median_ms", "ms", "median time from the request of an act by hand to the first "
+        "start of a robot's driver for it; waits before that, being held back by shaping and the "
+        "queue behind an earlier act are part of it",
         "press", lambda part: milliseconds(part.press.median),
     ),
     Measure("press_p95_ms", "ms", "95 % quantile of this time", "press p95",

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import json
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, replace
 from operator import attrgetter
 from typing import Any, TypeVar
@@ -300,13 +300,9 @@ def lost_drivers(timeline: Timeline) -> Iterator[Span]:
 def drivers(timeline: Timeline) -> dict[str, None]:
     """Names of all drivers that were ever ready or lost, in the order of the first time."""
     kinds = m.DriverConnected | m.DriverFaulted | m.DriverLost
-    names: dict[str, None] = {}
-    for each in timeline.episodes:
-        if isinstance(each, e.LostDriver):
-            names[each.label] = None
-        elif isinstance(each, e.Moment) and isinstance(each.message, kinds):
-            names[each.message.driver] = None
-    return names
+    lines = [each.message for each in timeline.of(e.Moment) if isinstance(each.message, kinds)]
+    lines += [each.lost for each in timeline.of(e.LostDriver)]
+    return dict.fromkeys(line.driver for line in sorted(lines, key=attrgetter("t", "seq")))
 
 
 def stops(timeline: Timeline) -> Iterator[Stop]:
@@ -359,15 +355,9 @@ def visits(timeline: Timeline) -> list[Visit]:
 
 
 def _visit(each: e.ModelState | e.Engagement, state: str) -> Visit:
-    return Visit(
-        **placed(each.context),
-        state=state,
-        begin=each.begin,
-        end=each.begin + each.duration,
-        outcome=each.reason,
-        visitor=each.visitor,
-        cut=each.cut,
-    )
+    end = each.begin + each.duration
+    place = placed(each.context).values()
+    return Visit(state, each.begin, end, each.reason, each.visitor, each.cut, *place)
 
 
 def differences(timeline: Timeline, counted: Callable[[Context], bool]) -> list[Difference]:
@@ -452,15 +442,13 @@ def _number(value: object) -> float | None:
 
 def restrictions(timeline: Timeline) -> Iterator[Restriction]:
     """Each change of what the wizard could see."""
-    of_it = (each for each in timeline.episodes if isinstance(each, e.Restriction | e.Moment))
-    for line in _lines(of_it, m.PerceptionChanged):
+    lines = [line for _, line in moments(timeline, m.PerceptionChanged)]
+    for each in timeline.of(e.Restriction):
+        lines.append(each.changed)
+        if each.lifted is not None and not (each.lifted.hidden or each.lifted.blurred):
+            lines.append(each.lifted)
+    for line in sorted(lines, key=attrgetter("t", "seq")):
         yield Restriction(line.t, tuple(line.hidden), tuple(line.blurred))
-
-
-def _lines(episodes: Iterable[e.Episode], kind: type[M]) -> list[M]:
-    """All messages of a kind, each once; one may end an episode and begin another."""
-    found = {id(line): line for each in episodes for line in each.lines if isinstance(line, kind)}
-    return sorted(found.values(), key=lambda line: (line.t, line.seq))
 
 
 def shapings(timeline: Timeline) -> Iterator[Shaping]:

@@ -46,7 +46,7 @@ class Series:
 
     def add(self, value: int) -> None:
         """Take one more; what no clock can have said is brought to the nearest possible value."""
-        self._values.append(0 if value < 0 else min(value, LONGEST))
+        self._values.append(value if 0 <= value <= LONGEST else 0 if value < 0 else LONGEST)
         self._ordered = False
 
     def extend(self, other: Series) -> None:

@@ -62,7 +62,7 @@ def examine(
             continue
         some = True
         timeline.take(message)
-        if isinstance(message, Reading):
+        if wanted.curves and isinstance(message, Reading):
             curves.take(message, timeline.end)
     if not some:
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it holds no session'}")

@@ -16,6 +16,8 @@ from woz_tui.record.verify import verify
 
 #: What stands in a log whose first line is lost.
 NO_BEGINNING = "the first line is missing: nobody's codes are known"
+#: Lines of messages that are no actions.
+_NO_ACTIONS = frozenset({Segment, Reading, EngagementShown})
 
 
 class Roll:
@@ -28,9 +30,9 @@ class Roll:
 
     def take(self, item: AnyMessage | Line) -> None:
         """The next of the log, unknown ones too."""
-        if isinstance(item, Checkpoint):
+        if type(item) is Checkpoint:
             self.short = max(self.short, item.lines - self._lines)
-        if not isinstance(item, Segment | Reading | EngagementShown):
+        if type(item) not in _NO_ACTIONS:
             self._lines += 1
 
 

@@ -66,7 +66,10 @@ class Contexts:
 
     def at(self, t: int, seq: int) -> Context:
         """The context of the line `seq` at `t`."""
-        return self._contexts[self._place(t, seq)] if self._contexts else Context()
+        place = bisect.bisect_right(self._begins, (t, seq))
+        if place:
+            return self._contexts[place - 1]
+        return self._contexts[0] if self._contexts else Context()
 
     def parts(self, begin: int, end: int, seq: int) -> tuple[Span, ...]:
         """The pieces of the time from `begin` to `end`, each in one context: gapless, in order.
@@ -76,10 +79,12 @@ class Contexts:
         """
         if end <= begin or not self._contexts:
             return (Span(begin, end, self.at(begin, seq), seq),)
-        return tuple(self._pieces(begin, end, seq))
+        place = max(0, bisect.bisect_right(self._begins, (begin, seq)) - 1)
+        if place + 1 == len(self._begins) or end <= self._begins[place + 1][0]:
+            return (Span(begin, end, self._contexts[place], self._begins[place][1]),)
+        return tuple(self._pieces(begin, end, place))
 
-    def _pieces(self, begin: int, end: int, seq: int) -> Iterator[Span]:
-        place = self._place(begin, seq)
+    def _pieces(self, begin: int, end: int, place: int) -> Iterator[Span]:
         while begin < end:
             later = place + 1
             until = min(end, self._begins[later][0]) if later < len(self._begins) else end
@@ -87,6 +92,3 @@ class Contexts:
                 yield Span(begin, until, self._contexts[place], self._begins[place][1])
                 begin = until
             place = later
-
-    def _place(self, t: int, seq: int) -> int:
-        return max(0, bisect.bisect_right(self._begins, (t, seq)) - 1)

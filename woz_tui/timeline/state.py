@@ -215,9 +215,10 @@ class SessionState:
         if self.begin is None:
             self.begin = self.t
         changes = case(self, message)
-        if changes is None or isinstance(changes, tuple):
-            return changes or ()
-        return [*changes]  # a case that makes several is a generator: it does its work here
+        if changes is None:
+            return ()
+        # A case that makes several episodes may be a generator: it does its work here.
+        return changes if type(changes) is tuple else [*changes]
 
     def finish(self) -> list[Episode]:
         """The log is over: what goes on is cut at its last moment."""
@@ -227,15 +228,15 @@ class SessionState:
         at, seq = self.t, message.seq
         return (Moment(begin=at, end=at, seq=seq, outcome=Outcome.MOMENT, message=message),)
 
-    def _begin(self, table: dict[K, E], key: K, episode: E) -> Iterator[Episode]:
+    def _begin(self, table: dict[K, E], key: K, episode: E) -> tuple[Episode, ...]:
         """Keep what begins; what has the same id, or is too much, has ended without a line."""
         before = table.pop(key, None)
         if before is None and len(table) >= MOST:
             before = table.pop(next(iter(table)))
-        if before is not None:
-            yield replace(before, end=max(before.begin, self.t), cut=True)
         table[key] = episode
-        yield episode
+        if before is None:
+            return (episode,)
+        return replace(before, end=max(before.begin, self.t), cut=True), episode
 
     # -- the session ------------------------------------------------------------------------------
 
@@ -262,7 +263,7 @@ class SessionState:
 
     # -- actions and commands ---------------------------------------------------------------------
 
-    def _requested(self, message: m.ActionRequested) -> Iterator[Episode]:
+    def _requested(self, message: m.ActionRequested) -> Iterable[Episode]:
         action = Action(begin=self.t, seq=message.seq, request=message)
         return self._begin(self.actions, message.run, action)
 
@@ -344,7 +345,7 @@ class SessionState:
 
     # -- the stop ---------------------------------------------------------------------------------
 
-    def _pressed(self, message: m.StopPressed) -> Iterator[Episode]:
+    def _pressed(self, message: m.StopPressed) -> Iterable[Episode]:
         press, stop = Press(message), self.stops.get(message.scope)
         if stop is None:
             begun = Stop(begin=self.t, seq=message.seq, presses=(press,))
@@ -352,7 +353,7 @@ class SessionState:
         first, *later = stop.presses
         presses = (first, *later[-(PRESSES - 2) :], press)
         self.stops[message.scope] = replace(stop, presses=presses)
-        return iter(self._moment(message))
+        return self._moment(message)
 
     def _confirmed(self, message: m.StopConfirmed) -> Iterable[Episode]:
         """It belongs to the earliest press that none has confirmed."""
@@ -415,7 +416,7 @@ class SessionState:
         if isinstance(message, m.DriverConnected):
             yield from self.robots.find(message, self.t)
 
-    def _lane_faulted(self, message: m.LaneFaulted) -> Iterator[Episode]:
+    def _lane_faulted(self, message: m.LaneFaulted) -> Iterable[Episode]:
         faulted = FaultedLane(begin=self.t, seq=message.seq, faulted=message)
         return self._begin(self.faulted_lanes, (message.driver, message.lane), faulted)
 

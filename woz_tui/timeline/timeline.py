@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from operator import attrgetter
 from typing import TypeVar, cast
 
 from msgspec.structs import force_setattr, replace
@@ -80,8 +81,10 @@ class Timeline:
         if study.context is not before or (study.begun and not self._begun):
             self._enter(message)
         for episode in changes:
-            if episode.end is not None:
+            if type(episode) is Utterance:
                 self._keep(episode)
+            elif episode.end is not None:
+                self._ended.append(episode)
         if not changes and type(message) is m.Command:
             keep(self.passed, message.command, None)
 
@@ -98,20 +101,21 @@ class Timeline:
                 return
         self.contexts.enter(self.state.t, message.seq, context)
 
-    def _keep(self, episode: Episode) -> None:
-        if isinstance(episode, Utterance):
-            key = (episode.driver, episode.segment)
-            place = self._spoken.get(key)
-            if place is not None and self._ended[place].seq == episode.seq:
-                self._ended[place] = episode
-                return
-            self._spoken[key] = len(self._ended)
-        self._ended.append(episode)
+    def _keep(self, spoken: Utterance) -> None:
+        if spoken.end is None:
+            return
+        key = (spoken.driver, spoken.segment)
+        place = self._spoken.get(key)
+        if place is not None and self._ended[place].seq == spoken.seq:
+            self._ended[place] = spoken
+            return
+        self._spoken[key] = len(self._ended)
+        self._ended.append(spoken)
 
     def finish(self) -> None:
         """The log is over."""
         found = [*self._ended, *self.state.finish()]
-        found.sort(key=lambda episode: (episode.begin, episode.seq))
+        found.sort(key=attrgetter("begin", "seq"))
         _add_mistakes(found)
         at = self.contexts.at
         for episode in found:  # nobody else has them: no need to copy each
@@ -126,13 +130,13 @@ def _add_mistakes(episodes: list[Episode]) -> None:
     mistakes = [
         each.message
         for each in episodes
-        if isinstance(each, Moment) and isinstance(each.message, m.Mistake)
+        if type(each) is Moment and type(each.message) is m.Mistake
     ]
     places: dict[str, list[int]] = {mistake.run: [] for mistake in mistakes}
     for at, episode in enumerate(episodes) if mistakes else ():
-        if isinstance(episode, Action):
+        if type(episode) is Action:
             places.get(episode.request.run, []).append(at)
-        elif isinstance(episode, Command):
+        elif type(episode) is Command:
             places.get(episode.request.command, []).append(at)
     for mistake in mistakes:
         for at in reversed(places[mistake.run]):

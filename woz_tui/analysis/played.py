@@ -5,8 +5,11 @@ from __future__ import annotations
 from collections.abc import Container, Iterable, Iterator, Sequence
 from dataclasses import dataclass, field, replace
 
+from woz_tui.analysis.rows import moments
 from woz_tui.core import messages as m
 from woz_tui.experiment.verbs import ENGAGEMENT
+from woz_tui.timeline.episodes import Action, Command, Episode, Outcome, Rerun
+from woz_tui.timeline.timeline import Timeline
 
 #: Sources of commands that the session asked for: a hand, a program, the engagement model, another
 #: log. With every other one a driver has asked by itself, as a body does for the sound of a move.
@@ -15,7 +18,7 @@ ASKED = frozenset({"key", "script", "palette", "midi", "program", ENGAGEMENT, "r
 #: nothing between them, are one act: a joystick, a key that is held down.
 STROKE_US = 500_000
 #: Ends that come to the same: a re-run cuts short by itself what a stop has cut short then.
-_CUT = frozenset({"stopped", "superseded"})
+_CUT = frozenset({Outcome.STOPPED, Outcome.SUPERSEDED})
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,87 +83,75 @@ def played(name: str, messages: Iterable[m.AnyMessage]) -> Played:
 
     What the engagement model was told is left out, and what it had the robot do is in.
     """
-    reader = _Reader(Played(name))
+    timeline = Timeline(passing=True)
     for message in messages:
-        reader.take(message)
-    return reader.finished()
+        timeline.take(message)
+    timeline.finish()
+    return _played(name, timeline)
 
 
-@dataclass
-class _Reader:
-    played: Played
-    runs: dict[str, Act] = field(default_factory=dict)
-    commands: dict[str, m.Command] = field(default_factory=dict)
-    began: dict[str, int] = field(default_factory=dict)
-    ends: dict[str, m.End] = field(default_factory=dict)
-    again: dict[str, m.RerunSent] = field(default_factory=dict)
+def _played(name: str, timeline: Timeline) -> Played:
+    again = {line.command: line for _, line in moments(timeline, m.RerunSent)}
+    of_runs: dict[str, list[Act]] = {}
+    found = Played(name, timeline.state.start)
+    for command in timeline.of(Command):
+        request = command.request
+        if request.driver == ENGAGEMENT or request.source not in ASKED:
+            continue
+        act = _act(command, again.get(request.command))
+        found.commands.append(act)
+        if request.run:
+            of_runs.setdefault(request.run, []).append(act)
+        elif request.passing:
+            found.streams += 1
+        else:
+            found.acts.append(act)
+    runs = {each.request.run: each for each in timeline.of(Action)}
+    found.acts += (_whole(each, of_runs.get(run, ())) for run, each in runs.items())
+    found.acts.sort(key=lambda act: act.t)
+    whole = len(found.acts)
+    found.acts = list(_strokes(found.acts, runs))
+    found.streams += whole - len(found.acts)
+    found.commands.sort(key=lambda act: act.moment)
+    for rerun in timeline.of(Rerun):
+        found.original = rerun.label
+    for _, line in moments(timeline, m.RerunSkipped):
+        found.skipped[line.original_command] = line.reason
+    return found
 
-    def take(self, message: m.AnyMessage) -> None:
-        match message:
-            case m.ActionRequested():
-                self.runs[message.run] = Act(message.run, message.action, message.t)
-            case m.ActionEnd() if message.run in self.runs:
-                end = _end(message, "action.")
-                self.runs[message.run] = replace(self.runs[message.run], end=end)
-            case m.Command():
-                self.commands[message.command] = message
-            case m.Dispatched():
-                self.began[message.command] = message.t
-            case m.End():
-                self.ends[message.command] = message
-            case m.SessionStart() if self.played.start is None:
-                self.played.start = message
-            case _:
-                self._take_rerun(message)
 
-    def _take_rerun(self, message: m.AnyMessage) -> None:
-        match message:
-            case m.RerunStarted():
-                self.played.original = message.original
-            case m.RerunSent():
-                self.again[message.command] = message
-            case m.RerunSkipped():
-                self.played.skipped[message.original_command] = message.reason
+def _act(command: Command, again: m.RerunSent | None) -> Act:
+    request = command.request
+    act = Act(
+        id=request.command,
+        name=f"{request.driver}.{request.verb}",
+        t=command.begin,
+        began=-1 if command.started is None else command.started,
+        end=_end(command),
+        args=(request.args,),
+        sent=({k: v for k, v in command.sent.items() if k in request.args},)
+        if command.outcome == Outcome.DONE
+        else (),
+    )
+    if again is None:
+        return act
+    return replace(act, original=again.original_command, late=act.moment - again.due)
 
-    def finished(self) -> Played:
-        of_runs: dict[str, list[Act]] = {}
-        for command in self.commands.values():
-            if command.driver == ENGAGEMENT or command.source not in ASKED:
-                continue
-            act = self._act(command)
-            self.played.commands.append(act)
-            if command.run:
-                of_runs.setdefault(command.run, []).append(act)
-            elif command.passing:
-                self.played.streams += 1
-            else:
-                self.played.acts.append(act)
-        self.played.acts += (_whole(run, of_runs.get(name, ())) for name, run in self.runs.items())
-        self.played.acts.sort(key=lambda act: act.t)
-        whole = len(self.played.acts)
-        self.played.acts = list(_strokes(self.played.acts, self.runs))
-        self.played.streams += whole - len(self.played.acts)
-        self.played.commands.sort(key=lambda act: act.moment)
-        return self.played
 
-    def _act(self, command: m.Command) -> Act:
-        end = self.ends.get(command.command)
-        again = self.again.get(command.command)
-        began = self.began.get(command.command, -1)
-        act = Act(
-            id=command.command,
-            name=f"{command.driver}.{command.verb}",
-            t=command.t,
-            began=began,
-            end=_end(end, "command.") if end is not None else "",
-            args=(command.args,),
-            sent=({k: v for k, v in end.sent.items() if k in command.args},)
-            if isinstance(end, m.Done)
-            else (),
-        )
-        if again is None:
-            return act
-        return replace(act, original=again.original_command, late=act.moment - again.due)
+def _whole(action: Action, commands: Sequence[Act]) -> Act:
+    return Act(
+        id=action.request.run,
+        name=action.label,
+        t=action.begin,
+        began=min((act.began for act in commands if act.began >= 0), default=-1),
+        end=_end(action),
+        args=tuple(args for act in commands for args in act.args),
+        sent=tuple(sent for act in commands for sent in act.sent),
+    )
+
+
+def _end(episode: Episode) -> str:
+    return "" if episode.cut else "cut" if episode.outcome in _CUT else episode.outcome
 
 
 def _strokes(acts: Iterable[Act], runs: Container[str]) -> Iterator[Act]:
@@ -184,17 +175,3 @@ def _strokes(acts: Iterable[Act], runs: Container[str]) -> Iterator[Act]:
         last = act
     if begun is not None:
         yield begun
-
-
-def _whole(run: Act, commands: Sequence[Act]) -> Act:
-    return replace(
-        run,
-        began=min((act.began for act in commands if act.began >= 0), default=-1),
-        args=tuple(args for act in commands for args in act.args),
-        sent=tuple(sent for act in commands for sent in act.sent),
-    )
-
-
-def _end(end: m.Message, prefix: str) -> str:
-    how = str(end.__struct_config__.tag).removeprefix(prefix)
-    return "cut" if how in _CUT else how

@@ -151,8 +151,9 @@ class Facts:
             if ALL_CUES in part.reactions:
                 self.fates.update(part.reactions[ALL_CUES].fates)
                 self.reactions.extend(part.reactions[ALL_CUES].times)
-        self.stops += len(figures.stops)
-        self.stopped_sessions += bool(figures.stops)
+        stops = sum(stop.scope == "all" for stop in figures.stops)  # not those of driving alone
+        self.stops += stops
+        self.stopped_sessions += bool(stops)
         self.unreached.update(name for stop in figures.stops for name in stop.unreached)
         for seen in {_hidden(each) for each in figures.restrictions} - {((), ())}:
             self.seen[seen] += 1

@@ -225,7 +225,6 @@ class Extractor:
                 scales[name, str(item.get("name", ""))] = item
             for answer in asked.answers.values():
                 scale = scales.get((name, answer.item), {})
-                context = self._timeline.contexts.at(answer.t, answer.seq)
                 yield Answer(
                     seq=answer.seq,
                     at=answer.t,
@@ -233,8 +232,8 @@ class Extractor:
                     round=rounds[name],
                     item=answer.item,
                     question=self._text(answer, "question"),
-                    participant=context.participant,
-                    condition=context.condition,
+                    participant=asked.context.participant,
+                    condition=asked.context.condition,
                     trial=asked.trial,
                     value=None if answer.skipped else answer.value,
                     text="" if answer.skipped else self._text(answer, "text"),

@@ -193,6 +193,7 @@ class Microphone(PassiveDriver):
                 "warning",
                 f"loud for {self.settings.longest:g} s without a pause: is that speech?",
                 "if not, play listen_room while nobody speaks, or raise threshold",
+                tells=("loudness",),
             )
         self._wondered = cut
 

@@ -96,12 +96,14 @@ class Lesson:
             f"speech is now louder than {threshold:.4f}"
             f" (room {room.mean:.4f} + {self.k:g} x {room.sd:.4f})",
             self.keeping.format(threshold=f"{threshold:.4f}"),
+            tells=("loudness",),
         )
         if room.restless:
             outlet.notice(
                 "warning",
                 f"it was not quiet while it listened: {room.loudest:.4f} at the loudest",
                 f"play {NAME} once more while nobody speaks",
+                tells=("loudness",),
             )
         return {
             "threshold": threshold,

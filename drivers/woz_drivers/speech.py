@@ -110,7 +110,8 @@ class Speech(Driver):
                 with contextlib.suppress(Rejected):
                     await self._voice.utterance(spoken(text))
         except DriverError as error:
-            self.outlet.notice("warning", f"speech not prepared: {error.what}", error.remedy)
+            text = f"speech not prepared: {error.what}"
+            self.outlet.notice("warning", text, error.remedy, tells=("request",))
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Speak, play or set the volume; returns when the sound has ended."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 import pytest
 from hypothesis import given
@@ -14,13 +15,13 @@ from tests.replay.again import written
 from tests.replay.test_plan import END, LOG, Timed, command, dispatched, done
 from woz_tui.cli import main
 from woz_tui.cli.rerun_headless import Progress
-from woz_tui.console.study.blind import blind_of
 from woz_tui.core import messages as m
 from woz_tui.experiment.decode import load
 from woz_tui.host.plan import Shown, plan_of
 from woz_tui.plugins import installed
 from woz_tui.replay.origin import _places
 from woz_tui.session.beginning import experiment_files
+from woz_tui.session.redactor import Redactor
 
 EXPERIMENT = """\
 title: Small
@@ -37,6 +38,8 @@ panels:
       - {key: h, label: Hello, say: "{greeting}"}
 """
 SECRETS = ("warm", "cold", "lovely", "Good day", "Lemon", "Orange")
+#: What a command says of itself whose text depends on the condition.
+TELLING: dict[str, Any] = {"tells": ("condition",), "unfilled": {"text": "{greeting}"}}
 HINT = "--reveal shows the texts"
 #: What may have been changed since, and where it is then.
 CHANGES = {
@@ -73,7 +76,7 @@ def log(folder: Path, *messages: Timed, plan: bool = True) -> Path:
 
 def said() -> list[Timed]:
     return [
-        (1, command("c1", args={"text": "Good day"})),
+        (1, command("c1", args={"text": "Good day"}, **TELLING)),
         (1, dispatched("c1")),
         (2, done("c1")),
     ]
@@ -147,9 +150,9 @@ def test_so_are_they_while_it_runs_without_a_console(tmp_path: Path) -> None:
     log(tmp_path)
     read = load(tmp_path / "small.yaml", installed())
     study = plan_of(Shown(read, installed(), values=dict(read.variables))).settings.study
-    long = command("c1", args={"text": "Good day. " * 9, "style": "warm"}, source="replay")
+    long = command("c1", args={"text": "Good day. " * 9}, source="replay", **TELLING)
     sent = m.RerunSent(command="c1", original_command="c9", due=0, late_us=0)
-    progress = Progress(blind=blind_of(study))
+    progress = Progress(redactor=Redactor(study))
     lines = [line for message in (long, sent) for line in progress.take(message)]
     assert "{greeting}" in "".join(lines)
     assert not [secret for secret in SECRETS[:4] if secret in "".join(lines)]

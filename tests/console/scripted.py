@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import threading
 from collections.abc import Callable, Iterable
+from typing import Any
 
 import msgspec
 
@@ -12,8 +13,29 @@ from woz_tui.console.feed import Incoming, OnLost, OnMessages
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
+from woz_tui.session.redactor import Redactor
 
 Answer = Callable[[r.AnyRequest, int], r.Reply]
+
+
+def seen(welcome: r.Welcome, redactor: Redactor | None = None) -> r.Welcome:
+    """A welcome as a robot process sends it to a wizard."""
+    redactor = Redactor() if redactor is None else redactor
+    redactor.adopt(welcome.settings.study)
+
+    def lines(raw: Iterable[msgspec.Raw]) -> list[msgspec.Raw]:
+        found = []
+        for line in raw:
+            message = wire.decode_message(bytes(line))
+            redactor.take(message)
+            shown = redactor.message(message)
+            if shown is not None:
+                found.append(msgspec.Raw(wire.encode(shown).rstrip()))
+        return found
+
+    return msgspec.structs.replace(
+        redactor.welcome(welcome), recent=lines(welcome.recent), state=lines(welcome.state)
+    )
 
 
 class ScriptedFeed:
@@ -31,6 +53,7 @@ class ScriptedFeed:
         self._on_messages: OnMessages = lambda batch: None
         self._on_lost: OnLost = lambda why: None
         self._first: list[Incoming] = []
+        self._redactor = Redactor()
 
     def begin_with(self, *messages: Incoming) -> None:
         """What is delivered as soon as the console listens."""
@@ -52,13 +75,32 @@ class ScriptedFeed:
     def close(self) -> None:
         self.closed = True
 
+    def _seen(self, message: Incoming) -> Incoming | None:
+        """What a robot process sends to a wizard."""
+        redactor = self._redactor
+        match message:
+            case r.Welcome():
+                return seen(message, redactor)
+            case r.PanelsChanged():
+                if message.study is not None:
+                    redactor.adopt(message.study)
+                return redactor.panels(message)
+            case r.Reply():
+                return redactor.reply(message)
+            case m.Message():
+                redactor.take(message)
+                shown: Any = redactor.message(message)
+                return shown  # type: ignore[no-any-return]
+        return message
+
     def deliver(self, *messages: Incoming) -> None:
         """Hand a batch over from another thread, as a link does."""
         batch = [
             wire.decode_incoming(wire.encode(message))
             if isinstance(message, msgspec.Struct)
             else message
-            for message in messages
+            for message in map(self._seen, messages)
+            if message is not None
         ]
         self._elsewhere(functools.partial(self._on_messages, batch))
 

@@ -10,13 +10,13 @@ import pytest
 from tests.console import studied
 from tests.console.dialogs import OPENERS, opened
 from tests.console.driving import Sitting, sitting
-from tests.console.scripted import Answer
+from tests.console.scripted import Answer, seen
 from woz_tui.console.picture import Picture
-from woz_tui.console.study.blind import Blind, blind_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.settings import StudySettings
 from woz_tui.core.views import ActionView, PanelView
+from woz_tui.session.redactor import Redactor, marked
 
 NOW = studied.NOW
 #: What must not stand anywhere: the conditions, and what only one of them has the robot say.
@@ -39,9 +39,15 @@ def blind_messages() -> list[m.AnyMessage]:
     return [
         m.SessionChanged(condition="cold", trial=3, t=NOW),
         studied.trial(),
-        m.Notice(level="info", text="the condition is cold now", remedy="warm is over", t=NOW),
-        m.Note(text="cold seems to work", t=NOW),
-        m.Marker(text="preflight: warm", t=NOW),
+        m.Notice(
+            level="info",
+            text="the condition is cold now",
+            remedy="warm is over",
+            t=NOW,
+            tells=("condition",),
+        ),
+        m.Note(text="cold seems to work", t=NOW, tells=("condition",)),
+        m.Marker(text="preflight: warm", t=NOW, tells=("condition",)),
         m.ActionRequested(run="a1", action="say g", source="key", t=NOW),
         m.Command(
             command="c1",
@@ -49,13 +55,27 @@ def blind_messages() -> list[m.AnyMessage]:
             args={"text": "Good day."},
             source="key",
             t=NOW,
+            tells=("condition",),
+            unfilled={"text": "{greeting}"},
         ),
-        m.Failed(command="c1", driver="voice", reason=OVERLOADED, remedy="try warm", t=NOW),
-        m.ActionFailed(run="a1", action="say g", reason=OVERLOADED, t=NOW),
+        m.Failed(
+            command="c1",
+            driver="voice",
+            reason=OVERLOADED,
+            remedy="try warm",
+            t=NOW,
+            tells=("condition",),
+        ),
+        m.ActionFailed(run="a1", action="say g", reason=OVERLOADED, t=NOW, tells=("condition",)),
         m.ExperimentReloaded(
-            experiment_sha256="0" * 64, changes=["conditions: warm, cold, none"], t=NOW
+            experiment_sha256="0" * 64,
+            changes=["conditions: warm, cold, none"],
+            t=NOW,
+            telling=["conditions: warm, cold, none"],
         ),
-        m.TrialEnded(trial=3, outcome="aborted", text="cold was too cold", t=NOW),
+        m.TrialEnded(
+            trial=3, outcome="aborted", text="cold was too cold", t=NOW, tells=("condition",)
+        ),
         studied.trial(4),
     ]
 
@@ -80,13 +100,13 @@ def answering(reply: r.Reply) -> Answer:
 
 def robot_that_tells(seat: Sitting) -> None:
     """Every reply has the true conditions in it."""
-    proposal: m.Json = {"order": ["cold", "warm"], "why": "cold first", "condition": "cold"}
-    finding: m.Json = [{"level": "ok", "subject": "session", "text": "P07 cold", "remedy": "warm"}]
+    proposal: m.Json = {"order": ["cold", "warm"], "why": "row 1", "condition": "cold"}
+    finding: m.Json = [
+        {"level": "warning", "subject": "experiment", "text": "line 3, greeting.warm: odd"}
+    ]
     told: dict[type, r.Reply] = {
         r.AskProposal: r.Reply(ref=0, ok=True, data=proposal),
         r.AskPreflight: r.Reply(ref=0, ok=True, data=finding),
-        r.AskReload: r.Reply(ref=0, ok=True, data=["the variable greeting: warm, cold"]),
-        r.AskTrial: r.Reply(ref=0, ok=False, reason="not in the cold condition", hint="take warm"),
     }
     for kind, reply in told.items():
         seat.feed.answers[kind] = answering(reply)
@@ -116,14 +136,12 @@ async def test_no_screen_and_no_dialog_tells_the_condition(
             assert_blind(seat, name)
             await seat.press("ctrl+q")
         assert "{greeting}" in seat.text("Script") or size == (80, 24)
-        await seat.press("asterisk", "d")
-        assert_blind(seat, "a refusal")
         await seat.press("colon")
         await seat.type("greet")
         assert_blind(seat, "find")
 
 
-async def test_the_wizard_chooses_labels_and_the_robot_process_gets_conditions() -> None:
+async def test_the_wizard_chooses_among_labels() -> None:
     async with sitting(welcome()) as seat:
         robot_that_tells(seat)
         await opened(seat, "StartDialog")
@@ -131,7 +149,7 @@ async def test_the_wizard_chooses_labels_and_the_robot_process_gets_conditions()
         await seat.press("enter")
         asked = seat.feed.last(r.AskAssign)
         assert isinstance(asked, r.AskAssign)
-        assert asked.order == ["cold", "warm"]
+        assert asked.order == ["Orange", "Lemon"]
 
 
 async def test_without_a_design_a_label_stands_for_its_condition() -> None:
@@ -142,7 +160,7 @@ async def test_without_a_design_a_label_stands_for_its_condition() -> None:
         await seat.press("enter")
         asked = seat.feed.last(r.AskSet)
         assert isinstance(asked, r.AskSet)
-        assert asked.condition == "warm"
+        assert asked.condition == "Lemon"
 
 
 async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
@@ -162,42 +180,87 @@ async def test_a_reload_that_blinds_the_wizard_counts_at_once() -> None:
         assert seat.console.picture.study.order == ("Lemon", "Orange")
 
 
-def test_words_are_replaced_and_parts_of_words_are_not() -> None:
-    blind = Blind({"warm": "Lemon", "cold": "Orange", "warm-2": "Plum"})
-    assert blind.text("Warm, warmth, COLD and warm-2") == "Lemon, warmth, Orange and Plum"
-    assert blind.label("") == ""
-    assert blind.label("unheard of") == "?"
-    assert blind.name("Plum") == "warm-2"
+def blind(labels: dict[str, str] = studied.LABELS, **more: Any) -> Redactor:
+    return Redactor(StudySettings(blind=labels, **more))
 
 
-def test_what_only_one_condition_says_is_shown_as_its_variable() -> None:
-    texts = {"look": ["Look, our {exhibit}! (It is big.)", "That is the {exhibit}."]}
-    blind = Blind(studied.LABELS, texts)
-    assert blind.text("“Look, our whale! (It is big.)” failed") == "“{look}” failed"
-    assert blind.text("that is the giant squid.") == "{look}"
-    assert blind.text("That is all.") == "That is all."
+def test_what_depends_on_the_condition_is_shown_as_its_variable() -> None:
+    command = m.Command(
+        command="c1",
+        verb="say",
+        args={"text": "Good day, P07", "volume": 3},
+        source="key",
+        tells=("condition",),
+        unfilled={"text": "{greeting}, P07"},
+    )
+    shown = blind().message(command)
+    assert isinstance(shown, m.Command)
+    assert shown.args == {"text": "{greeting}, P07", "volume": 3}
+    assert Redactor().message(command) is command
+
+
+def test_the_condition_behind_a_label_is_known_to_the_robot_process_alone() -> None:
+    redactor = blind()
+    assert redactor.label("unheard of") == "?"
+    assert redactor.label("") == ""
+    asked = redactor.request(r.AskAssign(participant="P07", order=["Orange", "Plum"]))
+    assert isinstance(asked, r.AskAssign)
+    assert asked.order == ["cold", "Plum"]
 
 
 def test_one_label_for_all_still_lets_the_wizard_choose() -> None:
-    blind = Blind({"warm": "hidden", "cold": "hidden"})
-    assert blind.labels(["warm", "cold"]) == ("hidden", "hidden (2)")
-    assert blind.name("hidden (2)") == "cold"
+    redactor = blind({"warm": "hidden", "cold": "hidden"})
+    assert redactor.labels(["warm", "cold"]) == ["hidden", "hidden (2)"]
+    asked = redactor.request(r.AskSet(condition="hidden (2)"))
+    assert isinstance(asked, r.AskSet)
+    assert asked.condition == "cold"
+
+
+def test_what_a_robot_shows_of_what_it_was_given_is_hidden() -> None:
+    redactor = blind()
+    redactor.take(
+        m.Command(
+            command="c1",
+            verb="screen",
+            args={"file": "pictures/otter.png"},
+            source="key",
+            tells=("condition",),
+            unfilled={"file": "{picture}"},
+        )
+    )
+    values: dict[str, m.Json] = {"tablet": "http://10.0.0.1/otter.png", "state": "interactive"}
+    shown = redactor.message(m.SettingsShown(driver="pepper", values=values))
+    assert isinstance(shown, m.SettingsShown)
+    assert shown.values == {"tablet": "hidden", "state": "interactive"}
 
 
 def test_nothing_is_changed_where_nobody_is_blind() -> None:
-    message = m.Notice(level="info", text="the condition is cold now", t=NOW)
-    assert Blind().message(message) is message
-    assert not blind_of(StudySettings())
+    message = m.Notice(level="info", text="cold", t=NOW, tells=("condition",))
+    assert Redactor().message(message) is message
+    assert not Redactor(StudySettings())
 
 
 def test_names_of_actions_stay_what_they_are() -> None:
-    blind = Blind(studied.LABELS)
-    told = blind.message(m.ActionRequested(run="a1", action="cold water", source="key", t=NOW))
-    assert isinstance(told, m.ActionRequested)
-    assert told.action == "cold water"
+    requested = m.ActionRequested(run="a1", action="cold water", source="key", t=NOW)
+    assert blind().message(requested) is requested
+
+
+def test_a_log_that_does_not_say_what_it_tells_shows_no_words() -> None:
+    redactor = blind()
+    say = m.Command(command="c1", verb="say", args={"text": "Good day", "n": 1}, source="key")
+    shown = redactor.message(marked(say, 2))
+    assert isinstance(shown, m.Command)
+    assert shown.args == {"text": "...", "n": 1}
+    failed = m.Failed(command="c1", driver="voice", reason="Good day is too long")
+    shown = redactor.message(marked(failed, 2))
+    assert isinstance(shown, m.Failed)
+    assert "Good" not in shown.reason
+    stopped = m.Stopped(command="c1", driver="voice", reason="stop pressed")
+    assert redactor.message(marked(stopped, 2)) is stopped
+    assert marked(say, 3) is say
 
 
 def test_an_utterance_shows_the_variable_and_not_its_value() -> None:
     picture = Picture()
-    picture.take([welcome()], 0)
+    picture.take([seen(welcome())], 0)
     assert picture.filled("{greeting} {condition} {participant}") == "{greeting} {condition} P07"

@@ -10,11 +10,12 @@ import pytest
 from tests.console import bodies, engaged, scenes, studied
 from tests.console.dialogs import OPENERS, opened
 from tests.console.driving import Sitting, sitting
+from tests.console.scripted import seen
 from woz_tui.console.picture import Picture
-from woz_tui.console.study.perceived import Perception, dots, kind_of
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.settings import Restricted, StudySettings
+from woz_tui.session.redactor import Perception, Redactor, dots, kind_of
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 EVERYTHING = ["transcript", "distance", "loudness", "presence", "gaze", "identity", "direction"]
@@ -176,6 +177,10 @@ async def test_it_may_change_while_the_session_runs() -> None:
         assert "Kept from you" in seat.text("Events")
 
 
+def kept(*what: str) -> Redactor:
+    return Redactor(StudySettings(perception=Restricted(hide=[*what])))
+
+
 # -- message by message ---------------------------------------------------------------------------
 
 
@@ -190,6 +195,7 @@ async def test_it_may_change_while_the_session_runs() -> None:
         ("joint.head.direction", "joints"),
         ("direction.azimuth", "direction"),
         ("battery", ""),
+        ("left.speech", "transcript"),
     ],
 )
 def test_what_a_sensor_tells(sensor: str, kind: str) -> None:
@@ -206,43 +212,54 @@ def test_how_long_an_utterance_is(text: str, shown: str) -> None:
 
 def test_a_reason_that_may_tell_a_sign_is_left_out() -> None:
     changed = engaged.way()[1]
-    told = Perception(["distance"]).message(changed)
+    told = kept("distance").message(changed)
     assert isinstance(told, m.EngagementChanged)
     assert told.why == ""
     assert "distance" not in told.verdicts
-    assert Perception(["joints"]).message(changed) is changed
+    assert kept("joints").message(changed) is changed
 
 
 def test_an_effect_of_a_hidden_state_has_no_name_that_tells_it() -> None:
-    kept = Perception(["engagement"])
-    told = kept.message(m.ActionFailed(run="a1", action="on RobotThinks", reason="x", t=NOW))
+    told = kept("engagement").message(
+        m.ActionFailed(run="a1", action="on RobotThinks", reason="x", t=NOW)
+    )
     assert isinstance(told, m.ActionFailed)
     assert told.action == "on engagement"
     other = m.ActionFailed(run="a1", action="on the way", reason="x", t=NOW)
-    assert kept.message(other) is other
+    assert kept("engagement").message(other) is other
 
 
-def test_a_notice_tells_no_figure_of_what_is_kept() -> None:
+def test_a_notice_that_tells_what_is_kept_has_no_words() -> None:
     room = m.Notice(
-        level="info",
-        text="microphone: speech is now louder than 0.0321 (room 0.0120 + 3 x 0.0067)",
+        level="warning",
+        text="microphone: it was not quiet: 0.0321 at the loudest",
         remedy="threshold: 0.0321 keeps it",
+        driver="microphone",
+        tells=("loudness",),
         t=NOW,
     )
-    told = Perception(["loudness"]).message(room)
+    told = kept("loudness").message(room)
     assert isinstance(told, m.Notice)
+    assert told.text.startswith("microphone: ")
     assert not any(sign.isdecimal() for sign in told.text + told.remedy)
-    disk = m.Notice(level="warning", text="the disk has 12 MB left", t=NOW)
-    assert Perception(["loudness"]).message(disk) is disk
-    assert Perception(["gaze"]).message(room) is room
+    disk = m.Notice(level="warning", text="distance to the disk: 12 MB", t=NOW)
+    assert kept("loudness", "distance").message(disk) is disk
+    assert kept("gaze").message(room) is room
 
 
 def test_a_hidden_model_asks_the_wizard_nothing() -> None:
-    handshake = m.Notice(level="info", text="handshake: a visitor without a name", t=NOW)
-    assert Perception(["engagement"]).message(handshake) is None
-    assert Perception(["gaze"]).message(handshake) is handshake
+    handshake = m.Notice(level="info", text="who is it?", tells=("engagement",), t=NOW)
+    assert kept("engagement").message(handshake) is None
+    assert kept("gaze").message(handshake) is handshake
     failed = m.Notice(level="error", text="engagement: it failed", t=NOW)
-    assert Perception(["engagement"]).message(failed) is failed
+    assert kept("engagement").message(failed) is failed
+
+
+def test_the_checks_of_the_robot_tell_no_value() -> None:
+    checked = m.PreflightChecked(check="distance", level="ok", detail="0.84 m", source="robot")
+    told = kept("distance").message(checked)
+    assert isinstance(told, m.PreflightChecked)
+    assert told.detail == "gives values"
 
 
 def test_what_nobody_knows_cannot_be_hidden() -> None:
@@ -252,7 +269,7 @@ def test_what_nobody_knows_cannot_be_hidden() -> None:
 
 def test_a_picture_never_holds_what_is_hidden() -> None:
     picture = Picture()
-    picture.take([told(EVERYTHING)], 0)
+    picture.take([seen(told(EVERYTHING))], 0)
     assert picture.engagement is None
     assert picture.engaged.shown is None
     assert not picture.faces

@@ -232,6 +232,7 @@ _PANELS = [
 
 REQUESTS: tuple[r.AnyRequest, ...] = (
     r.Hello(ref=1, role="wizard", name="laptop", stream="actions", take_over=True),
+    r.Hello(ref=2, role="program", name="stimulus", sees="all"),
     r.Beat(ref=2),
     r.Beat(ref=3, line_ok=False),
     r.AskAction(ref=4, sent_us=5_400_000_000, action="Hello", source="key", key="h", age_us=2300),

@@ -45,7 +45,9 @@ class Heard:
     def health(self, *told: object) -> None:
         """It says that it is there."""
 
-    def notice(self, level: str, text: str, remedy: str = "") -> None:
+    def notice(
+        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
+    ) -> None:
         self.notices.append(text)
 
 

@@ -50,11 +50,11 @@ def test_a_participant_from_the_proposal_to_the_answers(tmp_path: Path) -> None:
         assert reply["ok"]
         data = reply["data"]
         assert data == {
-            "order": ["cold", "warm"],
+            "order": ["B", "A"],
             "method": "latin-square",
             "row": 1,
             "why": "row 1 was given to 1 participant so far, row 0 to 2",
-            "condition": "cold",
+            "condition": "B",
             "trial": 1,
             "planned": 4,
         }
@@ -182,7 +182,7 @@ def test_a_newcomer_is_told_how_the_study_stands(tmp_path: Path) -> None:
         peer, welcome = await wizard(host)
         study = welcome["settings"]["study"]
         assert study["design"] == {"order": "latin-square", "within": True, "trials": 2}
-        assert study["blind"] == {"warm": "A", "cold": "B"}
+        assert study["blind"] == {"A": "A", "B": "B"}
         assert [each["name"] for each in study["questionnaires"]] == [
             "each",
             "ux",
@@ -200,7 +200,7 @@ def test_a_newcomer_is_told_how_the_study_stands(tmp_path: Path) -> None:
         late = await host.connect()
         welcome = await late.hello("watcher")
         study = welcome["settings"]["study"]
-        assert (study["assigned"], study["planned"]) == (["warm", "cold"], 4)
+        assert (study["assigned"], study["planned"]) == (["A", "B"], 4)
         assert (study["trial"], study["running"], study["on_break"]) == (1, True, True)
         assert study["preflight"][0] == {"check": "the door is shut", "ok": True}
         kinds = [line["kind"] for line in welcome["state"]]

@@ -122,7 +122,7 @@ def test_keys_that_are_other_ones_than_the_file_says_are_told(tmp_path: Path) ->
         hub.listen(lines.append)
         read = load(file, installed())
         begin(hub, Identity(), read, clock, [])
-        reloaded(hub, read, [])
+        reloaded(hub, read, [], [])
         return [line for line in lines if isinstance(line, m.Notice)]
 
     assert told(1) == []

@@ -15,6 +15,8 @@ from collections import deque
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 
+import msgspec
+
 from woz_tui.bus.guard import guarded
 from woz_tui.core import wire
 from woz_tui.core.driver import DriverError, Performer, Rejected, Verb
@@ -69,6 +71,8 @@ class Ticket:
         for timer in self.timers:
             timer.cancel()
         self.timers.clear()
+        if self.command.tells and _quotes(end):
+            end = msgspec.structs.replace(end, tells=self.command.tells)
         self.end = end
         self.end = self.hub.publish(end)
         if self.on_end is not None:
@@ -128,6 +132,11 @@ class LaneJob:
     def source(self) -> str:
         """Whose hand it came from."""
         return self._ticket.command.source
+
+    @property
+    def tells(self) -> tuple[str, ...]:
+        """What its arguments tell (see `messages.Worded`)."""
+        return self._ticket.command.tells
 
     def expects(self, seconds: float) -> None:
         """Publish how long it will take; may be called from any thread."""
@@ -379,6 +388,11 @@ def _outcome(
         reason=f"{type(error).__name__}: {error}",
         remedy="this is a bug of the driver; the robot process's own log has its traceback",
     )
+
+
+def _quotes(end: End) -> bool:
+    """Whether it may repeat what was asked for, in words that are not the bus's own."""
+    return isinstance(end, Done | Failed) or (isinstance(end, Refused) and end.code == "args")
 
 
 def _plain(sent: object) -> dict[str, Json]:

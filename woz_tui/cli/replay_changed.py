@@ -9,11 +9,11 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from woz_tui.console.study.blind import Blind, blind_of
 from woz_tui.core.cleaning import clean
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.replay import origin
 from woz_tui.replay.origin import Origin
+from woz_tui.session.redactor import Redactor
 from woz_tui.session.study_view import study_settings
 
 #: Lines of a difference that are shown at most; the rest is counted.
@@ -48,8 +48,9 @@ def wrong(told: Origin, error: ExperimentError, *, reveal: bool) -> Iterator[str
     yield f"woz: {_KEPT}"
 
 
-def veil(told: Origin, experiment: Experiment, *, reveal: bool) -> Blind:
+def redactor_of(told: Origin, experiment: Experiment, *, reveal: bool) -> Redactor:
     """Hides from the commands of a log what its wizard was not to know."""
     if reveal:
-        return Blind()
-    return blind_of(told.study or study_settings(experiment))
+        return Redactor()
+    then = told.study
+    return Redactor(then if then is not None and then.blind else study_settings(experiment))

@@ -15,10 +15,10 @@ from woz_tui.cli.failure import explained
 from woz_tui.cli.launch import Launch, host_arguments
 from woz_tui.cli.opening import open_both
 from woz_tui.cli.options import next_session
-from woz_tui.cli.replay_changed import changed, veil, wrong
-from woz_tui.console.study.blind import Blind
+from woz_tui.cli.replay_changed import changed, redactor_of, wrong
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.replay.plan import Plan
+from woz_tui.session.redactor import Redactor
 
 _YES = "yes"
 
@@ -34,7 +34,7 @@ class _Prepared:
     plan: Plan
     shown: Plan
     changed: list[str]
-    blind: Blind
+    redactor: Redactor
 
 
 def play(arguments: argparse.Namespace) -> int:
@@ -67,7 +67,7 @@ def _play(arguments: argparse.Namespace) -> int:
         from woz_tui.cli import rerun_headless  # noqa: PLC0415
 
         launch = Launch([*words, "--headless"])
-        return rerun_headless.watch(launch, _streams(prepared), prepared.blind)
+        return rerun_headless.watch(launch, _streams(prepared), prepared.redactor)
     return _in_console(words)
 
 
@@ -104,9 +104,9 @@ def _prepare(arguments: argparse.Namespace) -> _Prepared | None:
     if experiment is None:
         return None
     against = changed(plan.origin, experiment, reveal=arguments.reveal)
-    blind = veil(plan.origin, experiment, reveal=arguments.reveal)
+    redactor = redactor_of(plan.origin, experiment, reveal=arguments.reveal)
     plan = fitted(plan, experiment)
-    return _Prepared(log, experiment, plan, table.veiled(plan, blind), against, blind)
+    return _Prepared(log, experiment, plan, table.redacted(plan, redactor), against, redactor)
 
 
 def _found(log: Path, plan: Plan, place: Path | None, *, reveal: bool) -> Experiment | None:

@@ -16,11 +16,11 @@ from pathlib import Path
 
 from woz_tui.cli.launch import Launch, LaunchError, RobotProcess
 from woz_tui.cli.rerun_table import clock
-from woz_tui.console.study.blind import Blind
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.cleaning import clean
 from woz_tui.core.requests import AskStop, Hello, Request
+from woz_tui.session.redactor import Redactor
 
 #: Ends of commands that are as planned.
 _EXPECTED = (m.Done, m.Stopped, m.Superseded)
@@ -33,12 +33,12 @@ _SIGNALS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 class Progress:
     """What has been heard of a re-run; `take` returns the lines that are worth printing.
 
-    `streams`: driver and verb of setpoints that get no line each. `blind`: hides what the wizard of
-    then was not to know.
+    `streams`: driver and verb of setpoints that get no line each. `redactor`: hides what the
+    wizard of then was not to know.
     """
 
     streams: frozenset[tuple[str, str]] = frozenset()
-    blind: Blind = field(default_factory=Blind)
+    redactor: Redactor = field(default_factory=Redactor)
     commands: dict[str, m.Command] = field(default_factory=dict)
     began: int = 0
     failed: int = 0
@@ -47,7 +47,9 @@ class Progress:
     def take(self, message: object) -> Iterator[str]:
         """Lines for `message`; usually one or none."""
         if isinstance(message, m.Message):
-            yield from self._lines(self.blind.message(message))
+            seen = self.redactor.message(message)
+            if seen is not None:
+                yield from self._lines(seen)
 
     def _lines(self, message: m.Message) -> Iterator[str]:
         match message:
@@ -92,14 +94,14 @@ class Progress:
         return f"{clock(t - self.began):>10}"
 
 
-def watch(launch: Launch, streams: frozenset[tuple[str, str]], blind: Blind) -> int:
+def watch(launch: Launch, streams: frozenset[tuple[str, str]], redactor: Redactor) -> int:
     """Until the re-run is over: 0 if all was done, 130 after a stop from here, else 1."""
     try:
         robot = launch.wait()
     except LaunchError as error:
         print(error, file=sys.stderr)
         return 1
-    progress = Progress(streams, blind)
+    progress = Progress(streams, redactor)
     stopped = False
     try:
         with contextlib.suppress(ConnectionError, FileNotFoundError):  # gone, as is told below

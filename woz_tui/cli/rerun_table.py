@@ -7,11 +7,12 @@ from collections import Counter
 from collections.abc import Iterator
 from dataclasses import replace
 
-from woz_tui.console.study.blind import Blind
+from woz_tui.core import messages as m
 from woz_tui.core.cleaning import clean
 from woz_tui.experiment.shape import Experiment
 from woz_tui.replay.fitting import unfit
 from woz_tui.replay.plan import Plan, Step
+from woz_tui.session.redactor import Redactor
 
 #: Characters of the arguments that a line of the table has room for.
 ARGS = 56
@@ -19,17 +20,17 @@ ARGS = 56
 REASONS = 8
 
 
-def veiled(plan: Plan, blind: Blind) -> Plan:
-    """The plan as a wizard may see it who was blind to the condition."""
-    if not blind:
-        return plan
-    return replace(
-        plan,
-        steps=tuple(
-            replace(step, command=blind.message(step.command), skip=blind.text(step.skip))
-            for step in plan.steps
-        ),
-    )
+def redacted(plan: Plan, redactor: Redactor) -> Plan:
+    """The plan as the wizard may see it."""
+    return replace(plan, steps=tuple(_seen(step, redactor) for step in plan.steps))
+
+
+def _seen(step: Step, redactor: Redactor) -> Step:
+    command = redactor.message(step.command)
+    if command is step.command or not isinstance(command, m.Command):
+        return step
+    why = "why may tell what is kept from you" if step.skip else ""
+    return replace(step, command=command, skip=why)
 
 
 def summary(plan: Plan, experiment: Experiment, *, headless: bool) -> Iterator[str]:

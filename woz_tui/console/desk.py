@@ -72,8 +72,7 @@ class Desk:
     def replied(self, reply: r.Reply) -> None:
         """A reply came; those to keys pressed in the input thread have no waiting dialog."""
         self._watching.pop(reply.ref, None)
-        told = self._picture.blind.reply(reply)
-        self._waiting.pop(reply.ref, self.refused)(told)
+        self._waiting.pop(reply.ref, self.refused)(reply)
 
     def forget(self) -> None:
         """The connection is gone: no reply will come any more."""

@@ -20,10 +20,10 @@ from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.pose import joint_rows, other_rows
 from woz_tui.console.rows import NAME, at, joined, kept, labelled, named, old, ruler, track
-from woz_tui.console.study.perceived import HIDDEN
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
 from woz_tui.sensing.samples import FLAGS
+from woz_tui.session.redactor import HIDDEN
 
 #: Rows of meters at the most.
 MOST = 40

@@ -37,8 +37,6 @@ from woz_tui.console.replay.standing import ReplayPicture, following
 from woz_tui.console.robot.outlines import robots_of
 from woz_tui.console.runs import Failure, Run, Runs
 from woz_tui.console.sentences import Event, event_of, explained
-from woz_tui.console.study.blind import Blind, blind_of
-from woz_tui.console.study.perceived import Perception, eyeless, kind_of, perception_of
 from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -46,6 +44,7 @@ from woz_tui.core.robots import RobotOutline
 from woz_tui.core.settings import Settings, StudySettings
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.core.wire import WireError, decode_message
+from woz_tui.session.redactor import Perception, eyeless, kind_of
 
 #: How long an action that is over still shows how it ended.
 DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
@@ -83,8 +82,7 @@ class Picture:
     keyboard: str = "us"
     settings: Settings = field(default_factory=Settings)
     profiles: Profiles = field(default_factory=Profiles)
-    #: Conditions by the labels that the wizard is told, and what the wizard does not get to see.
-    blind: Blind = field(default_factory=Blind)
+    #: What the wizard does not get to see.
     perception: Perception = field(default_factory=Perception)
     study: Study = field(default_factory=Study)
     locks: dict[str, bool] = field(default_factory=dict)
@@ -214,12 +212,8 @@ class Picture:
         self._plan(changed)
 
     def _study(self, study: StudySettings) -> None:
-        """What the wizard may know comes first: all that follows is seen through it."""
-        self.blind = blind_of(study)
-        self._perceive(perception_of(study))
-        self.study.tell(
-            msgspec.structs.replace(study, assigned=[*self.blind.labels(study.assigned)])
-        )
+        self._perceive(Perception.of(study))
+        self.study.tell(study)
 
     def _perceive(self, perception: Perception) -> None:
         """Keep this from the wizard from now on, also what is on the screen already."""
@@ -243,7 +237,7 @@ class Picture:
         self.title = plan.title
         self.panels, self.script = tuple(plan.panels), tuple(plan.script)
         self.verbs = dict(plan.verbs)
-        self.conditions = self.blind.labels(plan.conditions)
+        self.conditions = tuple(plan.conditions)
         self.keyboard = plan.keyboard
         self.position = min(self.position, len(self.script))
         self.edition += 1
@@ -251,11 +245,6 @@ class Picture:
     def _message(self, message: m.Message, tell: bool) -> None:
         if isinstance(message, m.PerceptionChanged):
             self._perceive(Perception(message.hidden, message.blurred))
-        seen = self.perception.message(self.blind.message(message))
-        if seen is not None:
-            self._seen(seen, tell)
-
-    def _seen(self, message: m.Message, tell: bool) -> None:
         reduce(self, message)
         self.engaged.take(message)
         self.study.take(message)
@@ -298,8 +287,10 @@ class Picture:
         trial = "" if self.trial is None else self.trial
         now = {"participant": self.participant, "condition": self.condition, "trial": trial}
         values |= {name: value for name, value in now.items() if value != ""}
+        if self.settings.study.blind:
+            values.pop("condition", None)  # a label, and not what is said
         for name, value in values.items():
-            if value not in ("", None) and not self.blind.keeps(name, value):
+            if value not in ("", None):
                 words = words.replace(f"{{{name}}}", str(value))
         return words
 

@@ -13,7 +13,7 @@ from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import NAME, at, kept, labelled, named, old, ruler, track
-from woz_tui.console.study.perceived import kind_of
+from woz_tui.session.redactor import kind_of
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
 _JOINT = re.compile(r"(?P<whose>.*\.)?(?P<kind>joint|setpoint)\.(?P<name>.+)")

@@ -8,7 +8,7 @@ from woz_tui.console.cells import Piece, Row, cut, fit
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorPicture
-from woz_tui.console.study.perceived import HIDDEN
+from woz_tui.session.redactor import HIDDEN
 
 #: Cells of the names at the left and the values at the right.
 NAME, VALUE = 11, 17

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import msgspec
 
-from woz_tui.core.envelope import Json, Message
+from woz_tui.core.envelope import Json, Message, Worded
 
 #: Verbs with which a robot shows by itself how the engagement model stands.
 SIGNALS = frozenset({"eyes", "screen", "sound"})
@@ -30,7 +30,7 @@ class ActionRequested(
     console: str = ""
 
 
-class ActionEnd(Message, frozen=True, kw_only=True, omit_defaults=True):
+class ActionEnd(Worded, frozen=True, kw_only=True, omit_defaults=True):
     """How the run of an action ended; each `action.requested` has exactly one such line."""
 
     run: str
@@ -54,12 +54,13 @@ class ActionRefused(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, ta
     """Nothing of the action was tried: unknown, locked, stale, stopped, or a value missing."""
 
 
-class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"):
+class Command(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="command.requested"):
     """One verb with its arguments, for one driver, on its way to the bus.
 
     `deadline_us`, on the session's `t` axis, is the moment after which it may no longer begin
     (0: none). `limit_s` bounds how long it may run once begun. `when_busy`: queue, replace or
-    refuse, if its lane is occupied.
+    refuse, if its lane is occupied. `unfilled`: those of `args` that tell what `tells` says, with
+    such variables left in place: `{greeting}`.
     """
 
     command: str
@@ -74,6 +75,7 @@ class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="comma
     deadline_us: int = 0
     limit_s: float = 30.0
     when_busy: str = "queue"
+    unfilled: dict[str, Json] = msgspec.field(default_factory=dict)
 
     @property
     def passing(self) -> bool:
@@ -85,7 +87,7 @@ class Command(Message, frozen=True, kw_only=True, omit_defaults=True, tag="comma
         return self.source in ("midi", "replay") and self.verb == "control"
 
 
-class Ack(Message, frozen=True, kw_only=True, omit_defaults=True):
+class Ack(Worded, frozen=True, kw_only=True, omit_defaults=True):
     """What became of a command. Only the subclasses are sent."""
 
     command: str

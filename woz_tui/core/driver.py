@@ -202,8 +202,13 @@ class Outlet(Protocol):
         """The robot's mode (normal, demo ...) is now `mode`; saying the same again is free."""
         ...
 
-    def notice(self, level: str, text: str, remedy: str = "") -> None:
-        """A sentence for the wizard; `level` is info, warning or error."""
+    def notice(
+        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
+    ) -> None:
+        """A sentence for the wizard; `level` is info, warning or error. `tells`: `request` if it
+        quotes what was asked for, and each sensor whose values it tells (`loudness`): it is not
+        shown to a wizard from whom that is kept.
+        """
         ...
 
     def show(self, shown: Shown) -> None:

@@ -16,3 +16,13 @@ class Message(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag
     seq: int = -1
     t: int = -1
     ts: str = ""
+
+
+class Worded(Message, frozen=True, kw_only=True, omit_defaults=True):
+    """A message whose words may tell something that is kept from some.
+
+    `tells`: what that is: `condition`, `request` (the words quote what was asked for), or what a
+    sensor measures (`loudness`, `identity` ..., see `perception`). Only the subclasses are sent.
+    """
+
+    tells: tuple[str, ...] = ()

@@ -12,6 +12,8 @@ from woz_tui.core import wire
 from woz_tui.core.clock import Clock, timestamp
 from woz_tui.core.messages import AnyMessage, Message
 
+#: What a listener may have of a message; None: nothing of it.
+See = Callable[[Message], Message | None]
 #: Called with the stamped message and its line before anybody else; must not raise, must not wait.
 Record = Callable[[AnyMessage, bytes], None]
 
@@ -25,7 +27,10 @@ class Subscription:
     marked `overrun`; its owner closes it, and it may come back for the full picture.
     """
 
-    def __init__(self, capacity: int, samples: bool, wake: Callable[[], None]) -> None:
+    def __init__(
+        self, capacity: int, samples: bool, wake: Callable[[], None], see: See | None = None
+    ) -> None:
+        self.see = see
         self._capacity = capacity
         self._wants_samples = samples
         self._wake = wake
@@ -108,8 +113,13 @@ class Hub:
         self._seq += 1
         line = wire.encode(stamped)
         self._record(stamped, line)  # type: ignore[arg-type]
+        seen: dict[See | None, bytes | None] = {None: line}
         for subscription in self._subscriptions:
-            subscription.offer(sample, line)
+            see = subscription.see
+            if see not in seen:
+                seen[see] = _line(see, stamped, line)
+            if (own := seen[see]) is not None:
+                subscription.offer(sample, own)
         self._unheard.append(stamped)  # type: ignore[arg-type]
         self._tell()
         return stamped
@@ -131,9 +141,17 @@ class Hub:
         """Call `listener` with every message, in the loop; it must be quick and must not raise."""
         self._listeners.append(listener)
 
-    def subscribe(self, capacity: int, samples: bool, wake: Callable[[], None]) -> Subscription:
-        """A buffer of coming lines; `wake` is called when it stops being empty."""
-        subscription = Subscription(capacity, samples, wake)
+    def subscribe(
+        self,
+        capacity: int,
+        samples: bool,
+        wake: Callable[[], None],
+        see: See | None = None,
+    ) -> Subscription:
+        """A buffer of coming lines; `wake` is called when it stops being empty. `see` gives what
+        its owner may have of each message; None: all.
+        """
+        subscription = Subscription(capacity, samples, wake, see)
         self._subscriptions.append(subscription)
         return subscription
 
@@ -141,3 +159,11 @@ class Hub:
         """No more lines for it."""
         if subscription in self._subscriptions:
             self._subscriptions.remove(subscription)
+
+
+def _line(see: See | None, message: Message, line: bytes) -> bytes | None:
+    """The line of what may be had of `message`, whose own is `line`."""
+    seen = see(message) if see is not None else message
+    if seen is None:
+        return None
+    return line if seen is message else wire.encode(seen)

@@ -7,23 +7,23 @@ from __future__ import annotations
 
 import msgspec
 
-from woz_tui.core.envelope import Message
+from woz_tui.core.envelope import Message, Worded
 
 
-class Marker(Message, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
+class Marker(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="marker"):
     """A moment worth finding again."""
 
     text: str = ""
     source: str = msgspec.field(default_factory=lambda: "key")
 
 
-class Note(Message, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
+class Note(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="note"):
     """A sentence the wizard typed."""
 
     text: str
 
 
-class Mistake(Message, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
+class Mistake(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="mistake"):
     """The wizard says that the run `run` of `action` was a mistake."""
 
     run: str
@@ -56,19 +56,26 @@ class ProfileChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag
 class ExperimentReloaded(
     Message, frozen=True, kw_only=True, omit_defaults=True, tag="experiment.reloaded"
 ):
-    """The experiment file was read again; `changes` lists the differences in words."""
+    """The experiment file was read again; `changes` lists the differences in words, `telling` those
+    of them that may tell which condition is which.
+    """
 
     experiment_sha256: str
     changes: list[str]
+    telling: list[str] = msgspec.field(default_factory=list)
 
 
 class ConsoleAttached(
     Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.attached"
 ):
-    """A console or program connected. `role`: wizard, watcher or program."""
+    """A console or program connected. `role`: wizard, watcher, program or participant; `name`: how
+    it calls itself. `sees` is `all` for a program that gets what is kept from the wizard.
+    """
 
     console: str
     role: str
+    name: str = ""
+    sees: str = ""
 
 
 class ConsoleLost(Message, frozen=True, kw_only=True, omit_defaults=True, tag="console.lost"):

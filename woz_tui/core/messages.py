@@ -45,7 +45,7 @@ from woz_tui.core.engaged import (
     SpeechText,
     VisitorChanged,
 )
-from woz_tui.core.envelope import Json, Message
+from woz_tui.core.envelope import Json, Message, Worded
 from woz_tui.core.health import (
     DriverConnected,
     DriverConnecting,
@@ -165,10 +165,11 @@ __all__ = [
     "TrialEnded",
     "TrialStarted",
     "VisitorChanged",
+    "Worded",
 ]
 
 FORMAT = "woz-session"
-SCHEMA = 2
+SCHEMA = 3
 
 
 # -- the session ----------------------------------------------------------------------------
@@ -203,7 +204,7 @@ class SessionChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag
     trial: int | None = None
 
 
-class SessionEnd(Message, frozen=True, kw_only=True, omit_defaults=True, tag="session.end"):
+class SessionEnd(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="session.end"):
     """Last line of a log. `sha256` covers every line of actions before it, each once and in the
     order of `seq`: in a session of one segment, every byte of the file.
     """
@@ -257,12 +258,13 @@ class RecorderState(Message, frozen=True, kw_only=True, omit_defaults=True, tag=
     remedy: str = ""
 
 
-class Notice(Message, frozen=True, kw_only=True, omit_defaults=True, tag="notice"):
-    """A sentence for the wizard. `level`: info, warning or error."""
+class Notice(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="notice"):
+    """A sentence for the wizard. `level`: info, warning or error; `driver`: whose it is."""
 
     level: str
     text: str
     remedy: str = ""
+    driver: str = ""
 
 
 # -- sensors ----------------------------------------------------------------------------------

@@ -46,7 +46,8 @@ class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello")
 
     A wizard must send a `beat` at least every second; when three seconds pass without one, driving
     stops. `stream`: everything, actions (no samples) or nothing. While a wizard is attached a
-    second one becomes a watcher, unless it says `take_over`: then the first one does.
+    second one becomes a watcher, unless it says `take_over`: then the first one does. `sees`: a
+    program sees `all`, also what is kept from the wizard, unless it says `wizard`.
     """
 
     role: str
@@ -54,6 +55,7 @@ class Hello(Request, frozen=True, kw_only=True, omit_defaults=True, tag="hello")
     protocol: int = PROTOCOL
     stream: str = "everything"
     take_over: bool = False
+    sees: Literal["", "all", "wizard"] = ""
 
 
 class AskAction(Request, frozen=True, kw_only=True, omit_defaults=True, tag="action"):

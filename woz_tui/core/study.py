@@ -10,7 +10,7 @@ from typing import Any
 
 import msgspec
 
-from woz_tui.core.envelope import Message
+from woz_tui.core.envelope import Message, Worded
 from woz_tui.core.settings import Settings
 from woz_tui.core.views import PanelView
 
@@ -73,7 +73,7 @@ class TrialStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="
     planned: int = 0
 
 
-class TrialEnded(Message, frozen=True, kw_only=True, omit_defaults=True, tag="trial.ended"):
+class TrialEnded(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="trial.ended"):
     """It is over. `outcome`: done, aborted (to be run again) or excluded (not to be analysed)."""
 
     trial: int
@@ -81,13 +81,13 @@ class TrialEnded(Message, frozen=True, kw_only=True, omit_defaults=True, tag="tr
     text: str = ""
 
 
-class BreakStarted(Message, frozen=True, kw_only=True, omit_defaults=True, tag="break.started"):
+class BreakStarted(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="break.started"):
     """A break: what happens now belongs to no trial."""
 
     text: str = ""
 
 
-class BreakEnded(Message, frozen=True, kw_only=True, omit_defaults=True, tag="break.ended"):
+class BreakEnded(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="break.ended"):
     """The break is over."""
 
     text: str = ""
@@ -241,7 +241,7 @@ class RerunSent(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rer
     late_us: int
 
 
-class RerunSkipped(Message, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.skipped"):
+class RerunSkipped(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="rerun.skipped"):
     """A command of the original that is not sent again, and why."""
 
     original_command: str

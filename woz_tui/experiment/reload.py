@@ -20,7 +20,8 @@ from woz_tui.experiment.study import Study
 
 @dataclass(frozen=True, slots=True)
 class Difference:
-    """`changes`: every difference in words, those of the drivers first.
+    """`changes`: every difference in words, those of the drivers first; `telling`: those of them
+    that may tell which condition is which.
 
     `drivers`: the differences of the drivers alone. They cannot be swapped in a running session,
     so a reload is possible only if there are none.
@@ -28,6 +29,7 @@ class Difference:
 
     changes: tuple[str, ...]
     drivers: tuple[str, ...]
+    telling: tuple[str, ...] = ()
 
     @property
     def reloadable(self) -> bool:
@@ -38,7 +40,8 @@ class Difference:
 def compare(old: Experiment, new: Experiment) -> Difference:
     """The differences between two readings."""
     drivers = tuple(_drivers(old, new))
-    return Difference((*drivers, *_rest(old, new)), drivers)
+    telling = (*_conditions(old, new), *_part("design", old.study, new.study))
+    return Difference((*drivers, *_rest(old, new)), drivers, telling)
 
 
 def _drivers(old: Experiment, new: Experiment) -> Iterable[str]:
@@ -68,8 +71,7 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
     for what in ("participant_pattern", "keyboard", "session", "steps"):
         if getattr(old, what) != getattr(new, what):
             yield f"{what.replace('_', ' ')} changed"
-    if old.conditions != new.conditions:
-        yield f"conditions are {', '.join(new.conditions) or 'none'}"
+    yield from _conditions(old, new)
     yield from _entries(
         "variable",
         {**old.variables, **old.by_condition},
@@ -91,6 +93,11 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         )
 
 
+def _conditions(old: Experiment, new: Experiment) -> Iterable[str]:
+    if old.conditions != new.conditions:
+        yield f"conditions are {', '.join(new.conditions) or 'none'}"
+
+
 def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
     for what in _settings(old.settings, new.settings):
         yield f"engagement: {what}"
@@ -109,11 +116,7 @@ def _engagement(old: Engagement, new: Engagement) -> Iterable[str]:
 def _study(old: Study, new: Study) -> Iterable[str]:
     """What is under way goes on: a participant's order, an open questionnaire's items."""
     for part in ("design", "shaping", "perception"):
-        was, now = getattr(old, part), getattr(new, part)
-        if was is None or now is None:
-            yield from () if was is now else (f"{part} is {'new' if was is None else 'gone'}",)
-        else:
-            yield from (f"{part}: {what}" for what in _settings(was, now))
+        yield from _part(part, old, new)
     yield from _entries(
         "questionnaire",
         {each.name: each for each in old.questionnaires},
@@ -122,6 +125,14 @@ def _study(old: Study, new: Study) -> Iterable[str]:
     yield from _entries("preflight", dict.fromkeys(old.preflight), dict.fromkeys(new.preflight))
     if old.training != new.training:
         yield "training changed"
+
+
+def _part(part: str, old: Study, new: Study) -> Iterable[str]:
+    was, now = getattr(old, part), getattr(new, part)
+    if was is None or now is None:
+        yield from () if was is now else (f"{part} is {'new' if was is None else 'gone'}",)
+    else:
+        yield from (f"{part}: {what}" for what in _settings(was, now))
 
 
 def _settings(old: object, new: object, prefix: str = "") -> Iterable[str]:

@@ -68,12 +68,17 @@ class DriverSpec:
 
 @dataclass(frozen=True, slots=True)
 class Call:
-    """One verb, its checked arguments (variables still in place), the driver it goes to."""
+    """One verb, its checked arguments (variables still in place), the driver it goes to.
+
+    `tells` and `unfilled` as in `messages.Command`, once the variables are filled in.
+    """
 
     verb: str
     args: Mapping[str, Json]
     driver: str
     place: Place
+    tells: tuple[str, ...] = ()
+    unfilled: Mapping[str, Json] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

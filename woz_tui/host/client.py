@@ -33,6 +33,7 @@ from woz_tui.core.requests import (
     Hello,
     Reply,
 )
+from woz_tui.host.view import View
 
 #: Lines that may wait for a client that does not read; then its samples are dropped.
 CAPACITY = 4096
@@ -123,6 +124,8 @@ class Client(asyncio.Protocol):
         self.name = name
         self.hello: Hello | None = None
         self.role = ""
+        #: What this client may see; None: all.
+        self.view: View | None = None
         self.beat_us = 0
         self.silent = False
         #: Done when the connection has ended.
@@ -265,7 +268,8 @@ class Client(asyncio.Protocol):
 
     def follow(self, samples: bool) -> None:
         """Give it the stream from here on."""
-        self._subscription = self._hub.subscribe(CAPACITY, samples, self._wake)
+        see = self.view.see if self.view is not None else None
+        self._subscription = self._hub.subscribe(CAPACITY, samples, self._wake, see)
 
     @property
     def dropped(self) -> int:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import dataclasses
 import logging
 from collections.abc import Callable, Mapping
 
@@ -37,7 +38,7 @@ from woz_tui.core.requests import (
     Reply,
 )
 from woz_tui.experiment.reload import compare
-from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.experiment.shape import Call, Experiment, ExperimentError, Place
 from woz_tui.host.client import Client
 from woz_tui.host.pictures import Pictures
 from woz_tui.session.identity import AskError
@@ -45,7 +46,8 @@ from woz_tui.session.preflight import preflight
 from woz_tui.session.questioning import PARTICIPANT
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
-from woz_tui.session.variables import MissingError, filled
+from woz_tui.session.study_view import study_settings
+from woz_tui.session.variables import MissingError, call_with
 
 log = logging.getLogger(__name__)
 
@@ -57,6 +59,7 @@ PARTICIPANT_MAY = (AskQuestionnaire, AskAnswer)
 Slow = AskReload | AskPreflight | AskProposal
 #: So many of one kind may wait for each client, while the one before is worked on.
 SLOW_WAITING = 16
+_NOWHERE = Place("", 0, 0)
 
 
 class Desk:
@@ -77,9 +80,13 @@ class Desk:
         self._looking = asyncio.Lock()  # into the earlier logs, one after the other
         self.on_end: Callable[[str], None] = lambda reason: None
         self.on_panels: Callable[[], None] = lambda: None
+        #: Called before an experiment is adopted.
+        self.on_reload: Callable[[Experiment], None] = lambda experiment: None
 
     def answer(self, client: Client, request: AnyRequest) -> None:
         """Carry `request` out and reply; every request gets exactly one reply; a picture is one."""
+        if client.view is not None:
+            request = client.view.redactor.request(request)
         if client.role == "watcher" and not isinstance(request, WATCHER_MAY):
             client.send(
                 Reply(
@@ -103,7 +110,7 @@ class Desk:
         try:
             run = self._carry(client, request)
         except AskError as error:
-            return Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint)
+            return _refused(client, request, error)
         return Reply(ref=request.ref, ok=True, run=run)
 
     def _carry(self, client: Client, request: AnyRequest) -> str:
@@ -132,6 +139,7 @@ class Desk:
                 session.use_profile(profile, source)
                 self.on_panels()
             case AskEnd(reason=reason):
+                session.end_tells = self._tells(client)
                 self.on_end(reason)
             case _:
                 self._study(client, request)
@@ -145,7 +153,7 @@ class Desk:
             case AskAssign(participant=participant, order=order):
                 study.assign(participant, order)
             case AskTrial(what=what, text=text):
-                study.trial(what, text)
+                study.trial(what, text, self._tells(client))
             case AskQuestionnaire(questionnaire=name, what=what, source=source):
                 by = PARTICIPANT if client.role == PARTICIPANT else source
                 study.questioning.ask(name, what, by)
@@ -157,13 +165,19 @@ class Desk:
                 raise AskError(f"{type(request).__name__} cannot be asked here")
 
     def _write(self, client: Client, request: AskMarker | AskNote | AskMistake) -> None:
+        tells = self._tells(client)
         match request:
             case AskMarker(text=text):
-                self._session.mark(text, client.role)
+                self._session.mark(text, client.role, tells)
             case AskNote(text=text):
-                self._session.note(text)
+                self._session.note(text, tells)
             case AskMistake(run=wrong, text=text):
-                self._session.mistake(wrong, text)
+                self._session.mistake(wrong, text, tells)
+
+    def _tells(self, client: Client) -> tuple[str, ...]:
+        """What words of this client may tell: one that sees all may write of the condition."""
+        blinds = bool(study_settings(self._session.experiment).blind)
+        return ("condition",) if blinds and client.view is None else ()
 
     def _action(self, client: Client, request: AskAction, stale: str) -> str:
         return self._session.play(
@@ -186,18 +200,24 @@ class Desk:
         """Send it with its variables filled in, as in the experiment file."""
         # First of all: a sentence about a variable would quote what stands between braces.
         args = self._session.bus.hidden(request.verb, request.args)
+        texts = {name: text for name, text in args.items() if isinstance(text, str)}
+        call = Call(request.verb, texts, request.on, _NOWHERE)
         if not stale:
             try:
-                args = _filled(args, self._session.values())
+                call = call_with(call, self._session.values())
             except MissingError as error:
                 raise AskError(str(error), "write {{ and }} for braces that are meant") from error
+        if tells := self._tells(client):
+            call = dataclasses.replace(call, tells=tells, unfilled=dict.fromkeys(texts, "..."))
         return self._session.send(
             request.verb,
-            args,
+            {**args, **call.args},
             request.on,
             Origin(request.source, request.key, client.name),
             when_busy=request.when_busy,
             stale=stale,
+            tells=call.tells,
+            unfilled=call.unfilled,
         )
 
     def _stale(self, request: AnyRequest) -> str:
@@ -234,30 +254,34 @@ class Desk:
             # Whoever asks the same from here on gets an answer of its own: things may have changed.
             same = [each for each in waiting if replace(each, ref=request.ref) == request]
             waiting[:] = [each for each in waiting if each not in same]
-            reply = await self._reply(request)
+            reply = await self._reply(client, request)
             for each in same:
                 client.send(replace(reply, ref=each.ref))
         del self._slow[client, kind]
 
-    async def _reply(self, request: Slow) -> Reply:
+    async def _reply(self, client: Client, request: Slow) -> Reply:
+        #: Lines that may tell the condition, and what stands for them where it is kept.
+        instead: dict[str, str] = {}
         try:
-            data = await self._data(request)
+            data = await self._data(request, instead)
         except AskError as error:
-            return Reply(ref=request.ref, ok=False, reason=error.reason, hint=error.hint)
+            return _refused(client, request, error)
         except ExperimentError as error:
-            return Reply(
+            reply = Reply(
                 ref=request.ref,
                 ok=False,
                 reason=f"the file has {len(error.problems)} error(s); nothing was changed",
                 data=[str(problem) for problem in error.problems],
             )
+            places = {str(problem): str(problem.place) for problem in error.problems}
+            return _seen(client, reply, places)
         except Exception as error:
             # Whoever asked waits for an answer, also when a driver's package is broken.
             log.exception("%s failed", type(request).__name__)
             return Reply(ref=request.ref, ok=False, reason=f"{type(error).__name__}: {error}")
-        return Reply(ref=request.ref, ok=True, data=data)
+        return _seen(client, Reply(ref=request.ref, ok=True, data=data), instead)
 
-    async def _data(self, request: Slow) -> Json:
+    async def _data(self, request: Slow, instead: dict[str, str]) -> Json:
         if isinstance(request, AskPreflight):
             return _plain(await preflight(self._session))
         if isinstance(request, AskProposal):
@@ -265,9 +289,9 @@ class Desk:
                 study, participant = self._session.study, request.participant
                 return (await asyncio.to_thread(study.propose, participant)).data()
         async with self._reading:
-            return await self._reload(request.dry_run)
+            return await self._reload(request.dry_run, instead)
 
-    async def _reload(self, dry_run: bool) -> Json:
+    async def _reload(self, dry_run: bool, instead: dict[str, str]) -> Json:
         """Read in a thread: a network folder must not hold up the robot."""
         experiment = await asyncio.to_thread(self._load)
         if self._session.ended:
@@ -280,10 +304,13 @@ class Desk:
             )
         reread = await asyncio.to_thread(self._session.reread, experiment, dry_run=dry_run)
         changes = [*difference.changes, *reread]
+        telling = [*difference.telling, *reread]
+        instead.update(dict.fromkeys(telling, "a difference that may tell the condition"))
         if self._session.ended:
             raise AskError("the session is ending")
         if not dry_run:
-            self._session.adopt(experiment, changes)
+            self.on_reload(experiment)
+            self._session.adopt(experiment, changes, telling)
             self.on_panels()
         return [*changes]
 
@@ -304,11 +331,19 @@ def _undone(request: AnyRequest) -> str:
     return ""
 
 
+def _refused(client: Client, request: AnyRequest, error: AskError) -> Reply:
+    """Why not; conditions are listed by the names that the client knows."""
+    hint = error.hint
+    if client.view is not None and error.conditions:
+        hint = f"there are {', '.join(client.view.redactor.labels(error.conditions))}"
+    return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint)
+
+
+def _seen(client: Client, reply: Reply, instead: Mapping[str, str]) -> Reply:
+    """What the client may have of an answer."""
+    return reply if client.view is None else client.view.redactor.reply(reply, instead)
+
+
 def _plain(findings: list[Finding]) -> Json:
     plain: Json = msgspec.to_builtins(findings)
     return plain
-
-
-def _filled(args: Mapping[str, Json], values: Mapping[str, str]) -> dict[str, Json]:
-    """Variables replaced in arguments that are texts; what is inside lists and mappings stays."""
-    return {name: filled(a, values) if isinstance(a, str) else a for name, a in args.items()}

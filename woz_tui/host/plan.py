@@ -46,7 +46,7 @@ class Shown:
             session.catalogue,
             session.locked,
             session.profiles.current,
-            session.study.shown(session.values()),
+            session.values(),
             study_snapshot(session.study.settings, session.study.state),
         )
 

@@ -6,7 +6,7 @@ import asyncio
 import logging
 import os
 import socket
-from collections.abc import Sequence
+from collections.abc import Iterable
 from pathlib import Path
 
 import msgspec
@@ -24,13 +24,17 @@ from woz_tui.core.requests import (
     Reply,
     Welcome,
 )
+from woz_tui.experiment.shape import Experiment
 from woz_tui.host import place
 from woz_tui.host.client import LINGER_S, Client, Turns
 from woz_tui.host.desk import Desk
 from woz_tui.host.plan import Shown, plan_for_log, plan_of
+from woz_tui.host.view import View
 from woz_tui.session.plan import panels_changed, welcome
 from woz_tui.session.questioning import PARTICIPANT
+from woz_tui.session.redactor import ParticipantRedactor, Redactor, redactor_for
 from woz_tui.session.session import Session
+from woz_tui.session.study_view import study_settings
 
 PULSE_S = 1.0
 #: Dead-man periods of silence after which a wizard's connection is given up altogether.
@@ -64,9 +68,13 @@ class Host:
         self._file: tuple[int, int] | None = None
         self._timer: asyncio.TimerHandle | None = None
         self._alone_us = 0
+        self._views = {name: self._view(name) for name in ("wizard", PARTICIPANT)}
+        for view in self._views.values():
+            session.hub.listen(view.hear)
         self._over: asyncio.Future[str] = asyncio.get_running_loop().create_future()
         desk.on_end = self.end
         desk.on_panels = self._panels_changed
+        desk.on_reload = self._restrict
         session.bus.unwatched = "no wizard's console is attached"
 
     # -- running -----------------------------------------------------------------------------
@@ -204,11 +212,24 @@ class Host:
             reason = f"no stream {hello.stream!r}"
             client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint=", ".join(STREAMS)))
             return
+        if hello.sees == "all" and hello.role != "program":
+            reason = "only a program sees all, and the wizard's screen names it"
+            client.send(Reply(ref=hello.ref, ok=False, reason=reason, hint="role: program"))
+            return
         client.hello = hello
         client.role = self._role(client, hello)
+        sees_all = redactor_for(client.role, hello.sees) is None
+        client.view = None if sees_all else self._views.get(client.role, self._views["wizard"])
         client.beat_us = self.session.hub.now()
         self._clients.append(client)
-        self.session.hub.publish(m.ConsoleAttached(console=client.name, role=client.role))
+        self.session.hub.publish(
+            m.ConsoleAttached(
+                console=client.name,
+                role=client.role,
+                name=hello.name if sees_all else "",
+                sees="all" if sees_all else "",
+            )
+        )
         client.send(self._welcome(client))
         if hello.stream != "nothing":
             client.follow(samples=hello.stream == "everything")
@@ -227,8 +248,21 @@ class Host:
         )
         return "wizard"
 
-    def _welcome(self, client: Client) -> Welcome:
+    def _view(self, role: str) -> View:
         session = self.session
+        redactor = Redactor() if role == "wizard" else ParticipantRedactor()
+        redactor.adopt(study_settings(session.experiment))
+        return View(redactor, session.state.messages(), session.recent.lines)
+
+    def _restrict(self, experiment: Experiment) -> None:
+        """A file is about to be adopted: who is to be blind by it is so before anything is said."""
+        study = study_settings(experiment)
+        for view in self._views.values():
+            if study.blind:
+                view.redactor.adopt(study)
+
+    def _welcome(self, client: Client) -> Welcome:
+        session, view = self.session, client.view
         told = welcome(
             plan_of(Shown.of(session)),
             console=client.name,
@@ -237,9 +271,13 @@ class Host:
             t=session.hub.now(),
             log=str(session.recorder.path),
         )
-        state = session.state.messages(plan=False)
+        state: Iterable[m.Message | None] = session.state.messages(plan=False)
+        recent: Iterable[m.Message | None] = session.recent.lines
+        if view is not None:
+            told, recent = view.redactor.welcome(told), view.recent
+            state = [view.redactor.message(line) for line in session.state.messages(plan=False)]
         return msgspec.structs.replace(
-            told, state=_raw(state), recent=_raw(session.recent.lines), boot_id=boot_id()
+            told, state=_raw(state), recent=_raw(recent), boot_id=boot_id()
         )
 
     def _panels_changed(self) -> None:
@@ -247,7 +285,8 @@ class Host:
         self.session.hub.publish(plan_for_log(shown))
         news = panels_changed(plan_of(shown))
         for client in self._clients:
-            client.send(news)
+            view = client.view
+            client.send(news if view is None else view.redactor.panels(news))
 
     def _gone(self, client: Client, why: str) -> None:
         if client not in self._clients:
@@ -296,5 +335,5 @@ class Host:
             self.end("abandoned")
 
 
-def _raw(lines: Sequence[m.Message]) -> list[msgspec.Raw]:
-    return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines]
+def _raw(lines: Iterable[m.Message | None]) -> list[msgspec.Raw]:
+    return [msgspec.Raw(wire.encode(line).rstrip()) for line in lines if line is not None]

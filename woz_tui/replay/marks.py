@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -58,12 +58,8 @@ class Mark(NamedTuple):
     text: str
 
 
-def mark_of(  # noqa: PLR0911 - a table of kinds
-    message: object, t: int, labels: Mapping[str, str] | None = None
-) -> Mark | None:
-    """The mark that a line of the log is; None for most of them. `labels`: what the wizard was told
-    instead of a condition.
-    """
+def mark_of(message: object, t: int) -> Mark | None:  # noqa: PLR0911 - a table of kinds
+    """The mark that a line of the log is; None for most of them."""
     match message:
         case m.Marker(text=text):
             return Mark(t, "marker", text or "marker")
@@ -74,8 +70,7 @@ def mark_of(  # noqa: PLR0911 - a table of kinds
         case m.StopPressed(scope="all", source=source):
             return Mark(t, "stop", f"stop by {source}")
         case m.TrialStarted(trial=trial, condition=condition):
-            label = (labels or {}).get(condition, condition)
-            return Mark(t, "trial", f"trial {trial} {label}".rstrip())
+            return Mark(t, "trial", f"trial {trial} {condition}".rstrip())
         case m.SessionChanged(trial=int(trial)):
             return Mark(t, SET, f"trial {trial}")
         case m.BreakStarted(text=text):

@@ -18,12 +18,14 @@ import msgspec
 
 from woz_tui.analysis.played import ASKED
 from woz_tui.core import messages as m
+from woz_tui.core.messages import SCHEMA
 from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
 from woz_tui.record.log import Damage, files_of, read
 from woz_tui.replay.marks import steady
 from woz_tui.replay.origin import Origin
 from woz_tui.replay.studied import last_blind
+from woz_tui.session.redactor import marked
 
 #: Whose commands they are, in the log of the re-run.
 REPLAY = "replay"
@@ -195,12 +197,15 @@ def plan_of(path: Path) -> Plan:
     """
     reader, digest, damage = _Reader(), hashlib.sha256(), Damage()
     times: list[int] = []
+    schema = SCHEMA
     told: list[tuple[int, m.AnyMessage]] = []
     for line in read(path, damage, samples=False):
         digest.update(line.raw + b"\n")
         message = line.message
         if isinstance(message, _TELLING):
-            told.append((len(times), message))
+            if isinstance(message, m.SessionStart):
+                schema = message.schema
+            told.append((len(times), marked(message, schema)))
         times.append(line.t)
     # A flipped bit in a time must neither hold the robot up for hours nor hurry it.
     times = steady(times)

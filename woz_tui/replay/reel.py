@@ -8,7 +8,7 @@ is a few hundred lines from one.
 from __future__ import annotations
 
 import bisect
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, Protocol
@@ -17,12 +17,14 @@ import msgspec
 
 from woz_tui.core import messages as m
 from woz_tui.core.envelope import Message
+from woz_tui.core.messages import SCHEMA
 from woz_tui.core.settings import StudySettings
 from woz_tui.record.log import Line
 from woz_tui.replay.marks import Cuts, Mark, is_deed, mark_of, marks_of, steady
 from woz_tui.replay.studied import revealed
 from woz_tui.replay.told import plan_from
 from woz_tui.session.recent import MOST, Recent
+from woz_tui.session.redactor import Perception, Redactor, marked
 from woz_tui.session.study_view import study_snapshot
 from woz_tui.timeline.state import SessionState
 
@@ -102,7 +104,16 @@ class Reel:
     ) -> None:
         self.samples: Samples = samples or NoSamples()
         found = [_told(line) for line in lines]
-        self.lines: list[Told] = [_revealed(told) if reveal else told for told, _ in found]
+        shown = (line for line, _ in found if isinstance(line, m.SessionPlan))
+        first = next(shown, plan)
+        redactor = Redactor(first.settings.study if first is not None else None)
+        kept: list[tuple[int, Perception]] = []
+        if reveal:
+            found = [(_revealed(line), t) for line, t in found]
+        else:
+            found = [*_seen(found, redactor, kept)]
+        self.lines: list[Told] = [line for line, _ in found]
+        self.samples = _SeenSamples(self.samples, kept)
         known = self.samples.length_us
         self.times = steady([min(t, known) if known else t for _, t in found])
         self.length_us = max(self.times[-1] if self.times else 0, known)
@@ -114,7 +125,7 @@ class Reel:
             for index, line in enumerate(self.lines)
             if isinstance(line, m.SessionPlan)
         ]
-        self._plan = plan if plan is None or not reveal else revealed(plan)
+        self._plan = plan and (revealed(plan) if reveal else redactor.plan(plan))
         recent = Recent()
         self._listed = [
             index
@@ -127,10 +138,7 @@ class Reel:
     @cached_property
     def marks(self) -> list[Mark]:
         """Everything to go to, oldest first."""
-        labels = self.plan(0).settings.study.blind
-        return marks_of(
-            mark_of(line, t, labels) for line, t in zip(self.lines, self.times, strict=True)
-        )
+        return marks_of(mark_of(line, t) for line, t in zip(self.lines, self.times, strict=True))
 
     def cuts(self, most_us: int | None) -> Cuts:
         """What is left out where nothing happens for longer than `most_us`."""
@@ -224,6 +232,55 @@ class Reel:
             if isinstance(line, Message) and line.ts:
                 return self.times[at], line.ts
         return 0, ""
+
+
+class _SeenSamples:
+    """Samples as the wizard saw them: `kept` says from when on (microseconds) what was kept."""
+
+    def __init__(self, samples: Samples, kept: Sequence[tuple[int, Perception]]) -> None:
+        self._samples = samples
+        self._kept = kept
+        self._redactor = Redactor()
+        self.length_us = samples.length_us
+
+    def between(self, after_us: int, until_us: int) -> Iterable[m.AnyMessage]:
+        """See `Samples`."""
+        return self._seen(self._samples.between(after_us, until_us))
+
+    def at(self, t_us: int) -> Iterable[m.AnyMessage]:
+        """See `Samples`."""
+        return self._seen([*self._samples.at(t_us)], t_us)
+
+    def _seen(self, samples: Iterable[m.AnyMessage], t_us: int = -1) -> Iterator[m.AnyMessage]:
+        for sample in samples:
+            t = max(sample.t, t_us)
+            place = bisect.bisect_right(self._kept, t, key=lambda entry: entry[0])
+            self._redactor.perception = self._kept[place - 1][1] if place else Perception()
+            self._redactor.take(sample)
+            seen: Any = self._redactor.message(sample)
+            if seen is not None:
+                yield seen
+
+
+def _seen(
+    lines: Iterable[tuple[Told, int]], redactor: Redactor, kept: list[tuple[int, Perception]]
+) -> Iterator[tuple[Told, int]]:
+    """Lines as the wizard saw them, and in `kept` from when on something was kept."""
+    schema = SCHEMA
+    kept.append((-1, redactor.perception))
+    for line, t in lines:
+        if isinstance(line, dict):  # of a newer version: nobody knows what it tells
+            if not redactor:
+                yield line, t
+            continue
+        if isinstance(line, m.SessionStart):
+            schema = line.schema
+        redactor.take(line)
+        if redactor.perception != kept[-1][1]:
+            kept.append((t, redactor.perception))
+        seen: Any = redactor.message(marked(line, schema))
+        if seen is not None:
+            yield seen, t
 
 
 def _told(line: m.AnyMessage | Line) -> tuple[Told, int]:

@@ -215,7 +215,7 @@ class Player:
 
     def _marking(self, mark: m.Marker) -> Callable[[int], None]:
         def act(due: int) -> None:
-            self._hub.publish(m.Marker(text=mark.text, source=REPLAY))
+            self._hub.publish(m.Marker(text=mark.text, source=REPLAY, tells=mark.tells))
 
         return act
 
@@ -224,4 +224,7 @@ class Player:
 
     def _skip(self, step: Step, reason: str) -> None:
         self._skipped += 1
-        self._hub.publish(m.RerunSkipped(original_command=step.command.command, reason=reason))
+        command = step.command
+        self._hub.publish(
+            m.RerunSkipped(original_command=command.command, reason=reason, tells=command.tells)
+        )

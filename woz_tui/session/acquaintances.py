@@ -154,6 +154,7 @@ class Acquaintances:
                     level="warning",
                     text=f"{visitor.name} stands in the file with {said}; it stays so",
                     remedy="change it with `woz visitors`",
+                    tells=("identity",),
                 )
             )
         if new:
@@ -212,7 +213,7 @@ class Acquaintances:
     def _tell(self, outcome: Outcome) -> None:
         if outcome.given_up:
             text = f"visitors: {'; '.join(outcome.given_up)}"
-            self._publish(m.Notice(level="warning", text=text, remedy=_LOOK))
+            self._publish(m.Notice(level="warning", text=text, remedy=_LOOK, tells=("identity",)))
         if outcome.error is not None:
             self._complain(outcome.error)
         elif not outcome.unsaved:
@@ -226,4 +227,4 @@ class Acquaintances:
         self._complaint = text
         level = "warning" if isinstance(error, RefusedError) else "error"
         remedy = getattr(error, "remedy", "")
-        self._publish(m.Notice(level=level, text=text, remedy=remedy))
+        self._publish(m.Notice(level=level, text=text, remedy=remedy, tells=("identity",)))

@@ -32,10 +32,14 @@ def begin(
     _tell_keys(hub, experiment)
 
 
-def reloaded(hub: Hub, experiment: Experiment, changes: Sequence[str]) -> None:
+def reloaded(
+    hub: Hub, experiment: Experiment, changes: Sequence[str], telling: Sequence[str]
+) -> None:
     """Publish that the session goes on with a changed file, and the file."""
     sha256 = experiment.sha256
-    hub.publish(m.ExperimentReloaded(experiment_sha256=sha256, changes=[*changes]))
+    hub.publish(
+        m.ExperimentReloaded(experiment_sha256=sha256, changes=[*changes], telling=[*telling])
+    )
     hub.publish(experiment_files(experiment))
     _tell_keys(hub, experiment)
 
@@ -45,7 +49,7 @@ def _tell_keys(hub: Hub, experiment: Experiment) -> None:
     odd = [one for one in experiment.warnings if one.path.rpartition(".")[2] in _KEY_FIELDS]
     for problem in odd[:_KEYS_TOLD]:
         text = f"line {problem.place.line}, {problem.path}: {problem.message}"
-        hub.publish(m.Notice(level="warning", text=text))
+        hub.publish(m.Notice(level="warning", text=text, tells=("condition",)))
     if len(odd) > _KEYS_TOLD:
         text = f"{len(odd) - _KEYS_TOLD} more keys are other ones than the file says"
         remedy = f"woz check {experiment.path.name}"

@@ -68,9 +68,8 @@ class Crew:
             await guarded(lambda: driver.prepare(texts))
         except Exception as error:
             log.exception("%s could not prepare its utterances", name)
-            self._hub.publish(
-                m.Notice(level="warning", text=f"{name}: utterances are not ready: {error}")
-            )
+            text = f"{name}: utterances are not ready: {error}"
+            self._hub.publish(m.Notice(level="warning", text=text, tells=("request",)))
 
     def reread(self, settings: Mapping[str, Any], dry_run: bool) -> list[str]:
         """Have drivers look at the files that their settings name; what is different, in words."""

@@ -125,7 +125,7 @@ class Effects:
         self._runs.discard(end.run)
         self._left.discard(end.run)
         if isinstance(end, m.ActionFailed | m.ActionRefused):
-            self._tell(f"{end.action}: {end.reason}")
+            self._tell(f"{end.action}: {end.reason}", tells=end.tells)
 
     # -- what --------------------------------------------------------------------------------------
 
@@ -190,16 +190,18 @@ class Effects:
 
     def _signalled(self, call: Call, end: m.End) -> None:
         if isinstance(end, m.Failed | m.TimedOut):
-            self._tell(f"{call.driver} does not show {call.verb}: {end.reason}", end.remedy)
+            text = f"{call.driver} does not show {call.verb}: {end.reason}"
+            self._tell(text, end.remedy, end.tells)
         elif isinstance(end, m.Refused) and end.code not in ("busy", "stopped"):
-            self._tell(f"{call.driver} refuses {call.verb}: {end.reason}", end.remedy)
+            text = f"{call.driver} refuses {call.verb}: {end.reason}"
+            self._tell(text, end.remedy, end.tells)
 
-    def _tell(self, why: str, remedy: str = "") -> None:
+    def _tell(self, why: str, remedy: str = "", tells: tuple[str, ...] = ()) -> None:
         """A notice, once for each reason."""
         if why not in self._told:
             self._told.add(why)
             self._robot.hub.publish(
-                m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy)
+                m.Notice(level="warning", text=f"engagement: {why}", remedy=remedy, tells=tells)
             )
 
 

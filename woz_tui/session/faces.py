@@ -6,6 +6,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import LEARN_FACE
 from woz_tui.experiment.shape import Call, Place
 from woz_tui.sensing.model import Change
+from woz_tui.session.introducing import IDENTITY
 from woz_tui.session.robot import Robot
 
 _NOWHERE = Place("", 0, 0)
@@ -29,8 +30,10 @@ def _learn(robot: Robot, driver: str, name: str) -> None:
                     level="warning",
                     text=f"{driver} has not learnt the face of {name}: {end.reason}",
                     remedy=f"play `{LEARN_FACE}: {name}` while they stand there",
+                    tells=IDENTITY,
                 )
             )
 
-    call = Call(LEARN_FACE, {"name": name}, driver, _NOWHERE)
+    unfilled: dict[str, m.Json] = {"name": "{visitor}"}
+    call = Call(LEARN_FACE, {"name": name}, driver, _NOWHERE, IDENTITY, unfilled)
     robot.send(call, ended)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
@@ -15,12 +16,13 @@ CODE = re.compile(r"[A-Za-z0-9]{1,16}")
 
 
 class AskError(ValueError):
-    """What was asked for cannot be done; `hint` says what would help."""
+    """What was asked for cannot be done; `hint` says what would help, or lists `conditions`."""
 
-    def __init__(self, reason: str, hint: str = "") -> None:
+    def __init__(self, reason: str, hint: str = "", conditions: Sequence[str] = ()) -> None:
         super().__init__(reason)
         self.reason = reason
-        self.hint = hint
+        self.hint = f"there are {', '.join(conditions)}" if conditions else hint
+        self.conditions = conditions
 
 
 @dataclass(frozen=True, slots=True)
@@ -54,8 +56,8 @@ class Identity:
         """With what is not None replaced; raises `AskError` if the experiment does not allow it."""
         if participant is not None:
             check_participant(participant, experiment.participant_pattern)
-        if condition is not None:
-            _check_condition(condition, experiment.conditions)
+        if condition is not None and experiment.conditions:
+            check_condition(condition, experiment.conditions)
         if trial is not None and trial < 0:
             raise AskError("the trial is a number from 0 up")
         return replace(
@@ -88,6 +90,7 @@ def check_participant(code: str, pattern: str) -> None:
         raise AskError(f"{code!r} does not match the experiment's pattern {pattern}")
 
 
-def _check_condition(condition: str, known: tuple[str, ...]) -> None:
-    if known and condition not in known:
-        raise AskError(f"there is no condition {condition!r}", f"there are {', '.join(known)}")
+def check_condition(condition: str, known: tuple[str, ...]) -> None:
+    """Raises `AskError` unless the file lists it."""
+    if condition not in known:
+        raise AskError(f"there is no condition {condition!r}", "the file lists none", known)

@@ -17,6 +17,8 @@ from woz_tui.session.alarm import Alarm
 from woz_tui.session.robot import Robot
 
 _NOWHERE = Place("", 0, 0)
+#: What is said and sent here tells who stands there.
+IDENTITY = ("identity",)
 
 
 class Introduction:
@@ -109,7 +111,7 @@ class Introduction:
     def _say(self, text: str) -> None:
         if text and not self._robot.is_over():
             self._saying += 1
-            call = Call("say", {"text": text}, self._voice, _NOWHERE)
+            call = Call("say", {"text": text}, self._voice, _NOWHERE, IDENTITY, {"text": "..."})
             self._robot.send(call, self._said)
 
     def _said(self, end: m.End) -> None:
@@ -118,8 +120,12 @@ class Introduction:
         self._alarm.set(self._procedure.due())
 
     def _command(self, verb: str, **args: m.Json) -> None:
-        if not self._robot.is_over():
-            self._robot.send(Call(verb, args, ENGAGEMENT, _NOWHERE))
+        if self._robot.is_over():
+            return
+        unfilled = {"code": "{visitor}"} if "code" in args else {}
+        self._robot.send(
+            Call(verb, args, ENGAGEMENT, _NOWHERE, IDENTITY if unfilled else (), unfilled)
+        )
 
     def _ring(self) -> None:
         self._carry_out(self._procedure.advance(self._now))

@@ -139,9 +139,14 @@ class DriverOutlet:
         if was != mode:
             self._publish(ModeChanged(driver=self._driver, was=was, now=mode, why=why))
 
-    def notice(self, level: str, text: str, remedy: str = "") -> None:
+    def notice(
+        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
+    ) -> None:
         """Publish a sentence for the wizard."""
-        self._publish(Notice(level=level, text=f"{self._driver}: {text}", remedy=remedy))
+        driver = self._driver
+        self._publish(
+            Notice(level=level, text=f"{driver}: {text}", remedy=remedy, driver=driver, tells=tells)
+        )
 
     def show(self, shown: Shown) -> None:
         """Publish what there is to be seen at the driver."""

@@ -16,7 +16,7 @@ from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Action, Call, Together, Wait
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
 from woz_tui.session.shaping import Shaper, answers
-from woz_tui.session.variables import MissingError, filled
+from woz_tui.session.variables import MissingError, call_with
 
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
@@ -143,7 +143,13 @@ class Runner:
         """
         command = self._command(call, origin, when_busy=when_busy)
         if like is not None:
-            command = msgspec.structs.replace(command, action=like.action, panel=like.panel)
+            command = msgspec.structs.replace(
+                command,
+                action=like.action,
+                panel=like.panel,
+                tells=like.tells,
+                unfilled=like.unfilled,
+            )
         if not command.passing:
             self._remember(command.command, call.verb, origin)
         if refusal is not None:
@@ -216,7 +222,7 @@ class Runner:
                 case Wait(seconds=seconds):
                     steps.append(seconds)
                 case Together(calls=calls):
-                    steps.append(tuple(_call(call, values) for call in calls))
+                    steps.append(tuple(call_with(call, values) for call in calls))
         return steps
 
     # -- step after step ---------------------------------------------------------------------
@@ -264,6 +270,8 @@ class Runner:
             deadline_us=self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0,
             limit_s=known.limit_s if known else 30.0,
             when_busy=when_busy,
+            tells=call.tells,
+            unfilled=dict(call.unfilled),
         )
 
     def _ended(self, run: Run, end: m.End) -> None:
@@ -328,13 +336,6 @@ class Runner:
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
 
 
-def _call(call: Call, values: Mapping[str, str]) -> Call:
-    args = filled(dict(call.args), values)
-    if not isinstance(args, dict):
-        raise TypeError("arguments are a mapping")
-    return Call(call.verb, args, call.driver, call.place)
-
-
 def _problem(run: Run, end: m.End) -> m.ActionEnd | None:
     reason = f"{end.driver}: {end.reason}" if end.reason else end.driver
     match end:
@@ -347,6 +348,10 @@ def _problem(run: Run, end: m.End) -> m.ActionEnd | None:
                 run=run.id, action=run.action.name, reason=f"{end.by} took its place"
             )
         case m.Refused() if run.at == 0:
-            return m.ActionRefused(run=run.id, action=run.action.name, reason=reason)
+            return m.ActionRefused(
+                run=run.id, action=run.action.name, reason=reason, tells=end.tells
+            )
         case _:
-            return m.ActionFailed(run=run.id, action=run.action.name, reason=reason)
+            return m.ActionFailed(
+                run=run.id, action=run.action.name, reason=reason, tells=end.tells
+            )

@@ -7,8 +7,8 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from typing import NoReturn
 
 from woz_tui.bus.bus import Bus
@@ -67,6 +67,8 @@ class Session:
     locked: dict[str, bool] = field(init=False, default_factory=dict)
     script_at: int = field(init=False, default=0)
     ended: bool = field(init=False, default=False)
+    #: What the reason of the end tells (see `messages.Worded`).
+    end_tells: tuple[str, ...] = field(init=False, default=())
     #: Tells how old a request without a time stamp may be.
     standstill: Standstill = field(init=False)
 
@@ -116,11 +118,13 @@ class Session:
             ENGAGEMENT: self.engagement,
             SESSION: SessionVerbs(
                 {
-                    "mark": lambda args: self.mark(str(args.get("text", "")), "action"),
-                    "note": lambda args: self.note(str(args["text"])),
-                    "set": self._set_verb,
-                    "lock": lambda args: self.lock(str(args["panel"]), True),
-                    "unlock": lambda args: self.lock(str(args["panel"]), False),
+                    "mark": lambda args, tells: self.mark(
+                        str(args.get("text", "")), "action", tells
+                    ),
+                    "note": lambda args, tells: self.note(str(args["text"]), tells),
+                    "set": lambda args, tells: self._set_verb(args),
+                    "lock": lambda args, tells: self.lock(str(args["panel"]), True),
+                    "unlock": lambda args, tells: self.lock(str(args["panel"]), False),
                 }
             ),
         }
@@ -189,7 +193,7 @@ class Session:
         await self.engagement.finish()
         await self.bus.settled()  # nothing may come between this and the last line
         digest, _ = self.recorder.digest()
-        self.hub.publish(m.SessionEnd(reason=reason, sha256=digest))
+        self.hub.publish(m.SessionEnd(reason=reason, sha256=digest, tells=self.end_tells))
         self.recorder.close()
 
     def recorder_moved(self, state: m.RecorderState) -> None:
@@ -264,12 +268,15 @@ class Session:
         *,
         when_busy: str = "",
         stale: str = "",
+        tells: tuple[str, ...] = (),
+        unfilled: Mapping[str, m.Json] | None = None,
     ) -> str:
         """Send one verb; the command's id. Raises `AskError` if no driver can be named.
 
-        `stale`: why the press is too old to be sent; the refusal is in the log too.
+        `stale`: why the press is too old to be sent; the refusal is in the log too. `tells` and
+        `unfilled` as in `messages.Command`.
         """
-        call = self._call(verb, args, on)
+        call = replace(self._call(verb, args, on), tells=tells, unfilled=unfilled or {})
         refusal = Refusal("stale", stale) if stale else self._no_verb(verb, args)
         command = self.runner.send(call, origin, when_busy or "queue", refusal).command
         if refusal is not None:
@@ -367,17 +374,17 @@ class Session:
 
     # -- marks and settings ------------------------------------------------------------------
 
-    def mark(self, text: str, source: str) -> None:
-        """A marker in the log."""
-        self.hub.publish(m.Marker(text=text, source=source))
+    def mark(self, text: str, source: str, tells: tuple[str, ...] = ()) -> None:
+        """A marker in the log; `tells` as in `messages.Worded`."""
+        self.hub.publish(m.Marker(text=text, source=source, tells=tells))
 
-    def note(self, text: str) -> None:
+    def note(self, text: str, tells: tuple[str, ...] = ()) -> None:
         """A note in the log."""
         if not text.strip():
             raise AskError("the note is empty")
-        self.hub.publish(m.Note(text=text))
+        self.hub.publish(m.Note(text=text, tells=tells))
 
-    def mistake(self, run: str, text: str) -> None:
+    def mistake(self, run: str, text: str, tells: tuple[str, ...] = ()) -> None:
         """Label a run or a single command as a mistake; an empty `run` is the last by hand."""
         played = self.runner.played
         wrong = run or self.runner.by_hand
@@ -385,7 +392,7 @@ class Session:
             raise AskError("nothing has been played yet")
         if wrong not in played:
             raise AskError(f"nothing was played as {wrong!r}")
-        self.hub.publish(m.Mistake(run=wrong, action=played[wrong], text=text))
+        self.hub.publish(m.Mistake(run=wrong, action=played[wrong], text=text, tells=tells))
 
     def set(
         self,
@@ -432,8 +439,11 @@ class Session:
         settings = {spec.name: spec.settings for spec in experiment.drivers}
         return self._crew.reread(settings, dry_run)
 
-    def adopt(self, experiment: Experiment, changes: list[str]) -> None:
-        """Go on with a changed file whose drivers are the same.
+    def adopt(
+        self, experiment: Experiment, changes: list[str], telling: Sequence[str] = ()
+    ) -> None:
+        """Go on with a changed file whose drivers are the same. `telling`: those of the changes
+        that may tell which condition is which.
 
         Panels keep the lock that the wizard gave them, unless it is the lock that was edited.
         """
@@ -443,7 +453,7 @@ class Session:
             self._by_name[spec.name].update({verb.name: verb for verb in spec.verbs})
             self.bus.offer(spec.name, spec.verbs)
         self.runner.deadline = experiment.session.deadline
-        reloaded(self.hub, experiment, changes)
+        reloaded(self.hub, experiment, changes, telling)
         self.study.adopt()
         kept = self.profiles.adopt(experiment)
         if kept:

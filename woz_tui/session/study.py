@@ -14,8 +14,9 @@ from woz_tui.core import messages as m
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Experiment
 from woz_tui.experiment.study import Design
+from woz_tui.experiment.template import VISITOR, names
 from woz_tui.session.earlier import Earlier
-from woz_tui.session.identity import AskError, Identity, check_participant
+from woz_tui.session.identity import AskError, Identity, check_condition, check_participant
 from woz_tui.session.proposal import Proposal, propose
 from woz_tui.session.questioning import Questioning
 from woz_tui.session.study_view import study_settings
@@ -116,15 +117,12 @@ class LiveStudy:
         """`values`, and the variables that depend on the condition."""
         texts = self._read().by_condition
         now, why = by_condition(texts, self._identity().condition, values)
-        return Values({**now, **values}, why)
-
-    def shown(self, values: Mapping[str, str]) -> dict[str, str]:
-        """`values` as a wizard may know them who is blind to the condition."""
-        if not self.settings.blind:
-            return dict(values)
-        depending = self._read().by_condition
-        seen = {name: text for name, text in values.items() if name not in depending}
-        return {**seen, "condition": self.label(values.get("condition", ""))}
+        tells: dict[str, tuple[str, ...]]
+        tells = {"condition": ("condition",), VISITOR: ("identity",)}
+        for name, found in texts.items():
+            whose = any(VISITOR in names(text) for text in found.values())
+            tells[name] = ("condition", "identity") if whose else ("condition",)
+        return Values({**now, **values}, why, tells)
 
     def label(self, condition: str) -> str:
         """What a blind wizard reads instead of a condition."""
@@ -191,24 +189,24 @@ class LiveStudy:
 
     # -- trials and breaks -------------------------------------------------------------------------
 
-    def trial(self, what: str, text: str) -> None:
-        """Begin or end a trial or a break; `what` as in `AskTrial`."""
+    def trial(self, what: str, text: str, tells: tuple[str, ...] = ()) -> None:
+        """Begin or end a trial or a break; `what` as in `AskTrial`, `tells` what `text` does."""
         match what:
             case "begin":
                 self._begin_trial()
             case "break":
                 if self.state.in_break is not None:
                     raise AskError("there is a break already")
-                self._hub.publish(m.BreakStarted(text=text))
+                self._hub.publish(m.BreakStarted(text=text, tells=tells))
             case "resume":
                 if self.state.in_break is None:
                     raise AskError("there is no break")
-                self._end_break(text)
+                self._end_break(text, tells)
             case _:
                 if self.state.trial is None:
                     raise AskError("no trial is under way")
                 self._end_break("")
-                self._end_trial(what, text)
+                self._end_trial(what, text, tells)
 
     def _begin_trial(self) -> None:
         state = self.state
@@ -233,14 +231,14 @@ class LiveStudy:
         self._end_break("")
         self._hub.publish(m.TrialStarted(trial=number, condition=condition, planned=state.planned))
 
-    def _end_trial(self, outcome: str, text: str) -> None:
+    def _end_trial(self, outcome: str, text: str, tells: tuple[str, ...] = ()) -> None:
         if (trial := self.state.trial) is not None:
             number = trial.started.trial
-            self._hub.publish(m.TrialEnded(trial=number, outcome=outcome, text=text))
+            self._hub.publish(m.TrialEnded(trial=number, outcome=outcome, text=text, tells=tells))
 
-    def _end_break(self, text: str) -> None:
+    def _end_break(self, text: str, tells: tuple[str, ...] = ()) -> None:
         if self.state.in_break is not None:
-            self._hub.publish(m.BreakEnded(text=text))
+            self._hub.publish(m.BreakEnded(text=text, tells=tells))
 
     # -- preflight ---------------------------------------------------------------------------------
 
@@ -258,10 +256,8 @@ class LiveStudy:
 
 def _check_order(order: list[str], design: Design, conditions: tuple[str, ...]) -> None:
     """Raises `AskError` unless the design allows it, whichever order it proposes itself."""
-    unknown = [condition for condition in order if condition not in conditions]
-    if unknown:
-        there = f"there are {', '.join(conditions)}" if conditions else "the file lists none"
-        raise AskError(f"there is no condition {unknown[0]!r}", there)
+    for condition in order:
+        check_condition(condition, conditions)
     if len(set(order)) < len(order):
         raise AskError("a condition stands in the order twice")
     if design.within and len(order) < len(conditions):

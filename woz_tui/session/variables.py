@@ -2,18 +2,28 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 from woz_tui.core.messages import Json
+from woz_tui.experiment.shape import Call
 from woz_tui.experiment.template import fill
 
 
 class Values(dict[str, str]):
-    """Values by name; `why` says of some that have none what they wait for."""
+    """Values by name; `why` says of some that have none what they wait for, `tells` what some of
+    them tell (see `messages.Worded`).
+    """
 
-    def __init__(self, values: Mapping[str, str], why: Mapping[str, str]) -> None:
+    def __init__(
+        self,
+        values: Mapping[str, str],
+        why: Mapping[str, str],
+        tells: Mapping[str, tuple[str, ...]],
+    ) -> None:
         super().__init__(values)
         self.why = why
+        self.tells = tells
 
 
 class MissingError(ValueError):
@@ -25,13 +35,32 @@ def filled(value: Json, values: Mapping[str, str]) -> Json:
 
     Raises `MissingError` for a variable that is unknown or empty.
     """
+    return _filled(value, lambda name: _value(name, values))
+
+
+def _filled(value: Json, value_of: Callable[[str], str]) -> Json:
     if isinstance(value, str):
-        return fill(value, lambda name: _value(name, values))
+        return fill(value, value_of)
     if isinstance(value, list):
-        return [filled(item, values) for item in value]
+        return [_filled(item, value_of) for item in value]
     if isinstance(value, dict):
-        return {key: filled(item, values) for key, item in value.items()}
+        return {key: _filled(item, value_of) for key, item in value.items()}
     return value
+
+
+def call_with(call: Call, values: Mapping[str, str]) -> Call:
+    """`call` with every variable filled in. Raises `MissingError`."""
+    args = {name: filled(value, values) for name, value in call.args.items()}
+    found: set[str] = set()
+
+    def left(name: str) -> str:
+        tells = values.tells.get(name, ()) if isinstance(values, Values) else ()
+        found.update(tells)
+        return f"{{{name}}}" if tells else _value(name, values)
+
+    seen = {name: _filled(value, left) for name, value in call.args.items()}
+    unfilled = {name: value for name, value in seen.items() if value != args[name]}
+    return replace(call, args=args, tells=tuple(sorted(found)), unfilled=unfilled)
 
 
 def _value(name: str, values: Mapping[str, str]) -> str:

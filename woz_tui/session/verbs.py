@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 
+from woz_tui.bus.lane import LaneJob
 from woz_tui.core.driver import Argument, Job, Rejected, Scope, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.verbs import ENGAGEMENT, PERFORMERS, SESSION
@@ -31,8 +32,9 @@ VERBS: tuple[Verb, ...] = (
     Verb("unlock", "unlock a panel", (Argument("panel", "text", "its title", required=True),)),
 )
 
-#: Carries one verb out; raises `ValueError` with a sentence if it makes no sense.
-Carry = Callable[[Mapping[str, Json]], None]
+#: Carries one verb out, whose arguments tell something (see `messages.Worded`); raises `ValueError`
+#: with a sentence if it makes no sense.
+Carry = Callable[[Mapping[str, Json], tuple[str, ...]], None]
 
 
 class SessionVerbs:
@@ -44,7 +46,7 @@ class SessionVerbs:
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Do it at once."""
         try:
-            self._carry[job.verb](job.args)
+            self._carry[job.verb](job.args, job.tells if isinstance(job, LaneJob) else ())
         except ValueError as error:
             raise Rejected(str(error)) from error
         return dict(job.args)

@@ -161,5 +161,6 @@ class Visiting:
                 level="info",
                 text=f"handshake: {text}",
                 remedy="`visitor` gives a name, `handshake: fail` goes on without one",
+                tells=("engagement",),
             )
         )

@@ -83,7 +83,9 @@ class RecordingContext:
         if not self.modes or self.modes[-1] != mode:
             self.modes.append(mode)
 
-    def notice(self, level: str, text: str, remedy: str = "") -> None:
+    def notice(
+        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
+    ) -> None:
         """Keep it."""
         self.published += 1
         self.notices.append((level, text, remedy))

@@ -50,7 +50,7 @@ class Publishing:
     def tick(self, tick: Tick) -> None:
         """Everything but the body's values."""
         for notice in tick.notices:
-            self._outlet.notice("info", notice)
+            self._outlet.notice("info", notice, tells=("request",))
         self._outlet.mode(tick.mode.value, tick.notices[0] if tick.notices else "")
         for cue in tick.cues:
             self._sound(cue)
@@ -103,6 +103,7 @@ class Publishing:
         def heard(carried: bool, why: str) -> None:
             if not carried and why not in self._unheard:
                 self._unheard.add(why)
-                self._outlet.notice("warning", f"the sound {cue.sound} was not heard: {why}")
+                text = f"the sound {cue.sound} was not heard: {why}"
+                self._outlet.notice("warning", text, tells=("request",))
 
         self._outlet.ask(Ask("verb", "sound", {"file": cue.sound}, source="body"), heard)

@@ -71,7 +71,7 @@ class Files:
         return self._server
 
     def _troubled(self, text: str) -> None:
-        self._outlet.notice("warning", text, "show or play it again")
+        self._outlet.notice("warning", text, "show or play it again", tells=("request",))
 
     def _found(self, text: str) -> Path:
         """A file below the tablet's root, else below the experiment's folder."""

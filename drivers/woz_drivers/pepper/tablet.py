@@ -241,7 +241,8 @@ class Screen(Part):
         try:
             if not await played(self._robot):
                 text = f"the tablet has not begun to play {video.text}"
-                self._outlet.notice("warning", text, "can it play that kind? is it on the network?")
+                remedy = "can it play that kind? is it on the network?"
+                self._outlet.notice("warning", text, remedy, tells=("request",))
         except Lost:
             return
         self._over(video)
@@ -279,5 +280,8 @@ class Screen(Part):
         why = ": ".join(words[:2]) or "no reason given"
         remedy = "check the address, and that the tablet reaches it: `tablet wifi`, tablet.address"
         self._outlet.notice(
-            "warning", f"the tablet could not load what it was to show: {why}", remedy
+            "warning",
+            f"the tablet could not load what it was to show: {why}",
+            remedy,
+            tells=("request",),
         )

@@ -164,7 +164,8 @@ class Voice(Part):
     def _warn(self, said: str) -> None:
         """Tags that the robot will not understand; what is said stays as it was written."""
         for problem in problems(said):
-            self._outlet.notice("warning", problem, "correct the tag in the text")
+            remedy = "correct the tag in the text"
+            self._outlet.notice("warning", problem, remedy, tells=("request",))
 
     async def _set(self, job: Job, argument: str, allowed: Range) -> dict[str, Json]:
         value = _inside(job, argument, allowed)

@@ -9,9 +9,9 @@ import msgspec
 from tests.console.robot import pepper
 from woz_tui.console.parts import RobotPicture
 from woz_tui.console.picture import Picture
-from woz_tui.console.study.perceived import HIDDEN
 from woz_tui.core import messages as m
 from woz_tui.session.recent import Recent
+from woz_tui.session.redactor import HIDDEN
 from woz_tui.timeline.state import SessionState
 
 

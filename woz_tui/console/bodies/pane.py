@@ -17,7 +17,7 @@ from woz_tui.console.cells import Cells, Row, clean, cut, fit
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import beside
-from woz_tui.console.study.perceived import HIDDEN
+from woz_tui.session.redactor import HIDDEN
 
 #: Cells that words beside a face need, and a view at the least (columns, lines).
 WORDS, VIEW = 16, (10, 4)

@@ -32,9 +32,9 @@ from woz_tui.console.figures import age, elapsed, seconds
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import NAME, VALUE, kept, labelled, named, old, track
-from woz_tui.console.study.perceived import HIDDEN, KEPT
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import zone
+from woz_tui.session.redactor import HIDDEN, KEPT
 
 #: Lines from which path and reason have a row each, and from which each sign has one.
 MIDDLE, FULL = 8, 14

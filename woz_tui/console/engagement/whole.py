@@ -28,11 +28,11 @@ from woz_tui.console.figures import elapsed, seconds
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import beside
-from woz_tui.console.study.perceived import COARSE, HIDDEN, KEPT
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION
 from woz_tui.sensing.proxemics import zone
 from woz_tui.sensing.samples import FLAGS
+from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
 
 #: Columns of the table of signs: name, sensed, filter, verdict; the bar takes what is left.
 _NAME, _SENSED, _FILTER, _VERDICT = 9, 15, 7, 28

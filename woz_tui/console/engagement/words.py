@@ -10,9 +10,9 @@ from woz_tui.console.cells import Piece, Row, clean, fit
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.figures import seconds
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.study.perceived import COARSE, HIDDEN, KEPT
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION, MODES, SIGNS
+from woz_tui.session.redactor import COARSE, HIDDEN, KEPT
 
 #: From here on the wait for an answer is too long for a visitor: people like an answer within a
 #: second and suffer two (T. Shiwa et al., How quickly should communication robots respond?, HRI

@@ -211,11 +211,7 @@ class PreflightDialog(Report):
         reply, terminal = self._reply, self._terminal
         if reply is None or terminal is None:
             return
-        seen = self.picture.perception
-        self._findings = [
-            (level, subject, seen.finding(subject, text), remedy)
-            for level, subject, text, remedy in (finding_rows(reply.data) if reply.ok else [])
-        ]
+        self._findings = [*finding_rows(reply.data)] if reply.ok else []
         self._findings += [
             (found.level, found.subject, found.text, found.remedy)
             for found in (*terminal, *self._own(), *sign_findings(self.picture))

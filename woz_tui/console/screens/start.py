@@ -202,8 +202,8 @@ class StartDialog(Form):
         number = int(trial) if trial else None
         if self._proposal is None:
             condition = self._condition()
-            name = None if condition is None else self.picture.blind.name(condition)
-            self.desk.ask(AskSet(participant=code, condition=name, trial=number), self.answered)
+            asks = AskSet(participant=code, condition=condition, trial=number)
+            self.desk.ask(asks, self.answered)
         else:
             self._assign(code, number)
 
@@ -213,7 +213,7 @@ class StartDialog(Form):
         if code == picture.participant and tuple(order) == picture.study.order:
             self._assigned(trial if trial != picture.trial else None, Reply(ref=0, ok=True))
             return
-        assign = AskAssign(participant=code, order=[picture.blind.name(name) for name in order])
+        assign = AskAssign(participant=code, order=order)
         other = trial if self._proposal is not None and trial != self._proposal.trial else None
         self.desk.ask(assign, functools.partial(self._assigned, other))
 

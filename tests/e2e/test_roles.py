@@ -1,0 +1,199 @@
+"""What comes over the socket of a robot process, byte by byte, for each role.
+
+A blind study with restricted perception is played by a wizard, before a watcher, a participant and
+two programs; each reads all that it is sent with a bare socket.
+"""
+
+from __future__ import annotations
+
+import json
+import socket
+import threading
+from pathlib import Path
+
+import pytest
+
+from tests.e2e.lab import Lab, until
+from tests.e2e.program import Program
+from woz_tui.record import log
+from woz_tui.replay.reel import Reel
+
+pytestmark = pytest.mark.real_clock
+
+STUDY = """\
+title: Blind
+robot:
+  name: bench
+  drivers:
+    robot:
+      type: simulated
+      visitor: true
+      speed: 20
+      characters_per_second: 100
+conditions: [zanzibar, quito]
+design: {order: fixed, trials: 1, blind: {zanzibar: Lemon, quito: Orange}}
+variables:
+  greeting: {zanzibar: "Marmalade, {participant}.", quito: "Turnips."}
+  picture: {zanzibar: walrus.png, quito: otter.png}
+  colour: {zanzibar: tarantella, quito: sarabande}
+perception: {hide: [identity, transcript, direction], blur: [loudness, distance]}
+questionnaires:
+  - {name: ux, when: trial, items: [{name: nice, question: Was it nice?}]}
+session: {dead_man: 60 s, abandon_after: 60 s}
+panels:
+  - title: Speech
+    actions:
+      - {key: h, label: Hello, say: "{greeting}"}
+      - {key: m, label: Show, screen: "{picture}"}
+      - {key: c, label: Name it, say: "This is {condition}."}
+      - {key: d, label: Eyes, eyes: "{colour}"}
+      - {key: k, label: Mark, mark: "{greeting}"}
+      - {key: x, label: Fails, steps: [{fault: fail, part: voice}, {say: "{greeting}"}]}
+script: [Hello, Show]
+"""
+#: What tells the condition: names, texts, file names.
+CONDITION = ("zanzibar", "quito", "marmalade", "turnip", "walrus", "otter", "tarantella", "saraban")
+#: Words of a program that knows the condition.
+WRITTEN = ("pineapple", "rhubarb")
+#: Fields that hold what is kept by the perception, and what they hold then.
+SENSED = ("identity", "direction")
+
+
+class Ear:
+    """A client that reads all bytes that it is sent."""
+
+    def __init__(self, path: Path, **hello: object) -> None:
+        self.bytes = b""
+        self._socket = socket.socket(socket.AF_UNIX)
+        self._socket.connect(str(path))
+        self._ref = 0
+        threading.Thread(target=self._read, daemon=True).start()
+        self.send("hello", **hello)
+        until(lambda: b'"kind":"welcome"' in self.bytes, f"a welcome for {hello}")
+
+    def _read(self) -> None:
+        while data := self._socket.recv(1 << 16):
+            self.bytes += data
+
+    def send(self, kind: str, **fields: object) -> int:
+        self._ref += 1
+        line = {"kind": kind, "ref": self._ref, **fields}
+        self._socket.sendall(json.dumps(line).encode() + b"\n")
+        return self._ref
+
+    def ask(self, kind: str, **fields: object) -> dict[str, object]:
+        """Ask, and wait for the reply."""
+        ref = self.send(kind, **fields)
+
+        def reply() -> dict[str, object] | None:
+            lines = (json.loads(line) for line in self.bytes.split(b"\n")[:-1])
+            replies = (line for line in lines if line["kind"] == "reply" and line["ref"] == ref)
+            return next(replies, None)
+
+        found: dict[str, object] = until(reply, f"an answer to {kind}")
+        return found
+
+    @property
+    def text(self) -> str:
+        """Everything so far, in small letters."""
+        return self.bytes.decode().casefold()
+
+    def lines(self, kind: str) -> list[dict[str, object]]:
+        """Messages of a kind."""
+        lines = [json.loads(line) for line in self.bytes.split(b"\n")[:-1]]
+        return [line for line in lines if line["kind"] == kind]
+
+
+def found(text: str, words: tuple[str, ...]) -> list[str]:
+    return [word for word in words if word in text]
+
+
+def play(wizard: Ear, program: Ear, file: Path) -> None:
+    """A trial, with everything that could tell the condition."""
+    proposal = wizard.ask("proposal", participant="P01")
+    assert proposal["data"] == {**_mapping(proposal["data"]), "order": ["Lemon", "Orange"]}
+    assert wizard.ask("assign", participant="P01", order=["Orange", "zanzibar"])["ok"]
+    assert wizard.ask("assign", participant="P01", order=["Lemon", "Orange"])["ok"]
+    assert wizard.ask("set", condition="Orange")["ok"]
+    refused = wizard.ask("set", condition="Plum")
+    assert refused["hint"] == "there are Lemon, Orange"
+    assert wizard.ask("trial", what="begin")["ok"]
+    for name in ("Hello", "Show", "Name it", "Eyes", "Mark"):
+        assert wizard.ask("action", action=name)["ok"]
+    assert wizard.ask("script")["ok"]
+    assert wizard.ask("verb", verb="say", args={"text": "So: {greeting}"})["ok"]
+    assert wizard.ask("preflight")["ok"]
+    assert program.ask("marker", text="pineapple: zanzibar")["ok"]
+    assert program.ask("note", text="rhubarb")["ok"]
+    assert program.ask("verb", verb="say", args={"text": "Pineapple!"})["ok"]
+    assert wizard.ask("action", action="Fails")["ok"]
+    until(lambda: wizard.lines("action.failed"), "a failure")
+    assert wizard.ask("trial", what="done")["ok"]
+    file.write_text(STUDY.replace("Turnips", "Turnip greens"), encoding="utf-8")
+    assert wizard.ask("reload")["ok"]
+    file.write_text(STUDY.replace("Orange}", "Orange, walrus: Plum}"), encoding="utf-8")
+    assert not wizard.ask("reload")["ok"]
+    names = STUDY.replace("zanzibar", "quito-zanzibar")
+    file.write_text(names, encoding="utf-8")
+    assert wizard.ask("reload", dry_run=True)["ok"]
+
+
+def _mapping(data: object) -> dict[str, object]:
+    assert isinstance(data, dict)
+    return data
+
+
+def test_every_byte_for_every_role(lab: Lab) -> None:
+    file = lab.file("blind.yaml", STUDY)
+    for name in ("walrus.png", "otter.png"):
+        lab.file(name, "a picture")
+    lab.host(file)
+    path = lab.socket()
+    wizard = Ear(path, role="wizard")
+    watcher = Ear(path, role="watcher")
+    guest = Ear(path, role="participant")
+    program = Ear(path, role="program", name="stimulus", sees="all")
+    modest = Ear(path, role="program", name="dashboard", sees="wizard")
+    play(wizard, program, file)
+    until(lambda: any(line.get("text") for line in program.lines("sample")), "somebody known")
+    late = {
+        "wizard": Ear(path, role="wizard"),  # there is one already: it watches
+        "watcher": Ear(path, role="watcher", stream="nothing"),
+        "participant": Ear(path, role="participant"),
+    }
+    everything = Ear(path, role="program", stream="nothing")  # of protocol 1: its role says it
+    with Program(path) as ending:
+        ending.ask("end", reason="pineapple is over")
+    until(lambda: all(ear.lines("session.end") for ear in (wizard, watcher, program)), "the end")
+
+    blind = {"wizard now": wizard, "watcher now": watcher, "guest now": guest, "modest": modest}
+    for who, ear in {**blind, **late}.items():
+        assert not found(ear.text, CONDITION + WRITTEN), who
+    for ear in (program, everything):
+        assert "zanzibar" in ear.text
+        assert "marmalade" in ear.text
+    assert not set(CONDITION[:2] + CONDITION[3:4] + CONDITION[5:6] + WRITTEN) - set(
+        found(program.text, CONDITION + WRITTEN)
+    )
+    # The perception: values of a program are not the wizard's.
+    for ear in (wizard, watcher, modest):
+        kept = [line for line in ear.lines("sample") if line["sensor"] in SENSED]
+        assert kept
+        assert not any(line.get("value") or line.get("text") for line in kept)
+        near = [line for line in ear.lines("sample") if line["sensor"] in ("distance", "loudness")]
+        assert {line.get("text", "") for line in near} <= {"", "near", "far", "loud", "quiet"}
+        assert not any(line.get("value") or line.get("raw") for line in near)
+        assert not ear.lines("speech.text")
+    assert any(line.get("value") for line in program.lines("sample"))
+    assert not guest.lines("sample")
+    assert not guest.lines("command.requested")
+    assert guest.lines("trial.started")
+    # The wizard's screen can name who sees all.
+    seers = [line for line in wizard.lines("console.attached") if line.get("sees") == "all"]
+    assert [line.get("name", "") for line in seers] == ["stimulus", "", ""]
+    # The log has everything, and a replay as the wizard has what the wizard had.
+    raw = lab.log.path.read_bytes().decode().casefold()
+    assert not {*WRITTEN, "zanzibar", "turnip"} - set(found(raw, CONDITION + WRITTEN))
+    lines = [line for line in log.read(lab.log.path) if line.message is not None]
+    assert not found(repr(Reel(lines).lines).casefold(), CONDITION + WRITTEN)
+    assert "turnip" in repr(Reel(lines, reveal=True).lines).casefold()

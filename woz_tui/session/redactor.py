@@ -1,0 +1,674 @@
+"""What each role may see, decided before a line is sent: docs/study.md has the table.
+
+Nothing here reads words to find out what they tell. Who makes a message says it: `tells` of a
+message with words, `unfilled` of a command, `telling` of a reload.
+
+A wizard and a watcher are blind to the condition where the experiment says so, and do not see what
+`perception` keeps from them. A participant gets what questionnaires need. A program sees all.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from pathlib import PurePath
+from typing import Any
+
+from msgspec.structs import replace
+
+from woz_tui.core import messages as m
+from woz_tui.core import requests as r
+from woz_tui.core import settings as s
+from woz_tui.core.driver import SPEECH
+from woz_tui.core.messages import Json
+from woz_tui.experiment.engagement import STATES
+from woz_tui.experiment.study import BLURRED, PERCEIVED
+from woz_tui.experiment.template import VISITOR
+from woz_tui.sensing.proxemics import ZONES
+
+#: What stands in the place of something hidden.
+HIDDEN = "hidden"
+#: What stands for words that tell something which is kept.
+_NOT_SHOWN = "{} may tell what is kept from you"
+#: How a sign of the engagement model says that it is hidden, or only known coarsely.
+KEPT, COARSE = "hidden", "blurred"
+#: The first schema whose messages say what they tell.
+_MARKED = 3
+#: What a message may tell to which a wizard is blind.
+_CONDITION = frozenset({"condition", "request"})
+#: The signs of the engagement model among what can be hidden.
+_SIGNS = ("presence", "gaze", "distance", "identity")
+#: Blurred, a distance is near up to the end of personal space (see `sensing.proxemics`), in metres.
+NEAR_M = next(limit for limit, name in ZONES if name == "personal")
+#: Blurred, a loudness is loud from the threshold of speech on; without one from here (RMS).
+LOUD = 0.02
+#: Blurred, what was said is as many dots as it has more words than these.
+_WORDS = (0, 3, 10)
+_DOT = "●"
+#: Characters from which on a text says by itself whose it is.
+_LONG = 4
+#: Values of a body that its face shows.
+_FACE = frozenset(("emotion", "intensity", "valence", "arousal", "eye_x", "eye_y"))
+#: Settings of a robot that its face shows.
+_EYES = frozenset(("eyes", "eyes_brightness"))
+
+#: The words of a message that tells something.
+_TEXTS: tuple[tuple[type[m.Worded], tuple[str, ...]], ...] = (
+    (m.ActionEnd, ("reason",)),
+    (m.End, ("reason", "remedy")),
+    (m.SessionEnd, ("reason",)),
+    (m.RerunSkipped, ("reason",)),
+    (m.Notice, ("text", "remedy")),
+    (m.Worded, ("text",)),
+)
+#: What a participant's terminal gets of the stream.
+_ASKED = (
+    *(m.SessionStart, m.SessionChanged, m.SessionEnd, m.ConditionsAssigned),
+    *(m.TrialStarted, m.TrialEnded, m.BreakStarted, m.BreakEnded),
+    *(m.QuestionnaireStarted, m.QuestionnaireAnswered, m.QuestionnaireEnded),
+    *(m.StopPressed, m.StopConfirmed, m.StopReleased),
+)
+
+
+class Perception:
+    """What is not shown (`hidden`), or not legibly (`blurred`): see `experiment.study`."""
+
+    def __init__(self, hidden: Iterable[str] = (), blurred: Iterable[str] = ()) -> None:
+        self.hidden = frozenset(hidden) & frozenset(PERCEIVED)
+        self.blurred = (frozenset(blurred) & frozenset(BLURRED)) - self.hidden
+
+    def __bool__(self) -> bool:
+        """Whether anything is kept from the wizard."""
+        return bool(self.hidden or self.blurred)
+
+    def __eq__(self, other: object) -> bool:
+        """Whether the same is kept."""
+        return isinstance(other, Perception) and (self.hidden, self.blurred) == (
+            other.hidden,
+            other.blurred,
+        )
+
+    __hash__ = None  # type: ignore[assignment]
+
+    @classmethod
+    def of(cls, study: s.StudySettings) -> Perception:
+        """As the settings of a study have it."""
+        return cls(study.perception.hide, study.perception.blur)
+
+    def hides(self, what: str) -> bool:
+        """Whether it is not shown at all."""
+        return what in self.hidden
+
+    def blurs(self, what: str) -> bool:
+        """Whether it is shown, but not legibly."""
+        return what in self.blurred
+
+    def keeps(self, *names: str) -> bool:
+        """Whether any of these is not shown as it is."""
+        return any(name in self.hidden or name in self.blurred for name in names)
+
+
+class Redactor:
+    """A wizard's and a watcher's view of a session.
+
+    `take` every message in its order, whoever sees it; `message`, `welcome`, `panels` and `reply`
+    give what the role may have.
+    """
+
+    def __init__(self, study: s.StudySettings | None = None) -> None:
+        self.perception = Perception()
+        self._labels: dict[str, str] = {}
+        self._names: dict[str, str] = {}
+        self._loud_from: dict[str, float] = {}
+        #: Texts that depend on the condition and that a driver has got.
+        self._given: set[str] = set()
+        if study is not None:
+            self.adopt(study)
+
+    def __bool__(self) -> bool:
+        """Whether anything is kept."""
+        return self.blind or bool(self.perception)
+
+    @property
+    def blind(self) -> bool:
+        """Whether the condition is kept."""
+        return bool(self._labels)
+
+    def adopt(self, study: s.StudySettings) -> None:
+        """From here on this is kept."""
+        self.perception = Perception.of(study)
+        if self._labels != (labels := _unique(study.blind)):
+            self._labels = labels
+            self._names = {label: name for name, label in labels.items()}
+
+    def take(self, message: m.Message) -> None:
+        """A message of the session."""
+        match message:
+            case m.Reading(sensor=sensor, value=float(value)) if sensor.endswith(".threshold"):
+                self._loud_from[sensor.removesuffix(".threshold")] = value
+            case m.Command(tells=tells) if "condition" in tells:
+                self._given.update(_texts([message.args.get(name) for name in message.unfilled]))
+            case m.SessionPlan(settings=settings):
+                self.adopt(settings.study)
+            case m.PerceptionChanged(hidden=hidden, blurred=blurred):
+                self.perception = Perception(hidden, blurred)
+
+    # -- conditions ---------------------------------------------------------------------------
+
+    def label(self, condition: str) -> str:
+        """What stands for a condition; `?` for one that the file does not name."""
+        return self._labels.get(condition, "?") if self.blind and condition else condition
+
+    def labels(self, conditions: Iterable[str]) -> list[str]:
+        """The same of several."""
+        return [self.label(condition) for condition in conditions]
+
+    def request(self, request: r.AnyRequest) -> r.AnyRequest:
+        """A request with the conditions for which its labels stand."""
+        match request:
+            case r.AskSet(condition=str(label)) if label in self._names:
+                return replace(request, condition=self._names[label])
+            case r.AskAssign(order=order) if self.blind:
+                return replace(request, order=[self._names.get(label, label) for label in order])
+        return request
+
+    # -- what is sent beside the stream -----------------------------------------------------------
+
+    def welcome(self, welcome: r.Welcome) -> r.Welcome:
+        """Without its messages, which are redacted one by one."""
+        seen: r.Welcome = self._shown(welcome, welcome.settings)
+        return seen
+
+    def panels(self, changed: r.PanelsChanged) -> r.PanelsChanged:
+        """After a reload or a change of profile."""
+        study = changed.study or s.StudySettings()
+        return replace(
+            changed,
+            study=changed.study and self._study(study),
+            values=self._values(changed.values, study),
+            conditions=self.labels(changed.conditions),
+        )
+
+    def _shown(self, shown: Any, settings: s.Settings) -> Any:
+        """A welcome, or a plan."""
+        if not self:
+            return shown
+        values = self._values(settings.values, settings.study)
+        settings = replace(settings, study=self._study(settings.study), values=values)
+        return replace(shown, conditions=self.labels(shown.conditions), settings=settings)
+
+    def _study(self, study: s.StudySettings) -> s.StudySettings:
+        if not self.blind:
+            return study
+        return replace(
+            study,
+            blind={label: label for label in self.labels(study.blind)},
+            by_condition={name: {} for name in study.by_condition},
+            assigned=self.labels(study.assigned),
+        )
+
+    def _values(self, values: Mapping[str, str], study: s.StudySettings) -> dict[str, str]:
+        """Without what depends on the condition, or on who stands there."""
+        seen = dict(values)
+        if self.perception.hides("identity"):
+            seen.pop(VISITOR, None)
+        if self.blind:
+            seen = {name: text for name, text in seen.items() if name not in study.by_condition}
+            if "condition" in seen:
+                seen["condition"] = self.label(seen["condition"])
+        return seen
+
+    def reply(self, reply: r.Reply, instead: Mapping[str, str] | None = None) -> r.Reply:
+        """An answer. `instead`: what stands for lines of its data that tell the condition."""
+        if not self:
+            return reply
+        data = reply.data
+        if isinstance(data, dict) and "order" in data:  # a proposal
+            labels = {
+                "order": self.labels(data["order"]),
+                "condition": self.label(data["condition"]),
+            }
+            return replace(reply, data={**data, **labels}) if self.blind else reply
+        if isinstance(data, list):
+            return replace(reply, data=[self._line(line, instead or {}) for line in data])
+        return reply
+
+    def _line(self, line: Json, instead: Mapping[str, str]) -> Json:
+        """A difference or an error of the file, or a finding of the preflight."""
+        if isinstance(line, dict) and "subject" in line:
+            return {**line, "text": self._finding(str(line["subject"]), str(line.get("text", "")))}
+        return instead.get(line, line) if isinstance(line, str) and self.blind else line
+
+    def _finding(self, subject: str, text: str) -> str:
+        """What a check found out about `subject`."""
+        if self.blind and subject == "experiment":
+            return "the file has something odd"
+        kind = kind_of(subject)
+        return "gives values" if kind and self.perception.keeps(kind) else text
+
+    # -- the stream -------------------------------------------------------------------------------
+
+    def message(self, message: m.Message) -> m.Message | None:
+        """A message of the session; None: nothing of it."""
+        seen: m.Message | None = message
+        if self.blind:
+            change = _BLINDED.get(type(message))
+            seen = change(self, message) if change is not None else message
+        if isinstance(seen, m.Worded):
+            seen = self._worded(seen)
+        if self.perception and seen is not None:
+            hide = _PERCEIVED.get(type(seen))
+            seen = hide(self, seen) if hide is not None else seen
+        return seen
+
+    def _worded(self, message: m.Worded) -> m.Message | None:
+        """Without its words, if they tell what is kept."""
+        if not message.tells or not any(map(self._keeps, message.tells)):
+            return message
+        if isinstance(message, m.Command):
+            return replace(message, args={**message.args, **message.unfilled})
+        if isinstance(message, m.Notice) and message.level == "info":
+            return None
+        names = _words(message)
+        words: Any = dict.fromkeys(names, "")
+        match message:
+            case m.Notice(driver=driver, level=level):
+                words["text"] = f"{driver and f'{driver}: '}{_NOT_SHOWN.format(f'this {level}')}"
+                words["remedy"] = "the log has it"
+            case m.Done():
+                words["sent"] = {}
+            case m.End() | m.ActionEnd():
+                words["reason"] = _NOT_SHOWN.format("the reason")
+            case _:
+                words[names[0]] = HIDDEN
+        return replace(message, **words)
+
+    def _keeps(self, what: str) -> bool:
+        return self.perception.keeps(what) or (self.blind and what in _CONDITION)
+
+    # -- blind to the condition -------------------------------------------------------------------
+
+    def _condition(self, message: m.SessionStart | m.SessionChanged | m.TrialStarted) -> m.Message:
+        if not message.condition:
+            return message
+        return replace(message, condition=self.label(message.condition))
+
+    def _assigned(self, message: m.ConditionsAssigned) -> m.Message:
+        return replace(message, order=self.labels(message.order))
+
+    def _files(self, message: m.ExperimentFiles) -> None:
+        """The experiment's text says which condition is which."""
+
+    def plan(self, message: m.SessionPlan) -> m.SessionPlan:
+        """What consoles are shown."""
+        plan: m.SessionPlan = self._shown(message, message.settings)
+        return plan
+
+    def _reloaded(self, message: m.ExperimentReloaded) -> m.Message:
+        changes = [change for change in message.changes if change not in message.telling]
+        if len(changes) < len(message.changes):
+            changes.append("and more, which may tell the condition")
+        return replace(message, changes=changes, telling=[])
+
+    def _look(self, message: m.BodyChanged | m.SettingsShown) -> m.Message:
+        """Without values that depend on the condition, as far as the driver got them as texts."""
+        if not self._given:
+            return message
+        shown: Any = {"values": _without(message.values, self._given)}
+        if isinstance(message, m.SettingsShown):
+            shown["wanted"] = _without(message.wanted, self._given)
+        return replace(message, **shown)
+
+    def _face_name(self, message: m.FaceShown) -> m.Message:
+        return replace(message, emotion=HIDDEN) if message.emotion in self._given else message
+
+    def _mode(self, message: m.ModeChanged) -> m.Message:
+        """Its reason may quote what the driver was given."""
+        return replace(message, why="") if self._given else message
+
+    def _plan_seen(self, message: m.SessionPlan) -> m.Message:
+        return message if self.blind else self.plan(message)
+
+    def _checked(self, message: m.PreflightChecked) -> m.Message:
+        if message.source != "robot":
+            return message
+        return replace(message, detail=self._finding(message.check, message.detail))
+
+    # -- sensors ----------------------------------------------------------------------------------
+
+    def _reading(self, message: m.Reading) -> m.Message:
+        kind = kind_of(message.sensor)
+        if self.perception.hides(kind):
+            return replace(message, value=None, text="", raw=None, bad=[])
+        if self.perception.blurs(kind):
+            return replace(message, value=None, text=self._coarse(kind, message), raw=None, bad=[])
+        return message
+
+    def _coarse(self, kind: str, reading: m.Reading) -> str:
+        if kind == "transcript":
+            return dots(reading.text)
+        if reading.value is None:
+            return ""
+        if kind == "distance":
+            return "near" if reading.value < NEAR_M else "far"
+        loud = reading.value >= self._loud_from.get(reading.sensor, LOUD)
+        return "loud" if loud else "quiet"
+
+    def _sensor(self, message: m.SensorChanged) -> m.Message | None:
+        kind = kind_of(message.sensor)
+        if self.perception.hides(kind):
+            return None
+        return replace(message, why="") if self.perception.blurs(kind) else message
+
+    # -- the engagement model ---------------------------------------------------------------------
+
+    def _model(self, message: m.EngagementShown) -> m.Message | None:
+        if self.perception.hides("engagement"):
+            return None
+        signs = {name: self._sign(name, sign) for name, sign in message.signs.items()}
+        visitor = "" if self.perception.hides("identity") else message.visitor
+        return replace(message, signs=signs, visitor=visitor)
+
+    def _sign(self, name: str, sign: m.SignShown) -> m.SignShown:
+        if self.perception.hides(name):
+            return m.SignShown(filter=KEPT, forced=sign.forced)
+        if self.perception.blurs(name):
+            return m.SignShown(
+                filter=COARSE, verdict=sign.verdict, stale=sign.stale, forced=sign.forced
+            )
+        return sign
+
+    def _engaged(self, message: m.EngagementChanged) -> m.Message | None:
+        """Without its reason where that may tell a sign that is kept."""
+        if self.perception.hides("engagement"):
+            return None
+        if not self.perception.keeps(*_SIGNS, "transcript"):
+            return message
+        verdicts: dict[str, Json] = {
+            name: value
+            for name, value in message.verdicts.items()
+            if not self.perception.hides("identity" if name == "id" else name)
+        }
+        visitor = "" if self.perception.hides("identity") else message.visitor
+        return replace(message, why="", verdicts=verdicts, visitor=visitor)
+
+    def _visitor(self, message: m.VisitorChanged) -> m.Message | None:
+        return None if self.perception.hides("identity") else message
+
+    def _effect(self, message: m.ActionRequested | m.ActionEnd | m.Command) -> m.Message:
+        """What a state of the model brings with it is named after the state."""
+        state = message.action.removeprefix("on ")
+        if not self.perception.hides("engagement") or state not in STATES:
+            return message
+        return replace(message, action="on engagement") if state != message.action else message
+
+    def _mode_why(self, message: m.ModeChanged) -> m.Message:
+        keeps = self.perception.keeps("engagement", *_SIGNS)
+        return replace(message, why="") if keeps else message
+
+    # -- what is said, what the robot looks like --------------------------------------------------
+
+    def _begins(self, message: m.SpeechStarted) -> m.Message | None:
+        return None if self.perception.hides("loudness") else message
+
+    def _ends(self, message: m.SpeechEnded) -> m.Message | None:
+        if self.perception.hides("loudness") and not message.detail:
+            return None
+        return replace(message, loudest=None) if self.perception.keeps("loudness") else message
+
+    def _heard(self, message: m.SpeechText) -> m.Message | None:
+        if self.perception.hides("transcript"):
+            return None
+        blurs = self.perception.blurs("transcript")
+        return replace(message, text=dots(message.text)) if blurs else message
+
+    def _cue(self, message: m.CueGiven) -> m.Message:
+        if not message.text or not self.perception.keeps("transcript"):
+            return message
+        text = "" if self.perception.hides("transcript") else dots(message.text)
+        return replace(message, text=text)
+
+    def _face(self, message: m.FaceShown) -> m.Message | None:
+        return None if self.perception.hides("face") else message
+
+    def _body(self, message: m.BodyChanged) -> m.Message:
+        if not self.perception.hides("face"):
+            return message
+        return replace(message, values=_faceless(message.values))
+
+    def _settings(self, message: m.SettingsShown) -> m.Message:
+        if not self.perception.hides("face"):
+            return message
+        return replace(message, values=eyeless(message.values), wanted=eyeless(message.wanted))
+
+
+class ParticipantRedactor(Redactor):
+    """A participant's view: questionnaires, when they are due, the stop; no condition by name."""
+
+    def __bool__(self) -> bool:
+        """Whether anything is kept."""
+        return True
+
+    def message(self, message: m.Message) -> m.Message | None:
+        """A message of the session; None: nothing of it."""
+        if not isinstance(message, _ASKED):
+            return None
+        match message:
+            case m.SessionStart() | m.TrialStarted():
+                return replace(message, condition="")
+            case m.SessionChanged():
+                return replace(message, condition=None)
+            case m.ConditionsAssigned(order=order):
+                return replace(message, order=_numbered(order), why="")
+            case m.Worded():
+                return replace(message, **dict.fromkeys(_words(message), ""))
+        return message
+
+    def welcome(self, welcome: r.Welcome) -> r.Welcome:
+        """What is asked, and when."""
+        settings = welcome.settings
+        return replace(
+            welcome,
+            log="",
+            panels=[],
+            script=[],
+            verbs={},
+            variables=[],
+            conditions=[],
+            drivers=[],
+            settings=s.Settings(
+                stale_after=settings.stale_after,
+                dead_man=settings.dead_man,
+                study=_asked(settings.study),
+            ),
+        )
+
+    def panels(self, changed: r.PanelsChanged) -> r.PanelsChanged:
+        """After a reload."""
+        return r.PanelsChanged(
+            title=changed.title,
+            panels=[],
+            script=[],
+            verbs={},
+            conditions=[],
+            keyboard=changed.keyboard,
+            study=_asked(changed.study) if changed.study is not None else None,
+        )
+
+    def reply(self, reply: r.Reply, instead: Mapping[str, str] | None = None) -> r.Reply:
+        """Those that a participant gets are about questionnaires alone."""
+        return reply
+
+
+def redactor_for(role: str, sees: str, study: s.StudySettings | None = None) -> Redactor | None:
+    """The view of a role; None: it sees all. `sees` as in `requests.Hello`."""
+    if role == "participant":
+        return ParticipantRedactor(study)
+    return None if role == "program" and sees != "wizard" else Redactor(study)
+
+
+def marked(message: m.AnyMessage, schema: int) -> m.AnyMessage:
+    """A message of a log of this schema. Before 3 none says what it tells: then everything in words
+    that people or drivers wrote may tell the condition.
+    """
+    if schema >= _MARKED:
+        return message
+    match message:
+        case m.Command():
+            texts = {name: "..." for name, value in message.args.items() if isinstance(value, str)}
+            return replace(message, tells=("condition",), unfilled=texts) if texts else message
+        case m.ExperimentReloaded(changes=changes):
+            return replace(message, telling=changes)
+        case m.Worded() if _may_tell(message):
+            return replace(message, tells=("condition",))
+    return message
+
+
+def kind_of(sensor: str) -> str:
+    """What a sensor tells, in the words of the experiment file: `left.joint.pan` -> `joints`; a
+    sensor that cannot be hidden is empty.
+    """
+    parts = sensor.split(".")
+    if "joint" in parts or "setpoint" in parts:
+        return "joints"
+    if parts[-1] == SPEECH:
+        return "transcript"
+    return next((part for part in reversed(parts) if part in PERCEIVED), "")
+
+
+def eyeless(values: object) -> dict[str, Json]:
+    """A robot's settings, those of its eyes as the word that they are hidden."""
+    shown = values if isinstance(values, dict) else {}
+    return {name: HIDDEN if name in _EYES else value for name, value in shown.items()}
+
+
+def dots(text: str) -> str:
+    """One to three dots for a short, a longer and a long utterance; none for an empty one."""
+    words = len(text.split())
+    return " ".join(_DOT for more in _WORDS if words > more)
+
+
+def _faceless(values: object) -> dict[str, Json]:
+    """A body's values, those that its face shows as the word that they are hidden."""
+    shown = values if isinstance(values, dict) else {}
+    return {
+        name: HIDDEN if name in _FACE else _faceless(value) if isinstance(value, dict) else value
+        for name, value in shown.items()
+    }
+
+
+def _unique(labels: Mapping[str, str]) -> dict[str, str]:
+    """Labels that stand for several conditions get a number each."""
+    found: dict[str, str] = {}
+    for name, label in labels.items():
+        count = 1
+        unique = label or "?"
+        while unique in found.values():
+            count += 1
+            unique = f"{label} ({count})"
+        found[name] = unique
+    return found
+
+
+def _words(message: m.Worded) -> tuple[str, ...]:
+    """The fields of its words."""
+    return next(names for kind, names in _TEXTS if isinstance(message, kind))
+
+
+def _may_tell(message: m.Worded) -> bool:
+    """Whether a message of a log that does not say so may tell the condition."""
+    match message:
+        case m.Marker(source="wizard" | "watcher" | "preflight"):
+            return False
+        case m.Refused(code=code):
+            return code == "args"
+        case m.End():
+            return isinstance(message, m.Done | m.Failed)
+        case m.ActionEnd():
+            return isinstance(message, m.ActionFailed | m.ActionRefused)
+    return True
+
+
+def _texts(value: Json) -> Iterable[str]:
+    """All texts in it, and of those that name a file its name: a robot gets it by another way."""
+    match value:
+        case str() if value:
+            yield value
+            yield PurePath(value).name or value
+        case list():
+            for one in value:
+                yield from _texts(one)
+        case dict():
+            yield from _texts([*value.values()])
+
+
+def _without(value: Any, given: Iterable[str]) -> Any:
+    match value:
+        case str() if any(_holds(value, text) for text in given):
+            return HIDDEN
+        case list():
+            return [_without(one, given) for one in value]
+        case dict():
+            return {name: _without(one, given) for name, one in value.items()}
+    return value
+
+
+def _holds(value: str, text: str) -> bool:
+    """Whether a value is made of a text; a short text stands in many by chance."""
+    return text in value if len(text) >= _LONG else text == value
+
+
+def _numbered(order: Sequence[str]) -> list[str]:
+    return [str(number) for number, _ in enumerate(order, 1)]
+
+
+def _asked(study: s.StudySettings) -> s.StudySettings:
+    """What a participant's terminal needs of a study."""
+    return replace(
+        study,
+        blind={},
+        preflight=[],
+        perception=s.Restricted(),
+        shaping=None,
+        by_condition={},
+        assigned=_numbered(study.assigned),
+    )
+
+
+#: What is done with a kind of message for somebody who is blind to the condition.
+_BLINDED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]] = {
+    m.SessionStart: Redactor._condition,
+    m.SessionChanged: Redactor._condition,
+    m.TrialStarted: Redactor._condition,
+    m.ConditionsAssigned: Redactor._assigned,
+    m.ExperimentFiles: Redactor._files,
+    m.SessionPlan: Redactor.plan,
+    m.ExperimentReloaded: Redactor._reloaded,
+    m.BodyChanged: Redactor._look,
+    m.SettingsShown: Redactor._look,
+    m.FaceShown: Redactor._face_name,
+    m.ModeChanged: Redactor._mode,
+    m.PreflightChecked: Redactor._checked,
+}
+#: The same for restricted perception.
+_PERCEIVED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]] = {
+    m.Reading: Redactor._reading,
+    m.SensorChanged: Redactor._sensor,
+    m.EngagementShown: Redactor._model,
+    m.EngagementChanged: Redactor._engaged,
+    m.VisitorChanged: Redactor._visitor,
+    m.ModeChanged: Redactor._mode_why,
+    m.SpeechStarted: Redactor._begins,
+    m.SpeechEnded: Redactor._ends,
+    m.SpeechText: Redactor._heard,
+    m.CueGiven: Redactor._cue,
+    m.FaceShown: Redactor._face,
+    m.BodyChanged: Redactor._body,
+    m.SettingsShown: Redactor._settings,
+    m.PreflightChecked: Redactor._checked,
+    m.SessionPlan: Redactor._plan_seen,
+    m.Command: Redactor._effect,
+    **dict.fromkeys(
+        (m.ActionRequested, m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionRefused),
+        Redactor._effect,
+    ),
+}

@@ -260,6 +260,19 @@ def test_a_log_that_does_not_say_what_it_tells_shows_no_words() -> None:
     assert marked(say, 3) is say
 
 
+async def test_a_program_that_sees_all_is_named_as_long_as_it_is_there() -> None:
+    attached = m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all", t=NOW)
+    async with sitting(welcome(), size=(160, 50)) as seat:
+        await seat.tell(attached)
+        assert "stimulus sees all" in seat.text("Status")
+        assert "program stimulus attached" in seat.text("Events")
+        await seat.tell(m.ConsoleLost(console="con2", role="program", why="closed", t=NOW))
+        assert "sees all" not in seat.text("Status")
+    async with sitting(studied.welcome(), size=(160, 50)) as seat:
+        await seat.tell(attached)
+        assert "sees all" not in seat.text("Status"), "nothing is kept from this wizard"
+
+
 def test_an_utterance_shows_the_variable_and_not_its_value() -> None:
     picture = Picture()
     picture.take([seen(welcome())], 0)

@@ -201,6 +201,27 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     ),
     *BEGINNING,
     *COURSE,
+    m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all"),
+    m.Command(
+        command="c00013",
+        verb="say",
+        args={"text": "How lovely that you are here!"},
+        driver="voice",
+        source="key",
+        tells=("condition",),
+        unfilled={"text": "{greeting}"},
+    ),
+    m.Notice(
+        level="warning",
+        text="voice: it cannot say 'How lovely that you are here!'",
+        driver="voice",
+        tells=("request",),
+    ),
+    m.ExperimentReloaded(
+        experiment_sha256=SHA,
+        changes=["Speech: 'Bye' is new", "conditions are warm, cold, none"],
+        telling=["conditions are warm, cold, none"],
+    ),
     m.Checkpoint(sha256=SHA, lines=42),
     m.SessionEnd(reason="wizard", sha256=SHA),
     m.Segment(

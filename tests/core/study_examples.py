@@ -100,25 +100,4 @@ COURSE: tuple[m.AnyMessage, ...] = (
     m.RerunSent(command="c00012", original_command="c00004", due=20_000_000, late_us=310),
     m.RerunSkipped(original_command="c00005", reason="it was refused: the stop was pressed"),
     m.RerunEnded(reason="done", sent_again=1, skipped_commands=1, late_p50_us=310, late_max_us=310),
-    m.ConsoleAttached(console="con2", role="program", name="stimulus", sees="all"),
-    m.Command(
-        command="c00013",
-        verb="say",
-        args={"text": "How lovely that you are here!"},
-        driver="voice",
-        source="key",
-        tells=("condition",),
-        unfilled={"text": "{greeting}"},
-    ),
-    m.Notice(
-        level="warning",
-        text="voice: it cannot say 'How lovely that you are here!'",
-        driver="voice",
-        tells=("request",),
-    ),
-    m.ExperimentReloaded(
-        experiment_sha256=SHA,
-        changes=["Speech: 'Bye' is new", "conditions are warm, cold, none"],
-        telling=["conditions are warm, cold, none"],
-    ),
 )

@@ -88,9 +88,9 @@ def json_types(schema: dict[str, Any]) -> set[str]:
     """The JSON types that a schema allows, null aside; whole numbers are numbers."""
     options = schema.get("anyOf", [schema])
     return {
-        {"integer": "number"}.get(option["type"], option["type"])
+        {"integer": "number"}.get(kind, kind)
         for option in options
-        if option["type"] != "null"
+        if (kind := option.get("type", "object")) != "null"  # a struct is only named
     }
 
 

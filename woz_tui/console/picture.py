@@ -272,6 +272,11 @@ class Picture:
 
     # -- reading ----------------------------------------------------------------------------
 
+    @property
+    def keeps(self) -> bool:
+        """Whether anything is kept from the wizard."""
+        return bool(self.perception or self.settings.study.blind)
+
     def moves(self, now: int) -> bool:
         """Whether a figure on the screen changes by itself."""
         return bool(self.runs.active) or (not self.lost and self.engaged.moves(now))

@@ -305,7 +305,10 @@ def _of_study(message: m.Message, picture: Picture) -> Event | None:
 
 
 def _attached(message: m.ConsoleAttached, picture: Picture) -> Event:
-    return Event(message.t, "info", f"{message.role} attached", message.console)
+    what = f"{message.role} {message.name}".rstrip()
+    if message.sees == "all" and picture.keeps:
+        return Event(message.t, "info", f"{what} attached", "it sees what is kept from you")
+    return Event(message.t, "info", f"{what} attached", message.console)
 
 
 def _console_lost(message: m.ConsoleLost, picture: Picture) -> Event:

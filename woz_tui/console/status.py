@@ -42,7 +42,7 @@ def status_rows(picture: Picture, frame: Frame, line: Line) -> list[Row]:
         *(("  ", "plain"), *_line(line, glyphs)),
     )
     vitals = (*_profile(picture, frame), *vitals)
-    failures = _failures(picture, glyphs, line.failures)
+    failures = (*_seers(picture), *_failures(picture, glyphs, line.failures))
     room = width - length(vitals)
     first = spread(_whole(_session(picture, frame, room), room), vitals, width, glyphs.ellipsis)
     return [first, spread(_drivers(picture, glyphs), failures, width, glyphs.ellipsis)]
@@ -201,6 +201,12 @@ def _failures(picture: Picture, glyphs: Glyphs, key: str) -> Row:
     if not count:
         return ()
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
+
+
+def _seers(picture: Picture) -> Row:
+    """Programs that see what is kept from the wizard."""
+    names = ", ".join(map(clean, picture.study.seers.values()))
+    return ((f" {names} sees all ", "wait"),) if names and picture.keeps else ()
 
 
 class Status(Cells):

@@ -93,6 +93,17 @@ FIELDS: dict[str, tuple[str, str]] = {
     "loudest": ("", "RMS of the loudest part, 0 to 1 of full scale; null: not measured"),
     "method": ("", "how the order was found: see the line's description"),
     "missing": ("", "drivers that did not say in time that they stand still"),
+    "name": (
+        "",
+        "how a program calls itself; absent: it does not say, or sees no more than the wizard",
+    ),
+    "sees": ("", "`all`: it gets what is kept from the wizard; absent: it does not"),
+    "telling": ("", "those of `changes` that may tell which condition is which"),
+    "tells": (
+        "",
+        "what its words tell that may be kept from some: see *What is kept*; absent: nothing",
+    ),
+    "unfilled": ("", "those of `args` that tell it, with variables left in place; absent: none"),
     "unreached": ("", "those of `missing` whose hardware was not connected; absent: none"),
     "missing_parts": ("", "driver -> those of its parts that did not say so; absent: none"),
     "next": ("", "where the machine would go if it were not held; absent: it would stay"),
@@ -226,10 +237,10 @@ def _type(field: msgspec.structs.FieldInfo) -> str:
 def json_type(annotation: Any) -> str:
     """A field's type as a researcher would say it."""
     schema = msgspec.json.schema(annotation)
-    words = [
+    words = [  # a struct is only named in a schema
         f"list of {_NAMES.get(option['items'].get('type', ''), 'anything')}s"
-        if option["type"] == "array" and "type" in option.get("items", {})
-        else _NAMES.get(option["type"], option["type"])
+        if option.get("type") == "array" and "type" in option.get("items", {})
+        else _NAMES.get(option.get("type", "object"), option.get("type", ""))
         for option in schema.get("anyOf", [schema])
     ]
     return " or ".join(words)

@@ -77,6 +77,8 @@ class Study:
     cue: m.CueGiven | None = None
     #: Consoles at which a participant sits.
     participants: set[str] = field(default_factory=set)
+    #: Programs that see what is kept from the wizard: what each calls itself, by console.
+    seers: dict[str, str] = field(default_factory=dict)
     _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
 
     # -- reading ------------------------------------------------------------------------------
@@ -218,9 +220,12 @@ class Study:
     def _attach(self, told: m.ConsoleAttached) -> None:
         if told.role == "participant":
             self.participants.add(told.console)
+        elif told.sees == "all":
+            self.seers[told.console] = told.name or told.console
 
     def _gone(self, told: m.ConsoleLost) -> None:
         self.participants.discard(told.console)
+        self.seers.pop(told.console, None)
 
 
 def judged(told: m.CueAnswered) -> tuple[str, str]:

@@ -105,6 +105,18 @@ def welcome(
     settings: dict[str, m.Json] | None = None,
 ) -> r.Welcome:
     """The first message of a session with three drivers, two conditions and a script."""
+    state, recent = healthy() if state is None else state, recent or []
+    order = sorted((*state, *recent), key=lambda message: message.t)
+    numbers = {id(message): number for number, message in enumerate(order)}
+
+    def lines(messages: Sequence[m.Message]) -> list[msgspec.Raw]:
+        """Numbered as the hub does, by their times."""
+        numbered = [
+            each if each.seq >= 0 else msgspec.structs.replace(each, seq=numbers[id(each)])
+            for each in messages
+        ]
+        return raw(sorted(numbered, key=lambda each: each.seq))
+
     return r.Welcome(
         protocol=r.PROTOCOL,
         console="console1",
@@ -124,8 +136,8 @@ def welcome(
         conditions=["warm", "cold"],
         keyboard="us",
         drivers=["head", "voice", "face", "range", "microphone"],
-        state=raw(state if state is not None else healthy()),
-        recent=raw(recent if recent is not None else []),
+        state=lines(state),
+        recent=lines(recent),
         settings=msgspec.convert({"participant_pattern": "P\\d\\d", **(settings or {})}, Settings),
     )
 

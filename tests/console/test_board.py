@@ -11,7 +11,6 @@ from woz_tui.console.bodies.board import Board, board_rows
 from woz_tui.console.bodies.outlines import PanelOutline, outlines_of
 from woz_tui.console.cells import Row, length
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.parts import KnobsPicture
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
 
@@ -24,10 +23,10 @@ def outline() -> PanelOutline:
     return found
 
 
-def knobs(*moved: m.ControlsMoved) -> KnobsPicture:
+def knobs(*moved: m.ControlsMoved) -> m.ControlsMoved:
     picture = Picture()
     picture.take([bodies.welcome(), *moved], 0)
-    return picture.knobs.get("panel", KnobsPicture())
+    return picture.session.controls.get("panel", m.ControlsMoved(values={}))
 
 
 def text(rows: list[Row]) -> str:
@@ -177,7 +176,7 @@ def test_moves_that_begin_alike_can_be_told_apart() -> None:
     ]
     found = outlines_of({"outlines": {"panel": {**told, "controls": renamed}}})["panel"]
     assert isinstance(found, PanelOutline)
-    shown = text(board_rows(Board(found, KnobsPicture()), SMALL))
+    shown = text(board_rows(Board(found, m.ControlsMoved(values={})), SMALL))
     strips = "\n".join(shown.splitlines()[:6])
     for words in ("○ …left", "○ middle", "○ …right"):
         assert words in strips

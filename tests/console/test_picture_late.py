@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
+import msgspec
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
 from tests.console import scenes
+from tests.console.scripted import raw
 from tests.console.studied import assigned, ended, started, told
-from tests.replay.logs import stamped
-from tests.timeline.courses import start
+from tests.replay.logs import seen_by_wizard, stamped
+from tests.timeline.courses import damaged, plan, recordings, start
+from tests.timeline.courses import stamped as stamped_again
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
+from woz_tui.session.plan import welcome
 from woz_tui.session.recent import Recent
 from woz_tui.timeline.state import SessionState
 
@@ -76,7 +82,7 @@ COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[Picture], object], object
     ),
     "an utterance that goes on": (
         [m.SpeechStarted(driver="microphone", segment=4, began=1 * SECOND)],
-        lambda picture: (segment := picture.engaged.speaking(2 * SECOND)) and segment.number,
+        lambda picture: (segment := picture.engaged.speaking(2 * SECOND)) and segment.segment,
         4,
     ),
     "the last change of the engagement model is the last": (
@@ -107,3 +113,60 @@ def test_what_is_older_than_the_last_lines_comes_before_them() -> None:
     messages = stamped(enumerate([start(), *changes]))
     shown = [*greeted(messages, recent=True).engaged.changes]
     assert shown == messages[-len(shown) :]
+
+
+# -- random courses -------------------------------------------------------------------------------
+
+
+def welcomed(state: SessionState, recent: Recent) -> Picture:
+    """A console that attaches now."""
+    assert state.plan is not None
+    told = welcome(state.plan, console="con9", role="wizard", seq=0, t=state.t, log="")
+    told = msgspec.structs.replace(
+        told, state=raw(state.messages(plan=False)), recent=raw(recent.lines)
+    )
+    picture = Picture()
+    picture.take([told], 0)
+    return picture
+
+
+#: What was before: it stands in the last lines.
+WAS = {"events", "outcomes", "failures", "changes", "model"}
+
+
+def compared(course: list[m.AnyMessage], first: float, second: float) -> Iterator[set[str]]:
+    """What differs between a console that was there and one that attaches later."""
+    # A plan names what is kept from the wizard, too; at random the two do not agree.
+    apart = m.PerceptionChanged | m.SessionPlan
+    kept = [(each.t, each) for each in course if not isinstance(each, apart)]
+    course = stamped_again([(0, start()), (0, plan()), *kept])
+    early, late = sorted(2 + round(share * (len(course) - 2)) for share in (first, second))
+    state, recent, there = SessionState(), Recent(), Picture()
+    for place, message in enumerate(course, start=1):
+        state.take(message)
+        recent.take(message)
+        there.take([message], 0)
+        if place == early:
+            there = welcomed(state, recent)
+        if place == late:
+            newcomer, known = seen_by_wizard(welcomed(state, recent)), seen_by_wizard(there)
+            yield {name for name in known if newcomer[name] != known[name]} - {"now"}
+
+
+@settings(max_examples=60)
+@given(recordings(), st.floats(0, 1), st.floats(0, 1))
+def test_a_console_that_attaches_late_shows_the_same(
+    course: list[m.AnyMessage], first: float, second: float
+) -> None:
+    """Also what was: the last lines tell it."""
+    for different in compared(course, first, second):
+        assert not different
+
+
+@settings(max_examples=60)
+@given(damaged(), st.floats(0, 1), st.floats(0, 1))
+def test_what_holds_is_the_same_also_where_lines_are_lost_or_out_of_order(
+    course: list[m.AnyMessage], first: float, second: float
+) -> None:
+    for different in compared(course, first, second):
+        assert different <= WAS

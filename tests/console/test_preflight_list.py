@@ -37,8 +37,7 @@ async def test_a_line_is_ticked_and_the_tick_taken_away(key: str) -> None:
 
 
 async def test_a_newcomer_sees_what_is_ticked() -> None:
-    listed: list[m.Json] = [{"check": check, "ok": True} for check in studied.CHECKS]
-    async with sitting(studied.welcome(study=studied.told(preflight=listed))) as seat:
+    async with sitting(studied.welcome(*map(ticked, studied.CHECKS))) as seat:
         await opened(seat, "PreflightDialog")
         assert seat.drawn().count("✓ the") == 2
 

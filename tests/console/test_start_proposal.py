@@ -188,14 +188,14 @@ async def crashed(seat: Sitting, *, log: str) -> None:
     """The robot process is lost, and one whose log is `log` is there, with nobody chosen."""
     seat.feed.cut("the robot process closed the connection")
     await seat.until(lambda: isinstance(seat.console.dialog, LostDialog))
-    plain = studied.welcome(scenes.start("", ""))
+    plain = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
     seat.feed.deliver(msgspec.structs.replace(plain, log=log))
     await seat.until(lambda: not seat.console.picture.lost)
     await seat.settle()
 
 
 async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> None:
-    first = studied.welcome(scenes.start("", ""))
+    first = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
     async with sitting(first, ask_participant=True) as seat:
         propose(seat)
         await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))
@@ -222,7 +222,7 @@ async def test_after_a_crash_who_takes_part_is_asked_again_and_filled_in() -> No
 async def test_nobody_is_asked_again_in_the_same_session_or_where_nobody_was(
     asks: bool, log: str
 ) -> None:
-    first = studied.welcome(scenes.start("", ""))
+    first = scenes.welcome([scenes.start("", "")], settings={"study": studied.told()})
     async with sitting(first, ask_participant=asks) as seat:
         if asks:
             await seat.until(lambda: isinstance(seat.console.dialog, StartDialog))

@@ -174,9 +174,7 @@ async def test_no_trial_can_be_begun_while_something_is_asked() -> None:
 
 
 async def test_who_comes_late_hears_which_trial_is_next() -> None:
-    late = studied.welcome(
-        m.SessionChanged(participant="P07", trial=3, t=NOW), study=studied.told(trial=4)
-    )
+    late = studied.welcome(studied.trial(3), over(3))
     async with sitting(late) as seat:
         await seat.press("asterisk")
         await seat.settle()
@@ -271,10 +269,16 @@ async def test_what_was_declined_is_not_offered_again() -> None:
 
 def study(*messages: m.Message, **told: m.Json) -> Study:
     made = Study()
-    made.tell(studied.typed(studied.told(**told)))
-    for message in (scenes.start(), studied.assigned(), *messages):
-        made.take(message)
+    made.session.study.settings = studied.typed(studied.told(**told))
+    made.adopt()
+    tell(made, scenes.start(), studied.assigned(), *messages)
     return made
+
+
+def tell(made: Study, *messages: m.Message) -> None:
+    for message in messages:
+        made.session.take(message)
+        made.take(message)
 
 
 @pytest.mark.parametrize(
@@ -292,23 +296,22 @@ def test_what_is_due_after_a_trial(number: int, outcome: str, due: list[str]) ->
     listed: list[m.Json] = [{"name": name, "when": when} for name, when in whens.items()]
     made = study(studied.trial(number), over(number, outcome), questionnaires=listed)
     assert made.due == due
-    made.take(studied.trial(number + 1))
+    tell(made, studied.trial(number + 1, ago=0))
     assert made.due == []
 
 
 def test_what_was_left_stays_due_and_what_was_answered_does_not() -> None:
     made = study(studied.trial(1), over(1))
-    made.take(studied.started(studied.QUICK))
-    made.take(studied.ended("quick", "left"))
+    tell(made, studied.started(studied.QUICK), studied.ended("quick", "left"))
     assert made.due == ["quick"]
-    made.take(studied.ended("quick"))
+    tell(made, studied.ended("quick"))
     assert made.due == []
 
 
 def test_another_participant_begins_anew() -> None:
     made = study(studied.trial(1), over(1), studied.ended())
     assert made.open_at_end() == []
-    made.take(m.SessionChanged(participant="P08", t=NOW))
+    tell(made, m.SessionChanged(participant="P08", t=NOW))
     assert (made.order, made.planned, made.due, made.last) == ((), 0, [], None)
     assert made.open_at_end() == ["robot"]
 

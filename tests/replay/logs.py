@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import replace
 from datetime import UTC, datetime, timedelta
 from typing import Any
 
 import msgspec
 
+from woz_tui.console.parts import SensorView
 from woz_tui.console.picture import Picture
 from woz_tui.console.sentences import Event
 from woz_tui.core import messages as m
@@ -211,30 +211,50 @@ class Viewer:
 
     @property
     def shown(self) -> dict[str, object]:
-        """Everything a wizard would see of a moment, as plain data."""
-        picture = self.picture
-        return {
-            "participant": (picture.participant, picture.condition, picture.trial),
-            "panels": picture.panels,
-            "position": picture.position,
-            "locks": dict(picture.locks),
-            "drivers": dict(picture.drivers),
-            "sensors": dict(picture.sensors),
-            "stop": picture.stop,
-            "engagement": picture.engagement,
-            "shown": picture.engaged.shown,
-            "modes": dict(picture.modes),
-            "active": dict(picture.runs.active),
-            "outcomes": dict(picture.runs.outcomes),
-            "failures": [failure.run for failure in picture.runs.failures],
-            "mistakes": set(picture.mistakes),
-            "recorder": replace(picture.recorder, news=False),
-            "events": [_words(event) for event in picture.events],
-            "study": {
-                name: getattr(picture.study, name)
-                for name in ("trial", "last", "break_began", "planned", "order", "due", "checks")
-            },
-            "asked": picture.study.asked is not None,
-            "ended": picture.ended,
-            "now": picture.now(self.now),
-        }
+        """What a wizard sees now."""
+        return seen_by_wizard(self.picture, self.now)
+
+
+def seen_by_wizard(picture: Picture, local: int = 0) -> dict[str, object]:
+    """Everything that is on the screen at a moment, as plain data."""
+    session = picture.session
+    return {
+        "participant": (picture.participant, picture.condition, picture.trial),
+        "panels": picture.panels,
+        "position": picture.position,
+        "locks": {panel: changed.locked for panel, changed in session.locks.items()},
+        "drivers": picture.drivers,
+        "sensors": [picture.sensor(name) for name in picture.sensors],
+        "stop": picture.stop,
+        "engagement": session.model.changed,
+        "shown": picture.engaged.shown,
+        "modes": {driver: changed.now for driver, changed in session.modes.items()},
+        "active": [(run, picture.runs.get(run)) for run in picture.runs.active],
+        "outcomes": dict(picture.runs.outcomes),
+        "failures": [failure.run for failure in picture.runs.failures],
+        "recorder": session.recorder,
+        "events": [_words(event) for event in picture.events],
+        "study": {
+            name: getattr(picture.study, name)
+            for name in (
+                *("trial", "last", "break_began", "planned", "order", "due", "checks", "next"),
+                *("participants", "asked"),
+            )
+        },
+        "had": set(picture.study.over),
+        "model": (picture.engaged.speaking(session.t), picture.engaged.heard()),
+        "changes": [*picture.engaged.changes],
+        "robots": session.robots.shown,
+        "bodies": (session.bodies, session.faces, session.controls),
+        "profile": picture.profiles.current,
+        "under way": picture.moves(session.t),
+        "ended": picture.ended,
+        "now": picture.now(local),
+    }
+
+
+def distance(it: Viewer) -> SensorView:
+    """The sensor of this name, as the wizard sees it."""
+    sensor = it.picture.sensor("distance")
+    assert sensor is not None
+    return sensor

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.replay.logs import SECOND, Viewer, story
+from tests.replay.logs import SECOND, Viewer, distance, story
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.record.index import LogIndex
@@ -17,8 +17,8 @@ from woz_tui.replay.opened import (
     has_beginning,
     notes_of,
     opened,
-    origin_of,
 )
+from woz_tui.replay.origin import origin_of
 from woz_tui.replay.reel import Reel
 
 STEM = "2026-03-01T10-00-00_P07_S01"
@@ -50,9 +50,9 @@ def test_a_whole_log_is_played_with_its_samples(tmp_path: Path) -> None:
         it, notes = seen(index)
         assert notes == ()
         it.wait(6, ticks=60)
-        assert it.picture.sensors["distance"].t == 6 * SECOND
+        assert distance(it).t == 6 * SECOND
         it.go(42.2)
-        assert it.picture.sensors["distance"].t == 42 * SECOND
+        assert distance(it).t == 42 * SECOND
         it.wait(30, ticks=30)
         assert it.player.ended
 
@@ -167,7 +167,7 @@ def test_a_log_without_samples_is_played(tmp_path: Path) -> None:
     with opened(path) as index:
         it, _ = seen(index)
         it.go(30)
-        assert it.picture.sensors == {}
+        assert it.picture.sensors == []
 
 
 def test_a_session_that_was_killed_says_that_it_has_no_end(tmp_path: Path) -> None:

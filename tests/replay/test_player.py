@@ -2,7 +2,7 @@ from __future__ import annotations
 
 import pytest
 
-from tests.replay.logs import SECOND, START, Viewer, reel_of, stamped, story
+from tests.replay.logs import SECOND, START, Viewer, distance, reel_of, stamped, story
 from woz_tui.console.parts import State
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -53,7 +53,7 @@ def test_samples_come_thinned_between_the_lines() -> None:
     it.wait(10)
     told = [each for each in it.heard if isinstance(each, m.Reading)]
     assert [reading.t for reading in told] == [10 * SECOND]
-    assert it.picture.sensors["distance"].t == 10 * SECOND
+    assert distance(it).t == 10 * SECOND
 
 
 def test_nothing_runs_on_while_it_stands_still() -> None:
@@ -64,7 +64,7 @@ def test_nothing_runs_on_while_it_stands_still() -> None:
     assert it.do("pause").ok
     it.wait(600, ticks=7)
     assert it.picture.now(it.now) == 9 * SECOND
-    assert not it.picture.is_stale(it.picture.sensors["distance"], it.picture.now(it.now))
+    assert not it.picture.is_stale(distance(it), it.picture.now(it.now))
     assert it.do("pause").ok
     it.wait(3)
     assert it.picture.now(it.now) == 12 * SECOND
@@ -169,7 +169,7 @@ def test_seeking_begins_anew_with_everything_that_held() -> None:
     it.go(16)
     assert it.picture.stop is not None
     assert it.picture.stop.confirmed == ("robot",)
-    assert it.picture.mistakes == {"a2"}
+    assert [event.run for event in it.picture.events if event.mistake] == ["a2"]
     assert it.do("seek", by_s=-7.0).ok
     assert it.shown["stop"] is None
     assert list(it.picture.runs.active) == ["a2"]
@@ -292,8 +292,7 @@ def test_there_is_nothing_to_stop(request_: r.AnyRequest) -> None:
 
 def test_what_is_missing_is_told_at_the_beginning_and_stays_known() -> None:
     it = Viewer(reel_of(story()), notes=("3 damaged line(s) left out",))
-    assert it.picture.notice is not None
-    assert "3 damaged line(s)" in it.picture.notice.text
+    assert "3 damaged line(s)" in it.picture.events[-1].text
     it.go(10)
     told = it.picture.settings.replay
     assert told

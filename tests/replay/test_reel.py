@@ -13,6 +13,7 @@ from tests.replay.logs import (
     START,
     KeptSamples,
     Viewer,
+    distance,
     played,
     reel_of,
     stamped,
@@ -239,9 +240,9 @@ def test_a_lock_of_before_a_reload_does_not_outlast_it() -> None:
     by_playing.wait(7)
     by_seeking = Viewer(reel_of(stamped(timed)), Start(paused=True))
     by_seeking.go(3)
-    assert by_seeking.picture.locks == {"Speech": True}
+    assert by_seeking.shown["locks"] == {"Speech": True}
     by_seeking.go(7)
-    assert by_seeking.picture.locks == by_playing.picture.locks == {}
+    assert by_seeking.shown["locks"] == by_playing.shown["locks"] == {}
 
 
 def test_the_study_of_a_moment_knows_nothing_of_what_comes_next() -> None:
@@ -299,7 +300,7 @@ def test_what_was_kept_from_the_wizard_is_kept_from_the_viewer_unless_told(revea
     it.wait(4)
     for _ in range(2):  # after playing, and after going there
         assert it.picture.condition == ("cold" if reveal else "B")
-        assert (it.picture.sensors["distance"].value == 1.0) is reveal
+        assert (distance(it).value == 1.0) is reveal
         it.go(3.5)
     assert it.picture.replay is not None
     (trial,) = (place for place in it.picture.replay.places if place.sort == "trial")

@@ -159,7 +159,7 @@ def _experiment(
     from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
     from woz_tui.plugins import installed  # noqa: PLC0415
     from woz_tui.replay import origin  # noqa: PLC0415
-    from woz_tui.replay.opened import origin_of  # noqa: PLC0415
+    from woz_tui.replay.origin import origin_of  # noqa: PLC0415
 
     told = origin_of(index.actions)
     catalogue = installed()

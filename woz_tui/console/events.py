@@ -89,7 +89,7 @@ def _back(event: Event, picture: Picture, frame: Frame) -> Piece:
 
 
 def _under_way(event: Event, picture: Picture, frame: Frame) -> Piece:
-    run = picture.runs.active.get(event.run)
+    run = picture.runs.get(event.run)
     if run is None:
         return (" ", "plain")
     if (held := run.held_for(frame.now)) is not None:

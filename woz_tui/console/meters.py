@@ -16,7 +16,7 @@ from woz_tui.console.engagement.hand import is_offered
 from woz_tui.console.engagement.meter import block_rows
 from woz_tui.console.figures import SILENCE_DB, decibels
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.parts import SensorPicture
+from woz_tui.console.parts import SensorView
 from woz_tui.console.picture import Picture
 from woz_tui.console.pose import joint_rows, other_rows
 from woz_tui.console.rows import NAME, at, joined, kept, labelled, named, old, ruler, track
@@ -33,7 +33,7 @@ _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
 def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
-    known = [name for name in sorted(picture.sensors) if name.rpartition(".")[2] in _KNOWN]
+    known = [name for name in picture.sensors if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
     shown = picture.engaged.shown
     if shown is not None:
@@ -55,7 +55,7 @@ def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def _stale(picture: Picture, sensor: SensorPicture, frame: Frame) -> bool:
+def _stale(picture: Picture, sensor: SensorView, frame: Frame) -> bool:
     return picture.is_stale(sensor, frame.now)
 
 
@@ -63,8 +63,8 @@ def _stale(picture: Picture, sensor: SensorPicture, frame: Frame) -> bool:
 
 
 def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
-    sensor = picture.sensors[name]
-    if picture.perception.hides("distance"):
+    sensor = picture.sensor(name)
+    if sensor is None or picture.perception.hides("distance"):
         return [kept(_short(name), frame)]
     glyphs, width = frame.glyphs, track(frame)
     if picture.perception.blurs("distance"):
@@ -83,7 +83,7 @@ def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
     return [labelled(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
 
 
-def _coarse(picture: Picture, sensor: SensorPicture, frame: Frame) -> Row:
+def _coarse(picture: Picture, sensor: SensorView, frame: Frame) -> Row:
     """A blurred value in a word, on a track without marks."""
     stale = _stale(picture, sensor, frame)
     track_row: Row = ((frame.glyphs.track * track(frame), "faint"),)
@@ -104,14 +104,14 @@ def _robots(names: list[str]) -> list[str]:
 
 def _loudness_rows(picture: Picture, frame: Frame, speech: str) -> list[Row]:
     """Every microphone's level; `speech` is said of an utterance that is being cut out of it."""
-    loud = [name for name in sorted(picture.sensors) if name.rpartition(".")[2] == "loudness"]
+    loud = [name for name in picture.sensors if name.rpartition(".")[2] == "loudness"]
     return [row for name in loud for row in _loudness(picture, name, frame, speech)]
 
 
 def _loudness(picture: Picture, name: str, frame: Frame, speech: str = "") -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
-    sensor = picture.sensors[name]
-    if picture.perception.hides("loudness"):
+    sensor = picture.sensor(name)
+    if sensor is None or picture.perception.hides("loudness"):
         return [kept(_short(name), frame)]
     if picture.perception.blurs("loudness"):
         return [_coarse(picture, sensor, frame)]
@@ -137,7 +137,7 @@ def _loudness(picture: Picture, name: str, frame: Frame, speech: str = "") -> li
 
 def _threshold(picture: Picture, loudness: str) -> float | None:
     """RMS from which a voice counts, as the microphone published it."""
-    published = picture.sensors.get(f"{loudness}.threshold")
+    published = picture.sensor(f"{loudness}.threshold")
     return published.value if published is not None else None
 
 
@@ -148,7 +148,7 @@ def _verdicts(picture: Picture, robot: str, frame: Frame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
     pieces: list[Piece] = []
     for name, word in (("presence", "person"), ("gaze", "looks")):
-        sensor = picture.sensors.get(f"{robot}{name}")
+        sensor = picture.sensor(f"{robot}{name}")
         if sensor is None:
             continue
         if picture.perception.hides(name):
@@ -157,7 +157,7 @@ def _verdicts(picture: Picture, robot: str, frame: Frame) -> list[Row]:
             yes = bool(FLAGS[name](sensor.value))
             pieces.append(_verdict(yes, word, _stale(picture, sensor, frame), frame.glyphs))
         pieces.append(("  ", "plain"))
-    who = picture.sensors.get(f"{robot}identity")
+    who = picture.sensor(f"{robot}identity")
     if who is not None and picture.perception.hides("identity"):
         pieces.append((f"who {HIDDEN}", "faint"))
     elif who is not None:
@@ -176,7 +176,7 @@ def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
 
 
 def _engagement(picture: Picture, frame: Frame) -> list[Row]:
-    changed = picture.engagement
+    changed = picture.session.model.changed
     if picture.perception.hides("engagement") and is_offered(picture.engaged, picture.verbs):
         return [kept("engaged", frame)]
     if changed is None:

@@ -1,4 +1,4 @@
-"""What the screen shows, as plain data: a `Welcome` and the messages after it, reduced.
+"""What the screen shows, as plain data: what holds in the session, and what only a screen needs.
 
 Nothing here draws, waits or looks at a clock. All times are microseconds on the session's `t`
 axis; `Picture.now` turns a local clock into that axis, so that things can age between messages.
@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import deque
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass, field, replace
 
 import msgspec
@@ -19,37 +19,29 @@ from woz_tui.console.bodies.outlines import Outline, outlines_of
 from woz_tui.console.engagement.orders import done_words
 from woz_tui.console.engagement.seen import Engaged
 from woz_tui.console.feed import Incoming
-from woz_tui.console.parts import (
-    STALE_US,
-    DriverPicture,
-    KnobsPicture,
-    LastRun,
-    RecorderPicture,
-    RobotPicture,
-    SensorPicture,
-    Standing,
-    State,
-    StopPicture,
-)
+from woz_tui.console.parts import STALE_US, DriverView, SensorView, Standing, State
 from woz_tui.console.profiles import Profiles
-from woz_tui.console.reducers import reduce
 from woz_tui.console.replay.standing import ReplayPicture, following
 from woz_tui.console.robot.outlines import robots_of
-from woz_tui.console.runs import Failure, Run, Runs
+from woz_tui.console.runs import Failure, Outcome, Run, Runs
 from woz_tui.console.sentences import Event, event_of, explained
 from woz_tui.console.study.picture import Study
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.robots import RobotOutline
-from woz_tui.core.settings import Settings, StudySettings
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView
 from woz_tui.core.wire import WireError, decode_message
-from woz_tui.session.redactor import Perception, eyeless, kind_of
+from woz_tui.session.redactor import Perception, Redactor
+from woz_tui.timeline.episodes import Stop, keep
+from woz_tui.timeline.state import SessionState
 
 #: How long an action that is over still shows how it ended.
 DONE_US, REFUSED_US, STOPPED_US = 1_500_000, 5_000_000, 3_000_000
 #: Events kept for the list; the log on disk has them all.
 EVENTS = 400
+#: Commands whose end is remembered: of those that a dialog waits for there are a few at a time.
+ENDS = 64
 #: Events that may tell what the wizard was not to see, when that changes in the middle.
 _TELLING = ("info", "forced", "heard")
 _LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US, "waits": STOPPED_US}
@@ -59,56 +51,36 @@ _LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US, "waits
 class Picture:
     """Everything the console knows. Fields are for reading; `take` changes them."""
 
+    #: What holds, as far as the wizard may know it.
+    session: SessionState = field(default_factory=SessionState)
     title: str = ""
     #: What the robot process calls this console, and whether it plays or watches.
     console: str = ""
     role: str = ""
     log: str = ""
     welcomed: bool = False
-    session: str = ""
-    participant: str = ""
     #: Who took part in the session before, if the robot process was lost meanwhile.
     before: str = ""
-    condition: str = ""
-    trial: int | None = None
-    ended: str = ""
     panels: tuple[PanelView, ...] = ()
     script: tuple[str, ...] = ()
-    position: int = 0
     #: Driver -> the verbs it offers.
     verbs: dict[str, list[str]] = field(default_factory=dict)
     variables: tuple[str, ...] = ()
     conditions: tuple[str, ...] = ()
     keyboard: str = "us"
     settings: Settings = field(default_factory=Settings)
-    profiles: Profiles = field(default_factory=Profiles)
     #: What the wizard does not get to see.
     perception: Perception = field(default_factory=Perception)
-    study: Study = field(default_factory=Study)
-    locks: dict[str, bool] = field(default_factory=dict)
-    drivers: dict[str, DriverPicture] = field(default_factory=dict)
-    sensors: dict[str, SensorPicture] = field(default_factory=dict)
-    recorder: RecorderPicture = field(default_factory=RecorderPicture)
-    stop: StopPicture | None = None
-    engagement: m.EngagementChanged | None = None
-    engaged: Engaged = field(default_factory=Engaged)
-    modes: dict[str, str] = field(default_factory=dict)
-    #: What drivers look like, and what was shown last, by driver.
+    #: What drivers look like.
     outlines: dict[str, Outline] = field(default_factory=dict)
-    faces: dict[str, m.FaceShown] = field(default_factory=dict)
-    bodies: dict[str, dict[str, m.Json]] = field(default_factory=dict)
-    knobs: dict[str, KnobsPicture] = field(default_factory=dict)
-    #: A robot's settings as it told them last, by driver.
-    robots: dict[str, RobotPicture] = field(default_factory=dict)
     robot_outlines: dict[str, RobotOutline] = field(default_factory=dict)
+    #: What only a screen needs of study, engagement model and actions.
+    study: Study = field(init=False)
+    engaged: Engaged = field(init=False)
+    runs: Runs = field(init=False)
     #: How the last commands ended, by command.
     ends: dict[str, m.End] = field(default_factory=dict)
-    runs: Runs = field(default_factory=Runs)
-    last_run: LastRun | None = None
-    mistakes: set[str] = field(default_factory=set)
     events: deque[Event] = field(default_factory=lambda: deque(maxlen=EVENTS))
-    notice: m.Notice | None = None
-    dropped: int = 0
     lost: str = ""
     #: Raised whenever panels or script are new, so that keys and layout follow.
     edition: int = 0
@@ -118,6 +90,80 @@ class Picture:
     rate: float = 1.0
     _t: int = 0
     _local: int = 0
+
+    def __post_init__(self) -> None:
+        session = self.session
+        self.study, self.engaged, self.runs = Study(session), Engaged(session), Runs(session)
+
+    # -- what holds -------------------------------------------------------------------------
+
+    @property
+    def participant(self) -> str:
+        """The participant's code; empty while nobody has set one."""
+        return self.session.study.participant
+
+    @property
+    def condition(self) -> str:
+        """As the wizard may know it."""
+        return self.session.study.condition
+
+    @property
+    def trial(self) -> int | None:
+        """The number that was begun or set last."""
+        return self.session.study.number
+
+    @property
+    def ended(self) -> str:
+        """Why the session has ended; empty: it goes on."""
+        end = self.session.end
+        return (end.reason or "ended") if end is not None else ""
+
+    @property
+    def stop(self) -> Stop | None:
+        """The stop while it is latched."""
+        return self.session.stop
+
+    @property
+    def position(self) -> int:
+        """How many lines of the script have been played."""
+        moved = self.session.script
+        return 0 if moved is None else max(0, min(moved.position, len(self.script)))
+
+    @property
+    def profiles(self) -> Profiles:
+        """Those of the experiment file, and the one in use."""
+        settings, changed = self.settings, self.session.profile_changed
+        told = Profiles(settings.profile, tuple(settings.profiles), settings.allows)
+        return told if changed is None else replace(told, current=changed.profile)
+
+    @property
+    def drivers(self) -> dict[str, DriverView]:
+        """Those of the robot file, and whoever else was heard of."""
+        listed = self.session.plan.drivers if self.session.plan is not None else ()
+        names = dict.fromkeys((*listed, *self.session.drivers))
+        return {name: self._driver(name) for name in names}
+
+    def _driver(self, name: str) -> DriverView:
+        driver = self.session.drivers.get(name)
+        if driver is None:
+            return DriverView(name)
+        health = driver.health
+        return DriverView(name, driver.state, health.detail, health.remedy, driver.since.t)
+
+    @property
+    def sensors(self) -> list[str]:
+        """Names of those that have given a reading, or of which a state is known."""
+        return sorted({*self.session.readings, *self.session.sensors})
+
+    def sensor(self, name: str) -> SensorView | None:
+        """The sensor of this name, if it was heard of."""
+        session = self.session
+        reading, changed = session.readings.get(name), session.sensors.get(name)
+        state = session.sensor_state(name) if changed is not None else ""
+        if reading is None:
+            return SensorView(name, changed.t, state=state) if changed is not None else None
+        known = (reading.t, reading.value, reading.text, reading.unit, reading.driver)
+        return SensorView(name, *known, state)
 
     # -- time -------------------------------------------------------------------------------
 
@@ -135,7 +181,6 @@ class Picture:
         if pulse.rate != self.rate:
             self._t, self._local, self.rate = pulse.t, local_us, pulse.rate
         self._heard(pulse.t, local_us)
-        self.dropped = pulse.dropped
 
     # -- reducing ---------------------------------------------------------------------------
 
@@ -161,8 +206,8 @@ class Picture:
 
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
         """Begin anew; what the wizard has seen stays seen."""
-        before = self.participant or self.before
-        fresh = Picture(edition=self.edition, runs=Runs(seen=self.runs.seen), before=before)
+        fresh = Picture(edition=self.edition, before=self.participant or self.before)
+        fresh.runs.seen = self.runs.seen
         for name in self.__slots__:
             setattr(self, name, getattr(fresh, name))
         self._t, self._local = welcome.t, local_us
@@ -172,30 +217,45 @@ class Picture:
         self.settings = welcome.settings
         self.outlines = outlines_of(self.settings.outlines)
         self.robot_outlines = robots_of(self.settings.outlines)
-        self.profiles = _profiles(welcome.settings)
-        self.drivers = {name: DriverPicture(name) for name in welcome.drivers}
-        self._study(self.settings.study)
-        self._plan(welcome)
+        self.perception = Perception.of(self.settings.study)
+        self._plan(welcome, welcome.drivers)
         self._recall(welcome)
         self.study.read_tidings()  # old ones
-        self.study.next = self.settings.study.trial  # of messages only the last of each is there
 
     def _recall(self, welcome: r.Welcome) -> None:
         """What holds and the last lines, each once and in their order: only these are listed."""
-        lines = [(message, True) for message in _decoded(welcome.recent)]
-        listed = {message.seq for message, _ in lines}
-        held = _decoded(welcome.state)
-        lines += [(each, False) for each in held if each.seq < 0 or each.seq not in listed]
+        held, recent = _decoded(welcome.state), _decoded(welcome.recent)
+        listed = {message.seq for message in recent if message.seq >= 0}
+        lines = [(each, each.seq in listed) for each in held]
+        known = {each.seq for each in held}
+        lines += [(each, True) for each in recent if each.seq < 0 or each.seq not in known]
         for message, tell in sorted(lines, key=lambda line: line[0].seq):
             self._message(message, tell)
-        # A lock among the last lines may be from before the file was read again.
-        self.locks = {each.panel: each.locked for each in held if isinstance(each, m.PanelLocked)}
+        # The last lines begin in the middle, so what holds is what the robot process says.
+        self._go_by(held)
+        self.study.follow()
+
+    def _go_by(
+        self,
+        lines: Iterable[m.Message],
+        see: Callable[[m.Message], m.Message | None] = lambda message: message,
+    ) -> None:
+        """Begin anew with what `lines` say that holds; which steps of an action are over, they do
+        not say.
+        """
+        before, fresh = self.session, SessionState()
+        if before.plan is not None:
+            fresh.take(before.plan)
+        for line in lines:
+            if not isinstance(line, m.SessionPlan) and (seen := see(line)) is not None:
+                fresh.take(seen)
+        fresh.t, fresh.actions, fresh.commands = before.t, before.actions, before.commands
+        self.session = self.study.session = self.engaged.session = self.runs.session = fresh
 
     def _panels(self, changed: r.PanelsChanged) -> None:
-        self.locks = {}
         before = self.settings
         if before.engagement and not changed.engagement:
-            self.engaged = Engaged()  # the file has no such section any more
+            self.engaged.forget()  # the file has no such section any more
         self.settings = msgspec.structs.replace(
             before,
             values=changed.values,
@@ -206,57 +266,76 @@ class Picture:
             engagement=changed.engagement,
             study=changed.study or before.study,
         )
-        self.profiles = _profiles(changed)
-        if changed.study is not None:
-            self._study(changed.study)
-        self._plan(changed)
-
-    def _study(self, study: StudySettings) -> None:
-        self._perceive(Perception.of(study))
-        self.study.tell(study)
+        if self.settings.study.blind and not before.study.blind:
+            self._go_by(self.session.messages(), Redactor(self.settings.study).message)
+        self._perceive(Perception.of(self.settings.study))
+        plan = self.session.plan
+        self._plan(changed, plan.drivers if plan is not None else [])
 
     def _perceive(self, perception: Perception) -> None:
         """Keep this from the wizard from now on, also what is on the screen already."""
         if perception == self.perception:
             return
         self.perception = perception
-        kept = [name for name in self.sensors if perception.keeps(kind_of(name))]
-        for name in kept:
-            del self.sensors[name]
-        self.engaged, self.engagement = Engaged(), None
-        if perception.hides("face"):
-            self.faces.clear()
-            self.bodies.clear()
-            for driver, robot in self.robots.items():
-                values, wanted = eyeless(robot.values), eyeless(robot.wanted)
-                self.robots[driver] = replace(robot, values=values, wanted=wanted)
+        redactor = Redactor()
+        redactor.perception = perception
+        self._go_by(self.session.messages(), redactor.message)
+        self.engaged.forget()
         told = [event for event in self.events if event.mark not in _TELLING]
         self.events = deque(told, maxlen=EVENTS)
 
-    def _plan(self, plan: r.Welcome | r.PanelsChanged) -> None:
+    def _plan(self, plan: r.Welcome | r.PanelsChanged, drivers: list[str]) -> None:
         self.title = plan.title
         self.panels, self.script = tuple(plan.panels), tuple(plan.script)
         self.verbs = dict(plan.verbs)
         self.conditions = tuple(plan.conditions)
         self.keyboard = plan.keyboard
-        self.position = min(self.position, len(self.script))
         self.edition += 1
+        shown = m.SessionPlan(
+            title=plan.title,
+            panels=plan.panels,
+            script=plan.script,
+            verbs=plan.verbs,
+            variables=[*self.variables],
+            conditions=[*self.conditions],
+            keyboard=plan.keyboard,
+            drivers=drivers,
+            settings=self.settings,
+        )
+        self.session.take(shown)
+        self.study.adopt()
 
     def _message(self, message: m.Message, tell: bool) -> None:
+        if isinstance(message, m.SessionPlan):
+            return  # the console is told of it otherwise
         if isinstance(message, m.PerceptionChanged):
             self._perceive(Perception(message.hidden, message.blurred))
-        reduce(self, message)
+        if isinstance(message, m.Reading):  # hundreds a second, of which only the last are shown
+            self.session.take(message)
+            return
+        recorder = self.session.recorder
+        outcome = self.runs.take(self.session.take(message))
         self.engaged.take(message)
         self.study.take(message)
-        failure = self.runs.take(message)
+        match message:
+            case m.End():
+                keep(self.ends, message.command, message, ENDS)
+            case m.Mistake():
+                for event in self.events:
+                    event.mistake = event.mistake or event.run == message.run != ""
+            case m.ConsoleLost(console=self.console):
+                self.role = "watcher"  # a console that gets the news of its own loss lives on
+            case m.RecorderState() if recorder is not None:
+                # Only how far it lags is different: no news.
+                tell = tell and (message.level, message.detail) != (
+                    recorder.level,
+                    recorder.detail,
+                )
         if tell:
-            if failure is not None:
-                self.runs.failures.append(failure)
-            self._tell(message)
+            self._tell(message, outcome)
 
-    def _tell(self, message: m.Message) -> None:
+    def _tell(self, message: m.Message, outcome: Outcome | None) -> None:
         """Put it on the list of events, or its outcome behind the event that began it."""
-        outcome = self.runs.told(message)
         if outcome is not None:
             for event in reversed(self.events):
                 if event.run == outcome.run:
@@ -279,7 +358,8 @@ class Picture:
 
     def moves(self, now: int) -> bool:
         """Whether a figure on the screen changes by itself."""
-        return bool(self.runs.active) or (not self.lost and self.engaged.moves(now))
+        under_way = self.session.actions or self.session.commands
+        return bool(under_way) or (not self.lost and self.engaged.moves(now))
 
     def label(self, name: str) -> str:
         """The label of the action called `name`, or the name itself."""
@@ -309,7 +389,8 @@ class Picture:
 
     def is_locked(self, panel: PanelView) -> bool:
         """Whether the panel takes no input at the moment."""
-        return self.locks.get(panel.title, panel.locked)
+        changed = self.session.locks.get(panel.title)
+        return panel.locked if changed is None else changed.locked
 
     def standing(self, panel: PanelView, action: ActionView, now: int) -> Standing:
         """How an action stands at `now`."""
@@ -343,10 +424,10 @@ class Picture:
 
     def health(self, driver: str) -> str:
         """A driver's health, `unknown` if it was never heard of."""
-        known = self.drivers.get(driver)
-        return known.health if known is not None else "unknown"
+        known = self.session.drivers.get(driver)
+        return known.state if known is not None else "unknown"
 
-    def is_stale(self, sensor: SensorPicture, now: int) -> bool:
+    def is_stale(self, sensor: SensorView, now: int) -> bool:
         """Whether a sensor's value should look old."""
         return bool(self.lost) or sensor.is_stale(now, self.health(sensor.driver))
 
@@ -365,10 +446,6 @@ def _under_way(run: Run, now: int) -> Standing:
         return Standing(State.HELD, *held)
     left_us, share = run.timing(now)
     return Standing(State.RUNNING if run.running else State.QUEUED, left_us, share)
-
-
-def _profiles(told: Settings | r.PanelsChanged) -> Profiles:
-    return Profiles(told.profile, tuple(told.profiles), told.allows)
 
 
 def _decoded(lines: Iterable[msgspec.Raw]) -> list[m.Message]:

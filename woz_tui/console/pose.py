@@ -10,7 +10,7 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Piece, Row, clean, fit, length
 from woz_tui.console.figures import is_share
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.parts import SensorPicture
+from woz_tui.console.parts import SensorView
 from woz_tui.console.picture import Picture
 from woz_tui.console.rows import NAME, at, kept, labelled, named, old, ruler, track
 from woz_tui.session.redactor import kind_of
@@ -46,7 +46,7 @@ def _joints(picture: Picture) -> dict[str, str]:
 
     In the robot file's order; those that it does not tell come last, by name.
     """
-    found = (_JOINT.match(name) for name in sorted(picture.sensors))
+    found = (_JOINT.match(name) for name in picture.sensors)
     known = {f"{match['whose'] or ''}{match['name']}": None for match in found if match}
     told = [name for name in _limits(picture) if name in known]
     full = list(dict.fromkeys((*told, *known)))
@@ -57,11 +57,11 @@ def _joints(picture: Picture) -> dict[str, str]:
     }
 
 
-def _sensor(picture: Picture, kind: str, joint: str) -> SensorPicture | None:
+def _sensor(picture: Picture, kind: str, joint: str) -> SensorView | None:
     """The sensor of a joint, also of one robot's among several: `left.joint.pan` of `left.pan`."""
     whose, dot, name = joint.rpartition(".")
-    found = picture.sensors.get(f"{kind}.{joint}")
-    return found or picture.sensors.get(f"{whose}{dot}{kind}.{name}")
+    found = picture.sensor(f"{kind}.{joint}")
+    return found or picture.sensor(f"{whose}{dot}{kind}.{name}")
 
 
 def _limits(picture: Picture) -> dict[str, tuple[float, float]]:
@@ -144,16 +144,16 @@ def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row
     """Sensors that are not `known` and no joint: one a line, those with a common first name
     (`base.x`, `base.y`) together on one.
     """
-    groups: dict[str, list[SensorPicture]] = {}
-    for name, sensor in sorted(picture.sensors.items(), key=lambda item: (len(item[0]), item[0])):
+    groups: dict[str, list[SensorView]] = {}
+    for name in sorted(picture.sensors, key=lambda name: (len(name), name)):
         told = any(shape.fullmatch(name) for shape in (_JOINT, _THRESHOLD, _FOR_THE_LOG))
-        if name not in known and not told:
+        if name not in known and not told and (sensor := picture.sensor(name)) is not None:
             groups.setdefault(name.rpartition(".")[0] or name, []).append(sensor)
     names = sorted(groups, key=lambda name: (name in _LAST, name))
     return [_group(name, groups[name], picture, frame) for name in names]
 
 
-def _group(name: str, sensors: list[SensorPicture], picture: Picture, frame: Frame) -> Row:
+def _group(name: str, sensors: list[SensorView], picture: Picture, frame: Frame) -> Row:
     if len(sensors) == 1:
         return _alone(sensors[0], picture, frame)
     members = []
@@ -167,7 +167,7 @@ def _group(name: str, sensors: list[SensorPicture], picture: Picture, frame: Fra
     return _wrapped(named(name), members, frame, 1)[0]
 
 
-def _alone(sensor: SensorPicture, picture: Picture, frame: Frame) -> Row:
+def _alone(sensor: SensorView, picture: Picture, frame: Frame) -> Row:
     if picture.perception.hides(kind_of(sensor.name)):
         return kept(sensor.name, frame)
     stale = picture.is_stale(sensor, frame.now)
@@ -182,7 +182,7 @@ def _alone(sensor: SensorPicture, picture: Picture, frame: Frame) -> Row:
     )
 
 
-def figure(sensor: SensorPicture, glyphs: Glyphs) -> str:
+def figure(sensor: SensorView, glyphs: Glyphs) -> str:
     """A sensor's value with its unit, always equally many digits behind the point."""
     if sensor.value is None:
         return "" if sensor.text else glyphs.dash

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from woz_tui.console.cells import Piece, Row, cut, fit
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.parts import SensorPicture
+from woz_tui.console.parts import SensorView
 from woz_tui.session.redactor import HIDDEN
 
 #: Cells of the names at the left and the values at the right.
@@ -58,7 +58,7 @@ def kept(name: str, frame: Frame) -> Row:
     return labelled(name, ((frame.glyphs.track * track(frame), "faint"),), HIDDEN, "faint")
 
 
-def old(sensor: SensorPicture, frame: Frame) -> str:
+def old(sensor: SensorView, frame: Frame) -> str:
     """How old a value is that should not be trusted any more."""
     return f"{frame.glyphs.stale}{age(frame.now - sensor.t)} old"
 

@@ -141,7 +141,7 @@ def _session_end(message: m.SessionEnd, picture: Picture) -> Event:
 
 
 def _recorder(message: m.RecorderState, picture: Picture) -> Event | None:
-    if message.level == "ok" or not picture.recorder.news:
+    if message.level == "ok":
         return None
     mark = "warning" if message.level == "warn" else "error"
     if message.level == "failed":
@@ -164,7 +164,7 @@ def _stop(message: m.StopPressed, picture: Picture) -> Event:
 
 def _confirmed(message: m.StopConfirmed, picture: Picture) -> Event:
     if message.missing:
-        parts = picture.stop.missing_parts if picture.stop is not None else {}
+        parts = picture.stop.parts_missing if picture.stop is not None else {}
         words = "; ".join(missing_words(message.missing, message.unreached, parts))
         what, _, names = words.partition(": ")
         return Event(message.t, "error", what.capitalize(), names)
@@ -217,8 +217,8 @@ def _with_its_driver(message: m.SensorChanged, picture: Picture) -> bool:
 
 def _driver_of(sensor: str, picture: Picture) -> str:
     """The driver of a sensor that has given a reading, or nothing."""
-    known = picture.sensors.get(sensor)
-    return known.driver if known is not None else ""
+    reading = picture.session.readings.get(sensor)
+    return reading.driver if reading is not None else ""
 
 
 def explained(event: Event, message: m.DriverHealth, picture: Picture) -> bool:

@@ -90,9 +90,14 @@ def _values(picture: Picture, frame: Frame) -> list[str]:
         clean(picture.condition) or ("no condition" if picture.conditions else ""),
         _trial(picture, frame),
         _asked(picture),
-        f"session {clean(picture.session)}" if picture.session else "",
+        _session_code(picture),
     )
     return [value for value in found if value]
+
+
+def _session_code(picture: Picture) -> str:
+    start = picture.session.start
+    return f"session {clean(start.session)}" if start is not None and start.session else ""
 
 
 def _trial(picture: Picture, frame: Frame) -> str:
@@ -133,14 +138,17 @@ def _recorder(picture: Picture, glyphs: Glyphs) -> Row:
         return (("session over", "muted"),)
     if picture.lost:
         return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
-    lag = millis(picture.recorder.lag_us)
+    recorder = picture.session.recorder
+    if recorder is None:
+        return ((f"{glyphs.no} REC       ", "muted"),)
+    lag = millis(recorder.lag_us)
     levels: dict[str, Row] = {
         "ok": ((f"{glyphs.yes} REC", "good"), (f" {lag:>6}", "muted")),
         "warn": ((f"{glyphs.warning} REC {lag:>6}", "warn"),),
-        "alarm": ((f" {glyphs.error} REC {_alarm(picture.recorder.lag_us)} ", "alarm"),),
+        "alarm": ((f" {glyphs.error} REC {_alarm(recorder.lag_us)} ", "alarm"),),
         "failed": ((f" {glyphs.error} NOT RECORDED ", "alarm"),),
     }
-    return levels.get(picture.recorder.level, ((f"{glyphs.no} REC       ", "muted"),))
+    return levels.get(recorder.level, ((f"{glyphs.no} REC       ", "muted"),))
 
 
 def _log(picture: Picture, glyphs: Glyphs) -> Row:
@@ -186,9 +194,9 @@ def _drivers(picture: Picture, glyphs: Glyphs) -> Row:
     for driver in picture.drivers.values():
         sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
         row.append((f"{getattr(glyphs, sign)} {clean(driver.name)}{word}", look))
-        mode = picture.modes.get(driver.name, "")
-        if mode and mode != "normal":
-            row.append((f" {mode}", "wait"))
+        changed = picture.session.modes.get(driver.name)
+        if changed is not None and changed.now not in ("", "normal"):
+            row.append((f" {changed.now}", "wait"))
         trouble = driver_trouble(picture, driver.name)
         if trouble:
             row.append((f": {glyphs.warning} {trouble}", "warn"))

@@ -9,10 +9,10 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Cells, Row, clean, cut, fit, hung, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.parts import StopPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.robot.stopping import confirmed_words, missing_row
 from woz_tui.console.script import script_row
+from woz_tui.timeline.episodes import Stop
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,8 +78,8 @@ def _undelivered(glyphs: Glyphs, width: int) -> list[Row]:
     return [((fit(first, width), "alarm"),), ((fit(second, width), "alarm-soft"),)]
 
 
-def _stopped(stop: StopPicture, release: str, glyphs: Glyphs, width: int) -> list[Row]:
-    left = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.t)}"
+def _stopped(stop: Stop, release: str, glyphs: Glyphs, width: int) -> list[Row]:
+    left = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)}"
     hint = f"{release} releases it " if release else ""
     if len(left) + len(hint) >= width:
         hint = ""
@@ -90,7 +90,7 @@ def _stopped(stop: StopPicture, release: str, glyphs: Glyphs, width: int) -> lis
     return [first, _settled(stop, glyphs, width)]
 
 
-def _settled(stop: StopPicture, glyphs: Glyphs, width: int) -> Row:
+def _settled(stop: Stop, glyphs: Glyphs, width: int) -> Row:
     """Who did not confirm and who did; parts are named where there is room."""
     row = missing_row(stop, glyphs)
     said = " confirmed: "

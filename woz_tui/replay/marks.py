@@ -9,7 +9,6 @@ from typing import NamedTuple
 
 from woz_tui.core import messages as m
 from woz_tui.record.order import falls
-from woz_tui.sensing.machine import ENGAGED
 
 #: How much is shown before what ends an idle stretch, in microseconds, at most.
 LEAD_US = 1_000_000
@@ -79,8 +78,6 @@ def mark_of(message: object, t: int) -> Mark | None:  # noqa: PLR0911 - a table 
             return Mark(t, "questionnaire", f"questionnaire {name}")
         case m.DriverLost(driver=driver):
             return Mark(t, "lost", f"{driver} lost")
-        case m.EngagementChanged(now=now, was=was) if now in ENGAGED and was not in ENGAGED:
-            return Mark(t, "engagement", now)
         case m.SessionEnd(reason=reason):
             return Mark(t, "end", f"end: {reason}" if reason else "end")
     return None

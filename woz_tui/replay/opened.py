@@ -10,9 +10,7 @@ from woz_tui.core import wire
 from woz_tui.record.index import LogIndex
 from woz_tui.record.log import Line
 from woz_tui.record.names import FileName
-from woz_tui.replay.origin import Origin
 from woz_tui.replay.reel import Reel
-from woz_tui.replay.studied import last_blind
 
 
 class LogError(Exception):
@@ -86,22 +84,6 @@ def opened(path: Path) -> LogIndex:
 def has_beginning(index: LogIndex) -> bool:
     """Whether the session's first line is there."""
     return any(isinstance(line, m.SessionStart) for line in index.actions)
-
-
-def origin_of(lines: Iterable[object]) -> Origin:
-    """What a log says about its experiment."""
-    name, hashes, files, study = "", [], None, None
-    for line in lines:
-        match line:
-            case m.SessionStart(experiment=name, experiment_sha256=sha256):
-                hashes.append(sha256)
-            case m.ExperimentReloaded(experiment_sha256=sha256):
-                hashes.append(sha256)
-            case m.ExperimentFiles():
-                files = line
-            case m.SessionPlan():
-                study = last_blind(study, line)
-    return Origin(name, tuple(hashes), files, study)
 
 
 def notes_of(index: LogIndex, reel: Reel) -> tuple[str, ...]:

@@ -17,6 +17,7 @@ from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.design import BLIND
 from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.replay.studied import last_blind
 from woz_tui.session.beginning import name_beside, without_home
 
 #: The folder in which a project keeps its experiments, beside the one of its logs.
@@ -61,6 +62,22 @@ class Origin:
         if self.study is None and self.files is not None:
             return any(BLIND in text for text in self.files.files.values())
         return self.study is not None and bool(self.study.blind)
+
+
+def origin_of(lines: Iterable[object]) -> Origin:
+    """What a log says about its experiment."""
+    name, hashes, files, study = "", [], None, None
+    for line in lines:
+        match line:
+            case m.SessionStart(experiment=name, experiment_sha256=sha256):
+                hashes.append(sha256)
+            case m.ExperimentReloaded(experiment_sha256=sha256):
+                hashes.append(sha256)
+            case m.ExperimentFiles():
+                files = line
+            case m.SessionPlan():
+                study = last_blind(study, line)
+    return Origin(name, tuple(hashes), files, study)
 
 
 def places(log: Path, name: str) -> list[Path]:

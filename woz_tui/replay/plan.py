@@ -9,23 +9,24 @@ from __future__ import annotations
 
 import hashlib
 from collections import Counter
-from collections.abc import Iterator
-from dataclasses import dataclass, field, replace
+from collections.abc import Container, Iterable, Iterator, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
+from typing import TypeGuard
 
 import msgspec
 
 from woz_tui.analysis.played import ASKED
 from woz_tui.core import messages as m
 from woz_tui.core.messages import SCHEMA
-from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
 from woz_tui.record.log import Damage, files_of, read
 from woz_tui.replay.marks import steady
-from woz_tui.replay.origin import Origin
-from woz_tui.replay.studied import last_blind
+from woz_tui.replay.origin import Origin, origin_of
 from woz_tui.session.redactor import marked
+from woz_tui.timeline.episodes import Command, Moment
+from woz_tui.timeline.timeline import Timeline
 
 #: Whose commands they are, in the log of the re-run.
 REPLAY = "replay"
@@ -33,19 +34,6 @@ REPLAY = "replay"
 LEARNING = frozenset({"learn_face", "listen_room"})
 #: What of the session's own verbs has a meaning without a participant and a wizard's panels.
 SESSION_VERBS = frozenset({"mark", "note"})
-#: Lines of a log that a plan is made of.
-_TELLING = (
-    m.SessionStart
-    | m.SessionEnd
-    | m.ExperimentReloaded
-    | m.ExperimentFiles
-    | m.Command
-    | m.Dispatched
-    | m.End
-    | m.Marker
-    | m.StopPressed
-    | m.SessionPlan
-)
 #: Markers that the session itself puts: the preflight's, and those of the verb `mark`.
 _OWN_MARKS = frozenset({"preflight", "action"})
 
@@ -136,140 +124,108 @@ class Plan:
         return dict(Counter((step.command.driver, step.command.verb) for step in self.sent))
 
 
-@dataclass(slots=True)
-class _Life:
-    """What is known of one command while the log is read."""
-
-    command: m.Command | None = None
-    began: int = -1
-    end: m.End | None = None
-
-
-@dataclass(slots=True)
-class _Reader:
-    start: m.SessionStart | None = None
-    hashes: list[str] = field(default_factory=list)
-    files: m.ExperimentFiles | None = None
-    study: StudySettings | None = None
-    lives: dict[str, _Life] = field(default_factory=dict)
-    marks: list[m.Marker] = field(default_factory=list)
-    stops: list[int] = field(default_factory=list)
-    ended: bool = False
-    last: int = 0
-
-    def take(self, message: m.AnyMessage) -> None:
-        match message:
-            case m.Command():
-                self._life(message.command).command = message
-            case m.Dispatched():
-                self._life(message.command).began = message.t
-            case m.End():
-                self._life(message.command).end = message
-            case m.Marker() if message.source not in _OWN_MARKS:
-                self.marks.append(message)
-            case m.StopPressed(scope="all"):
-                self.stops.append(message.t)
-            case m.SessionEnd():
-                self.ended = True
-            case _:
-                self._identify(message)
-
-    def _identify(self, message: m.AnyMessage) -> None:
-        match message:
-            case m.SessionStart() if self.start is None:
-                self.start = message
-                self.hashes.insert(0, message.experiment_sha256)
-            case m.ExperimentReloaded():
-                self.hashes.append(message.experiment_sha256)
-            case m.ExperimentFiles():
-                self.files = message
-            case m.SessionPlan():
-                self.study = last_blind(self.study, message)
-
-    def _life(self, command: str) -> _Life:
-        return self.lives.setdefault(command, _Life())
-
-
 def plan_of(path: Path) -> Plan:
     """The plan of the session to which the log file `path` belongs.
 
     Samples are never read. Raises what `record.log.files_of` raises; nothing damaged raises.
     """
-    reader, digest, damage = _Reader(), hashlib.sha256(), Damage()
+    digest, damage = hashlib.sha256(), Damage()
     times: list[int] = []
     schema = SCHEMA
-    told: list[tuple[int, m.AnyMessage]] = []
+    lines: list[tuple[int, m.AnyMessage]] = []
     for line in read(path, damage, samples=False):
         digest.update(line.raw + b"\n")
-        message = line.message
-        if isinstance(message, _TELLING):
-            if isinstance(message, m.SessionStart):
-                schema = message.schema
-            told.append((len(times), marked(message, schema)))
+        if line.message is not None:
+            if isinstance(line.message, m.SessionStart):
+                schema = line.message.schema
+            lines.append((len(times), marked(line.message, schema)))
         times.append(line.t)
     # A flipped bit in a time must neither hold the robot up for hours nor hurry it.
     times = steady(times)
-    for place, message in told:
-        reader.take(msgspec.structs.replace(message, t=times[place]))
-    reader.last = times[-1] if times else 0
-    start = reader.start
+    messages = [msgspec.structs.replace(message, t=times[place]) for place, message in lines]
+    timeline = Timeline(passing=True)
+    for message in messages:
+        timeline.take(message)
+    timeline.finish()
+    start, presses = timeline.state.start, [*_presses(messages)]
+    steps = [*_steps(timeline, presses, times[-1] if times else 0)]
     return Plan(
         name=files_of(path).stem,
-        origin=Origin(
-            start.experiment if start else "", tuple(reader.hashes), reader.files, reader.study
-        ),
+        origin=origin_of(messages),
         session=start.session if start else "",
         seed=start.seed if start else 0,
         sha256=digest.hexdigest(),
-        steps=tuple(sorted(_steps(reader), key=lambda step: (step.at, step.command.seq))),
-        marks=tuple(reader.marks),
-        stops=len(reader.stops),
-        ended=reader.ended,
+        steps=tuple(sorted(steps, key=lambda step: (step.at, step.command.seq))),
+        marks=tuple(each for each in messages if _is_mark(each)),
+        stops=len(presses),
+        ended=timeline.state.end is not None,
         damage=tuple(damage.sentences()),
     )
 
 
-def _steps(reader: _Reader) -> Iterator[Step]:
-    for name, life in reader.lives.items():
-        if life.command is None:
-            yield _lost(name, life)
-            continue
-        step = _step(life.command, life)
-        yield step if life.end is not None or step.skip else _left_open(step, reader)
+def _is_mark(message: m.AnyMessage) -> TypeGuard[m.Marker]:
+    return isinstance(message, m.Marker) and message.source not in _OWN_MARKS
 
 
-def _left_open(step: Step, reader: _Reader) -> Step:
+def _presses(messages: Iterable[m.AnyMessage]) -> Iterator[int]:
+    for message in messages:
+        if isinstance(message, m.StopPressed) and message.scope == "all":
+            yield message.t
+
+
+def _steps(timeline: Timeline, presses: Sequence[int], last: int) -> Iterator[Step]:
+    commands = timeline.of(Command)
+    for command in commands:
+        step = _step(command)
+        yield step if command.ended is not None or step.skip else _left_open(step, presses, last)
+    yield from _lost(timeline, {command.request.command for command in commands})
+
+
+def _left_open(step: Step, presses: Sequence[int], last: int) -> Step:
     """Its end is not in the log: it may not go on for longer than anybody knows that it did.
 
     A damaged line may be just the one that says that a stop cut it short.
     """
-    for stop in reader.stops:
-        if stop >= step.at:
-            return replace(step, cut=stop, why_cut="the stop was pressed; its own end is lost")
-    return replace(step, cut=max(reader.last, step.at), why_cut="the log ends")
+    for press in presses:
+        if press >= step.at:
+            return replace(step, cut=press, why_cut="the stop was pressed; its own end is lost")
+    return replace(step, cut=max(last, step.at), why_cut="the log ends")
 
 
-def _lost(name: str, life: _Life) -> Step:
-    """Its request is damaged or missing, so nobody knows what it was."""
-    driver = life.end.driver if life.end is not None else ""
-    at = life.began if life.began >= 0 else life.end.t if life.end is not None else 0
-    command = m.Command(command=name, verb="?", args={}, driver=driver, source="?", t=at)
-    return Step(command, at, skip="its request is not in the log: what it was is not known")
+def _lost(timeline: Timeline, known: Container[str]) -> Iterator[Step]:
+    """Commands whose request is damaged or missing, so that nobody knows what they were."""
+    lost: dict[str, m.Command] = {}
+    for moment in timeline.of(Moment):
+        ack = moment.message
+        if isinstance(ack, m.Dispatched | m.End) and ack.command not in known:
+            before = lost.get(ack.command)
+            lost[ack.command] = m.Command(
+                command=ack.command,
+                verb="?",
+                args={},
+                driver=ack.driver if isinstance(ack, m.End) else "",
+                source="?",
+                t=before.t if before is not None else ack.t,
+            )
+    for command in lost.values():
+        why = "its request is not in the log: what it was is not known"
+        yield Step(command, command.t, skip=why)
 
 
-def _step(command: m.Command, life: _Life) -> Step:
-    end = life.end
-    began = life.began
-    if began < 0 and isinstance(end, m.Done):  # the line that said so is damaged
-        began = min(command.t + max(0, end.latency_us), end.t)
-    cut, why = (end.t, _why_cut(end)) if isinstance(end, m.Stopped | m.Superseded) else (-1, "")
-    kind = "" if end is None else str(end.__struct_config__.tag).removeprefix("command.")
-    step = Step(command, max(began, command.t), cut, why, kind)
-    if isinstance(end, m.Refused):
-        return replace(step, skip=f"refused then: {end.reason or end.code}", cut=-1)
-    if began < 0:
-        return replace(step, skip=_never(end), cut=-1)
-    return replace(step, skip=_senseless(command))
+def _step(command: Command) -> Step:
+    request, ended, began = command.request, command.ended, command.started
+    if began is not None and ended is not None:  # an estimate of the end may be wrong
+        began = min(began, ended.t)
+    cut, why = -1, ""
+    if isinstance(ended, m.Stopped | m.Superseded):
+        cut, why = ended.t, _why_cut(ended)
+    kind = str(command.outcome) if ended is not None else ""
+    at = command.begin if began is None else max(began, command.begin)
+    if isinstance(ended, m.Refused):
+        return Step(request, at, end=kind, skip=f"refused then: {ended.reason or ended.code}")
+    if began is None:
+        return Step(request, at, end=kind, skip=_never(ended))
+    return Step(request, at, cut, why, kind, skip=_senseless(request))
 
 
 def _why_cut(end: m.Stopped | m.Superseded) -> str:

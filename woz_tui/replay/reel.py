@@ -26,6 +26,7 @@ from woz_tui.replay.told import plan_from
 from woz_tui.session.recent import MOST, Recent
 from woz_tui.session.redactor import Perception, Redactor, marked
 from woz_tui.session.study_view import study_snapshot
+from woz_tui.timeline.episodes import Engagement
 from woz_tui.timeline.state import SessionState
 
 #: A message, or the fields of a line whose kind this version does not know.
@@ -33,6 +34,8 @@ Told = m.AnyMessage | dict[str, Any]
 
 #: A copy of the state is kept after so much of the log's time, after so many lines at the latest.
 SNAPSHOT_US, SNAPSHOT_LINES = 5_000_000, 500
+#: What the engagement model follows from.
+_OF_MODEL = m.EngagementAdopted | m.EngagementChanged | m.SessionPlan | m.Done
 #: Lines that show nothing by themselves: a step does not stop at them.
 _HOUSEKEEPING = frozenset(
     {"clock", "checkpoint", "recorder.state", "experiment.files", "session.plan"}
@@ -138,7 +141,16 @@ class Reel:
     @cached_property
     def marks(self) -> list[Mark]:
         """Everything to go to, oldest first."""
-        return marks_of(mark_of(line, t) for line, t in zip(self.lines, self.times, strict=True))
+        return marks_of(self._marks())
+
+    def _marks(self) -> Iterator[Mark | None]:
+        state = SessionState()
+        for line, t in zip(self.lines, self.times, strict=True):
+            yield mark_of(line, t)
+            if isinstance(line, _OF_MODEL):
+                for episode in state.take(line):
+                    if isinstance(episode, Engagement) and episode.end is None:
+                        yield Mark(t, "engagement", state.model.state)
 
     def cuts(self, most_us: int | None) -> Cuts:
         """What is left out where nothing happens for longer than `most_us`."""

@@ -15,6 +15,7 @@ from dataclasses import dataclass
 from woz_tui.core import messages as m
 from woz_tui.core.hub import Hub
 from woz_tui.replay.plan import REPLAY, Plan, Step
+from woz_tui.timeline.episodes import OUTCOMES
 
 #: From the beginning to the first command, in microseconds.
 LEAD_US = 1_000_000
@@ -200,7 +201,7 @@ class Player:
         return act
 
     def _end_of(self, original: str, end: m.End) -> None:
-        self.ends[str(end.__struct_config__.tag).removeprefix("command.")] += 1
+        self.ends[OUTCOMES[type(end)]] += 1
         self._open.discard(original)
         self._finish()
 

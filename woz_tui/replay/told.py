@@ -9,88 +9,75 @@ from pathlib import PurePath
 from woz_tui.core import messages as m
 from woz_tui.core.settings import Settings
 from woz_tui.core.views import ActionView, PanelView
+from woz_tui.timeline.episodes import Action, Command, LostDriver, Moment
+from woz_tui.timeline.timeline import Timeline
 
 #: Actions of which the log does not say on which panel they are.
 OTHER = "Actions"
 
 
 @dataclass(slots=True)
-class _Action:
-    panel: str
+class _Shown:
+    """An action as it was played: its panel and key, what its commands did and said."""
+
+    panel: str = OTHER
     key: str = ""
     verbs: dict[str, None] = field(default_factory=dict)
     words: dict[str, None] = field(default_factory=dict)
 
 
-@dataclass(slots=True)
-class _Found:
-    title: str = ""
-    actions: dict[str, _Action] = field(default_factory=dict)
-    drivers: dict[str, dict[str, None]] = field(default_factory=dict)
-    conditions: dict[str, None] = field(default_factory=dict)
-    verbs: dict[str, str] = field(default_factory=dict)
-
-    def take(self, message: object) -> None:
-        match message:
-            case m.SessionStart(experiment=name, condition=condition):
-                self.title = PurePath(name).stem
-                self._condition(condition)
-            case m.SessionChanged(condition=condition):
-                self._condition(condition or "")
-            case m.ActionRequested(action=name, panel=panel, key=key):
-                action = self._action(name, panel)
-                action.key = action.key or key
-            case m.Command():
-                self._command(message)
-            case m.Dispatched(driver=driver, command=command) if driver:
-                verb = self.verbs.get(command)
-                self.drivers.setdefault(driver, {}).update({verb: None} if verb else {})
-            case m.DriverHealth(driver=driver):
-                self.drivers.setdefault(driver, {})
-
-    def _condition(self, condition: str) -> None:
-        if condition:
-            self.conditions[condition] = None
-
-    def _action(self, name: str, panel: str) -> _Action:
-        found = self.actions.setdefault(name, _Action(panel or OTHER))
-        if panel and found.panel == OTHER:
-            found.panel = panel
-        return found
-
-    def _command(self, command: m.Command) -> None:
-        self.verbs[command.command] = command.verb
-        if command.action and not command.action.startswith("on "):
-            action = self._action(command.action, command.panel)
-            action.verbs[command.verb] = None
-            text = command.args.get("text")
-            if isinstance(text, str) and text:
-                action.words[text] = None
-
-
 def plan_from(messages: Iterable[object]) -> m.SessionPlan:
     """Every action that was played, panel by panel in the order in which they were first played."""
-    found = _Found()
+    timeline = Timeline(passing=True)
     for message in messages:
-        found.take(message)
+        if isinstance(message, m.Message):
+            timeline.take(message)
+    timeline.finish()
+    played: dict[str, _Shown] = {}
+    drivers: dict[str, dict[str, None]] = {}
+    for episode in timeline.episodes:
+        match episode:
+            case Action(request=request):
+                _play(played, request.action, request.panel, request.key)
+            case Command(request=request):
+                if episode.dispatched is not None and episode.dispatched.driver:
+                    drivers.setdefault(episode.dispatched.driver, {})[request.verb] = None
+                if request.action and not request.action.startswith("on "):
+                    shown = _play(played, request.action, request.panel)
+                    shown.verbs[request.verb] = None
+                    text = request.args.get("text")
+                    if isinstance(text, str) and text:
+                        shown.words[text] = None
+            case LostDriver(lost=health) | Moment(message=m.DriverHealth() as health):
+                drivers.setdefault(health.driver, {})
     panels: dict[str, list[ActionView]] = {}
-    for name, action in found.actions.items():
+    for name, shown in played.items():
         view = ActionView(
             name=name,
             label=name,
-            key=action.key,
-            verbs=[*action.verbs],
-            utterances=[*action.words],
+            key=shown.key,
+            verbs=[*shown.verbs],
+            utterances=[*shown.words],
         )
-        panels.setdefault(action.panel, []).append(view)
+        panels.setdefault(shown.panel, []).append(view)
+    start = timeline.state.start
+    conditions = dict.fromkeys(span.context.condition for span in timeline.spans)
     return m.SessionPlan(
-        title=found.title,
+        title=PurePath(start.experiment).stem if start is not None else "",
         panels=[PanelView(title=title, actions=actions) for title, actions in panels.items()],
         script=[],
-        verbs={driver: [*verbs] for driver, verbs in found.drivers.items()},
+        verbs={driver: [*verbs] for driver, verbs in drivers.items()},
         variables=[],
-        conditions=[*found.conditions],
+        conditions=[condition for condition in conditions if condition],
         keyboard="us",
-        drivers=[*found.drivers],
+        drivers=[*drivers],
         settings=Settings(),
     )
+
+
+def _play(played: dict[str, _Shown], name: str, panel: str, key: str = "") -> _Shown:
+    shown = played.setdefault(name, _Shown())
+    if panel and shown.panel == OTHER:
+        shown.panel = panel
+    shown.key = shown.key or key
+    return shown

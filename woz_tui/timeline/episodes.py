@@ -512,6 +512,11 @@ class Stop(Episode, frozen=True, kw_only=True):
         return self._named("missing")
 
     @property
+    def unreached(self) -> tuple[str, ...]:
+        """Those of them that were not connected: no stop came to them."""
+        return self._named("unreached")
+
+    @property
     def parts_confirmed(self) -> dict[str, tuple[str, ...]]:
         """Driver -> those of its parts that confirmed and are not missing."""
         missing = self.parts_missing

@@ -54,6 +54,11 @@ class Driver(msgspec.Struct, frozen=True):
     since: DriverHealth
     before: DriverHealth | None = None
 
+    @property
+    def state(self) -> str:
+        """connecting, connected, lost or faulted."""
+        return str(self.health.__struct_config__.tag).removeprefix("driver.")
+
 
 @dataclass(slots=True)
 class SessionState:
@@ -76,7 +81,8 @@ class SessionState:
         stops: Not over, by scope.
         drivers, lost, faulted_lanes: Health by driver (and lane).
         readings, sensors: The last value and the last state of each sensor.
-        modes, faces, bodies, controls: The last of each, by driver; of controls all positions.
+        modes, faces, bodies, controls: The last of each, by driver; of controls all positions, what
+            moved last at the end.
         speaking: Utterances that go on, by driver and segment.
         profile, restriction: What restricts the wizard, if anything does.
         locks: What locked or unlocked panels since they were shown last.
@@ -249,7 +255,7 @@ class SessionState:
         self.study.settings = message.settings.study
         self.locks.clear()  # the panels say it themselves
         had_model = before is not None and bool(before.settings.engagement)
-        if had_model and self.model.present and not message.settings.engagement:
+        if had_model and not message.settings.engagement:
             yield from self.model.vanish(self.t, message)
         yield from self._moment(message)
 
@@ -429,18 +435,16 @@ class SessionState:
     def _controls(self, message: m.ControlsMoved) -> None:
         before = self.controls.get(message.driver)
         if before is not None:
-            message = replace(message, values={**before.values, **message.values})
+            resting = {name: at for name, at in before.values.items() if name not in message.values}
+            message = replace(message, values={**resting, **message.values})
         keep(self.controls, message.driver, message)
-
-    def _settings(self, message: m.SettingsShown) -> Iterator[Episode]:
-        return self.robots.show(message, self.t)
 
     # -- the visitor ------------------------------------------------------------------------------
 
-    def _adopted(self, message: m.EngagementAdopted) -> Iterator[Episode]:
+    def _adopted(self, message: m.EngagementAdopted) -> Iterable[Episode]:
         return self.model.adopt(message, self.t)
 
-    def _engagement(self, message: m.EngagementChanged) -> Iterable[Episode]:
+    def _engagement(self, message: m.EngagementChanged) -> Iterator[Episode]:
         begin = self.t if self.begin is None else self.begin
         off = self.model.off is not None
         changes = self.model.change(message, self.t, begin)
@@ -539,16 +543,10 @@ class SessionState:
 
     # -- the study --------------------------------------------------------------------------------
 
-    def _trial_started(self, message: m.TrialStarted) -> Iterator[Episode]:
-        return self.study.begin_trial(message, self.t)
-
     def _trial_ended(self, message: m.TrialEnded) -> Iterable[Episode]:
         stray = self.study.trial is None
         ended = self.study.end_trial(message, self.t)
         return (*ended, *self._moment(message)) if stray else ended
-
-    def _break_started(self, message: m.BreakStarted) -> Iterator[Episode]:
-        return self.study.begin_break(message, self.t)
 
     def _break_ended(self, message: m.BreakEnded) -> Iterable[Episode]:
         if self.study.in_break is None:
@@ -558,12 +556,6 @@ class SessionState:
     def _checked(self, message: m.PreflightChecked) -> Iterable[Episode]:
         keep(self.study.checks, message.check, message)
         return self._moment(message)
-
-    def _questionnaire(self, message: m.QuestionnaireStarted) -> Iterator[Episode]:
-        return self.study.ask(message, self.t)
-
-    def _answered(self, message: m.QuestionnaireAnswered) -> Iterator[Episode]:
-        return self.study.answer(message, self.t)
 
     def _questionnaire_ended(self, message: m.QuestionnaireEnded) -> Iterable[Episode]:
         ended = [*self.study.end_questionnaire(message, self.t)]
@@ -656,7 +648,7 @@ CASES: dict[type[m.Message], _Case] = {
     m.LaneRecovered: S._lane_recovered,
     m.Reading: _last_of("readings", "sensor"),
     m.SensorChanged: _as_moment(_last_of("sensors", "sensor")),
-    m.EngagementAdopted: S._adopted,
+    m.EngagementAdopted: lambda state, message: state.model.adopt(message, state.t),
     m.EngagementChanged: S._engagement,
     m.EngagementShown: S._engagement_shown,
     m.SpeechStarted: S._speech_started,
@@ -666,20 +658,20 @@ CASES: dict[type[m.Message], _Case] = {
     m.FaceShown: _last_of("faces", "driver"),
     m.BodyChanged: _last_of("bodies", "driver"),
     m.ControlsMoved: S._controls,
-    m.SettingsShown: S._settings,
+    m.SettingsShown: lambda state, message: state.robots.show(message, state.t),
     m.ScriptMoved: _as_moment(_last("script")),
     m.PanelLocked: _as_moment(_last_of("locks", "panel")),
     m.ProfileChanged: S._profile,
     m.ConsoleAttached: _as_moment(_last_of("consoles", "console")),
     m.ConsoleLost: S._detached,
     m.ConditionsAssigned: S._assigned,
-    m.TrialStarted: S._trial_started,
+    m.TrialStarted: lambda state, message: state.study.begin_trial(message, state.t),
     m.TrialEnded: S._trial_ended,
-    m.BreakStarted: S._break_started,
+    m.BreakStarted: lambda state, message: state.study.begin_break(message, state.t),
     m.BreakEnded: S._break_ended,
     m.PreflightChecked: S._checked,
-    m.QuestionnaireStarted: S._questionnaire,
-    m.QuestionnaireAnswered: S._answered,
+    m.QuestionnaireStarted: lambda state, message: state.study.ask(message, state.t),
+    m.QuestionnaireAnswered: lambda state, message: state.study.answer(message, state.t),
     m.QuestionnaireEnded: S._questionnaire_ended,
     m.ShapingChanged: _as_moment(_last("shaping")),
     m.PerceptionChanged: S._perception,

@@ -38,7 +38,8 @@ class StudyState:
         next_trial: The number of the next trial, or of the present one.
         assigned: The order of conditions that was given last, perhaps to somebody else (`order`).
         trial, in_break, questionnaire: What is under way.
-        last_started, last_ended: Of trials.
+        last_started: Of trials.
+        last_ended: How the participant's last trial ended; None: there was none.
         checks: Lines of the preflight list, by what was checked.
         had: Questionnaires that this participant has had or declined, and their ends by name.
     """
@@ -69,8 +70,8 @@ class StudyState:
     _number: int | None = None
     #: Trials are begun and ended in this session: a number that is set is that of the next one.
     _begins_trials: bool = False
-    #: The lines from which participant, condition, the next number and the number by hand come, and
-    #: the number that was set last.
+    #: The lines from which participant, condition, the next number and the number by hand come, the
+    #: one that set or began a number last, and the last end of a trial.
     _sources: dict[str, m.Message] = field(default_factory=dict)
 
     def copy(self) -> StudyState:
@@ -109,6 +110,12 @@ class StudyState:
         """Whether this line of the preflight list is in order."""
         return check in self.checks and self.checks[check].level == "ok"
 
+    @property
+    def number(self) -> int | None:
+        """The number of the trial that began last, or that was set since; None: none was."""
+        line = self._sources.get("trial")
+        return line.trial if isinstance(line, m.SessionChanged | m.TrialStarted) else None
+
     def _planned(self, assigned: m.ConditionsAssigned | None) -> int:
         if assigned is None or assigned.participant != self.participant:
             return 0
@@ -141,7 +148,7 @@ class StudyState:
         yield from self.checks.values()
         yield from self.had.values()
         yield from self._rounds.values()
-        study = (self.assigned, self.last_started, self.last_ended, self._over, self._order_then)
+        study = (self.assigned, self.last_started, self._over, self._order_then)
         for line in study:
             if line is not None:
                 yield line
@@ -172,7 +179,7 @@ class StudyState:
             self.condition = message.condition
             self._sources["condition"] = message
         if message.trial is not None:
-            self._sources["trial"] = message  # screens show it until another is set or begins
+            self._sources["trial"] = message
             self._follow(message.trial, message)
             if not self._begins_trials:
                 self._number = message.trial
@@ -196,6 +203,7 @@ class StudyState:
         self._sources["participant"] = message
         self._follow(1, message)
         self.had.clear()
+        self.last_ended = None
         self._over, self._had_since = None, frozenset()
 
     def _follow(self, number: int, message: m.Message) -> None:
@@ -231,7 +239,7 @@ class StudyState:
             yield replace(self.trial, end=t, cut=True)
         self._begin_trials()
         self.trial = Trial(begin=t, seq=message.seq, started=message)
-        self.last_started = message
+        self.last_started = self._sources["trial"] = message
         self._follow(message.trial, message)
         self._over, self._had_since = None, frozenset()
         if message.condition:
@@ -245,7 +253,8 @@ class StudyState:
         yield from self._cut_break(t)
         if self.trial is not None:
             yield replace(self.trial, end=t, outcome=message.outcome, ended=message)
-        self.trial, self.last_ended = None, message
+        self.trial = None
+        self.last_ended = self._sources["ended"] = message
         self._number = None
         self._sources.pop("number", None)
         if message.outcome in OVER:

@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import msgspec
 
 from tests.console.robot import pepper
-from woz_tui.console.parts import RobotPicture
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
 from woz_tui.session.recent import Recent
@@ -18,7 +15,7 @@ from woz_tui.timeline.state import SessionState
 def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
     picture = Picture()
     picture.take([pepper.welcome(drivers=("left", "right"))], 0)
-    assert picture.robots == {}
+    assert picture.session.robots.shown == {}
     picture.take(
         [
             pepper.shown(driver="left", volume=0.1),
@@ -27,11 +24,11 @@ def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
         ],
         0,
     )
-    left = picture.robots["left"]
+    left = picture.session.robots.shown["left"]
     assert left.values["volume"] == 0.2
     assert left.wanted == {"volume": 0.5}
-    assert left.conflicts == ("These two fight.",)
-    assert picture.robots["right"].wanted == {}
+    assert left.conflicts == ["These two fight."]
+    assert picture.session.robots.shown["right"].wanted == {}
 
 
 def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
@@ -49,26 +46,18 @@ def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
     assert recent.lines == []  # no line in the list of events
     picture = Picture()
     picture.take([pepper.welcome(*held, drivers=("left", "right"))], 0)
-    assert picture.robots["left"].wanted == {"volume": 0.5}
-
-
-def test_what_another_version_wrote_does_no_harm() -> None:
-    strange: Any = 3
-    picture = Picture()
-    told = m.SettingsShown(driver="pepper", values=strange, wanted=strange, conflicts=strange)
-    picture.take([pepper.welcome(), told], 0)
-    assert picture.robots["pepper"] == RobotPicture()
+    assert picture.session.robots.shown["left"].wanted == {"volume": 0.5}
 
 
 def test_the_eyes_are_kept_where_the_face_is() -> None:
     picture = Picture()
     picture.take([pepper.welcome(), pepper.shown({"eyes": "#ffffff", "volume": 0.5})], 0)
-    assert picture.robots["pepper"].values["eyes"] == "#00ff80"
+    assert picture.session.robots.shown["pepper"].values["eyes"] == "#00ff80"
     for message in (
         m.PerceptionChanged(hidden=["face"], blurred=[]),
         pepper.shown({"eyes": "#123456"}),
     ):
         picture.take([message], 0)
-        robot = picture.robots["pepper"]
+        robot = picture.session.robots.shown["pepper"]
         assert robot.values["eyes"] == robot.wanted["eyes"] == HIDDEN
         assert robot.values["volume"] == 0.7

@@ -14,8 +14,8 @@ from woz_tui.console.bodies.dots import ACROSS, DOWN, Dots, Layer
 from woz_tui.console.bodies.outlines import Control, PanelOutline
 from woz_tui.console.cells import Piece, Row, clean, cut, fit
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.parts import KnobsPicture
 from woz_tui.console.rows import beside
+from woz_tui.core.messages import ControlsMoved
 
 #: The highest value of a control.
 MOST = 127
@@ -42,7 +42,7 @@ class Board:
     """A panel at one moment; `old` as for bodies."""
 
     outline: PanelOutline
-    knobs: KnobsPicture
+    knobs: ControlsMoved
     old: str = ""
 
     def value(self, control: Control) -> int | None:
@@ -231,7 +231,8 @@ def _foot(board: Board, frame: Frame) -> list[Row]:
 
 def _moved(board: Board, glyphs: Glyphs) -> Row:
     """What was touched last, in full."""
-    found = next((one for one in board.outline.controls if one.name == board.knobs.moved), None)
+    last = next(reversed(board.knobs.values), "")
+    found = next((one for one in board.outline.controls if one.name == last), None)
     if board.old:
         return ((f"the panel is not there: {board.old}", "stale"),)
     if found is None:

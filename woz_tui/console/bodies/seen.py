@@ -9,7 +9,7 @@ from woz_tui.console.bodies.outlines import BodyOutline, bodies
 from woz_tui.console.bodies.views import Pose
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.parts import SensorPicture
+from woz_tui.console.parts import SensorView
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
 
@@ -39,7 +39,9 @@ def seen_bodies(picture: Picture, now: int, glyphs: Glyphs) -> list[SeenBody]:
 
 def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> SeenBody:
     driver = outline.driver
-    values = dict(_flat(picture.bodies.get(driver, {})))
+    session = picture.session
+    body, mode = session.bodies.get(driver), session.modes.get(driver)
+    values = dict(_flat(body.values if body is not None else {}))
     reached = _sensors(picture, outline, "joint")
     wanted = _sensors(picture, outline, "setpoint")
     newest = max((sensor.t for sensor in (*reached.values(), *wanted.values())), default=None)
@@ -55,32 +57,33 @@ def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> S
         old = f"{glyphs.stale}{age(now - since)} old" if since is not None else "lost"
     return SeenBody(
         outline,
-        picture.faces.get(driver),
+        session.faces.get(driver),
         Pose(_placed(outline, reached), _placed(outline, wanted), stale=bool(old)),
         values,
-        picture.modes.get(driver) or str(values.get("mode") or "normal"),
+        (mode.now if mode is not None else "") or str(values.get("mode") or "normal"),
         old,
         picture.perception.hidden,
     )
 
 
-def _sensors(picture: Picture, outline: BodyOutline, kind: str) -> dict[str, SensorPicture]:
+def _sensors(picture: Picture, outline: BodyOutline, kind: str) -> dict[str, SensorView]:
     """What was heard of this robot's joints, by joint, whichever of its drivers said it; where
     several did, the body itself counts.
     """
-    found: dict[str, SensorPicture] = {}
-    for name, sensor in picture.sensors.items():
+    found: dict[str, SensorView] = {}
+    for name in picture.sensors:
         head, _, joint = name.rpartition(".")
         if head.rpartition(".")[2] != kind or joint not in outline.home:
             continue
-        if not sensor.driver.startswith(outline.robot):
+        sensor = picture.sensor(name)
+        if sensor is None or not sensor.driver.startswith(outline.robot):
             continue
         if joint not in found or sensor.driver == outline.driver:
             found[joint] = sensor
     return found
 
 
-def _placed(outline: BodyOutline, sensors: Mapping[str, SensorPicture]) -> dict[str, float] | None:
+def _placed(outline: BodyOutline, sensors: Mapping[str, SensorView]) -> dict[str, float] | None:
     """Degrees by joint; a joint that nobody speaks of stands at home. None: nobody says any."""
     known = {joint: one.value for joint, one in sensors.items() if one.value is not None}
     if not known:

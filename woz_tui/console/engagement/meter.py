@@ -13,7 +13,6 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length
 from woz_tui.console.engagement.bars import LEAST, distance_bar, queue_bar
-from woz_tui.console.engagement.seen import Segment
 from woz_tui.console.engagement.words import (
     USUAL_ATTENTION,
     WORD,
@@ -94,7 +93,7 @@ def _state(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
 def _speech(picture: Picture, frame: Frame) -> str:
     """`speech 3.1 s` while somebody speaks."""
     segment = None if picture.lost else picture.engaged.speaking(frame.now)
-    return "" if segment is None else f"speech {seconds(frame.now - segment.began)}"
+    return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
 
 
 def _now(
@@ -141,7 +140,7 @@ def _path(shown: m.EngagementShown, frame: Frame) -> Row:
 def _why(picture: Picture, frame: Frame) -> Row:
     """Why the last change came about."""
     changes = picture.engaged.changes
-    last = changes[-1] if changes else picture.engagement
+    last = changes[-1] if changes else picture.session.model.changed
     if last is None:
         return (named("why"), (frame.glyphs.dash, "faint"))
     hand: Row = ((f"{frame.glyphs.forced} ", "wait"),) if last.forced else ()
@@ -159,9 +158,9 @@ def _heard(picture: Picture, frame: Frame) -> Row:
     return ((f"{age(frame.now - last.t)} ago ", "muted"), quoted(last, frame.glyphs))
 
 
-def quoted(segment: Segment, glyphs: Glyphs) -> Piece:
+def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
     """What somebody said, in quotation marks."""
-    said = glyphs.plain(clean(segment.text or ""))
+    said = glyphs.plain(clean(heard.text))
     return (f"{glyphs.opening}{said}{glyphs.closing}", "run")
 
 
@@ -229,9 +228,9 @@ def _single(
 def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
-    if sign is not None and "distance" in picture.sensors and picture.perception.keeps("distance"):
+    if sign is not None and picture.sensor("distance") and picture.perception.keeps("distance"):
         return [_kept_distance(picture, frame)]
-    if sign is None or (sign.raw is None and "distance" not in picture.sensors):
+    if sign is None or (sign.raw is None and picture.sensor("distance") is None):
         return []
     stale = bool(picture.lost) or sign.stale
     bar = distance_bar(
@@ -251,9 +250,9 @@ def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[
 
 def _kept_distance(picture: Picture, frame: Frame) -> Row:
     """Its place where the wizard does not see it, or only near and far."""
-    if picture.perception.hides("distance"):
+    sensor = picture.sensor("distance")
+    if sensor is None or picture.perception.hides("distance"):
         return kept("distance", frame)
-    sensor = picture.sensors["distance"]
     stale = picture.is_stale(sensor, frame.now)
     text = old(sensor, frame) if stale else sensor.text or "nothing seen"
     bar: Row = ((frame.glyphs.track * track(frame), "faint"),)

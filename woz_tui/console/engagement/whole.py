@@ -119,7 +119,7 @@ def _second(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
     if (waits := waiting(engaged, frame.now, glyphs)) is not None:
         row += (waits, ("   ", "plain"))
     if (segment := engaged.speaking(frame.now)) is not None:
-        row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.began)}   ", "good"),)
+        row += ((f"{glyphs.yes} speech {seconds(frame.now - segment.begin)}   ", "good"),)
     for text, look in running(picture, shown, frame.now):
         row += ((f"{text}   ", look),)
     return row or (("nobody waits", "muted"),)

@@ -41,12 +41,13 @@ class AboutDialog(Report):
         """One fact a line; what is missing in full sentences."""
         picture, told = self.picture, self.picture.settings.replay or ReplayedLog()
         began = wall_at(picture.settings, 0)
+        start = picture.session.start
         length = elapsed(picture.replay.length_us) if picture.replay is not None else ""
         facts = {
             "log": picture.log,
             "began": f"{began:%Y-%m-%d %H:%M:%S} UTC" if began is not None else "",
             "length": length,
-            "session": picture.session,
+            "session": start.session if start is not None else "",
             "participant": picture.participant,
             "condition": picture.condition,
             **{name: getattr(told, name) for name in ("wizard", "experiment", "software", "lines")},

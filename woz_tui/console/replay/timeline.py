@@ -9,12 +9,12 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.figures import elapsed
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.parts import StopPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.replay.standing import Place, ReplayPicture, wall_at
 from woz_tui.console.robot.stopping import missing_row
 from woz_tui.console.script import script_row
 from woz_tui.console.stopbar import Bar, StopBar, hint_row
+from woz_tui.timeline.episodes import Stop
 
 #: The most important first: they share cells of the line. Sign and look.
 SIGNS: Mapping[str, tuple[str, str]] = {
@@ -56,9 +56,10 @@ def _then(picture: Picture, frame: Frame, bar: Bar) -> Row:
     return cut(hint_row(bar.hints, width), width, glyphs.ellipsis)
 
 
-def _stopped(stop: StopPicture, glyphs: Glyphs, width: int) -> Row:
+def _stopped(stop: Stop, glyphs: Glyphs, width: int) -> Row:
     """The stop of then in one row, and who had confirmed."""
-    row: Row = ((f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.t)} ", "alarm"),)
+    first = f" {glyphs.stop} STOPPED by {clean(stop.source)} at {elapsed(stop.begin)} "
+    row: Row = ((first, "alarm"),)
     row += missing_row(stop, glyphs)
     if stop.settled:
         row += ((f" confirmed: {clean(', '.join(stop.confirmed)) or 'nobody'}", "alarm-soft"),)

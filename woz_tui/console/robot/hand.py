@@ -18,7 +18,6 @@ from woz_tui.core.requests import AskVerb, Reply
 
 if TYPE_CHECKING:
     from woz_tui.console.desk import OnReply
-    from woz_tui.console.parts import RobotPicture
     from woz_tui.console.picture import Picture
 
 #: A setting that was set is read back within this time; after it the robot's word counts again.
@@ -38,7 +37,7 @@ class Asked:
     run: str = ""
     over: int | None = None
     #: The robot's settings when the command had ended: any later ones tell what became of it.
-    then: RobotPicture | None = None
+    then: m.SettingsShown | None = None
 
 
 class Hand:
@@ -125,10 +124,10 @@ class Hand:
         if asked.value != asked.sent:
             self._send(key)
             return
-        asked.over, asked.then = now, self._picture.robots.get(key[0])
+        asked.over, asked.then = now, self._picture.session.robots.shown.get(key[0])
 
     def _shows(self, driver: str, asked: Asked) -> bool:
-        robot, name = self._picture.robots.get(driver), asked.line.setting.name
+        robot, name = self._picture.session.robots.shown.get(driver), asked.line.setting.name
         if robot is None:
             return False
         known = name in robot.wanted or robot.values.get(name) == asked.value

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from rich.cells import cell_len
 
 from woz_tui.console.cells import clean
-from woz_tui.console.parts import RobotPicture
+from woz_tui.core.messages import SettingsShown
 
 if TYPE_CHECKING:
     from woz_tui.console.picture import Picture
@@ -22,7 +22,7 @@ def is_stale(picture: Picture, driver: str) -> bool:
     return bool(picture.lost) or picture.health(driver) not in ("connected", "faulted")
 
 
-def trouble_words(robot: RobotPicture, names: str = "", first: str = "") -> str:
+def trouble_words(robot: SettingsShown, names: str = "", first: str = "") -> str:
     """`2 settings differ, 1 conflict`, or nothing. `names` stand instead of the settings' count,
     `first` instead of the first conflict's.
     """
@@ -42,19 +42,19 @@ def driver_trouble(picture: Picture, driver: str) -> str:
     """The same of a driver, with the names of what differs and the first conflict if they are
     short; nothing where what it told is old.
     """
-    robot = picture.robots.get(driver)
+    robot = picture.session.robots.shown.get(driver)
     if robot is None or is_stale(picture, driver):
         return ""
     return trouble_words(robot, _names(picture, driver, robot), _gist(robot))
 
 
-def _gist(robot: RobotPicture) -> str:
+def _gist(robot: SettingsShown) -> str:
     """What comes before the colon of the first conflict, the gravest: the motors are off."""
     gist, colon, _ = clean(robot.conflicts[0]).partition(": ") if robot.conflicts else ("", "", "")
     return gist if colon and cell_len(gist) <= NAMED else ""
 
 
-def _names(picture: Picture, driver: str, robot: RobotPicture) -> str:
+def _names(picture: Picture, driver: str, robot: SettingsShown) -> str:
     """What is otherwise than asked for, by its labels; nothing if that takes too much room."""
     outline = picture.robot_outlines.get(driver)
     labels = {} if outline is None else {line.name: line.label for line in outline.settings}

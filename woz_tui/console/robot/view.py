@@ -7,14 +7,13 @@ from dataclasses import dataclass
 from woz_tui.console.cells import Piece, clean
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.parts import RobotPicture
 from woz_tui.console.picture import Picture
 from woz_tui.console.robot.hand import Hand
 from woz_tui.console.robot.lines import CONNECTION, Line, What, lines_of, place_of
 from woz_tui.console.robot.steps import ArrowSteps
 from woz_tui.console.robot.trouble import is_stale, trouble_words
 from woz_tui.console.robot.values import about, color_of, value_text
-from woz_tui.core.messages import Json
+from woz_tui.core.messages import Json, SettingsShown
 from woz_tui.core.robots import RobotOutline
 
 
@@ -81,11 +80,12 @@ class Viewer:
         stale = is_stale(self._picture, driver)
         lines = tuple(self._line(driver, line, stale) for line in self.lines(driver, outline))
         count = "" if stale else trouble_words(robot)
-        sentences = self._why(driver) if stale else robot.conflicts
+        sentences = self._why(driver) if stale else tuple(robot.conflicts)
         return RobotView(driver, self._state(driver, now), count, sentences, lines)
 
-    def _robot(self, driver: str) -> RobotPicture:
-        return self._picture.robots.get(driver) or RobotPicture()
+    def _robot(self, driver: str) -> SettingsShown:
+        shown = self._picture.session.robots.shown.get(driver)
+        return shown or SettingsShown(driver=driver, values={})
 
     def _state(self, driver: str, now: int) -> Piece:
         if self._picture.lost:

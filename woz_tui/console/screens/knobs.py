@@ -7,8 +7,8 @@ from woz_tui.console.bodies.outlines import PanelOutline, boards
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.parts import KnobsPicture
 from woz_tui.console.screens.drawing import Drawing
+from woz_tui.core.messages import ControlsMoved
 
 
 class KnobsDialog(Drawing):
@@ -25,7 +25,8 @@ class KnobsDialog(Drawing):
     def rows(self, chosen: int, frame: Frame) -> list[Row]:
         """The chosen panel with its name."""
         outline = boards(self.picture.outlines)[chosen]
-        knobs = self.picture.knobs.get(outline.driver, KnobsPicture())
+        moved = self.picture.session.controls.get(outline.driver)
+        knobs = moved or ControlsMoved(driver=outline.driver, values={})
         title: Row = (
             (clean(outline.driver), "title"),
             (f"  {clean(outline.name)}", "muted"),

@@ -15,7 +15,6 @@ from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.parts import RobotPicture
 from woz_tui.console.robot.hand import Hand
 from woz_tui.console.robot.lines import CONNECTION, Line, What
 from woz_tui.console.robot.rows import Place, list_room, scrolled, settings_rows
@@ -80,7 +79,8 @@ class RobotDialog(Drawing):
         if not self.count():
             return 0
         lines, driver = self._lines(), self._driver
-        wanted = self.picture.robots.get(driver, RobotPicture()).wanted
+        shown = self.picture.session.robots.shown.get(driver)
+        wanted = shown.wanted if shown is not None else {}
         if is_stale(self.picture, driver):
             found = [number for number, line in enumerate(lines) if line.what is What.ROBOT]
         else:

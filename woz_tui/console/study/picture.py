@@ -1,21 +1,19 @@
-"""What the console knows of the study: order, trial, break, questionnaires, preflight list.
-
-Everything comes from the welcome's `settings.study` and from messages, so that a log that is
-played back shows the same.
-"""
+"""The study on the screen: order, trial, break, questionnaires, preflight list."""
 
 from __future__ import annotations
 
 from collections import deque
-from collections.abc import Callable
+from collections.abc import Collection
 from dataclasses import dataclass, field
-from typing import Any, NamedTuple
+from typing import NamedTuple
+
+import msgspec
 
 from woz_tui.console.figures import seconds
 from woz_tui.console.study.questions import Asked, items_of
 from woz_tui.core import messages as m
-from woz_tui.core.settings import Questionnaire, StudySettings
-from woz_tui.experiment.due import OVER, due_behind
+from woz_tui.core.settings import Questionnaire
+from woz_tui.timeline.state import SessionState
 
 #: Sentences for the wizard that may wait to be read.
 _TIDINGS = 8
@@ -43,45 +41,90 @@ class Trial(NamedTuple):
 
     number: int
     began: int
-    condition: str = ""
 
 
 @dataclass(slots=True)
 class Study:
-    """Fields are for reading; `tell` and `take` change them."""
+    """What holds is in `session`; `adopt` and `take` add what only a screen needs."""
 
+    session: SessionState = field(default_factory=SessionState)
     questionnaires: tuple[Questionnaire, ...] = ()
-    #: Whether the file has a design: then the robot process proposes orders and counts trials.
-    designed: bool = False
-    #: Trials in each condition (0: nobody said).
-    trials: int = 0
-    participant: str = ""
-    #: What a human has to see to -> whether it is ticked.
-    checks: dict[str, bool] = field(default_factory=dict)
-    #: The participant's conditions in their order, as the wizard may know them.
-    order: tuple[str, ...] = ()
-    planned: int = 0
-    trial: Trial | None = None
-    #: The number of the next trial, or of the present one.
-    next: int = 1
-    #: The last trial that is over: its number and how it ended.
-    last: tuple[int, str] | None = None
-    break_began: int | None = None
-    #: The questionnaire that is put to somebody now.
+    #: The questionnaire that is put to somebody now, and the message that began it.
     asked: Asked | None = None
-    #: Names of those that should be asked now.
-    due: list[str] = field(default_factory=list)
-    #: Names of those that were answered or declined in this session.
-    over: set[str] = field(default_factory=set)
+    _started: m.QuestionnaireStarted | None = None
     #: The last cue of a training.
-    cue: m.CueGiven | None = None
-    #: Consoles at which a participant sits.
-    participants: set[str] = field(default_factory=set)
-    #: Programs that see what is kept from the wizard: what each calls itself, by console.
-    seers: dict[str, str] = field(default_factory=dict)
+    _cue: m.CueGiven | None = None
     _tidings: deque[Tiding] = field(default_factory=lambda: deque(maxlen=_TIDINGS))
 
     # -- reading ------------------------------------------------------------------------------
+
+    @property
+    def designed(self) -> bool:
+        """Whether the file has a design: then the robot process proposes orders and counts
+        trials.
+        """
+        return self.session.study.settings.design is not None
+
+    @property
+    def order(self) -> tuple[str, ...]:
+        """The participant's conditions in their order, as the wizard may know them."""
+        return tuple(self.session.study.order)
+
+    @property
+    def planned(self) -> int:
+        """Trials of the participant in all (0: nobody said)."""
+        return self.session.study.planned
+
+    @property
+    def trial(self) -> Trial | None:
+        """The one under way."""
+        trial = self.session.study.trial
+        return Trial(trial.started.trial, trial.begin) if trial is not None else None
+
+    @property
+    def next(self) -> int:
+        """The number of the next trial, or of the present one."""
+        return self.session.study.next_trial
+
+    @property
+    def last(self) -> tuple[int, str] | None:
+        """The participant's last trial that is over: its number and how it ended."""
+        ended = self.session.study.last_ended
+        return (ended.trial, ended.outcome) if ended is not None else None
+
+    @property
+    def break_began(self) -> int | None:
+        """Since when there is a break."""
+        in_break = self.session.study.in_break
+        return in_break.begin if in_break is not None else None
+
+    @property
+    def due(self) -> list[str]:
+        """Names of questionnaires that should be asked now."""
+        return [due.questionnaire for due in self.session.study.due]
+
+    @property
+    def over(self) -> Collection[str]:
+        """Names of those that this participant has answered or declined."""
+        return self.session.study.had.keys()
+
+    @property
+    def checks(self) -> dict[str, bool]:
+        """What a human has to see to -> whether it is ticked."""
+        study = self.session.study
+        return {each.check: study.ticked(each.check) for each in study.settings.preflight}
+
+    @property
+    def participants(self) -> set[str]:
+        """Consoles at which a participant sits."""
+        there = self.session.consoles.values()
+        return {each.console for each in there if each.role == "participant"}
+
+    @property
+    def seers(self) -> dict[str, str]:
+        """Programs that see what is kept from the wizard: what each calls itself, by console."""
+        there = self.session.consoles.values()
+        return {each.console: each.name or each.console for each in there if each.sees == "all"}
 
     @property
     def counts(self) -> bool:
@@ -114,9 +157,9 @@ class Study:
         """Names of the actions that would have answered a cue that was missed or answered wrongly;
         none for others, or if nobody knows.
         """
-        known = self.cue is not None and self.cue.cue == told.cue
-        wanted = known and told.judged in ("wrong", "missed")
-        return tuple(self.cue.expects) if wanted and self.cue is not None else ()
+        cue = self._cue
+        wanted = cue is not None and cue.cue == told.cue and told.judged in ("wrong", "missed")
+        return tuple(cue.expects) if wanted and cue is not None else ()
 
     def read_tidings(self) -> list[Tiding]:
         """Sentences that nobody has read, oldest first."""
@@ -126,106 +169,51 @@ class Study:
 
     # -- from the robot process -----------------------------------------------------------------
 
-    def tell(self, told: StudySettings) -> None:
-        """What the experiment file says, and where the session stands."""
-        self.questionnaires = tuple(told.questionnaires)
-        self.checks = {each.check: each.ok for each in told.preflight}
-        self.designed = told.design is not None
-        self.trials = told.design.trials if told.design is not None else 0
-        self.order, self.planned = tuple(told.assigned), told.planned
-        self.next, self.due = told.trial, [*told.due]
+    def adopt(self) -> None:
+        """The file has been read, again."""
+        self.questionnaires = tuple(self.session.study.settings.questionnaires)
 
     def take(self, message: m.Message) -> None:
-        """Work a message in; others than those of the study are passed over."""
-        reducer = _REDUCERS.get(type(message))
-        if reducer is not None:
-            reducer(self, message)
+        """Work a message in that `session` has taken."""
+        match message:
+            case m.TrialStarted():
+                missing = self.unticked() if self.last is None else []
+                if missing:
+                    listed = f"{len(missing)} not ticked in the preflight: {'; '.join(missing)}"
+                    self._tidings.append(Tiding(listed, "warn"))
+            case m.CueGiven():
+                self._cue = message
+            case m.CueAnswered():
+                self._tidings.append(Tiding(*judged(message), self.right_for(message)))
+            case m.QuestionnaireStarted() | m.QuestionnaireEnded():
+                self.follow()
+            case m.QuestionnaireAnswered():
+                self.follow()
+                if self.asked is not None:
+                    self.asked.take(message)
 
-    def _somebody(self, participant: str) -> None:
-        """Another participant has another order, and has been asked nothing yet."""
-        if participant != self.participant:
-            self.participant, self.order, self.planned = participant, (), 0
-            self.last, self.next, self.due, self.over = None, 1, [], set()
+    def follow(self) -> None:
+        """Ask what `session` asks now; in the same round the sheet that shows it keeps what was
+        answered there and is not confirmed yet.
+        """
+        current = self.session.study.questionnaire
+        if current is None:
+            self.asked = self._started = None
+            return
+        round_ = (current.name, current.started)
+        if self.asked is None or (self.asked.name, self._started) != round_:
+            self._started = current.started
+            self.asked = Asked(self._put(current.name, current.started))
+            for answer in current.answers.values():
+                self.asked.take(answer)
 
-    def _start(self, told: m.SessionStart) -> None:
-        self._somebody(told.participant)
-
-    def _change(self, told: m.SessionChanged) -> None:
-        if told.participant is not None:
-            self._somebody(told.participant)
-        if told.trial is not None:
-            self.next = told.trial
-
-    def _assign(self, told: m.ConditionsAssigned) -> None:
-        self._somebody(told.participant)
-        self.order = tuple(told.order)
-        self.planned = self.trials * max(1, len(self.order))
-
-    def _begin(self, told: m.TrialStarted) -> None:
-        self.trial, self.break_began = Trial(told.trial, told.t, told.condition), None
-        self.next = told.trial
-        self.planned, self.due = told.planned or self.planned, []
-        missing = self.unticked() if self.last is None else []
-        if missing:
-            listed = f"{len(missing)} not ticked in the preflight: {'; '.join(missing)}"
-            self._tidings.append(Tiding(listed, "warn"))
-
-    def _end(self, told: m.TrialEnded) -> None:
-        self.trial, self.break_began, self.last = None, None, (told.trial, told.outcome)
-        if told.outcome in OVER:
-            self.next = told.trial + 1
-            whens = due_behind(told.trial, told.outcome, trials=self.trials, planned=self.planned)
-            self.due = [
-                one.name for when in whens for one in self.questionnaires if one.when == when
-            ]
-
-    def _break(self, told: m.BreakStarted) -> None:
-        self.break_began = told.t
-
-    def _resume(self, told: m.BreakEnded) -> None:
-        self.break_began = None
-
-    def _check(self, told: m.PreflightChecked) -> None:
-        if told.check in self.checks:
-            self.checks[told.check] = told.level == "ok"
-
-    def _ask(self, told: m.QuestionnaireStarted) -> None:
-        known = self.questionnaire(told.questionnaire)
-        self.asked = Asked(
-            Questionnaire(
-                told.questionnaire,
-                told.title,
-                known.introduction if known is not None else "",
-                items=items_of(told.items) or (known.items if known is not None else ()),
-            )
-        )
-
-    def _answer(self, told: m.QuestionnaireAnswered) -> None:
-        if self.asked is not None and self.asked.name == told.questionnaire:
-            self.asked.take(told)
-
-    def _asked(self, told: m.QuestionnaireEnded) -> None:
-        if self.asked is not None and self.asked.name == told.questionnaire:
-            self.asked = None
-        if told.reason in ("done", "declined"):
-            self.over.add(told.questionnaire)
-            self.due = [name for name in self.due if name != told.questionnaire]
-
-    def _cue(self, told: m.CueGiven) -> None:
-        self.cue = told
-
-    def _judge(self, told: m.CueAnswered) -> None:
-        self._tidings.append(Tiding(*judged(told), self.right_for(told)))
-
-    def _attach(self, told: m.ConsoleAttached) -> None:
-        if told.role == "participant":
-            self.participants.add(told.console)
-        elif told.sees == "all":
-            self.seers[told.console] = told.name or told.console
-
-    def _gone(self, told: m.ConsoleLost) -> None:
-        self.participants.discard(told.console)
-        self.seers.pop(told.console, None)
+    def _put(self, name: str, started: m.QuestionnaireStarted | None) -> Questionnaire:
+        """As it was begun; what that does not say, as the file has it."""
+        known = self.questionnaire(name) or Questionnaire(name)
+        if started is None:
+            return known
+        items = items_of(started.items) or known.items
+        return msgspec.structs.replace(known, title=started.title, items=items)
 
 
 def judged(told: m.CueAnswered) -> tuple[str, str]:
@@ -233,22 +221,3 @@ def judged(told: m.CueAnswered) -> tuple[str, str]:
     word, look = _JUDGED.get(told.judged, (told.judged, "plain"))
     took = f", {seconds(told.reaction_us)}" if told.reaction_us >= 0 else ""
     return f"{word}{took}", look
-
-
-_REDUCERS: dict[type[m.Message], Callable[[Study, Any], None]] = {
-    m.SessionStart: Study._start,
-    m.SessionChanged: Study._change,
-    m.ConditionsAssigned: Study._assign,
-    m.TrialStarted: Study._begin,
-    m.TrialEnded: Study._end,
-    m.BreakStarted: Study._break,
-    m.BreakEnded: Study._resume,
-    m.PreflightChecked: Study._check,
-    m.QuestionnaireStarted: Study._ask,
-    m.QuestionnaireAnswered: Study._answer,
-    m.QuestionnaireEnded: Study._asked,
-    m.CueGiven: Study._cue,
-    m.CueAnswered: Study._judge,
-    m.ConsoleAttached: Study._attach,
-    m.ConsoleLost: Study._gone,
-}

@@ -444,7 +444,7 @@ class SessionState:
     def _adopted(self, message: m.EngagementAdopted) -> Iterable[Episode]:
         return self.model.adopt(message, self.t)
 
-    def _engagement(self, message: m.EngagementChanged) -> Iterator[Episode]:
+    def _engagement(self, message: m.EngagementChanged) -> Iterable[Episode]:
         begin = self.t if self.begin is None else self.begin
         off = self.model.off is not None
         changes = self.model.change(message, self.t, begin)

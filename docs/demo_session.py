@@ -23,6 +23,7 @@ from woz_tui.core import wire
 from woz_tui.core.clock import RealClock
 from woz_tui.core.driver import Driver, Outlet
 from woz_tui.core.requests import PROTOCOL, Welcome
+from woz_tui.core.settings import Settings as WelcomeSettings
 from woz_tui.experiment.decode import load
 from woz_tui.host.views import (
     engagement_limits,
@@ -184,12 +185,12 @@ def welcome(session: Session) -> Welcome:
         drivers=[spec.name for spec in experiment.drivers],
         state=_raw([*session.state.messages(plan=False), _log(session)]),
         recent=_raw(session.recent.lines),
-        settings={
-            "participant_pattern": experiment.participant_pattern,
-            "joints": joint_limits(session),
-            "outlines": outlines(session),
-            "engagement": engagement_limits(experiment),
-        },
+        settings=WelcomeSettings(
+            participant_pattern=experiment.participant_pattern,
+            joints=joint_limits(session),
+            outlines=outlines(session),
+            engagement=engagement_limits(experiment),
+        ),
     )
 
 

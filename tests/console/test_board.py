@@ -18,7 +18,7 @@ SMALL = Frame(76, 18, bodies.NOW)
 
 
 def outline() -> PanelOutline:
-    found = outlines_of({"outlines": {"panel": bodies.panel()}})["panel"]
+    found = outlines_of({"panel": bodies.panel()})["panel"]
     assert isinstance(found, PanelOutline)
     return found
 
@@ -174,7 +174,7 @@ def test_moves_that_begin_alike_can_be_told_apart() -> None:
         for one in controls
         if isinstance(one, dict)
     ]
-    found = outlines_of({"outlines": {"panel": {**told, "controls": renamed}}})["panel"]
+    found = outlines_of({"panel": {**told, "controls": renamed}})["panel"]
     assert isinstance(found, PanelOutline)
     shown = text(board_rows(Board(found, m.ControlsMoved(values={})), SMALL))
     strips = "\n".join(shown.splitlines()[:6])

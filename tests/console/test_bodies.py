@@ -19,6 +19,7 @@ from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
 from woz_tui.console.look import Look
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
+from woz_tui.core.settings import Settings
 
 NOW = bodies.NOW
 ROOMY, NARROW = (160, 50), (80, 24)
@@ -146,7 +147,7 @@ def test_before_the_first_face_its_place_is_kept() -> None:
 
 def test_a_body_without_a_face_shows_its_links() -> None:
     told = {**bodies.EYEPI, "face": None}
-    welcome = msgspec.structs.replace(bodies.welcome(), settings={"outlines": {"body": told}})
+    welcome = msgspec.structs.replace(bodies.welcome(), settings=Settings(outlines={"body": told}))
     picture = Picture()
     picture.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
     shown = text(pane_rows(picture, Frame(50, 20, NOW)))

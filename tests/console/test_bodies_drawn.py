@@ -14,6 +14,7 @@ from woz_tui.console.bodies.outlines import BodyOutline, outlines_of
 from woz_tui.console.bodies.views import ABOVE, LAYERS, SIDE, Pose, draw, sights
 from woz_tui.console.cells import Row, length
 from woz_tui.console.glyphs import ASCII, UNICODE
+from woz_tui.core.messages import Json
 from woz_tui.motion.frames import Frame as Lights
 from woz_tui.motion.frames import blank
 from woz_tui.motion.kinematics import Chain
@@ -28,7 +29,7 @@ FRAMES = st.builds(
 
 
 def outline() -> BodyOutline:
-    found = outlines_of({"outlines": {"body": bodies.EYEPI}})["body"]
+    found = outlines_of({"body": bodies.EYEPI})["body"]
     assert isinstance(found, BodyOutline)
     return found
 
@@ -237,7 +238,7 @@ def test_nothing_is_drawn_outside_the_sheet() -> None:
         {"kind": "panel", "controls": [{"name": 1}]},
     ],
 )
-def test_outlines_that_cannot_be_read_are_left_out(told: object) -> None:
-    found = outlines_of({"outlines": {"bad": told, "body": bodies.EYEPI}})
+def test_outlines_that_cannot_be_read_are_left_out(told: Json) -> None:
+    found = outlines_of({"bad": told, "body": bodies.EYEPI})
     assert list(found) == ["body"]
-    assert outlines_of({"outlines": 5}) == outlines_of({}) == {}
+    assert outlines_of({}) == {}

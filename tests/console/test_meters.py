@@ -175,7 +175,9 @@ def test_the_order_is_fixed_whatever_speaks_first() -> None:
 
 def test_joints_keep_the_files_order_and_go_from_limit_to_limit() -> None:
     picture = Picture()
-    first = scenes.welcome(settings={"joints": {"tilt": [-30, 40], "pan": [-90, 90], "bad": "x"}})
+    first = scenes.welcome(
+        settings={"joints": {"tilt": [-30, 40], "pan": [-90, 90], "bad": [3, 3]}}
+    )
     readings = [
         scenes.reading(NOW, f"joint.{name}", value, unit="deg")
         for name, value in (("arm", 0.0), ("pan", 40.0), ("tilt", 40.0))

@@ -10,10 +10,12 @@ from hypothesis import strategies as st
 
 from tests.console import scenes
 from tests.console.test_picture import begun
+from tests.core.values import of
 from woz_tui.console.feed import Incoming
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
+from woz_tui.core.settings import Settings
 from woz_tui.core.views import PanelView
 
 names = st.sampled_from(["a1", "a2", "Hello", "Map", "voice", "face", "distance", "", "Speech"])
@@ -53,6 +55,8 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
         names, st.builds(m.SignShown, filter=texts), max_size=2
     ),
     list[PanelView]: st.just([]),
+    tuple[str, ...]: st.lists(st.sampled_from(["condition", "loudness"]), max_size=2).map(tuple),
+    Settings: of(Settings),
 }
 
 

@@ -64,6 +64,10 @@ class Secrets:
                 value = self.secret(kind, path)
             case inspect.ListType(item_type=item):
                 value = [self._value(item, kind, path), self._value(item, kind, path)]
+            case inspect.VarTupleType(item_type=item):
+                value = [self._value(item, kind, path)]
+            case inspect.TupleType(item_types=items):
+                value = [self._value(item, kind, path) for item in items]
             case inspect.DictType(value_type=inner):
                 value = {
                     self.secret(kind, f"{path}{{}}"): self._value(inner, kind, path),

@@ -28,7 +28,7 @@ KEPT = frozenset(
         *("scope", "confirmed", "missing", "unreached", "sensor", "unit", "bad", "state", "level"),
         *("now", "outcome", "emotion", "rows", "waiting", "lit", "trail", "uses", "next"),
         *("method", "order", "cues", "sort", "hidden", "blurred", "what"),
-        *("questionnaire", "item", "cue", "expects", "judged"),
+        *("questionnaire", "item", "cue", "expects", "judged", "tells", "sees"),
         *("script", "conditions", "keyboard", "drivers", "variables"),
     }
 )

@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import msgspec
 
 from tests.console.robot import pepper
 from woz_tui.console.picture import Picture
 from woz_tui.core import messages as m
 from woz_tui.session.recent import Recent
-from woz_tui.session.redactor import HIDDEN
+from woz_tui.session.redactor import HIDDEN, Redactor
 from woz_tui.timeline.state import SessionState
 
 
@@ -50,14 +52,16 @@ def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
 
 
 def test_the_eyes_are_kept_where_the_face_is() -> None:
-    picture = Picture()
+    picture, redactor = Picture(), Redactor()
     picture.take([pepper.welcome(), pepper.shown({"eyes": "#ffffff", "volume": 0.5})], 0)
     assert picture.session.robots.shown["pepper"].values["eyes"] == "#00ff80"
     for message in (
         m.PerceptionChanged(hidden=["face"], blurred=[]),
         pepper.shown({"eyes": "#123456"}),
     ):
-        picture.take([message], 0)
+        redactor.take(message)
+        seen: Any = redactor.message(message)
+        picture.take([seen], 0)
         robot = picture.session.robots.shown["pepper"]
         assert robot.values["eyes"] == robot.wanted["eyes"] == HIDDEN
         assert robot.values["volume"] == 0.7

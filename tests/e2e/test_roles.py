@@ -185,6 +185,15 @@ def test_every_byte_for_every_role(lab: Lab) -> None:
         assert not any(line.get("value") or line.get("raw") for line in near)
         assert not ear.lines("speech.text")
     assert any(line.get("value") for line in program.lines("sample"))
+    known = {
+        str(line["text"])
+        for line in program.lines("sample")
+        if line["sensor"] == "identity" and line.get("text")
+    }
+    spoken = {str(line["text"]) for line in program.lines("speech.text") if line.get("text")}
+    assert known
+    for ear in (wizard, watcher, guest, modest):
+        assert not [word for word in known | spoken if f'"{word.casefold()}"' in ear.text]
     assert not guest.lines("sample")
     assert not guest.lines("command.requested")
     assert guest.lines("trial.started")

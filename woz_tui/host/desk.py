@@ -46,7 +46,6 @@ from woz_tui.session.preflight import preflight
 from woz_tui.session.questioning import PARTICIPANT
 from woz_tui.session.runner import Origin
 from woz_tui.session.session import Session
-from woz_tui.session.study_view import study_settings
 from woz_tui.session.variables import MissingError, call_with
 
 log = logging.getLogger(__name__)
@@ -176,7 +175,8 @@ class Desk:
 
     def _tells(self, client: Client) -> tuple[str, ...]:
         """What words of this client may tell: one that sees all may write of the condition."""
-        blinds = bool(study_settings(self._session.experiment).blind)
+        design = self._session.experiment.study.design
+        blinds = design is not None and bool(design.blind)
         return ("condition",) if blinds and client.view is None else ()
 
     def _action(self, client: Client, request: AskAction, stale: str) -> str:

@@ -104,6 +104,18 @@ def test_what_was_held_back_counts_apart() -> None:
     assert list(told(it.end(5)).whole.held.values) == [400_000]
 
 
+def test_a_press_contains_the_time_for_which_it_was_held_back() -> None:
+    it = Told().act(1, latency_ms=2)
+    held = m.ActionHeld(run="a", action="Hello", sort="speech", cued=0, until=4 * SECOND)
+    say = m.Command(command="c", run="a", verb="say", args={}, driver="robot", source="key")
+    it.add(3, m.ActionRequested(run="a", action="Hello", source="key"), held).add(4, say)
+    it.add(4.25, m.Dispatched(command="c", driver="robot", latency_us=250_000))
+    whole = told(it.end(9)).whole
+    assert list(whole.press.values) == [2000, 1_250_000]
+    assert list(whole.held.values) == [SECOND]
+    assert list(whole.verbs["say"].dispatched.values) == [2000, 250_000]
+
+
 def test_a_log_without_its_first_line_has_figures() -> None:
     it = Told().act(1).end(3)
     figures = figures_of(in_time(it)[1:])

@@ -83,6 +83,20 @@ def test_stops_know_who_confirmed_them() -> None:
     assert told(it).whole.stops == 1
 
 
+def test_every_press_counts_however_often_it_is_pressed() -> None:
+    it = Told()
+    for number in range(40):
+        it.add(1 + number / 10, m.StopPressed(source="key"))
+    assert told(it.add(6, m.StopReleased(source="key")).end(9)).whole.stops == 40
+
+
+def test_a_stop_of_driving_is_over_when_it_is_confirmed() -> None:
+    it = Told().add(1, m.StopPressed(source="no console", scope="drive"))
+    it.add(2, m.StopConfirmed(confirmed=["base"], missing=[], elapsed_us=SECOND))
+    [stop] = told(it.end(9)).stops
+    assert (stop.confirmed, stop.released) == (("base",), 2 * SECOND)
+
+
 def test_a_driver_of_several_parts_tells_which_of_them_stand_still() -> None:
     it = Told().add(1, m.StopPressed(source="key"))
     confirmed = m.StopConfirmed(

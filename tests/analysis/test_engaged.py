@@ -102,3 +102,22 @@ def test_the_log_may_end_in_the_middle_of_an_engagement() -> None:
     figures = told(it.act(25))
     assert seconds(figures.whole.engagement.episodes.values) == [15.5]
     assert [each.cut for each in figures.visits if each.state == "engaged"] == [True]
+
+
+def test_an_engagement_has_the_visitor_and_the_trial_of_its_beginning() -> None:
+    it = Told().add(0, SETTINGS).add(1, m.TrialStarted(trial=1, condition="warm"))
+    it.state(2, "Wait", "EngagedWithKnown", visitor="V01")
+    it.add(5, m.TrialEnded(trial=1, outcome="done"), m.TrialStarted(trial=2, condition="cold"))
+    it.state(8, "EngagedWithKnown", "PersonDetected").end(9)
+    rows = {each.state: each for each in told(it).visits}
+    for state in ("EngagedWithKnown", "engaged"):
+        row = rows[state]
+        assert (row.condition, row.trial, row.visitor) == ("warm", 1, "V01")
+
+
+def test_what_changes_while_the_model_is_off_is_no_state_and_no_cue() -> None:
+    it = Told().add(0, SETTINGS).add(1, switched("off")).state(2, "UserSpeaks", "RobotThinks")
+    figures = told(it.act(3).end(9))
+    assert figures.cues == ()
+    assert {each.state for each in figures.visits} == {"Wait"}
+    assert figures.whole.engagement.transitions == {"UserSpeaks": {"RobotThinks": 1}}

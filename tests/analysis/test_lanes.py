@@ -66,7 +66,7 @@ def test_arguments_in_a_few_words() -> None:
 def test_a_curve_keeps_its_mean_and_never_grows(times: list[int]) -> None:
     curves = Curves()
     for t in sorted(times):
-        curves.take(m.Reading(sensor="distance", value=2.5, unit="m"), t * SECOND)
+        curves.take(m.Reading(t=t * SECOND, sensor="distance", value=2.5, unit="m"))
     [curve] = curves
     assert len(curve.values) <= PLACES
     assert {value for value in curve.values if value is not None} == {2.5}
@@ -76,8 +76,52 @@ def test_a_curve_keeps_its_mean_and_never_grows(times: list[int]) -> None:
 def test_a_curve_is_a_mean_of_what_falls_together() -> None:
     curves = Curves()
     for t, value in ((0, 1.0), (10_000, 3.0), (60_000, 5.0)):
-        curves.take(m.Reading(sensor="distance", value=value), t)
-    curves.take(m.Reading(sensor="distance", value=None), 70_000)
-    curves.take(m.Reading(sensor="gaze", value=1.0), 70_000)
+        curves.take(m.Reading(t=t, sensor="distance", value=value))
+    curves.take(m.Reading(t=70_000, sensor="distance", value=None))
+    curves.take(m.Reading(t=70_000, sensor="gaze", value=1.0))
     [curve] = curves
     assert curve.values == pytest.approx((2.0, 5.0))
+
+
+def switched(run: str) -> m.Done:
+    return m.Done(command="c", driver="engagement", sent={"run": run}, latency_us=0, duration_us=0)
+
+
+def test_a_model_is_in_no_state_before_it_is_there_and_while_it_is_off() -> None:
+    it = Told().add(10, m.EngagementAdopted(settings={"start": "run"}))
+    it.state(20, "Wait", "EngagedWithKnown").add(30, switched("off")).add(50, switched("run"))
+    states = lanes(it.end(60))["engagement"].intervals
+    assert [(each.label, each.begin // SECOND, each.end // SECOND) for each in states] == [
+        ("Wait", 10, 20),
+        ("EngagedWithKnown", 20, 30),
+        ("EngagedWithKnown", 50, 60),
+    ]
+
+
+def test_a_stop_of_driving_is_over_as_soon_as_it_is_confirmed() -> None:
+    it = Told().add(1, m.StopPressed(source="no console", scope="drive"))
+    it.add(2, m.StopConfirmed(confirmed=["base"], missing=[], elapsed_us=SECOND)).end(60)
+    [stop] = lanes(it)["stop"].intervals
+    assert (stop.begin // SECOND, stop.end // SECOND, stop.cut) == (1, 2, False)
+
+
+def test_a_command_on_the_spot_ends_as_it_did() -> None:
+    it = Told()
+    ends = (
+        m.TimedOut(command="c0", driver="robot"),
+        m.Superseded(command="c1", driver="robot", by="c2"),
+    )
+    for end in ends:
+        say = m.Command(command=end.command, verb="say", args={}, driver="robot", source="key")
+        it.add(1, say, end)
+    direct = lanes(it.end(9))["(direct)"].intervals
+    assert [each.outcome for each in direct] == ["timed_out", "superseded"]
+
+
+def test_a_trial_that_another_one_follows_is_over_there() -> None:
+    it = Told().add(1, m.TrialStarted(trial=1)).add(3, m.TrialStarted(trial=2)).end(9)
+    trials = lanes(it)["trials"].intervals
+    assert [(each.begin // SECOND, each.end // SECOND, each.cut) for each in trials] == [
+        (1, 3, True),
+        (3, 9, True),
+    ]

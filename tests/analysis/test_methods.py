@@ -165,3 +165,8 @@ def test_cues_that_the_end_cut_off_are_not_held_against_the_wizard() -> None:
         "Of 2 cues that wanted an answer, the wizard answered 1 within 10 s (100.0 % of those "
         "not cut off by the end)." in found
     )
+
+
+def test_that_a_lost_console_stops_the_drive_is_no_emergency_stop() -> None:
+    it = Told().add(1, m.StopPressed(source="no wizard's console is attached", scope="drive"))
+    assert "emergency stop" not in text(told(it.end(9)))

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.analysis.told import STEM, Told
+from tests.analysis.told import SECOND, STEM, Told
 from woz_tui.analysis.session import NoSessionError, Wanted, examine
 from woz_tui.analysis.sources import sessions_in
 from woz_tui.core import messages as m
@@ -164,3 +164,13 @@ def test_a_segment_elsewhere_belongs_to_its_session(tmp_path: Path) -> None:
     alone.write_bytes(wire.encode(m.Segment(log=STEM, session="S01", number=2)))
     assert sessions_in([str(spill), str(one)]) == ([one], [])
     assert sessions_in([str(spill)]) == ([alone], [])
+
+
+def test_a_sample_behind_the_last_action_is_no_time_of_the_session(tmp_path: Path) -> None:
+    path = Told().act(1).end(9).written(tmp_path)
+    late = m.Reading(seq=99, t=20 * SECOND, sensor="distance", value=1.0)
+    path.with_suffix(".samples.jsonl").write_bytes(wire.encode(late))
+    drawn = examine(path, wanted=Wanted(timeline=True, curves=True))
+    assert drawn.figures.duration_us == examine(path).figures.duration_us == 9 * SECOND
+    assert drawn.timeline is not None
+    assert drawn.timeline.duration_us == 20 * SECOND, "the curve is within the picture"

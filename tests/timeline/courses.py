@@ -82,6 +82,8 @@ class Recording:
         self._runs: dict[str, list[str]] = {}
         #: Commands that no driver has begun, and their drivers.
         self._waiting: dict[str, str] = {}
+        #: The driver of each command.
+        self._drivers: dict[str, str] = {}
         #: Runs that are a command without an action.
         self._direct: set[str] = set()
         self._say(start())
@@ -134,6 +136,7 @@ class Recording:
             m.Command(command=command, run=run, verb="say", args=args, driver=driver, source=source)
         )
         self._runs.setdefault(run or command, []).append(command)
+        self._drivers[command] = driver
         self._waiting[command] = driver
         if self._chance.random() < 0.8:
             self._dispatch(command)
@@ -154,12 +157,13 @@ class Recording:
 
     def _end_run(self, run: str, how: str) -> None:
         for command in self._runs.pop(run):
+            driver = self._drivers[command]
             ends: dict[str, m.AnyMessage] = {
                 "done": m.Done(
-                    command=command, driver="robot", sent={}, latency_us=1000, duration_us=SECOND
+                    command=command, driver=driver, sent={}, latency_us=1000, duration_us=SECOND
                 ),
-                "failed": m.Failed(command=command, driver="robot", reason="hot"),
-                "stopped": m.Stopped(command=command, driver="robot", reason="stop"),
+                "failed": m.Failed(command=command, driver=driver, reason="hot"),
+                "stopped": m.Stopped(command=command, driver=driver, reason="stop"),
             }
             if how != "stopped":
                 self._dispatch(command)

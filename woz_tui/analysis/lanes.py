@@ -13,6 +13,7 @@ from woz_tui.analysis.acts import is_direct, of_robot
 from woz_tui.analysis.rows import PREFLIGHT, moments, worded
 from woz_tui.core import messages as m
 from woz_tui.timeline import episodes as e
+from woz_tui.timeline.state import LONGEST
 from woz_tui.timeline.timeline import Timeline
 
 #: Sorts of lanes, in the order in which they are drawn.
@@ -103,7 +104,7 @@ _FACTS, _WORDS = 12, 200
 _Key = tuple[str, str]
 
 
-def drawing_of(timeline: Timeline, curves: Iterable[Curve] = ()) -> Drawing:
+def drawing_of(timeline: Timeline, curves: Curves | None = None) -> Drawing:
     """All lanes of a timeline that is finished; what has no end lasts to its last moment."""
     intervals: dict[_Key, list[Interval]] = {}
     instants: dict[_Key, list[Instant]] = {}
@@ -127,7 +128,8 @@ def drawing_of(timeline: Timeline, curves: Iterable[Curve] = ()) -> Drawing:
         Lane(key[1], key[0], _in_time(intervals.get(key, ())), tuple(instants.get(key, ())))
         for key in keys
     )
-    return Drawing(timeline.end, tuple(lanes), tuple(curves))
+    end = timeline.end if curves is None else max(timeline.end, curves.t)
+    return Drawing(end, tuple(lanes), tuple(curves or ()))
 
 
 def _panels(timeline: Timeline) -> dict[str, int]:
@@ -280,17 +282,21 @@ class Curves:
     """Takes the values of sensors that are drawn."""
 
     def __init__(self) -> None:
+        #: When the last value came, or the one that came latest.
+        self.t = 0
         self._sensors: dict[str, _Thinned] = {}
 
-    def take(self, reading: m.Reading, t: int) -> None:
-        """The next value, which came at `t`."""
-        if reading.sensor not in CURVES:
+    def take(self, sample: m.Message) -> None:
+        """The next sample."""
+        if not isinstance(sample, m.Reading) or sample.sensor not in CURVES:
             return
-        found = self._sensors.get(reading.sensor)
+        if self.t < sample.t < LONGEST:
+            self.t = sample.t
+        found = self._sensors.get(sample.sensor)
         if found is None:
-            found = self._sensors[reading.sensor] = _Thinned(reading.unit)
-        if reading.value is not None:
-            found.add(t, reading.value)
+            found = self._sensors[sample.sensor] = _Thinned(sample.unit)
+        if sample.value is not None:
+            found.add(self.t, sample.value)
 
     def __iter__(self) -> Iterator[Curve]:
         for sensor, each in sorted(self._sensors.items()):

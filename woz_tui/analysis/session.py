@@ -10,7 +10,7 @@ from woz_tui.analysis.gather import DEFAULTS, Options, figures_of
 from woz_tui.analysis.lanes import Curves, drawing_of
 from woz_tui.analysis.report import Report
 from woz_tui.analysis.wholeness import Roll, verified, wholeness
-from woz_tui.core.messages import Reading
+from woz_tui.core.wire import is_sample
 from woz_tui.record.log import Damage, Line, files_of
 from woz_tui.record.stream import messages
 from woz_tui.timeline.timeline import Timeline
@@ -61,9 +61,10 @@ def examine(
         if isinstance(message, Line):
             continue
         some = True
-        timeline.take(message)
-        if wanted.curves and isinstance(message, Reading):
-            curves.take(message, timeline.end)
+        if wanted.curves and is_sample(message):
+            curves.take(message)  # a session lasts from its first to its last line of actions
+        else:
+            timeline.take(message)
     if not some:
         raise NoSessionError(f"{path}: {'; '.join(damage.sentences()) or 'it holds no session'}")
     timeline.finish()

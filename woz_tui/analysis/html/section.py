@@ -149,7 +149,7 @@ def _tiles(figures: SessionFigures) -> Iterator[Markup]:
     yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of acts")
     ends = whole.outcomes
     more = f"actions failed: {ends.failed}, refused: {ends.refused}"
-    yield _tile("stops", str(len(figures.stops)), more)
+    yield _tile("stops", str(whole.stops), more)
     if figures.trials:
         number = sum(trial.counted for trial in figures.trials)
         yield _tile("trials", str(number), f"of {len(figures.trials)} begun")

@@ -1,0 +1,350 @@
+"""Whatever two tables both say of a session, they say the same, to the microsecond: those of the
+report, its page and its picture, those of exports, and the tiers for ELAN and Praat.
+"""
+
+from __future__ import annotations
+
+import json
+from collections import Counter
+from collections.abc import Callable, Iterable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from hypothesis import given, settings
+
+from tests.analysis.told import figures_of
+from tests.timeline.courses import SECOND, damaged, recordings, start, timed
+from woz_tui.analysis import sheets
+from woz_tui.analysis.figures import ENDS, Part, SessionFigures
+from woz_tui.analysis.gather import Options
+from woz_tui.analysis.html import items
+from woz_tui.analysis.lanes import drawing_of
+from woz_tui.core import messages as m
+from woz_tui.core import wire
+from woz_tui.experiment.verbs import PERFORMERS
+from woz_tui.export import tables
+from woz_tui.export.course import Session
+from woz_tui.export.extract import Extractor
+from woz_tui.export.tiers import Span, tiers_of
+from woz_tui.record.log import Line
+from woz_tui.sensing.machine import ENGAGED
+from woz_tui.timeline.timeline import timeline_of
+
+Row = dict[str, Any]
+#: Participant, condition, trial.
+WHOSE = ("participant", "condition", "trial")
+
+
+def us(seconds: object) -> int:
+    """A time of a table in microseconds."""
+    return round(float(str(seconds)) * SECOND)
+
+
+@dataclass
+class Told:
+    """All that is written of one session, as rows of the tables."""
+
+    report: dict[str, list[Row]]
+    export: dict[str, list[Row]]
+    tiers: dict[str, list[Span]]
+    lanes: dict[str, list[items.Item]]
+    figures: SessionFigures
+    end: int
+
+    def events(self, kind: str) -> list[Row]:
+        """Those of this kind in `events.csv`."""
+        return [row for row in self.export["events"] if row["kind"] == kind]
+
+    def tier(self, name: str) -> list[tuple[int, int]]:
+        """When each of the spans begins and ends."""
+        return sorted((span.begin, span.end) for span in self.tiers.get(name, []))
+
+    def lane(self, title: str) -> list[tuple[int, int]]:
+        """When each of the intervals begins and ends."""
+        found = self.lanes.get(title, [])
+        return sorted((item.begin, item.end) for item in found if item.end is not None)
+
+
+def told(lines: Sequence[m.AnyMessage]) -> Told:
+    """Each table, with empty cells as empty texts."""
+    messages = [line for line in lines if not wire.is_sample(line)]
+    figures = figures_of(messages, Options(all_trials=True))
+    session, timeline = exported(messages), timeline_of(messages)
+    rows: list[tuple[tables.Table[Any], Sequence[object]]] = [
+        (tables.EVENTS, session.events),
+        (tables.ENGAGEMENT, session.engagement),
+        (tables.ANSWERS, session.answers),
+        (tables.SETTINGS, session.settings),
+    ]
+    return Told(
+        report={
+            sheet.name: [
+                {column.name: _cell(column.of(entry)) for column in sheet.columns}
+                for entry in sheet.rows(figures)
+            ]
+            for sheet in sheets.SHEETS
+        },
+        export={
+            table.name: [
+                {column.name: _cell(column.cell(session, row)) for column in table.columns}
+                for row in rows_of_it
+            ]
+            for table, rows_of_it in rows
+        },
+        tiers={tier.name: tier.spans for tier in tiers_of(session)},
+        lanes={row.title: list(row.items) for row in items.rows(drawing_of(timeline))},
+        figures=figures,
+        end=timeline.end,
+    )
+
+
+def _cell(value: object) -> object:
+    return "" if value is None else value
+
+
+def exported(messages: Iterable[m.AnyMessage]) -> Session:
+    """As exports see it."""
+    extractor = Extractor(Session(name="x", log=Path("x")), Path("nowhere"))
+    for message in messages:
+        raw = wire.encode(message)
+        fields = wire.decode_unknown(raw)
+        kind = str(fields["kind"])
+        extractor.take(message, Line(message.seq, message.t, "", kind, fields, raw, message))
+    extractor.finish()
+    return extractor.session
+
+
+# -- what is compared -----------------------------------------------------------------------------
+
+
+def added(rows: Iterable[Row], length: str, *keys: str) -> Counter[tuple[object, ...]]:
+    """The lengths of rows together, by the values of these columns."""
+    found: Counter[tuple[object, ...]] = Counter()
+    for row in rows:
+        found[tuple(row[key] for key in keys)] += us(row[length])
+    return +found
+
+
+def counted(rows: Iterable[Row], *keys: str) -> Counter[tuple[object, ...]]:
+    """How many rows there are, by the values of these columns."""
+    return Counter(tuple(row[key] for key in keys) for row in rows)
+
+
+def by_part(it: Told, of: Callable[[Part], dict[tuple[object, ...], int]]) -> Counter[Any]:
+    """A figure of the report by participant, condition and what `of` tells apart."""
+    found: Counter[Any] = Counter()
+    for part in it.figures.parts:
+        for key, figure in of(part).items():
+            found[part.participant, part.condition, *key] += figure
+    return +found
+
+
+def from_to(rows: Iterable[Row]) -> list[tuple[int, int]]:
+    """When each event of an export began and ended."""
+    times = [(us(row["onset_s"]), us(row["duration_s"] or 0)) for row in rows]
+    return sorted((begin, begin + duration) for begin, duration in times)
+
+
+def check_states(it: Told) -> None:
+    """Time in states of the engagement model and engaged: by condition, and each stay."""
+    stays = it.export["engagement"]
+    engaged = [row for row in stays if row["state"] in ENGAGED]
+    whose = ("participant", "condition")
+    assert added(stays, "duration_s", *whose) == by_part(it, lambda p: {(): p.engagement.on_us})
+    assert added(stays, "duration_s", *whose, "state") == by_part(
+        it, lambda p: {(name,): state.us for name, state in p.engagement.states.items()}
+    )
+    assert added(engaged, "duration_s", *whose) == by_part(
+        it, lambda p: {(): p.engagement.engaged_us}
+    )
+    whole = [row for row in it.report["episodes"] if row["state"] == "engaged"]
+    assert added(whole, "length_s") == added(engaged, "duration_s")
+    states = [row for row in it.report["episodes"] if row["state"] != "engaged"]
+    events = it.events("engagement")
+    assert added(states, "length_s", "state") == added(stays, "duration_s", "state")
+    assert added(states, "length_s", *WHOSE, "state") == added(
+        ({**row, "state": row["label"]} for row in events), "duration_s", *WHOSE, "state"
+    )
+    assert counted(states, "state", "visitor") == counted(
+        ({**row, "state": row["label"], "visitor": visitor(row)} for row in events),
+        *("state", "visitor"),
+    )
+    begins = sorted((us(row["begin_s"]), us(row["end_s"])) for row in states)
+    assert begins == from_to(events) == it.tier("engagement") == it.lane("engagement")
+
+
+def visitor(event: Row) -> object:
+    return json.loads(event["details"] or "{}").get("visitor", "")
+
+
+def check_trials(it: Told) -> None:
+    """Trials with whose they were and how they ended, and breaks."""
+    events = it.events("trial")
+    assert [
+        (*(row[name] for name in WHOSE), us(row["begin_s"]), row["outcome"] or "open")
+        for row in it.report["trials"]
+    ] == [(*(row[name] for name in WHOSE), us(row["onset_s"]), row["outcome"]) for row in events]
+    assert [us(row["length_s"]) for row in it.report["trials"] if row["outcome"]] == [
+        us(row["duration_s"]) for row in events if row["outcome"] != "open"
+    ]
+    breaks = sorted((each.begin, each.end) for each in it.figures.breaks)
+    assert breaks == from_to(it.events("break")) == it.tier("breaks")
+    assert sorted([*from_to(events), *breaks]) == it.lane("trials")
+    assert from_to(events) == it.tier("trials")
+
+
+def check_actions(it: Told) -> None:
+    """Actions by condition, panel, source and end; each on its tier and lane; commands."""
+    events = it.events("action")
+    keys = ("participant", "condition", "label", "panel", "source", "outcome")
+    assert counted(events, *keys) == by_part(
+        it,
+        lambda part: {
+            (row.action, row.panel, row.source, end): getattr(row.outcomes, end)
+            for row in part.counts
+            for end in ENDS
+        },
+    )
+    for panel in {row["panel"] for row in events}:
+        of_it = from_to(row for row in events if row["panel"] == panel)
+        assert of_it == it.tier(f"panel {panel}") == it.lane(panel)
+    direct = [
+        row
+        for row in it.events("command")
+        if not row["run"] and row["driver"] not in PERFORMERS and row["verb"] != "control"
+    ]
+    assert from_to(direct) == it.lane("(direct)")
+    assert counted(direct, "participant", "condition") == by_part(it, lambda p: {(): p.direct})
+    wrong = [row for row in events if row["mistake"] and row["source"] != "engagement"]
+    assert counted(wrong, "participant", "condition") == by_part(it, lambda p: {(): p.mistakes})
+    hands = [row for row in [*events, *direct] if row["source"] != "engagement"]
+    assert sorted(us(row["latency_s"]) for row in hands if row["latency_s"] != "") == list(
+        it.figures.whole.press.values
+    )
+
+
+def check_speech(it: Told) -> None:
+    events = it.events("speech")
+    ended = [row for row in events if row["outcome"] not in ("open", "lost")]
+    assert added(ended, "duration_s", "participant", "condition") == by_part(
+        it, lambda part: {(): part.speech.total}
+    )
+    assert from_to(events) == it.tier("visitor speech") == it.lane("visitor speaks")
+
+
+def check_settings(it: Told) -> None:
+    """Settings that differ, by whose they are and one by one."""
+    rows, events = it.report["differences"], it.events("difference")
+    settings = [row for row in it.export["settings"] if row["differs"] is True]
+    keys = (*WHOSE, "driver", "setting")
+    times = added(rows, "length_s", *keys)
+    assert times == added(settings, "duration_s", *keys)
+    assert times == added(({**row, "setting": row["label"]} for row in events), "duration_s", *keys)
+    assert counted(rows, *keys, "value", "wanted") == counted(
+        ({**row, **{name: str(row[name]) for name in ("value", "wanted")}} for row in settings),
+        *(*keys, "value", "wanted"),
+    )
+    pieces = sorted((us(row["begin_s"]), us(row["end_s"])) for row in rows)
+    assert pieces == from_to(events) == from_to(settings) == it.tier("settings that differ")
+    together = it.lane("settings differ")
+    assert sum(end - begin for begin, end in pieces) == sum(end - begin for begin, end in together)
+
+
+def check_moments(it: Told) -> None:
+    """Stops, markers, notes, questionnaires, answers."""
+    assert sorted(
+        (each.t, it.end if each.released is None else each.released) for each in it.figures.stops
+    ) == from_to(it.events("stop"))
+    assert from_to(it.events("stop")) == it.tier("stops") == it.lane("stop")
+    whose = ("participant", "condition")
+    assert counted(it.events("stop"), *whose) == by_part(it, lambda part: {(): part.stops})
+    assert counted(it.events("marker"), *whose) == by_part(it, lambda part: {(): part.markers})
+    assert counted(it.events("note"), *whose) == by_part(it, lambda part: {(): part.notes})
+    assert sorted((each.questionnaire, each.t) for each in it.figures.rounds) == sorted(
+        (row["label"], us(row["onset_s"])) for row in it.events("questionnaire")
+    )
+    keys = (*WHOSE, "questionnaire", "round", "item", "value", "skipped")
+    assert counted(it.report["questionnaires"], *keys) == counted(
+        it.export["questionnaires"], *keys
+    )
+
+
+def check_times(messages: Sequence[m.AnyMessage]) -> Told:
+    """Time by condition, and what of it was spent how."""
+    it = told(messages)
+    assert sum(part.us for part in it.figures.parts) == it.figures.whole.us
+    assert it.figures.whole.us == it.figures.duration_us
+    check_states(it)
+    check_settings(it)
+    return it
+
+
+def check(messages: Sequence[m.AnyMessage]) -> Told:
+    """Everything."""
+    it = check_times(messages)
+    check_trials(it)
+    check_actions(it)
+    check_speech(it)
+    check_moments(it)
+    return it
+
+
+@settings(max_examples=60)
+@given(recordings())
+def test_all_tables_say_the_same(messages: list[m.AnyMessage]) -> None:
+    check(messages)
+
+
+@settings(max_examples=60)
+@given(damaged())
+def test_times_of_a_damaged_log_are_the_same_in_all_tables(messages: list[m.AnyMessage]) -> None:
+    check_times(messages)
+
+
+# -- one engagement over three conditions ---------------------------------------------------------
+
+
+def changed(was: str, now: str, **more: Any) -> m.EngagementChanged:
+    return m.EngagementChanged(was=was, now=now, outcome="o", why="", verdicts={}, **more)
+
+
+ENGAGED_95_S = timed(
+    (0, start(condition="neutral")),
+    (0, m.EngagementAdopted(settings={"start": "run"})),
+    (1, m.TrialStarted(trial=1, condition="neutral")),
+    (10, changed("Wait", "EngagedWithKnown", visitor="V01")),
+    (20, m.TrialEnded(trial=1, outcome="done")),
+    (20, m.TrialStarted(trial=2, condition="empathic")),
+    (80, m.TrialEnded(trial=2, outcome="done")),
+    (80, m.TrialStarted(trial=3, condition="funny")),
+    (105, changed("EngagedWithKnown", "PersonDetected")),
+    (120, m.SessionEnd(reason="wizard")),
+)
+
+
+def test_an_engagement_that_begins_before_a_condition_and_covers_it_is_one_in_every_table() -> None:
+    """95 s: it begins in *neutral* and covers all of *empathic*."""
+    it = check(ENGAGED_95_S)
+    engaged = {part.condition: part.engagement for part in it.figures.parts}
+    assert {name: each.engaged_us // SECOND for name, each in engaged.items()} == {
+        "neutral": 10, "empathic": 60, "funny": 25,
+    }  # fmt: skip
+    assert engaged["empathic"].share == 1
+    assert {name: each.episodes.n for name, each in engaged.items()} == {
+        "neutral": 1, "empathic": 0, "funny": 0,
+    }  # fmt: skip
+    [row] = [row for row in it.report["episodes"] if row["state"] == "engaged"]
+    assert (row["condition"], row["trial"], row["length_s"]) == ("neutral", 1, 95)
+    stays = [row for row in it.export["engagement"] if row["state"] == "EngagedWithKnown"]
+    assert [
+        (row["condition"], row["trial"], us(row["duration_s"]), row["changed"]) for row in stays
+    ] == [
+        ("neutral", 1, 10 * SECOND, True),
+        ("empathic", 2, 60 * SECOND, False),
+        ("funny", 3, 25 * SECOND, False),
+    ]
+    [event] = [row for row in it.events("engagement") if row["label"] == "EngagedWithKnown"]
+    assert (event["condition"], us(event["duration_s"])) == ("neutral", 95 * SECOND)
+    assert (10 * SECOND, 105 * SECOND) in it.tier("engagement")
+    assert (10 * SECOND, 105 * SECOND) in it.lane("engagement")

@@ -2,31 +2,13 @@
 
 from __future__ import annotations
 
-from operator import attrgetter
-from typing import NamedTuple
-
 from woz_tui.experiment.verbs import PERFORMERS
-from woz_tui.timeline.context import Context
-from woz_tui.timeline.episodes import Action, Command, Episode
+from woz_tui.timeline.episodes import Action, Command
 from woz_tui.timeline.timeline import Timeline
 
 #: Sources that are no human at this session.
 BY_MACHINE = frozenset({"engagement", "program", "replay"})
-
-
-class Act(NamedTuple):
-    """An act by hand. `name` is the action's, or the verb; `id` that of the run or command;
-    `started` the time from the request to the first start of a driver, None without one.
-    """
-
-    t: int
-    seq: int
-    name: str
-    id: str
-    context: Context
-    direct: bool
-    started: int | None
-    mistake: bool
+Act = Action | Command
 
 
 def of_robot(command: Command) -> bool:
@@ -40,21 +22,15 @@ def is_direct(command: Command) -> bool:
 
 
 def acts_of(timeline: Timeline) -> list[Act]:
-    """All of them in the order in which they were asked for."""
-    actions = (_act(each, each.request.run) for each in timeline.of(Action) if by_hand(each))
-    commands = (
-        _act(each, each.request.command)
-        for each in timeline.of(Command)
-        if by_hand(each) and is_direct(each)
-    )
-    return sorted((*actions, *commands), key=attrgetter("t", "seq"))
+    """All acts by hand in the order in which they were asked for."""
+    return [
+        each
+        for each in timeline.episodes
+        if (type(each) is Action or (type(each) is Command and is_direct(each)))
+        and each.request.source not in BY_MACHINE
+    ]
 
 
-def by_hand(episode: Episode) -> bool:
-    """Whether a human asked for it."""
-    return episode.source not in BY_MACHINE
-
-
-def _act(each: Action | Command, name: str) -> Act:
-    direct, wrong = isinstance(each, Command), each.mistake is not None
-    return Act(each.begin, each.seq, each.label, name, each.context, direct, each.latency_us, wrong)
+def id_of(act: Act) -> str:
+    """The id of its run, or of the command."""
+    return act.request.run if isinstance(act, Action) else act.request.command

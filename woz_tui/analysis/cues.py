@@ -8,7 +8,7 @@ from dataclasses import dataclass, replace
 from operator import itemgetter
 from typing import Any
 
-from woz_tui.analysis.acts import Act
+from woz_tui.analysis.acts import Act, id_of
 from woz_tui.analysis.figures import Training
 from woz_tui.analysis.rows import PREFLIGHT, Cue, moments, placed
 from woz_tui.analysis.series import Series
@@ -58,25 +58,21 @@ class _Cues:
         self._at = timeline.contexts.at
         self._window = window_us
         self._waiting = frozenset(waiting)
-        self._t = self._seq = 0
+        #: Where the present line is.
+        self.t = self.seq = 0
         self._open: dict[str, _Open] = {}
         self._anticipated: _Open | None = None
         self._acts: deque[Act] = deque(maxlen=_KEPT)
         self.found: list[Placed] = []
 
-    def go(self, t: int, seq: int) -> None:
-        """The next line."""
-        self._t, self._seq = t, seq
-
     def act(self, act: Act) -> None:
         """The wizard does something: it answers what is open."""
         self._acts.append(act)
-        for sort in list(self._open):
-            self._answer(self._open.pop(sort), act)
+        while self._open:
+            self._answer(self._open.pop(next(iter(self._open))), act)
 
-    def finish(self, t: int) -> None:
+    def finish(self) -> None:
         """The log is over."""
-        self._t = t
         for cue in self._open.values():
             self._close(cue, "missed" if self._late(cue) else "cut")
 
@@ -86,23 +82,23 @@ class _Cues:
 
     def spoke(self, spoken: e.Utterance) -> None:
         """Has spoken: the line of it comes later than the end."""
-        end = self._t if spoken.end is None else spoken.end
+        end = self.t if spoken.end is None else spoken.end
         self._give("speech", end, f"utterance {spoken.segment}", spoken.begin)
 
     def enters(self, state: e.ModelState) -> None:
         """The engagement model comes to another state."""
         self._overtake("engagement")
         if state.state in self._waiting:
-            self._give("engagement", self._t, state.state, 0)
+            self._give("engagement", self.t, state.state, 0)
 
     def marker(self, marker: m.Marker) -> None:
         """Somebody sets a marker."""
-        self._give("marker", self._t, marker.text)
+        self._give("marker", self.t, marker.text)
 
     def _give(self, sort: str, t: int, what: str, since: int | None = None) -> None:
         """A cue at `t`. An act after `since` may have anticipated it; None: nothing can."""
         self._overtake(sort)
-        cue = _Open(sort, t, what, self._at(self._t, self._seq))
+        cue = _Open(sort, t, what, self._at(self.t, self.seq))
         others = [each for each in self._open.values() if not each.echo]
         if self._anticipated is not None:
             others.append(self._anticipated)
@@ -111,15 +107,15 @@ class _Cues:
         if early is not None:
             if not cue.echo:
                 self._anticipated = cue
-            self._close(cue, "anticipated", action=early.name, run=early.id)
-        elif (already := self._act(t + 1, self._t)) is not None:
+            self._close(cue, "anticipated", action=early.label, run=id_of(early))
+        elif (already := self._act(t + 1, self.t)) is not None:
             self._answer(cue, already)
         else:
             self._open[sort] = cue
 
     def _act(self, begin: int, end: int) -> Act | None:
         """The first act in this time, both ends included."""
-        return next((act for act in self._acts if begin <= act.t <= end), None)
+        return next((act for act in self._acts if begin <= act.begin <= end), None)
 
     def _overtake(self, sort: str) -> None:
         cue = self._open.pop(sort, None)
@@ -127,14 +123,14 @@ class _Cues:
             self._close(cue, "missed" if self._late(cue) else "overtaken")
 
     def _late(self, cue: _Open) -> bool:
-        return self._t - cue.t > self._window
+        return self.t - cue.t > self._window
 
     def _answer(self, cue: _Open, act: Act) -> None:
-        reaction = act.t - cue.t
+        reaction = act.begin - cue.t
         if reaction > self._window:
             self._close(cue, "missed")
         else:
-            self._close(cue, "answered", reaction_us=reaction, action=act.name, run=act.id)
+            self._close(cue, "answered", reaction_us=reaction, action=act.label, run=id_of(act))
 
     def _close(self, cue: _Open, fate: str, **answer: Any) -> None:
         row = Cue(
@@ -150,7 +146,7 @@ def cues_of(
     """All cues but those of a training, as they were over."""
     cues = _Cues(timeline, window_us, waiting)
     lines: list[tuple[int, int, Callable[[Any], None], Any]] = [
-        (act.t, act.seq, cues.act, act) for act in acts
+        (act.begin, act.seq, cues.act, act) for act in acts
     ]
     for spoken in timeline.of(e.Utterance):
         if spoken.started is not None:
@@ -164,9 +160,10 @@ def cues_of(
         if marker.source not in UNMEANT:
             lines.append((marker.t, marker.seq, cues.marker, marker))
     for t, seq, case, what in sorted(lines, key=itemgetter(0, 1)):
-        cues.go(t, seq)
+        cues.t, cues.seq = t, seq
         case(what)
-    cues.finish(timeline.end)
+    cues.t = timeline.end
+    cues.finish()
     return cues.found
 
 

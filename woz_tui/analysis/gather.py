@@ -13,7 +13,6 @@ from woz_tui.analysis.acts import Act, acts_of, of_robot
 from woz_tui.analysis.cues import WAITING, WINDOW_US, cues_of, trained_cues, training_of
 from woz_tui.analysis.figures import Cue, PanelOffer, Part, SessionFigures, Trial, Wholeness
 from woz_tui.analysis.people import taking_part
-from woz_tui.analysis.series import Series
 from woz_tui.analysis.tally import Tally, part
 from woz_tui.core import messages as m
 from woz_tui.timeline import episodes as e
@@ -155,14 +154,15 @@ class _Counting:
         before: Act | None = None
         for act in acts:
             tally = self.at(act.context)
-            tally.direct += act.direct
-            tally.by_hand += not act.direct
-            tally.mistakes += act.mistake
-            if act.started is not None:
-                tally.press.add(act.started)
+            direct, started = type(act) is e.Command, act.latency_us
+            tally.direct += direct
+            tally.by_hand += not direct
+            tally.mistakes += act.mistake is not None
+            if started is not None:
+                tally.press.add(started)
             # No gap reaches over the border between two trials or conditions.
             if before is not None and before.context is act.context:
-                tally.gaps.add(act.t - before.t)
+                tally.gaps.add(act.begin - before.begin)
             before = act
 
     def _actions(self) -> None:
@@ -224,8 +224,7 @@ class _Counting:
         for state in self._timeline.of(e.ModelState):
             if state.entered is not None:
                 self._transition(state.context, state.entered)
-            lengths = self.at(state.context).lengths
-            lengths.setdefault(state.state, Series()).add(state.duration)
+            self.at(state.context).lengths[state.state].add(state.duration)
             for tally, us in self._passed(state):
                 tally.on_us += us
                 tally.state_us[state.state] += us

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections import Counter
+from collections import Counter, defaultdict
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
@@ -71,7 +71,7 @@ class Tally:
     settings_us: int = 0
     differing_us: int = 0
     state_us: Counter[str] = field(default_factory=Counter)
-    lengths: dict[str, Series] = field(default_factory=dict)
+    lengths: defaultdict[str, Series] = field(default_factory=lambda: defaultdict(Series))
     transitions: Counter[tuple[str, str]] = field(default_factory=Counter)
     forced: int = 0
 
@@ -102,7 +102,7 @@ class Tally:
             mine.dispatched.extend(verb.dispatched)
             mine.done.extend(verb.done)
         for state, lengths in other.lengths.items():
-            self.lengths.setdefault(state, Series()).extend(lengths)
+            self.lengths[state].extend(lengths)
 
 
 _SUMS = (

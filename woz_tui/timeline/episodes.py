@@ -478,7 +478,8 @@ class Stop(Episode, frozen=True, kw_only=True):
     """From the press of the stop to its release. A stop of driving alone latches nothing: it is
     over as soon as it is confirmed.
 
-    A further press before the release is one of `presses` (the first, and the last ones).
+    A further press before the release is one of `presses` (the first, and the last ones), and a
+    moment.
     """
 
     kind = "stop"

@@ -207,9 +207,7 @@ class SessionState:
     # -- messages ---------------------------------------------------------------------------------
 
     def take(self, message: m.Message) -> Iterable[Episode]:
-        """Work a message in; the episodes that it ends or begins. Those have an `end` that are
-        over.
-        """
+        """Work a message in; the episodes that it ends (those have an `end`) or begins."""
         case = CASES.get(type(message))
         if case is None:  # of another version
             return ()
@@ -221,10 +219,9 @@ class SessionState:
         if self.begin is None:
             self.begin = self.t
         changes = case(self, message)
-        if changes is None:
-            return ()
-        # A case that makes several episodes may be a generator: it does its work here.
-        return changes if type(changes) is tuple else [*changes]
+        if changes is None or type(changes) is tuple:
+            return changes or ()
+        return [*changes]  # a case that makes several may be a generator: it does its work here
 
     def finish(self) -> list[Episode]:
         """The log is over: what goes on is cut at its last moment."""
@@ -445,9 +442,8 @@ class SessionState:
         return self.model.adopt(message, self.t)
 
     def _engagement(self, message: m.EngagementChanged) -> Iterable[Episode]:
-        begin = self.t if self.begin is None else self.begin
         off = self.model.off is not None
-        changes = self.model.change(message, self.t, begin)
+        changes = self.model.change(message, self.t, self.begin or 0)
         return (*changes, *self._moment(message)) if off else changes
 
     def _engagement_shown(self, message: m.EngagementShown) -> None:
@@ -584,11 +580,10 @@ class SessionState:
         yield self.rerun
 
     def _rerun_ended(self, message: m.RerunEnded) -> Iterable[Episode]:
-        if self.rerun is None:
+        rerun, self.rerun = self.rerun, None
+        if rerun is None:
             return self._moment(message)
-        ended = replace(self.rerun, end=self.t, outcome=Outcome.DONE, ended=message)
-        self.rerun = None
-        return (ended,)
+        return (replace(rerun, end=self.t, outcome=Outcome.DONE, ended=message),)
 
 
 def _last(name: str) -> _Case:

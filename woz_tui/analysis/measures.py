@@ -106,8 +106,8 @@ MEASURES: tuple[Measure, ...] = (
         "per min", lambda part: part.per_minute,
     ),
     Measure(
-        "gap_median_s", "s", "median time from one act by hand to the next one in the same "
-        "condition and trial, from request to request", "gap",
+        "gap_median_s", "s", "median time from one act by hand to the next one, from request to "
+        "request, with no change of condition or trial and no break between them", "gap",
         lambda part: seconds(part.gaps.median),
     ),
     Measure("gap_p95_s", "s", "95 % quantile of these gaps", "gap p95",
@@ -173,8 +173,9 @@ MEASURES: tuple[Measure, ...] = (
         lambda part: part.engagement.share,
     ),
     Measure(
-        "episodes", "", "unbroken stays in states of engagement; one that the end of the log or "
-        "of the model cuts off counts", "episodes", lambda part: part.engagement.episodes.n,
+        "episodes", "", "unbroken stays in states of engagement that began in it; one that the end "
+        "of the log or of the model cuts off counts", "episodes",
+        lambda part: part.engagement.episodes.n,
     ),
     Measure("episode_median_s", "s", "median length of these episodes, each up to its cut",
             "episode", lambda part: seconds(part.engagement.episodes.median)),

@@ -226,7 +226,9 @@ _LASTED = (
 
 EPISODES = Sheet(
     "episodes",
-    "one row for each stay in a state of the engagement model, and for each engagement",
+    "one row for each stay in a state of the engagement model, and for each engagement, with "
+    "participant, condition, trial and visitor of its beginning; `engagement.csv` of `woz export` "
+    "divides stays where these change",
     (
         *_SESSION,
         *_who(_row),
@@ -319,7 +321,7 @@ def _answered(entry: Entry) -> Value:
 DIFFERENCES = Sheet(
     "differences",
     "one row for each time in which a setting of a robot was other than asked for, within one "
-    "trial and condition",
+    "trial, condition or break",
     (
         *_SESSION,
         *_who(_row),
@@ -329,7 +331,7 @@ DIFFERENCES = Sheet(
         _of("value", "", "what the robot had"),
         _of("wanted", "", "what was asked for"),
         *_LASTED,
-        _of("changed", "", "it began then; false: only trial or condition did"),
+        _of("changed", "", "it began then; false: only trial, condition or break did"),
         _of("cut", "", "the log ended before it did"),
         _of("counted", "", "somebody took part, and in no trial that was aborted or excluded"),
     ),

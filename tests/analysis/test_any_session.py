@@ -15,11 +15,12 @@ from hypothesis import strategies as st
 from tests.analysis.told import STEM, drawn, figures_of
 from tests.core.examples import messages as examples
 from woz_tui.analysis import plain
-from woz_tui.analysis.figures import CUE_FATES, SessionFigures
+from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import Options
 from woz_tui.analysis.html.page import render
 from woz_tui.analysis.methods import paragraphs
 from woz_tui.analysis.report import Report
+from woz_tui.analysis.rows import CUE_FATES
 from woz_tui.analysis.session import NoSessionError, Wanted, examine
 from woz_tui.analysis.study import Studies
 from woz_tui.analysis.tidy import Folder

@@ -10,9 +10,10 @@ import pytest
 
 from woz_tui.analysis.acts import BY_MACHINE
 from woz_tui.analysis.cues import ECHO_US, WAITING, WINDOW_US
-from woz_tui.analysis.figures import CUE_FATES, CUE_SORTS, Part
+from woz_tui.analysis.figures import Part
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.reference import refreshed
+from woz_tui.analysis.rows import CUE_FATES, CUE_SORTS
 from woz_tui.analysis.tidy import dictionary
 from woz_tui.sensing.machine import ENGAGED
 from woz_tui.timeline.episodes import NOT_COUNTED

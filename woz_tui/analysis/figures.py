@@ -10,8 +10,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.analysis.rows import (
-    CUE_FATES,
-    CUE_SORTS,
     Answer,
     ConsoleChange,
     Cue,
@@ -27,38 +25,6 @@ from woz_tui.analysis.rows import (
     Visit,
 )
 from woz_tui.analysis.series import Series
-
-#: With the rows that are defined next door.
-__all__ = [
-    "COMMAND_ENDS",
-    "CUE_FATES",
-    "CUE_SORTS",
-    "ENDS",
-    "ActionCount",
-    "Answer",
-    "ConsoleChange",
-    "Cue",
-    "Difference",
-    "Engagement",
-    "Mark",
-    "Outcomes",
-    "PanelOffer",
-    "Part",
-    "Reactions",
-    "Restriction",
-    "Round",
-    "SessionFigures",
-    "Shaping",
-    "Span",
-    "StateTimes",
-    "Stop",
-    "Training",
-    "Trial",
-    "VerbTimes",
-    "Visit",
-    "Wholeness",
-    "summed",
-]
 
 #: How a requested action can end; `open`: its end is not in the log.
 ENDS = ("done", "failed", "stopped", "refused", "open")

@@ -11,8 +11,9 @@ from dataclasses import dataclass, replace
 from woz_tui.analysis import rows
 from woz_tui.analysis.acts import Act, acts_of, of_robot
 from woz_tui.analysis.cues import WAITING, WINDOW_US, cues_of, trained_cues, training_of
-from woz_tui.analysis.figures import Cue, PanelOffer, Part, SessionFigures, Trial, Wholeness
+from woz_tui.analysis.figures import Part, SessionFigures, Wholeness
 from woz_tui.analysis.people import taking_part
+from woz_tui.analysis.rows import Cue, PanelOffer, Trial
 from woz_tui.analysis.tally import Tally, part
 from woz_tui.core import messages as m
 from woz_tui.timeline import episodes as e

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from woz_tui.analysis.figures import Answer, Part, Trial
+from woz_tui.analysis.figures import Part
+from woz_tui.analysis.rows import Answer, Trial
 from woz_tui.analysis.tally import Tally
 
 #: Somebody with less time than this, and without anything done, was a slip in the code.

@@ -10,18 +10,14 @@ from woz_tui.analysis.figures import (
     COMMAND_ENDS,
     ENDS,
     ActionCount,
-    Answer,
-    Cue,
-    Difference,
     Part,
     SessionFigures,
     Training,
-    Trial,
     VerbTimes,
-    Visit,
 )
 from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.measures import MEASURES, milliseconds, seconds
+from woz_tui.analysis.rows import Answer, Cue, Difference, Trial, Visit
 
 Value = str | int | float | bool | None
 

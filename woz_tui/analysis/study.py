@@ -5,16 +5,10 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from woz_tui.analysis.figures import (
-    Outcomes,
-    Part,
-    Restriction,
-    SessionFigures,
-    Shaping,
-    Training,
-)
+from woz_tui.analysis.figures import Outcomes, Part, SessionFigures, Training
 from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.people import counted_parts
+from woz_tui.analysis.rows import Restriction, Shaping
 from woz_tui.analysis.series import Series
 from woz_tui.analysis.tally import ALL_CUES
 

@@ -8,11 +8,8 @@ from dataclasses import dataclass, field
 
 from woz_tui.analysis.figures import (
     COMMAND_ENDS,
-    CUE_FATES,
-    CUE_SORTS,
     ENDS,
     ActionCount,
-    Cue,
     Engagement,
     Outcomes,
     Part,
@@ -20,6 +17,7 @@ from woz_tui.analysis.figures import (
     StateTimes,
     VerbTimes,
 )
+from woz_tui.analysis.rows import CUE_FATES, CUE_SORTS, Cue
 from woz_tui.analysis.series import Series
 
 #: Action, panel, source, end.

@@ -5,7 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from woz_tui.analysis.differences import by_trial
-from woz_tui.analysis.figures import SessionFigures, Stop
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.rows import Stop
 from woz_tui.cli.report_page import NONE, Page, clock, in_unit, more, ms, s, some, table
 
 

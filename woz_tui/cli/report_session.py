@@ -7,11 +7,12 @@ from collections.abc import Callable, Sequence
 from rich.table import Table
 from rich.text import Text
 
-from woz_tui.analysis.figures import CUE_FATES, ENDS, Part, SessionFigures
+from woz_tui.analysis.figures import ENDS, Part, SessionFigures
 from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.measures import BY_NAME, Measure
 from woz_tui.analysis.people import called, not_counted
 from woz_tui.analysis.report import Report
+from woz_tui.analysis.rows import CUE_FATES
 from woz_tui.analysis.series import Series
 from woz_tui.analysis.tally import ALL_CUES
 from woz_tui.cli.report_around import around

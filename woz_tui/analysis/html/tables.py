@@ -5,12 +5,12 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 
 from woz_tui.analysis.differences import by_trial
-from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Answer, Part, SessionFigures
+from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Part, SessionFigures
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
 from woz_tui.analysis.html.numbers import DASH, clock, duration, percent
 from woz_tui.analysis.people import called
-from woz_tui.analysis.rows import CUE_FATES
+from woz_tui.analysis.rows import CUE_FATES, Answer
 from woz_tui.analysis.series import Series
 
 

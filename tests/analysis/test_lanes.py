@@ -7,7 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.analysis.told import SECOND, Told, drawn, in_time
-from woz_tui.analysis.lanes import PLACES, Curves, Lane, told
+from woz_tui.analysis.lanes import PLACES, Curves, Lane, in_words
 from woz_tui.core import messages as m
 
 
@@ -57,9 +57,9 @@ def test_what_was_understood_belongs_to_its_utterance() -> None:
 
 
 def test_arguments_in_a_few_words() -> None:
-    assert told({"text": "Hello"}) == "Hello"
-    assert told({"yaw": 10.0, "on": True}) == "yaw 10.0, on true"
-    assert len(told({"text": "x" * 500})) == 200
+    assert in_words({"text": "Hello"}) == "Hello"
+    assert in_words({"yaw": 10.0, "on": True}) == "yaw 10.0, on true"
+    assert len(in_words({"text": "x" * 500})) == 200
 
 
 @given(st.lists(st.integers(0, 3_600), min_size=1, max_size=50))

@@ -42,7 +42,7 @@ def us(seconds: object) -> int:
 
 
 @dataclass
-class Told:
+class Tables:
     """All that is written of one session, as rows of the tables."""
 
     report: dict[str, list[Row]]
@@ -66,7 +66,7 @@ class Told:
         return sorted((item.begin, item.end) for item in found if item.end is not None)
 
 
-def told(lines: Sequence[m.AnyMessage]) -> Told:
+def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
     """Each table, with empty cells as empty texts."""
     messages = [line for line in lines if not wire.is_sample(line)]
     figures = figures_of(messages, Options(all_trials=True))
@@ -77,7 +77,7 @@ def told(lines: Sequence[m.AnyMessage]) -> Told:
         (tables.ANSWERS, session.answers),
         (tables.SETTINGS, session.settings),
     ]
-    return Told(
+    return Tables(
         report={
             sheet.name: [
                 {column.name: _cell(column.of(entry)) for column in sheet.columns}
@@ -131,7 +131,7 @@ def counted(rows: Iterable[Row], *keys: str) -> Counter[tuple[object, ...]]:
     return Counter(tuple(row[key] for key in keys) for row in rows)
 
 
-def by_part(it: Told, of: Callable[[Part], dict[tuple[object, ...], int]]) -> Counter[Any]:
+def by_part(it: Tables, of: Callable[[Part], dict[tuple[object, ...], int]]) -> Counter[Any]:
     """A figure of the report by participant, condition and what `of` tells apart."""
     found: Counter[Any] = Counter()
     for part in it.figures.parts:
@@ -146,7 +146,7 @@ def from_to(rows: Iterable[Row]) -> list[tuple[int, int]]:
     return sorted((begin, begin + duration) for begin, duration in times)
 
 
-def check_states(it: Told) -> None:
+def check_states(it: Tables) -> None:
     """Time in states of the engagement model and engaged: by condition, and each stay."""
     stays = it.export["engagement"]
     engaged = [row for row in stays if row["state"] in ENGAGED]
@@ -178,7 +178,7 @@ def visitor(event: Row) -> object:
     return json.loads(event["details"] or "{}").get("visitor", "")
 
 
-def check_trials(it: Told) -> None:
+def check_trials(it: Tables) -> None:
     """Trials with whose they were and how they ended, and breaks."""
     events = it.events("trial")
     assert [
@@ -194,7 +194,7 @@ def check_trials(it: Told) -> None:
     assert from_to(events) == it.tier("trials")
 
 
-def check_actions(it: Told) -> None:
+def check_actions(it: Tables) -> None:
     """Actions by condition, panel, source and end; each on its tier and lane; commands."""
     events = it.events("action")
     keys = ("participant", "condition", "label", "panel", "source", "outcome")
@@ -224,7 +224,7 @@ def check_actions(it: Told) -> None:
     )
 
 
-def check_speech(it: Told) -> None:
+def check_speech(it: Tables) -> None:
     events = it.events("speech")
     ended = [row for row in events if row["outcome"] not in ("open", "lost")]
     assert added(ended, "duration_s", "participant", "condition") == by_part(
@@ -233,7 +233,7 @@ def check_speech(it: Told) -> None:
     assert from_to(events) == it.tier("visitor speech") == it.lane("visitor speaks")
 
 
-def check_settings(it: Told) -> None:
+def check_settings(it: Tables) -> None:
     """Settings that differ, by whose they are and one by one."""
     rows, events = it.report["differences"], it.events("difference")
     settings = [row for row in it.export["settings"] if row["differs"] is True]
@@ -251,7 +251,7 @@ def check_settings(it: Told) -> None:
     assert sum(end - begin for begin, end in pieces) == sum(end - begin for begin, end in together)
 
 
-def check_moments(it: Told) -> None:
+def check_moments(it: Tables) -> None:
     """Stops, markers, notes, questionnaires, answers."""
     assert sorted(
         (each.t, it.end if each.released is None else each.released) for each in it.figures.stops
@@ -270,9 +270,9 @@ def check_moments(it: Told) -> None:
     )
 
 
-def check_times(messages: Sequence[m.AnyMessage]) -> Told:
+def check_times(messages: Sequence[m.AnyMessage]) -> Tables:
     """Time by condition, and what of it was spent how."""
-    it = told(messages)
+    it = tables_of(messages)
     assert sum(part.us for part in it.figures.parts) == it.figures.whole.us
     assert it.figures.whole.us == it.figures.duration_us
     check_states(it)
@@ -280,7 +280,7 @@ def check_times(messages: Sequence[m.AnyMessage]) -> Told:
     return it
 
 
-def check(messages: Sequence[m.AnyMessage]) -> Told:
+def check(messages: Sequence[m.AnyMessage]) -> Tables:
     """Everything."""
     it = check_times(messages)
     check_trials(it)

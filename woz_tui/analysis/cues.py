@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import sys
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -54,10 +55,9 @@ class _Cues:
     it comes.
     """
 
-    def __init__(self, timeline: Timeline, window_us: int, waiting: Collection[str]) -> None:
+    def __init__(self, timeline: Timeline, window_us: int) -> None:
         self._at = timeline.contexts.at
         self._window = window_us
-        self._waiting = frozenset(waiting)
         #: Where the present line is.
         self.t = self.seq = 0
         self._open: dict[str, _Open] = {}
@@ -85,11 +85,13 @@ class _Cues:
         end = self.t if spoken.end is None else spoken.end
         self._give("speech", end, f"utterance {spoken.segment}", spoken.begin)
 
-    def enters(self, state: e.ModelState) -> None:
-        """The engagement model comes to another state."""
+    def waits(self, state: e.ModelState) -> None:
+        """The engagement model comes to a state in which the visitor waits."""
+        self._give("engagement", self.t, state.state, 0)
+
+    def waited(self, state: e.ModelState) -> None:
+        """And leaves it, or is switched off."""
         self._overtake("engagement")
-        if state.state in self._waiting:
-            self._give("engagement", self.t, state.state, 0)
 
     def marker(self, marker: m.Marker) -> None:
         """Somebody sets a marker."""
@@ -144,7 +146,7 @@ def cues_of(
     timeline: Timeline, acts: Sequence[Act], window_us: int, waiting: Collection[str]
 ) -> list[Placed]:
     """All cues but those of a training, as they were over."""
-    cues = _Cues(timeline, window_us, waiting)
+    cues = _Cues(timeline, window_us)
     lines: list[tuple[int, int, Callable[[Any], None], Any]] = [
         (act.begin, act.seq, cues.act, act) for act in acts
     ]
@@ -154,8 +156,11 @@ def cues_of(
         if spoken.ended is not None:
             lines.append((spoken.ended.t, spoken.ended.seq, cues.spoke, spoken))
     for state in timeline.of(e.ModelState):
-        if state.entered is not None:
-            lines.append((state.begin, state.seq, cues.enters, state))
+        if state.entered is not None and state.state in waiting:
+            lines.append((state.begin, state.seq, cues.waits, state))
+            if state.outcome != e.Outcome.OPEN:
+                last = state.left.seq if state.left is not None else sys.maxsize
+                lines.append((state.begin + state.duration, last, cues.waited, state))
     for _, marker in moments(timeline, m.Marker):
         if marker.source not in UNMEANT:
             lines.append((marker.t, marker.seq, cues.marker, marker))

@@ -190,10 +190,10 @@ def _act(
 
 
 def _fact(command: e.Command) -> tuple[str, str]:
-    return command.label, told(command.request.args)
+    return command.label, in_words(command.request.args)
 
 
-def told(args: Mapping[str, m.Json]) -> str:
+def in_words(args: Mapping[str, m.Json]) -> str:
     """Arguments in a few words: a lone one as it is, more of them with their names."""
     if len(args) == 1:
         words = worded(*args.values())

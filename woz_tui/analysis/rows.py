@@ -431,8 +431,8 @@ def _numbered(timeline: Timeline) -> Iterator[tuple[e.Questionnaire, int]]:
         yield each, put[each.name]
 
 
-def _items(asked: e.Questionnaire) -> Mapping[str, Mapping[str, Any]]:
-    listed = asked.started.items if asked.started is not None else []
+def _items(put: e.Questionnaire) -> Mapping[str, Mapping[str, Any]]:
+    listed = put.started.items if put.started is not None else []
     return {str(item.get("name", "")): item for item in listed}
 
 

@@ -61,7 +61,7 @@ def examine(
         if isinstance(message, Line):
             continue
         some = True
-        if wanted.curves and is_sample(message):
+        if is_sample(message):
             curves.take(message)  # a session lasts from its first to its last line of actions
         else:
             timeline.take(message)

@@ -117,7 +117,13 @@ class _Cues:
 
     def _act(self, begin: int, end: int) -> Act | None:
         """The first act in this time, both ends included."""
-        return next((act for act in self._acts if begin <= act.begin <= end), None)
+        first = None
+        for act in reversed(self._acts):
+            if act.begin < begin:
+                break
+            if act.begin <= end:
+                first = act
+        return first
 
     def _overtake(self, sort: str) -> None:
         cue = self._open.pop(sort, None)

@@ -29,7 +29,7 @@ class Interval:
         end: When it ended; the log's last moment if its end is not in the log (`cut`).
         label: Action, state, trial, driver.
         sort: action, state, trial, break, speech, stop, lost or differing (a robot's setting).
-        outcome: Of actions one of `figures.ENDS`; of trials as in the log; otherwise empty.
+        outcome: Of actions and commands as of their episodes; of trials as in the log; else empty.
         source: Of actions: key, script ...; of stops where they came from.
         detail: What else there is to say: a reason, a sentence that was understood.
         run: Of actions: their id.

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+import gc
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -53,6 +55,27 @@ def examine(
         ValueError: It is not called like a log, or (`NoSessionError`) holds no session.
         OSError: None of its files can be read.
     """
+    with _without_collection():
+        return _examined(path, options, wanted, places)
+
+
+@contextmanager
+def _without_collection() -> Iterator[None]:
+    """Nothing of a session refers to itself in a circle: to look for such things among so many
+    would take time for nothing.
+    """
+    collects = gc.isenabled()
+    gc.disable()
+    try:
+        yield
+    finally:
+        if collects:
+            gc.enable()
+
+
+def _examined(
+    path: Path, options: Options, wanted: Wanted, places: Iterable[Path] | None
+) -> Report:
     damage = Damage()
     timeline, curves, roll = Timeline(), Curves(), Roll()
     some = False

@@ -1,0 +1,91 @@
+"""The table of commands: each key has its row, and each row does what palette and help say."""
+
+from __future__ import annotations
+
+import pytest
+from textual.widgets import OptionList
+
+from tests.console import scenes
+from tests.console.dialogs import busy, opened
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.commands import COMMANDS, by_key
+from woz_tui.console.replay import commands as replay
+from woz_tui.console.screens.dialog import Command
+from woz_tui.core import requests as r
+from woz_tui.experiment.builtins import BUILTIN
+from woz_tui.host.desk import WATCHER_MAY
+
+
+def test_each_key_of_the_console_belongs_to_one_command() -> None:
+    keys = [key for command in COMMANDS for key in command.keys if key.chord]
+    assert keys == [*BUILTIN]
+
+
+@pytest.mark.parametrize("commands", [COMMANDS, replay.COMMANDS], ids=["session", "replay"])
+def test_no_two_commands_have_a_name_in_common(commands: tuple[Command, ...]) -> None:
+    keys = [key.id for command in commands for key in command.keys]
+    assert len(keys) == len(set(keys))
+    ranks = [command.hint.rank for command in commands if command.hint is not None]
+    assert len(ranks) == len(set(ranks))
+
+
+def found(seat: Sitting) -> list[str]:
+    """The lines of the palette."""
+    return [str(it.prompt) for it in seat.console.screen.query_one("#found", OptionList).options]
+
+
+async def chosen(seat: Sitting, words: str) -> None:
+    await opened(seat, "FindDialog")
+    await seat.type(words)
+    assert words[:30] in found(seat)[0]
+    await seat.press("enter")
+
+
+@pytest.mark.parametrize("command", [it for it in COMMANDS if it.found], ids=lambda it: it.name)
+async def test_what_the_palette_lists_it_does(command: Command) -> None:
+    suspended: list[bool] = []
+    async with sitting(busy()) as seat:
+        seat.console.keyboard.on_suspend = lambda: suspended.append(True)
+        seat.console.theme = "woz-light" if command.name == "dark" else "woz-dark"
+
+        def state() -> tuple[object, ...]:
+            bar = seat.text("StopBar")
+            panels = seat.console._panels.text
+            return (type(seat.console.dialog), seat.console.theme, bar, panels)
+
+        before, asked = state(), len(seat.feed.asked)
+        await chosen(seat, command.words)
+        did = state() != before or len(seat.feed.asked) > asked or bool(suspended)
+        assert did or command.name == "redraw"
+
+
+async def test_a_marker_is_put_by_the_palette() -> None:
+    async with sitting() as seat:
+        await chosen(seat, "put a marker into the log")
+        assert seat.feed.last(r.AskMarker) is not None
+
+
+async def test_a_watcher_is_offered_what_it_may_use() -> None:
+    async with sitting(scenes.welcome(role="watcher"), size=(160, 50)) as seat:
+        line = seat.drawn().splitlines()[-1]
+        assert "find" in line
+        assert "note" in line
+        assert "say" not in line
+        await opened(seat, "FindDialog")
+        await seat.type("type something to say")
+        assert not any("something to say" in line for line in found(seat))
+        await seat.press("ctrl+q")
+        await opened(seat, "HelpDialog")
+        (say,) = (line for line in seat.drawn().splitlines() if "type something to say" in line)
+        (note,) = (line for line in seat.drawn().splitlines() if "write a note" in line)
+        assert "for who plays the robot" in say
+        assert "for who plays the robot" not in note
+
+
+async def test_what_a_watcher_is_offered_is_what_the_robot_process_takes() -> None:
+    async with sitting(scenes.welcome(role="watcher")) as seat:
+        for name, command in by_key(COMMANDS).items():
+            if command.sends is not None and command.serves("watcher"):
+                seat.console.do(name)
+        assert seat.feed.asked
+        assert all(isinstance(asked, WATCHER_MAY) for asked in seat.feed.asked)

@@ -78,8 +78,8 @@ async def test_a_watcher_is_offered_what_it_may_use() -> None:
         await opened(seat, "HelpDialog")
         (say,) = (line for line in seat.drawn().splitlines() if "type something to say" in line)
         (note,) = (line for line in seat.drawn().splitlines() if "write a note" in line)
-        assert "for who plays the robot" in say
-        assert "for who plays the robot" not in note
+        assert "for the wizard" in say
+        assert "for the wizard" not in note
 
 
 async def test_what_a_watcher_is_offered_is_what_the_robot_process_takes() -> None:

@@ -1,5 +1,7 @@
 from __future__ import annotations
 
+from dataclasses import replace
+
 import msgspec
 import pytest
 from textual.widgets import OptionList
@@ -9,6 +11,7 @@ from tests.console.dialogs import busy, entry, opened
 from tests.console.driving import sitting
 from woz_tui.console.screens.say import complete
 from woz_tui.core import requests as r
+from woz_tui.experiment.builtins import BUILTIN
 
 # -- say ---------------------------------------------------------------------------------------
 
@@ -22,6 +25,17 @@ async def test_type_and_say() -> None:
         assert isinstance(asked, r.AskVerb)
         assert (asked.verb, asked.args, asked.on) == ("say", {"text": "hi, you"}, "")
         assert seat.console.dialog is None
+
+
+async def test_the_log_has_the_key_that_a_keymap_file_gave_to_saying() -> None:
+    moved = tuple(replace(key, chord=";") if key.id == "say" else key for key in BUILTIN)
+    async with sitting(builtins=moved) as seat:
+        await seat.press(";")
+        await seat.type("hi")
+        await seat.press("enter")
+        asked = seat.feed.last(r.AskVerb)
+        assert isinstance(asked, r.AskVerb)
+        assert asked.key == ";"
 
 
 async def test_history_and_completion() -> None:

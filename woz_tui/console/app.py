@@ -392,7 +392,7 @@ class Console(App[str]):
             return True
         if name is None:
             self.news(f"{key_name(chord, self.look.glyphs)} plays nothing")
-        elif dialog is not None and dialog.opened_by == name:
+        elif dialog is not None and dialog.opened_by == self.commands[name].name:
             self.close_dialog()
         else:
             self.do(name)
@@ -403,9 +403,11 @@ class Console(App[str]):
 
         Of those that the keyboard sends, it has not sent the ones that only some drivers offer.
         """
-        command = self.commands[name]
+        command, below = self.commands[name], self.dialog
         if command.run is not None:
             command.run(self)
+            if (top := self.dialog) is not None and top is not below:
+                top.opened_by = command.name
         elif command.sends is not None and not command.verb:
             self.desk.ask(command.sends(Press()))
 

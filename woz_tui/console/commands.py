@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterable, Mapping
 from pkgutil import resolve_name
 from typing import Any
 
-from woz_tui.console.keyboard import Press, Steps
+from woz_tui.console.keyboard import Press
 from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import (
     EVERYBODY,
@@ -21,7 +21,6 @@ from woz_tui.console.screens.dialog import (
     ConsoleApp,
     Hint,
 )
-from woz_tui.core.messages import Json
 from woz_tui.core.requests import (
     AskCancel,
     AskMarker,
@@ -78,13 +77,13 @@ def _has_script(picture: Picture) -> bool:
     return bool(picture.script) or not picture.welcomed
 
 
-def _arrow(name: str, verb: str, args: Callable[[Steps], Mapping[str, Json]]) -> Command:
+def _arrow(name: str, verb: str, argument: str, way: int, step: str) -> Command:
     """An arrow key. Left, down and forward are positive."""
 
     def ask(press: Press) -> AskVerb:
         return AskVerb(
             verb=verb,
-            args=dict(args(press.steps)),
+            args={argument: way * float(getattr(press.steps, step))},
             source="key",
             key=press.key,
             age_us=press.age_us,
@@ -160,18 +159,18 @@ COMMANDS = (
         users=EVERYBODY,
     ),
     _row("panel_back", lambda app: app.walk(-1), opens=False, users=EVERYBODY),
-    _arrow("head_up", "nudge", lambda steps: {"pitch": -steps.head}),
-    _arrow("head_down", "nudge", lambda steps: {"pitch": steps.head}),
-    _arrow("head_left", "nudge", lambda steps: {"yaw": steps.head}),
-    _arrow("head_right", "nudge", lambda steps: {"yaw": -steps.head}),
-    _arrow("drive_forward", "drive", lambda steps: {"x": steps.drive}),
-    _arrow("drive_back", "drive", lambda steps: {"x": -steps.drive}),
-    _arrow("drive_left", "drive", lambda steps: {"turn": steps.turn}),
-    _arrow("drive_right", "drive", lambda steps: {"turn": -steps.turn}),
-    _arrow("hip_forward", "hip", lambda steps: {"pitch": steps.hip}),
-    _arrow("hip_back", "hip", lambda steps: {"pitch": -steps.hip}),
-    _arrow("hip_left", "hip", lambda steps: {"roll": steps.hip}),
-    _arrow("hip_right", "hip", lambda steps: {"roll": -steps.hip}),
+    _arrow("head_up", "nudge", "pitch", -1, "head"),
+    _arrow("head_down", "nudge", "pitch", 1, "head"),
+    _arrow("head_left", "nudge", "yaw", 1, "head"),
+    _arrow("head_right", "nudge", "yaw", -1, "head"),
+    _arrow("drive_forward", "drive", "x", 1, "drive"),
+    _arrow("drive_back", "drive", "x", -1, "drive"),
+    _arrow("drive_left", "drive", "turn", 1, "turn"),
+    _arrow("drive_right", "drive", "turn", -1, "turn"),
+    _arrow("hip_forward", "hip", "pitch", 1, "hip"),
+    _arrow("hip_back", "hip", "pitch", -1, "hip"),
+    _arrow("hip_left", "hip", "roll", 1, "hip"),
+    _arrow("hip_right", "hip", "roll", -1, "hip"),
     _row("start", opens("screens.start:StartDialog")),
     _row("trial", opens("screens.trial:TrialDialog"), users=WATCHER),
     _row("preflight", opens("screens.preflight:PreflightDialog"), users=WATCHER),

@@ -93,10 +93,10 @@ class Desk:
         """Play an action that was found by typing."""
         self.ask(r.AskAction(action=action, source="palette"))
 
-    def say(self, text: str, on: str) -> None:
-        """Say a typed utterance."""
+    def say(self, text: str, on: str, key: str) -> None:
+        """Say a typed utterance; `key` opened the dialog."""
         self.said = [*(old for old in self.said if old != text), text][-HISTORY:]
-        self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key="/"))
+        self.ask(r.AskVerb(verb="say", args={"text": text}, on=on, source="key", key=key))
 
     def move(self, name: str, on: str, key: str) -> None:
         """Play a typed animation; `key` opened the dialog."""

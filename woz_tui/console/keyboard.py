@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass
-from typing import NamedTuple, Protocol
+from dataclasses import dataclass, field
+from typing import NamedTuple
 
 from woz_tui.console.feed import Feed
 from woz_tui.core.clock import Clock, RealClock
@@ -22,6 +22,7 @@ from woz_tui.core.requests import (
     AskStop,
     AskVerb,
 )
+from woz_tui.experiment.builtins import Builtin
 from woz_tui.experiment.terminals import STOPS
 
 #: The second key of a sequence must follow within this time, in seconds.
@@ -51,24 +52,32 @@ class Press(NamedTuple):
     steps: Steps = Steps()
 
 
-class OwnKey(Protocol):
-    """One of the console's own keys, as the keyboard needs it; a `Command` is one."""
+@dataclass(frozen=True, slots=True)
+class OwnKey:
+    """A key of the console itself, as the keyboard needs it.
+
+    Args:
+        keys: As they are without a keymap file. The first gives the name, and the words of help
+            and palette; one without a chord is in the palette only.
+        sends: Makes its request; None: the screen carries it out.
+        verb: Without a driver that offers this, nothing is sent; empty: no verb is needed.
+        opens: Whether it may open a dialog: keys pressed behind it then wait for the screen.
+    """
+
+    keys: tuple[Builtin, ...]
+    sends: Callable[[Press], AnyRequest] | None = field(default=None, kw_only=True)
+    verb: str = field(default="", kw_only=True)
+    opens: bool = field(default=True, kw_only=True)
 
     @property
     def name(self) -> str:
         """Its id."""
+        return self.keys[0].id
 
     @property
-    def sends(self) -> Callable[[Press], AnyRequest] | None:
-        """Makes its request; None: the screen carries it out."""
-
-    @property
-    def verb(self) -> str:
-        """Without a driver that offers this, nothing is sent."""
-
-    @property
-    def opens(self) -> bool:
-        """Whether keys behind it wait for the screen, as they may belong into a dialog."""
+    def words(self) -> str:
+        """What it does."""
+        return self.keys[0].description
 
 
 class Keyboard:

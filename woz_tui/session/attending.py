@@ -47,8 +47,8 @@ class Attending:
         self._attention = Attention(settings.attention)
         self._news = news
         self._alarm = Alarm(robot.hub, self._ring)
-        self._head = head_of(robot.experiment) if settings.attention.look else None
-        self._sensor = _direction_beside(robot.experiment, self._head) if self._head else ""
+        self._head = head_of(robot.experiment()) if settings.attention.look else None
+        self._sensor = _direction_beside(robot.experiment(), self._head) if self._head else ""
         self._direction: float | None = None
         self._before: dict[str, m.Json] = {}
         self._overruled = False

@@ -59,7 +59,7 @@ class Effects:
 
     def adopt(self) -> None:
         """The experiment was read: from now on its effects count."""
-        self._signals = Signals(self._robot.experiment)
+        self._signals = Signals(self._robot.experiment())
         self._signals.entered(self._state)
 
     def gone(self) -> None:
@@ -79,7 +79,7 @@ class Effects:
         if not self._robot.may_move:
             return
         self._signal(calls)
-        engagement = self._robot.engagement
+        engagement = self._robot.experiment().engagement
         if engagement is None:
             return
         if self._chased(change.t):
@@ -112,7 +112,7 @@ class Effects:
         """What is to be seen in the present state, and stays to be seen."""
         if self._robot.is_over():
             return []
-        engagement = self._robot.engagement
+        engagement = self._robot.experiment().engagement
         action = engagement.effects.get(self._state) if engagement else None
         calls = [*self._signals.entered(self._state), *(action.calls if action else ())]
         return [call for call in calls if call.verb in LASTING]
@@ -149,7 +149,7 @@ class Effects:
 
         What the wizard may use by their profile is no affair of the robot's own.
         """
-        action = self._robot.experiment.action(name)
+        action = self._robot.experiment().action(name)
         if action is None:
             self._tell(f"there is no action {name!r}")
         elif action.locked or self._locked.get(action.panel, False):

@@ -208,7 +208,7 @@ class LiveEngagement:
 
     def _follow_file(self, message: m.ExperimentReloaded | m.EngagementAdopted) -> None:
         """New settings count from when all hear of them; what the robot shows, at once."""
-        engagement = self._robot.engagement
+        engagement = self._robot.experiment().engagement
         if isinstance(message, m.EngagementAdopted):
             self._reloaded(engagement if message.settings else None)
         elif not self._tell_settings():
@@ -218,7 +218,7 @@ class LiveEngagement:
         """Say which settings hold, if they are others than before. They are taken over when this is
         heard: whoever reads the log later takes them over at the same place.
         """
-        engagement = self._robot.engagement
+        engagement = self._robot.experiment().engagement
         settings = plain(engagement.settings) if engagement else {}
         if settings == self._told:
             return False

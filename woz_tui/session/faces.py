@@ -17,7 +17,7 @@ def introduced(robot: Robot, change: Change) -> None:
     recognised = change.verdicts.get("identity") not in (None, "", "Unknown")
     if change.outcome != "eng2know" or not change.visitor or recognised:
         return
-    for spec in robot.experiment.drivers:
+    for spec in robot.experiment().drivers:
         if any(verb.name == LEARN_FACE for verb in spec.verbs):
             _learn(robot, spec.name, change.visitor)
 

@@ -9,7 +9,7 @@ from datetime import date
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
 from woz_tui.core.hub import Hub
-from woz_tui.experiment.shape import Call, Engagement, Experiment
+from woz_tui.experiment.shape import Call, Experiment
 from woz_tui.experiment.verbs import ENGAGEMENT
 from woz_tui.session.runner import Origin, Runner
 
@@ -23,28 +23,18 @@ class Robot:
 
     Args:
         hub: Where everything is published.
-        read: Gives the experiment as its file was read last.
+        experiment: As its file was read last.
         is_over: Whether the session has ended.
         today: The day on the calendar.
     """
 
     hub: Hub
-    read: Callable[[], Experiment]
+    experiment: Callable[[], Experiment]
     is_over: Callable[[], bool]
     today: Callable[[], date]
     #: They come later: what the model offers belongs on the bus, too.
     bus: Bus = field(init=False)
     runner: Runner = field(init=False)
-
-    @property
-    def experiment(self) -> Experiment:
-        """As its file was read last."""
-        return self.read()
-
-    @property
-    def engagement(self) -> Engagement | None:
-        """The section of the file."""
-        return self.experiment.engagement
 
     @property
     def is_stopped(self) -> bool:

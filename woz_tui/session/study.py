@@ -8,7 +8,6 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Protocol
 
 from woz_tui.core import messages as m
 from woz_tui.core.hub import Hub
@@ -27,17 +26,6 @@ from woz_tui.timeline.state import SessionState
 BY_HAND = "hand"
 
 
-class SetTrial(Protocol):
-    """Sets participant, condition and trial, each if it is given."""
-
-    def __call__(  # noqa: D102
-        self,
-        participant: str | None = None,
-        condition: str | None = None,
-        trial: int | None = None,
-    ) -> None: ...
-
-
 class LiveStudy:
     """See the module's text.
 
@@ -46,7 +34,7 @@ class LiveStudy:
         state: What holds in the session.
         read: Gives the experiment as its file was read last.
         identity: Gives who takes part, and under which condition.
-        set_trial: Changes that.
+        set_trial: Sets participant, condition and trial; None leaves one as it is.
         logs: The folder with the logs of earlier sessions.
     """
 
@@ -57,7 +45,7 @@ class LiveStudy:
         *,
         read: Callable[[], Experiment],
         identity: Callable[[], Identity],
-        set_trial: SetTrial,
+        set_trial: Callable[[str | None, str | None, int | None], None],
         logs: Path,
     ) -> None:
         self._hub, self._read = hub, read
@@ -224,10 +212,8 @@ class LiveStudy:
             raise AskError("no condition is set", "choose the participant's order first")
         identity = self._identity()
         if (identity.condition, identity.trial) != (condition, number):
-            self._set_trial(
-                condition=condition if condition != identity.condition else None,
-                trial=number,
-            )
+            changed = condition if condition != identity.condition else None
+            self._set_trial(None, changed, number)
         self._end_break("")
         self._hub.publish(m.TrialStarted(trial=number, condition=condition, planned=state.planned))
 

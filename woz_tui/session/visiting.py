@@ -148,12 +148,12 @@ class Visiting:
             self._introduction = None
 
     def _voice(self) -> str:
-        drivers = self._robot.experiment.drivers
+        drivers = self._robot.experiment().drivers
         speaking = (spec.name for spec in drivers for verb in spec.verbs if verb.name == _SAY)
         return next(speaking, "")
 
     def _hears(self) -> bool:
-        return any(SPEECH_TEXT in spec.sensors for spec in self._robot.experiment.drivers)
+        return any(SPEECH_TEXT in spec.sensors for spec in self._robot.experiment().drivers)
 
     def _notice(self, text: str) -> None:
         self._robot.hub.publish(

@@ -16,7 +16,6 @@ class ReplayHelp(HelpDialog):
     """The keys of the replay, then those of the session as they were."""
 
     heading = "Keys of the replay"
-    opened_by = "help"
 
     def lines(self) -> list[Row]:
         """Key and meaning, one a line."""
@@ -34,7 +33,6 @@ class AboutDialog(Report):
 
     heading = "This log"
     hint = "ctrl+q closes"
-    opened_by = "about"
     wide = True
 
     def lines(self) -> list[Row]:

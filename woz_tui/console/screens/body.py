@@ -15,7 +15,6 @@ class BodyDialog(Drawing):
 
     heading = "Body"
     hint = "keys play · tab: the next one · ctrl+q closes"
-    opened_by = "body"
 
     def count(self) -> int:
         """Bodies of the session."""

@@ -43,7 +43,6 @@ class CameraDialog(Dialog):
 
     heading = "Camera"
     hint = "tab next · + - size · enter file · ctrl+q"
-    opened_by = "camera"
     plays = True
     own_keys = frozenset((_NEXT, _BACK, _LARGER, _SMALLER, _TAKE))
 

@@ -1,16 +1,20 @@
-"""A dialog in which one of several lines is chosen."""
+"""Dialogs in which one of several lines is chosen."""
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
+from typing import ClassVar, Generic, TypeVar
 
+from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.widget import Widget
-from textual.widgets import OptionList, Static
+from textual.widgets import Input, OptionList, Static
 from textual.widgets.option_list import Option
 
 from woz_tui.console.cells import Row
-from woz_tui.console.screens.dialog import Dialog, content
+from woz_tui.console.screens.dialog import Dialog, Entry, content
+
+T = TypeVar("T")
 
 
 class Choice(Dialog):
@@ -40,3 +44,88 @@ class Choice(Dialog):
         event.stop()
         self.leave()
         self.chose(event.option_index)
+
+
+class Search(Entry, Generic[T]):
+    """A text field that narrows a list: arrows choose, enter takes. It keeps no draft.
+
+    The list is what the letters say whenever enter comes: Textual's own palette searches beside
+    the keys, so that a quick enter would take a line of the search before.
+    """
+
+    wide = True
+    BINDINGS: ClassVar[list[BindingType]] = [
+        Binding("up", "choose(-1)", priority=True),
+        Binding("down", "choose(1)", priority=True),
+    ]
+
+    def matching(self, typed: str) -> list[T]:
+        """What matches, the best first; everything, if nothing is typed."""
+        raise NotImplementedError
+
+    def line(self, item: T) -> Content:
+        """One of them."""
+        raise NotImplementedError
+
+    def chose(self, item: T | None, typed: str) -> None:
+        """The wizard chose, or nothing matches what is typed; the dialog is closed already."""
+        raise NotImplementedError
+
+    def first(self, typed: str) -> int:
+        """Which one is chosen at first."""
+        return 0
+
+    def on_mount(self) -> None:
+        """All there is."""
+        if self.there:
+            self._search("")
+
+    def closing(self) -> None:
+        """A search is no draft."""
+
+    def below(self) -> Iterable[Widget]:
+        """The list of what matches."""
+        found = OptionList(id="found")
+        found.can_focus = False
+        yield found
+
+    @property
+    def _list(self) -> OptionList:
+        return self.query_one("#found", OptionList)
+
+    def on_input_changed(self, event: Input.Changed) -> None:
+        """Narrow the list."""
+        event.stop()
+        if self.there:
+            self._search(event.value.strip())
+
+    def _search(self, typed: str) -> None:
+        self.shown = self.matching(typed)
+        self._list.clear_options()
+        self._list.add_options([Option(self.line(item)) for item in self.shown])
+        if self.shown:
+            self._list.highlighted = self.first(typed)
+
+    def action_choose(self, by: int) -> None:
+        """Move in the list; the text field keeps the keyboard. Pages end at its ends."""
+        count = len(self.shown)
+        if count:
+            wanted = (self._list.highlighted or 0) + by
+            around = wanted % count if abs(by) == 1 else max(0, min(count - 1, wanted))
+            self._list.highlighted = around
+
+    def on_input_submitted(self, event: Input.Submitted) -> None:
+        """Take what is chosen."""
+        event.stop()
+        self._take(self._list.highlighted)
+
+    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
+        """A click in this list is meant."""
+        event.stop()
+        self._take(event.option_index)
+
+    def _take(self, index: int | None) -> None:
+        chosen = self.shown[index] if index is not None and index < len(self.shown) else None
+        typed = self.entry.value.strip()
+        self.leave()
+        self.chose(chosen, typed)

@@ -6,7 +6,7 @@ is there again when the dialog is opened the next time. ctrl+q closes without st
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, ClassVar, Protocol, cast
 
@@ -23,9 +23,9 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, hung
+from woz_tui.console.keyboard import OwnKey
 from woz_tui.console.thrift import ThriftyScreen
-from woz_tui.core.requests import AnyRequest, Reply
-from woz_tui.experiment.builtins import Builtin
+from woz_tui.core.requests import Reply
 
 if TYPE_CHECKING:
     from woz_tui.console.camera.side import Side
@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from woz_tui.console.desk import Desk
     from woz_tui.console.feed import Feed
     from woz_tui.console.glyphs import Glyphs
-    from woz_tui.console.keyboard import Keyboard, Press
+    from woz_tui.console.keyboard import Keyboard
     from woz_tui.console.look import Look
     from woz_tui.console.picture import Picture
     from woz_tui.core.clock import Clock
@@ -58,39 +58,20 @@ class Hint:
 
 
 @dataclass(frozen=True, slots=True)
-class Command:
+class Command(OwnKey):
     """One thing the console does, beside playing the experiment's actions.
 
-    `run` carries it out; `sends` makes the request that goes out from the thread that reads keys.
-
     Args:
-        keys: As they are without a keymap file; one without a chord is in the palette only. The
-            first gives the command its name and the words of help and palette.
-        verb: Some driver must offer it; empty: no verb is needed.
+        run: Carries it out, where the keyboard does not send a request.
         hint: How the lowest line names it; None: not at all.
         found: Whether the palette lists it.
-        opens: Whether it may open a dialog: keys pressed behind it then wait for the screen.
         users: The roles it serves.
     """
 
-    keys: tuple[Builtin, ...]
     run: Callable[[ConsoleApp], object] | None = None
-    sends: Callable[[Press], AnyRequest] | None = None
-    verb: str = ""
     hint: Hint | None = None
     found: bool = True
-    opens: bool = True
     users: frozenset[str] = WIZARD
-
-    @property
-    def name(self) -> str:
-        """Its id."""
-        return self.keys[0].id
-
-    @property
-    def words(self) -> str:
-        """What it does."""
-        return self.keys[0].description
 
     def serves(self, role: str) -> bool:
         """Whether it does something for this role; one that is not known yet is the wizard's."""
@@ -193,8 +174,8 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
     #: the normal form of keys. Whoever changes them calls the app's `give_keys`.
     plays: ClassVar[bool] = False
     own_keys: frozenset[str] = frozenset()
-    #: Id of the console's key that opens it, and closes it where the robot is played meanwhile.
-    opened_by: ClassVar[str] = ""
+    #: The command that opened it, which closes it where the robot is played meanwhile.
+    opened_by = ""
 
     @property
     def console_app(self) -> ConsoleApp:
@@ -298,6 +279,7 @@ class Entry(Dialog):
     """A dialog with one text field whose text is kept as a draft until it is sent."""
 
     placeholder: ClassVar[str] = ""
+    _back = 0
 
     @property
     def draft(self) -> str:
@@ -334,6 +316,21 @@ class Entry(Dialog):
         """Keep what was typed; a stop may come before there is a field."""
         for entry in self.query("#entry").results(Input):
             self.desk.drafts[self.draft] = entry.value
+
+    @property
+    def history(self) -> Sequence[str]:
+        """What was typed before, the newest last."""
+        return ()
+
+    def action_history(self, by: int) -> None:
+        """Walk through what was typed before; down from the newest is the empty line."""
+        self._back = max(0, min(len(self.history), self._back - by))
+        self.put(self.history[-self._back] if self._back else "")
+
+    def put(self, text: str, caret: int | None = None) -> None:
+        """Put a text into the field; the caret goes to its end."""
+        self.entry.value = text
+        self.entry.cursor_position = len(text) if caret is None else caret
 
     def sent(self) -> None:
         """The text did its work: forget it and close."""

@@ -32,7 +32,6 @@ class EngagementDialog(Drawing):
 
     heading = "Engagement"
     hint = _HINTS[False]
-    opened_by = "engagement"
 
     def __init__(self) -> None:
         super().__init__()

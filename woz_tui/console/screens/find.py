@@ -5,21 +5,17 @@ from __future__ import annotations
 import functools
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
-from typing import ClassVar
+from functools import cached_property
 
 from rich.cells import cell_len
-from textual.binding import Binding, BindingType
 from textual.content import Content
 from textual.fuzzy import Matcher
-from textual.widget import Widget
-from textual.widgets import Input, OptionList
-from textual.widgets.option_list import Option
 
 from woz_tui.console.caps import Cap, caption, key_name
 from woz_tui.console.cells import clean, fit
 from woz_tui.console.engagement.hand import ORDERS, is_offered
 from woz_tui.console.robot.orders import orders_of
-from woz_tui.console.screens.dialog import Entry
+from woz_tui.console.screens.choice import Search
 from woz_tui.console.screens.orders import steer
 from woz_tui.core.requests import AskLock, AskVerb
 
@@ -46,36 +42,18 @@ def _score(matcher: Matcher, typed: str, find: Find) -> float:
     return score or float(typed.casefold() in find.search.casefold()) / 100
 
 
-class FindDialog(Entry):
+class FindDialog(Search[Find]):
     """Type, choose with the arrows, enter plays."""
 
     heading = "Find"
     hint = "enter plays it · arrows choose · ctrl+q closes"
     placeholder = "a few letters of an action, its words or its panel"
-    wide = True
-    BINDINGS: ClassVar[list[BindingType]] = [
-        Binding("up", "choose(-1)", priority=True),
-        Binding("down", "choose(1)", priority=True),
-    ]
 
-    def on_mount(self) -> None:
+    @cached_property
+    def _all(self) -> list[Find]:
         """All there is, in the file's order."""
-        if not self.there:
-            return
-        self.entry.value = ""
-        self._all = [*self._actions(), *self._locks(), *self._orders(), *self._robots()]
-        self._all += self._commands()
-        self._shown = self._all
-        self._search("")
-
-    def closing(self) -> None:
-        """A search is no draft."""
-
-    def below(self) -> Iterable[Widget]:
-        """The list of what matches."""
-        found = OptionList(id="found")
-        found.can_focus = False
-        yield found
+        found = [*self._actions(), *self._locks(), *self._orders(), *self._robots()]
+        return [*found, *self._commands()]
 
     def _actions(self) -> Iterable[Find]:
         for panel in self.picture.panels:
@@ -121,36 +99,23 @@ class FindDialog(Entry):
                 key, words = key_name(app.key_of(name), self.glyphs), command.words
                 yield Find(words, key, "console", functools.partial(app.do, name), words)
 
-    def on_input_changed(self, event: Input.Changed) -> None:
-        """Narrow the list."""
-        event.stop()
-        if self.there:
-            self._search(event.value)
+    def matching(self, typed: str) -> list[Find]:
+        """The best first, in the file's order where they are as good."""
+        if not typed:
+            return self._all
+        matcher = Matcher(typed)
+        scores = [(_score(matcher, typed, find), find) for find in self._all]
+        hits = sorted(scores, key=lambda scored: -scored[0])
+        return [find for score, find in hits if score > 0]
 
-    def _search(self, typed: str) -> None:
-        typed = typed.strip()
-        self._shown = self._all
-        if typed:
-            matcher = Matcher(typed)
-            scored = [
-                (_score(matcher, typed, find), -index, find) for index, find in enumerate(self._all)
-            ]
-            hits = [hit for hit in scored if hit[0] > 0]
-            self._shown = [find for _, _, find in sorted(hits, key=lambda hit: hit[:2])[::-1]]
-        found = self.query_one("#found", OptionList)
-        found.clear_options()
-        found.add_options([Option(self._line(find)) for find in self._shown])
-        if self._shown:
-            found.highlighted = 0
-
-    def _line(self, find: Find) -> Content:
+    def line(self, item: Find) -> Content:
         """On one line; where a help is cut off, the list of keys has it whole."""
         ellipsis = self.glyphs.ellipsis
-        where = clean(find.where)
+        where = clean(item.where)
         room = max(1, self._width() - KEY - LABEL - 2)
         return Content.assemble(
-            fit(find.key, KEY, ellipsis),
-            fit(find.name, LABEL, ellipsis),
+            fit(item.key, KEY, ellipsis),
+            fit(item.name, LABEL, ellipsis),
             "  ",
             (fit(where, min(room, cell_len(where)), ellipsis), "$woz-muted"),
         )
@@ -159,25 +124,7 @@ class FindDialog(Entry):
         """Cells inside the frame and beside a scrollbar; the frame is as wide as the theme says."""
         return min(self.app.size.width * 9 // 10, 100) - 6
 
-    def action_choose(self, by: int) -> None:
-        """Move in the list; the text field keeps the keyboard."""
-        found = self.query_one("#found", OptionList)
-        if self._shown:
-            found.highlighted = ((found.highlighted or 0) + by) % len(self._shown)
-
-    def on_input_submitted(self, event: Input.Submitted) -> None:
-        """Play what is chosen."""
-        event.stop()
-        self._do(self.query_one("#found", OptionList).highlighted)
-
-    def on_option_list_option_selected(self, event: OptionList.OptionSelected) -> None:
-        """A click in this list is meant."""
-        event.stop()
-        self._do(event.option_index)
-
-    def _do(self, index: int | None) -> None:
-        if index is None or index >= len(self._shown):
-            return
-        chosen = self._shown[index]
-        self.leave()
-        chosen.do()
+    def chose(self, item: Find | None, typed: str) -> None:
+        """Play it."""
+        if item is not None:
+            item.do()

@@ -30,7 +30,7 @@ class HelpDialog(Report):
         bound = self.console_app.keymap.builtins
         for command in dict.fromkeys(self.console_app.commands.values()):
             if command.verb in {"", *offered}:
-                note = "" if command.serves(self.picture.role) else "for who plays the robot"
+                note = "" if command.serves(self.picture.role) else "for the wizard"
                 for key in command.keys:
                     if (found := bound.get(key.id)) is not None:
                         rows += self._key(cap_of(found), found.wanted, key.description, note)

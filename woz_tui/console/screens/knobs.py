@@ -16,7 +16,6 @@ class KnobsDialog(Drawing):
 
     heading = "Knobs"
     hint = "keys play · tab: the next panel · ctrl+q closes"
-    opened_by = "knobs"
 
     def count(self) -> int:
         """Panels of the session."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from textual.binding import Binding, BindingType
@@ -65,7 +65,6 @@ class MoveDialog(Entry):
 
     def __init__(self) -> None:
         super().__init__()
-        self._back = 0
         self._player = 0
         self._driver = ""
         self._names: list[str] = []
@@ -123,19 +122,14 @@ class MoveDialog(Entry):
     def action_complete(self) -> None:
         """Take the first name that matches."""
         for name in holding(self.entry.value.strip(), self._names)[:1]:
-            self._put(name)
+            self.put(name)
 
-    def action_history(self, by: int) -> None:
-        """Walk through what was played before; down from the newest is the empty line."""
-        moved = self.desk.moved
-        self._back = max(0, min(len(moved), self._back - by))
-        self._put(moved[-self._back] if self._back else "")
+    @property
+    def history(self) -> Sequence[str]:
+        """What was played before."""
+        return self.desk.moved
 
     def action_robot(self) -> None:
         """Let another robot play."""
         self._player += 1
         self._adopt()
-
-    def _put(self, text: str) -> None:
-        self.entry.value = text
-        self.entry.cursor_position = len(text)

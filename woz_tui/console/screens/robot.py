@@ -43,7 +43,6 @@ class RobotDialog(Drawing):
 
     heading = "Robot"
     hint = "arrows, enter: change · other keys play · tab: next · ctrl+q closes"
-    opened_by = "robot"
 
     def __init__(self) -> None:
         super().__init__()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import ClassVar
 
 from rich.cells import cell_len
@@ -79,7 +79,6 @@ class SayDialog(Entry):
 
     def __init__(self) -> None:
         super().__init__()
-        self._back = 0
         self._voice = 0
         self._utterances: list[str] = []
         self._numbered: Numbered | None = None
@@ -163,7 +162,7 @@ class SayDialog(Entry):
         entry, before = self.entry, self._numbered
         self._numbered = before.goes_on(entry.value) if before is not None else None
         if self._numbered is not None and self._numbered.text != entry.value:
-            self._put(self._numbered.text, self._numbered.caret)
+            self.put(self._numbered.text, self._numbered.caret)
 
     def on_input_submitted(self, event: Input.Submitted) -> None:
         """Say it; an empty line only closes."""
@@ -171,7 +170,8 @@ class SayDialog(Entry):
         text = event.value.strip()
         voices = self._voices()
         if text:
-            self.desk.say(text, voices[self._voice] if len(voices) > 1 else "")
+            key = self.console_app.key_of("say")
+            self.desk.say(text, voices[self._voice] if len(voices) > 1 else "", key)
         self.sent()
 
     def action_complete(self) -> None:
@@ -179,7 +179,7 @@ class SayDialog(Entry):
         begun, _ = self._offers(self.entry.value, self.entry.cursor_position)
         whole, caret = self.completed(self.entry.value, self.entry.cursor_position)
         if whole is not None:
-            self._put(whole, caret)
+            self.put(whole, caret)
             self._numbered = Numbered.put_in(whole, begun, caret) if begun is not None else None
 
     def completed(self, text: str, caret: int) -> tuple[str | None, int]:
@@ -190,11 +190,10 @@ class SayDialog(Entry):
         whole = complete(text, self._utterances, self.picture.variables)
         return whole, len(whole or "")
 
-    def action_history(self, by: int) -> None:
-        """Walk through what was typed before; down from the newest is the empty line."""
-        said = self.desk.said
-        self._back = max(0, min(len(said), self._back - by))
-        self._put(said[-self._back] if self._back else "")
+    @property
+    def history(self) -> Sequence[str]:
+        """What was said before."""
+        return self.desk.said
 
     def action_voice(self) -> None:
         """Let another driver speak."""
@@ -202,7 +201,3 @@ class SayDialog(Entry):
         if voices:
             self._voice = (self._voice + 1) % len(voices)
             self._show_voice()
-
-    def _put(self, text: str, caret: int | None = None) -> None:
-        self.entry.value = text
-        self.entry.cursor_position = len(text) if caret is None else caret

@@ -38,7 +38,6 @@ class TrialDialog(Dialog):
 
     heading = "Trial"
     hint = "its letter or enter does it · ctrl+q closes"
-    opened_by = "trial"
 
     def __init__(self) -> None:
         super().__init__()

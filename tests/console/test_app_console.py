@@ -9,9 +9,9 @@ from textual import events
 
 from tests.console import scenes
 from tests.console.driving import sitting
-from woz_tui.console.app import BEAT
 from woz_tui.console.glyphs import ASCII
 from woz_tui.console.look import Look
+from woz_tui.console.screen_app import BEAT
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.views import ActionView, PanelView
@@ -312,7 +312,7 @@ async def test_what_comes_while_it_ends_is_not_painted() -> None:
         while not ending.done():  # at every turn of the way out
             seat.clock.advance(1.0)
             seat.console._surface.body._laid_out = None  # as if something needed more room now
-            seat.console._beat()
+            seat.console.beat()
             await asyncio.sleep(0)
         await ending
 

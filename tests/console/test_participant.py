@@ -43,13 +43,13 @@ class Seat:
     async def tell(self, *messages: Incoming) -> None:
         await asyncio.to_thread(self.feed.deliver, *messages)
         await self.settle()
-        self.app.look_in()
+        self.app.wake()
         await self.settle()
 
     async def press(self, *keys: str) -> None:
         for key in keys:
             await self.pilot.press(key)
-        self.app.look_in()
+        self.app.wake()
         await self.settle()
 
     def kinds(self) -> set[str]:
@@ -67,7 +67,7 @@ async def seated(
     async with app.run_test(size=size) as pilot:
         seat = Seat(app, feed, pilot, clock)
         await seat.settle()
-        app.look_in()
+        app.wake()
         await seat.settle()
         yield seat
 
@@ -138,7 +138,7 @@ async def test_a_lost_line_keeps_the_answers_and_sends_them_again() -> None:
         await seat.press("6")
         await asyncio.to_thread(seat.feed.cut, "gone")
         await seat.settle()
-        seat.app.look_in()
+        seat.app.wake()
         await seat.settle()
         assert "Just a moment" in seat.drawn()
         del seat.feed.answers[r.AskAnswer]

@@ -197,7 +197,7 @@ async def test_what_hurries_is_painted_less_often() -> None:
             seat.clock.advance(0.1)
             await asyncio.to_thread(seat.feed.tick)
             await seat.settle()
-            seat.console._beat()  # the app's own timer keeps another time than the clock
+            seat.console.beat()  # the app's own timer keeps another time than the clock
             await seat.settle()
             seen.append(seat.text("StopBar"))
         changes = sum(before != after for before, after in itertools.pairwise(seen))

@@ -5,13 +5,11 @@ from __future__ import annotations
 import functools
 import time
 from collections.abc import Callable, Mapping, Sequence
-from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any
 
 from rich.console import RenderableType
 from textual import events
-from textual.app import App, ComposeResult
-from textual.driver import Driver
+from textual.app import ComposeResult
 from textual.screen import Screen
 
 from woz_tui.console.caps import Cap, cap_of, caption, key_name
@@ -19,19 +17,15 @@ from woz_tui.console.cells import Cells
 from woz_tui.console.commands import COMMANDS, by_key, calls, hints
 from woz_tui.console.desk import Desk
 from woz_tui.console.feed import Feed
-from woz_tui.console.glyphs import UNICODE, Frame
-from woz_tui.console.inbox import Inbox
+from woz_tui.console.glyphs import Frame
 from woz_tui.console.keyboard import Press
-from woz_tui.console.look import SIXTEEN, THEMES, Look
-from woz_tui.console.picture import Picture
 from woz_tui.console.robot.steps import ArrowSteps
+from woz_tui.console.screen_app import BEAT, ScreenApp
 from woz_tui.console.screens.dialog import Command, Dialog
 from woz_tui.console.status import Line
 from woz_tui.console.stopbar import Bar, News
 from woz_tui.console.surface import Surface
-from woz_tui.console.text_console import TextConsole
-from woz_tui.console.thrift import ThriftyScreen, tight
-from woz_tui.core.clock import Clock, RealClock
+from woz_tui.console.thrift import tight
 from woz_tui.core.messages import StopPressed
 from woz_tui.core.pictures import PictureShown
 from woz_tui.core.requests import AskRelease, Reply, Welcome
@@ -44,64 +38,43 @@ if TYPE_CHECKING:
     from woz_tui.console.camera.side import Side
     from woz_tui.console.keyboard import Keyboard, OwnKey
 
-#: Seconds between two paintings: ten a second is as much as an eye and a line can use.
-BEAT = 0.1
 #: Seconds a sentence above the hints stays.
 NEWS_S = 8.0
 #: Seconds a pressed key cap stays lit.
 FLASH_S = 0.25
 
 
-class Console(App[str]):
+class Console(ScreenApp):
     """The wizard's screen.
 
     Returns how it was left: `ended`, `detached` or `lost`.
 
     Args:
         feed: Where messages come from and requests go.
-        keyboard: What happens to keys; shared with the terminal's driver.
-        look: Signs and colours for this terminal.
+        keyboard: What happens to keys.
         terminal: What this terminal can send.
         builtins: The console's own keys where the wizard's keymap file has moved them.
         commands: What can be done beside playing actions.
-        clock: Local time.
         restart: Starts the robot process again after it was lost; None if nobody can.
         ask_participant: Whether to ask for participant and condition when a session starts.
         pictures: How a camera's pictures are drawn (`camera.ways.WAYS`).
-        driver_class: Textual's driver; None for its own.
+        options: As for `ScreenApp`.
     """
-
-    CSS_PATH = Path(__file__).parent / "theme" / "woz.tcss"
-    ENABLE_COMMAND_PALETTE = False
-    ESCAPE_TO_MINIMIZE = False
-    BINDINGS: ClassVar = []
 
     def __init__(
         self,
         feed: Feed,
         keyboard: Keyboard,
         *,
-        look: Look | None = None,
         terminal: Terminal = PLAIN,
         builtins: Sequence[Builtin] = (),
         commands: Sequence[Command] = COMMANDS,
-        clock: Clock | None = None,
         restart: Callable[[], None] | None = None,
         ask_participant: bool = False,
         pictures: str = "auto",
-        driver_class: type[Driver] | None = None,
+        **options: Any,
     ) -> None:
-        look = look or Look(UNICODE)
-        # Told at once, so that NO_COLOR leaves no colours at all instead of greys.
-        sixteen = look.theme == SIXTEEN.name or None
-        super().__init__(driver_class=driver_class, ansi_color=sixteen)
-        self.error_console = TextConsole(stderr=True)  # for a crash, whose traceback quotes texts
-        for theme in THEMES:
-            self.register_theme(theme)
-        self.look, self.theme = look, look.theme
-        self.feed, self.keyboard = feed, keyboard
-        self.clock = clock or RealClock()
-        self.picture = Picture()
+        super().__init__(feed, keyboard, **options)
         self.pictures = pictures
         self.side: Side | None = None
         self.terminal = terminal
@@ -121,7 +94,6 @@ class Console(App[str]):
         keyboard.bind({}, self._own_keys())
         self.restart = restart
         self.ask_participant, self._asked_in = ask_participant, ""
-        self._inbox = Inbox(self._wake)
         self._edition = 0
         self._was_lost = False
         self._lost_t = 0
@@ -138,30 +110,16 @@ class Console(App[str]):
         """The main screen."""
         yield from self._surface.compose()
 
-    def get_default_screen(self) -> Screen[object]:
-        """The main screen."""
-        return ThriftyScreen(id="_default")
-
-    def on_mount(self) -> None:
-        """Begin to listen and to paint."""
-        self._inbox.open()
-        self.set_class(self.look.glyphs.ascii, "-ascii")
-        self.set_class(self.no_color, "-plain")
-        self.set_class(self.theme == SIXTEEN.name, "-sixteen")
-        self.keyboard.on_pressed = self._inbox.elsewhere(self._pressed)
-        self.keyboard.on_stale = self._inbox.elsewhere(self._stale)
-        self.keyboard.on_prefix = self._inbox.elsewhere(self._prefix)
+    def begin(self) -> None:
+        """Hear of keys, and lay out the screen."""
+        self.keyboard.on_pressed = self.inbox.elsewhere(self._pressed)
+        self.keyboard.on_stale = self.inbox.elsewhere(self._stale)
+        self.keyboard.on_prefix = self.inbox.elsewhere(self._prefix)
         self._measure()
-        self.set_interval(BEAT, self._beat)
-        self.feed.start(self._inbox.heard, self._inbox.cut)
-
-    def on_unmount(self) -> None:
-        """Nothing comes any more."""
-        self.feed.close()
 
     # -- painting -------------------------------------------------------------------------------
 
-    def _wake(self) -> None:
+    def wake(self) -> None:
         """Paint now if the last painting is a beat ago; otherwise the next beat does."""
         if self.clock.now_us() - self._painted >= self._pace() * 1_000_000:
             self.paint()
@@ -170,13 +128,13 @@ class Console(App[str]):
         """Seconds between two paintings at the least."""
         return BEAT
 
-    def _beat(self) -> None:
+    def beat(self) -> None:
         """Paint if anything has come or moves with time; otherwise once a second."""
         self.keyboard.tick()
         local = self.clock.now_us()
         moving = self._flash_until or self.picture.moves(self.picture.now(local))
         due = moving or self._stop_asked is not None or local - self._painted >= 1_000_000
-        if self._inbox or due:
+        if self.inbox or due:
             self.paint()
 
     def paint(self) -> None:
@@ -194,7 +152,7 @@ class Console(App[str]):
         self._show(self.picture.now(local))
 
     def _take(self, local: int) -> None:
-        for batch in self._inbox.batches():
+        for batch in self.inbox.batches():
             self.picture.take(batch, local)
             for message in batch:
                 if isinstance(message, Reply):
@@ -211,7 +169,7 @@ class Console(App[str]):
         for tiding in self.picture.study.read_tidings():
             right = " or ".join(map(self._with_key, tiding.right))
             self.news(f"{tiding.text}; right: {right}" if right else tiding.text, tiding.look)
-        for why in self._inbox.losses():
+        for why in self.inbox.losses():
             self.picture.lose(why)
             self.desk.forget()
             if not self._was_lost:

@@ -6,32 +6,21 @@ No panel, no log, no sensor is drawn, and no key plays the robot; the stop works
 from __future__ import annotations
 
 from collections.abc import Callable
-from pathlib import Path
-from typing import ClassVar
+from typing import Any
 
 from textual import events
-from textual.app import App, ComposeResult
-from textual.driver import Driver
-from textual.screen import Screen
+from textual.app import ComposeResult
 
 from woz_tui.console.feed import GONE, Feed
-from woz_tui.console.glyphs import UNICODE
-from woz_tui.console.inbox import Inbox
 from woz_tui.console.keyboard import Keyboard
-from woz_tui.console.look import SIXTEEN, THEMES, Look
-from woz_tui.console.picture import Picture
+from woz_tui.console.screen_app import ScreenApp
 from woz_tui.console.study.questions import Asked
 from woz_tui.console.study.sheet import Sheet, Words
-from woz_tui.console.text_console import TextConsole
-from woz_tui.console.thrift import ThriftyScreen
 from woz_tui.core import messages as m
-from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.requests import AnyRequest, AskQuestionnaire, Reply
 from woz_tui.experiment.terminals import STOPS
 from woz_tui.experiment.textual_names import from_textual
 
-#: Seconds between two looks at what has come.
-BEAT = 0.1
 #: Leaves this screen; for whoever has set it up, so it stands nowhere on it.
 LEAVE = "ctrl+q"
 
@@ -47,46 +36,20 @@ _HALTED = "The robot has been stopped."
 _STOPPED: Words = [(_HALTED, "strong"), ("", "plain"), *_WAIT]
 
 
-class Participant(App[str]):
+class Participant(ScreenApp):
     """Returns how it was left: `detached`, or `ended` with the session.
 
     Args:
         feed: Where messages come from and requests go.
         keyboard: Knows the stop; no other key goes past the questionnaire.
         only: Name of the one questionnaire that is shown here; empty: all.
-        look: Signs and colours for this terminal.
-        clock: Local time.
-        driver_class: Textual's driver; None for its own.
+        options: As for `ScreenApp`.
     """
 
-    CSS_PATH = Path(__file__).parent / "theme" / "woz.tcss"
-    ENABLE_COMMAND_PALETTE = False
-    ESCAPE_TO_MINIMIZE = False
-    BINDINGS: ClassVar = []
-
-    def __init__(
-        self,
-        feed: Feed,
-        keyboard: Keyboard,
-        *,
-        only: str = "",
-        look: Look | None = None,
-        clock: Clock | None = None,
-        driver_class: type[Driver] | None = None,
-    ) -> None:
-        look = look or Look(UNICODE)
-        super().__init__(driver_class=driver_class, ansi_color=look.theme == SIXTEEN.name or None)
-        self.error_console = TextConsole(stderr=True)  # for a crash, whose traceback quotes texts
-        for theme in THEMES:
-            self.register_theme(theme)
-        self.look, self.theme = look, look.theme
-        self.feed, self.keyboard = feed, keyboard
-        keyboard.bind({}, {})  # before a key can come: none is bound to anything
+    def __init__(self, feed: Feed, keyboard: Keyboard, *, only: str = "", **options: Any) -> None:
+        super().__init__(feed, keyboard, **options)
         keyboard.free = False
-        self.clock = clock or RealClock()
-        self.picture = Picture()
         self._only = only
-        self._inbox = Inbox(self.look_in)
         self._waiting: dict[int, Callable[[Reply], None]] = {}
         self._thanks = self._begun = False
 
@@ -94,30 +57,13 @@ class Participant(App[str]):
         """The sheet."""
         yield Sheet(self._ask, self.clock.now_us, self.look.glyphs)
 
-    def get_default_screen(self) -> Screen[object]:
-        """One that paints little."""
-        return ThriftyScreen(id="_default")
-
-    def on_mount(self) -> None:
-        """Begin to listen."""
-        self._inbox.open()
-        self.set_class(self.look.glyphs.ascii, "-ascii")
-        self.set_class(self.no_color, "-plain")
-        self.set_class(self.theme == SIXTEEN.name, "-sixteen")
-        self.set_interval(BEAT, self.look_in)
-        self.feed.start(self._inbox.heard, self._inbox.cut)
-
-    def on_unmount(self) -> None:
-        """Nothing comes any more."""
-        self.feed.close()
-
     # -- what comes ---------------------------------------------------------------------------
 
-    def look_in(self) -> None:
+    def wake(self) -> None:
         """Work in what has come and show what is asked; nothing while its parts go."""
-        if not self._inbox or not self.screen_stack or not self.is_running:
+        if not self.inbox or not self.screen_stack or not self.is_running:
             return
-        for batch in self._inbox.batches():
+        for batch in self.inbox.batches():
             self.picture.take(batch, self.clock.now_us())
             for message in batch:
                 if isinstance(message, Reply):
@@ -126,7 +72,7 @@ class Participant(App[str]):
                     self._thanks = message.reason != "left"
                 elif isinstance(message, m.QuestionnaireStarted):
                     self._thanks = False
-        for why in self._inbox.losses():
+        for why in self.inbox.losses():
             self._cut(why)
         if self.picture.ended and self.picture.lost:
             self.exit("ended")

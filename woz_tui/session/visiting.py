@@ -45,7 +45,6 @@ class Visiting:
         self._logs = logs
         self.known = self._acquaintances(store_at(settings.visitors, self._logs))
         self._introduction: Introduction | None = None
-        self._verbs: dict[str, m.Command] = {}
 
     def adopt(self, settings: EngagementSettings) -> None:
         """Other settings count from the next handshake on; another file from now on."""

@@ -7,13 +7,14 @@ from collections import deque
 from collections.abc import Callable
 from typing import Any
 
-from woz_tui.console.app import BEAT, FLASH_S, NEWS_S, Console
+from woz_tui.console.app import FLASH_S, NEWS_S, Console
 from woz_tui.console.caps import cap_of
 from woz_tui.console.feed import Feed, Incoming
 from woz_tui.console.figures import elapsed
 from woz_tui.console.inbox import Inbox
 from woz_tui.console.replay.commands import COMMANDS, ReplayKeyboard
 from woz_tui.console.replay.timeline import TimeBar
+from woz_tui.console.screen_app import BEAT
 from woz_tui.console.surface import Surface
 from woz_tui.core.messages import ActionRequested
 from woz_tui.core.requests import Reply, Welcome
@@ -52,7 +53,7 @@ class ReplayConsole(Console):
 
     def __init__(self, feed: Feed, keyboard: ReplayKeyboard, **options: Any) -> None:
         super().__init__(feed, keyboard, commands=COMMANDS, **options)
-        self._inbox: _Inbox = _Inbox(self._wake)
+        self.inbox: _Inbox = _Inbox(self.wake)
         self._surface = Surface(bar=TimeBar())
         self._panels = self._surface.panels
         self._said_until = 0
@@ -62,23 +63,23 @@ class ReplayConsole(Console):
         """The faster it goes, the more of the screen a painting changes: a slow line gets fewer."""
         return next(beats for rate, beats in PACES if self.picture.rate <= rate) * BEAT
 
-    def _beat(self) -> None:
+    def beat(self) -> None:
         """As in a session; what hurries is painted as often as it may be."""
         pace = self._pace()
         since = self.clock.now_us() - self._painted
         if pace > BEAT and since < (pace - BEAT / 2) * 1_000_000:
             self.keyboard.tick()
             return
-        super()._beat()
+        super().beat()
         if self.picture.rate > 1:
-            self._wake()
+            self.wake()
 
     def _take(self, local: int) -> None:
         super()._take(local)
         if self._news_until == 1:  # a stop of then; what the viewer is told stays
             self._news_until = self._said_until
-        while self._inbox.played:
-            action = self._inbox.played.popleft()
+        while self.inbox.played:
+            action = self.inbox.played.popleft()
             self._panels.turn_to(self.picture, action)
             self._panels.press(action)
             self._flash_until = local + round(FLASH_S * 1_000_000)

@@ -1,0 +1,91 @@
+"""What the wizard's and the participant's screens are both made of."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import ClassVar
+
+from textual.app import App
+from textual.driver import Driver
+from textual.screen import Screen
+
+from woz_tui.console.feed import Feed
+from woz_tui.console.glyphs import UNICODE
+from woz_tui.console.inbox import Inbox
+from woz_tui.console.keyboard import Keyboard
+from woz_tui.console.look import SIXTEEN, THEMES, Look
+from woz_tui.console.picture import Picture
+from woz_tui.console.text_console import TextConsole
+from woz_tui.console.thrift import ThriftyScreen
+from woz_tui.core.clock import Clock, RealClock
+
+#: Seconds between two paintings: ten a second is as much as an eye and a line can use.
+BEAT = 0.1
+
+
+class ScreenApp(App[str]):
+    """An app that shows what a feed brings.
+
+    Args:
+        feed: Where messages come from and requests go.
+        keyboard: What happens to keys; shared with the terminal's driver.
+        look: Signs and colours for this terminal.
+        clock: Local time.
+        driver_class: Textual's driver; None for its own.
+    """
+
+    CSS_PATH = Path(__file__).parent / "theme" / "woz.tcss"
+    ENABLE_COMMAND_PALETTE = False
+    ESCAPE_TO_MINIMIZE = False
+    BINDINGS: ClassVar = []
+
+    def __init__(
+        self,
+        feed: Feed,
+        keyboard: Keyboard,
+        *,
+        look: Look | None = None,
+        clock: Clock | None = None,
+        driver_class: type[Driver] | None = None,
+    ) -> None:
+        look = look or Look(UNICODE)
+        # Told at once, so that NO_COLOR leaves no colours at all instead of greys.
+        sixteen = look.theme == SIXTEEN.name or None
+        super().__init__(driver_class=driver_class, ansi_color=sixteen)
+        self.error_console = TextConsole(stderr=True)  # for a crash, whose traceback quotes texts
+        for theme in THEMES:
+            self.register_theme(theme)
+        self.look, self.theme = look, look.theme
+        self.feed, self.keyboard = feed, keyboard
+        self.clock = clock or RealClock()
+        self.picture = Picture()
+        self.inbox = Inbox(self.wake)
+
+    def get_default_screen(self) -> Screen[object]:
+        """One that paints little."""
+        return ThriftyScreen(id="_default")
+
+    def on_mount(self) -> None:
+        """Begin to listen and to paint."""
+        self.inbox.open()
+        self.set_class(self.look.glyphs.ascii, "-ascii")
+        self.set_class(self.no_color, "-plain")
+        self.set_class(self.theme == SIXTEEN.name, "-sixteen")
+        self.begin()
+        self.set_interval(BEAT, self.beat)
+        self.feed.start(self.inbox.heard, self.inbox.cut)
+
+    def on_unmount(self) -> None:
+        """Nothing comes any more."""
+        self.feed.close()
+
+    def begin(self) -> None:
+        """What is to be done before anything is heard."""
+
+    def wake(self) -> None:
+        """Something has come after a silence."""
+        raise NotImplementedError
+
+    def beat(self) -> None:
+        """A beat has passed since the last."""
+        self.wake()

@@ -15,8 +15,6 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from woz_tui.console.replay.keys import ReplayKeyboard
-
 from docs import demo_session
 from tests.console import bodies, scenes, studied
 from tests.console.scripted import ScriptedFeed
@@ -26,6 +24,7 @@ from woz_tui.console.glyphs import ASCII, UNICODE
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.look import Look
 from woz_tui.console.replay.app import ReplayConsole
+from woz_tui.console.replay.commands import ReplayKeyboard
 from woz_tui.core import messages as m
 from woz_tui.core.clock import ManualClock
 from woz_tui.core.requests import AnyRequest, Welcome

@@ -8,7 +8,8 @@ from collections.abc import Callable, Mapping
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.body_joints import checked, limb, native
 from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers
+from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, read_back
+from woz_drivers.pepper.robot_settings import SETTINGS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import positive, text
 from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
@@ -17,6 +18,7 @@ from woz_tui.core.messages import Json
 
 MOTION, POSTURE = "ALMotion", "ALRobotPosture"
 LANE = "body"
+POSTURES = ", ".join(SETTINGS["posture"].choices)
 #: Below this a joint is slack and would not follow; what `wakeUp` gives it.
 SLACK, STIFF = 0.1, 1.0
 #: Share of the full speed at which a posture is taken; `home` in one second goes at the default.
@@ -44,7 +46,7 @@ class Body(Part):
             Verb(
                 "posture",
                 "take a posture of the robot",
-                (Argument("name", "text", "Stand, StandInit, StandZero, Crouch", True), speed),
+                (Argument("name", "text", POSTURES, True), speed),
                 lane=LANE,
                 limit_s=60.0,
             ),
@@ -59,7 +61,7 @@ class Body(Part):
             Verb(
                 "torque",
                 "wake up, or go to rest and switch the motors off",
-                (Argument("on", "flag", "motors on", required=True),),
+                (SETTINGS["awake"].taken(required=True),),
                 lane=LANE,
                 limit_s=60.0,
             ),
@@ -85,7 +87,7 @@ class Body(Part):
     async def take(self, posture: str, speed: float) -> dict[str, Json]:
         """Go to a posture. Raises `DriverError` if the robot did not get there."""
         if not posture.strip():
-            raise Rejected("no posture was named", "Stand, StandInit, StandZero or Crouch")
+            raise Rejected("no posture was named", POSTURES)
         reached = await self._moving(
             self._robot.call(POSTURE, "goToPosture", posture, speed, within=LONG_S),
             lambda: self._robot.call(POSTURE, "stopMove"),
@@ -113,18 +115,7 @@ class Body(Part):
 
     async def read(self) -> Mapping[str, Json]:
         """Whether the motors are on, and in which posture it is."""
-        ask = self._robot.ask
-        said = await answers(
-            {
-                "awake": ask(MOTION, "robotIsWakeUp"),
-                "posture": ask(POSTURE, "getPosture"),
-            }
-        )
-        told = {
-            "awake": memory.flag(said.get("awake")),
-            "posture": memory.word(said.get("posture")),
-        }
-        return {name: value for name, value in told.items() if value is not None}
+        return await read_back(self._robot, of_section("Robot"))
 
     async def close(self) -> None:
         """End what is on its way."""

@@ -10,7 +10,6 @@ from collections.abc import Mapping, Sequence
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.conflicts import Uses, conflicts
 from woz_drivers.pepper.connection import Connection
-from woz_drivers.pepper.outline import lines
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.wanted import Wanted
@@ -39,7 +38,7 @@ class Reading:
         self._connection = connection
         self._parts = parts
         self._outlet = outlet
-        self._wanted = Wanted(settings, lines(settings))
+        self._wanted = Wanted(settings)
         self._names = _names(settings)
         self._uses = Uses(outlet.clock)
         self._soon = asyncio.Event()

@@ -14,6 +14,7 @@ from collections.abc import Mapping
 from woz_drivers.pepper.eyes_color import BLACK, WHITE, Color
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
+from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import color as color_of
 from woz_drivers.simulated.values import number, positive, word
@@ -62,7 +63,7 @@ class Eyes(Part):
                 "eyes",
                 "colour the eyes",
                 (
-                    Argument("color", "text", "a name or #rrggbb; off", required=True),
+                    SETTINGS["eyes"].taken(required=True),
                     Argument(
                         "animation",
                         "choice",
@@ -89,7 +90,7 @@ class Eyes(Part):
             Verb(
                 "eyes_brightness",
                 "dim the eyes",
-                (Argument("level", "number", "0 dark, 1 full", True, None, Range(0, 1)),),
+                (SETTINGS["eyes_brightness"].taken(required=True),),
                 lane=LANE,
                 limit_s=5.0,
                 brief=True,

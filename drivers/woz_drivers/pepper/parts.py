@@ -126,17 +126,6 @@ class Part:
         """Let go: end tasks, close files, unsubscribe. Never raises."""
 
 
-#: Read back for the screen; the names of `SettingsShown.values` (`docs/pepper.md`).
-SETTINGS = (
-    *("robot", "state", "awake", "posture", "battery"),
-    *("awareness", "engagement", "blinking", "listening_movement", "speaking_movement"),
-    *("head_breathing", "arms_breathing", "body_breathing", "legs_breathing"),
-    *("tangential", "orthogonal"),
-    *("volume", "speech_speed", "speech_pitch"),
-    *("eyes", "eyes_brightness", "tablet", "sound", "microphones"),
-)
-
-
 async def together(*calls: Any) -> list[Any]:
     """All at once; the first failure is raised when all have ended."""
     done = await asyncio.gather(*calls, return_exceptions=True)

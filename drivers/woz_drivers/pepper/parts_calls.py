@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Coroutine, Mapping
+from collections.abc import Callable, Coroutine, Iterable, Mapping
 from typing import Any
 
-from woz_drivers.pepper.parts import WITHIN_S
+from woz_drivers.pepper import memory
+from woz_drivers.pepper.parts import WITHIN_S, Robot
+from woz_drivers.pepper.robot_settings import RobotSetting
 from woz_tui.core.driver import DriverError, Lost, Outlet
+from woz_tui.core.messages import Json
 
 #: For calls that end when something has ended on the robot: longer than any of that takes. A robot
 #: that falls silent meanwhile is noticed by the connection.
@@ -34,6 +37,33 @@ async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
     if not found and said and all(isinstance(answer, Lost) for answer in said):
         raise Lost(str(said[0]))
     return found
+
+
+async def read_back(robot: Robot, settings: Iterable[RobotSetting]) -> dict[str, Json]:
+    """These settings as the robot has them, by name; what makes no sense is left out."""
+    asked = {one.name: one for one in settings if one.get}
+    said = await answers({name: robot.ask(*one.get) for name, one in asked.items()})
+    understood = {name: _UNDERSTOOD[asked[name].kind](value) for name, value in said.items()}
+    return {name: value for name, value in understood.items() if value is not None}
+
+
+def put(robot: Robot, setting: RobotSetting, value: Json) -> Call:
+    """Set it on the robot."""
+    if setting.kind == "number":
+        value = float(str(value))
+    return robot.call(*setting.put, value, within=setting.within)
+
+
+def _number(value: Any) -> float | None:
+    found = memory.number(value)
+    return None if found is None else round(found, 3)
+
+
+_UNDERSTOOD: Mapping[str, Callable[[Any], Json]] = {
+    "flag": memory.flag,
+    "number": _number,
+    "choice": memory.word,
+}
 
 
 async def apply(outlet: Outlet, calls: Mapping[str, Call]) -> list[str]:

@@ -2,40 +2,41 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from dataclasses import dataclass, field
+from operator import attrgetter
 from typing import Annotated
 
 from woz_drivers.pepper.address import parse, seen
+from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting
 from woz_drivers.simulated.values import color
 from woz_tui.core.driver import Rejected
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
+from woz_tui.core.messages import Json
 
 #: What a file may name as its client from the time when there were two.
 CLIENTS = ("auto", "qi", "own")
-STATES = ("", "solitary", "interactive", "safeguard", "disabled")
-ENGAGEMENT_MODES = ("", "Unengaged", "FullyEngaged", "SemiEngaged")
 
 
 @dataclass(frozen=True, slots=True)
 class Autonomy:
     """What the robot does by itself. What is not named is left as the robot has it."""
 
-    state: Annotated[str, OneOf(STATES), Doc("autonomous life")] = ""
-    awareness: Annotated[bool | None, Doc("turns to people and sounds")] = None
-    engagement: Annotated[str, OneOf(ENGAGEMENT_MODES), Doc("how steadfast awareness is")] = ""
-    blinking: Annotated[bool | None, Doc("blinks")] = None
-    listening_movement: Annotated[bool | None, Doc("moves slightly while it listens")] = None
-    speaking_movement: Annotated[bool | None, Doc("moves while it speaks")] = None
-    head_breathing: Annotated[bool | None, Doc("the head breathes")] = None
-    arms_breathing: Annotated[bool | None, Doc("the arms breathe")] = None
-    body_breathing: Annotated[bool | None, Doc("the whole body breathes")] = None
-    legs_breathing: Annotated[bool | None, Doc("the leg breathes")] = None
+    state: Annotated[str, SETTINGS["state"].one_of, SETTINGS["state"].doc] = ""
+    awareness: Annotated[bool | None, SETTINGS["awareness"].doc] = None
+    engagement: Annotated[str, SETTINGS["engagement"].one_of, SETTINGS["engagement"].doc] = ""
+    blinking: Annotated[bool | None, SETTINGS["blinking"].doc] = None
+    listening_movement: Annotated[bool | None, SETTINGS["listening_movement"].doc] = None
+    speaking_movement: Annotated[bool | None, SETTINGS["speaking_movement"].doc] = None
+    head_breathing: Annotated[bool | None, SETTINGS["head_breathing"].doc] = None
+    arms_breathing: Annotated[bool | None, SETTINGS["arms_breathing"].doc] = None
+    body_breathing: Annotated[bool | None, SETTINGS["body_breathing"].doc] = None
+    legs_breathing: Annotated[bool | None, SETTINGS["legs_breathing"].doc] = None
     tangential: Annotated[
-        float | None, Range(0.0, 5.0, "m"), Doc("distance kept from what it drives along")
+        float | None, SETTINGS["tangential"].range, SETTINGS["tangential"].doc
     ] = None
     orthogonal: Annotated[
-        float | None, Range(0.0, 5.0, "m"), Doc("distance kept from what it drives towards")
+        float | None, SETTINGS["orthogonal"].range, SETTINGS["orthogonal"].doc
     ] = None
 
 
@@ -43,9 +44,13 @@ class Autonomy:
 class Voice:
     """How it speaks. What is not named is left as the robot has it."""
 
-    volume: Annotated[float | None, Range(0, 1), Doc("of speech")] = None
-    speed: Annotated[float | None, Range(50, 400, "%"), Doc("100 is normal")] = None
-    pitch: Annotated[float | None, Range(0, 4), Doc("0: its own; 1 to 4 times that")] = None
+    volume: Annotated[float | None, SETTINGS["volume"].range, SETTINGS["volume"].doc] = None
+    speed: Annotated[float | None, SETTINGS["speech_speed"].range, SETTINGS["speech_speed"].doc] = (
+        None
+    )
+    pitch: Annotated[float | None, SETTINGS["speech_pitch"].range, SETTINGS["speech_pitch"].doc] = (
+        None
+    )
 
 
 @dataclass(frozen=True, slots=True)
@@ -136,6 +141,15 @@ class PepperSettings(Section):
                 found.append(("eyes", f"{error.what}; {error.remedy}"))
         if self.voice.pitch is not None and 0 < self.voice.pitch < 1:
             found.append(("voice.pitch", "is 0 for its own voice, or 1 to 4 times that"))
+        return found
+
+    def asked(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:
+        """What the file asks for of these, by name; the rest is left as the robot has it."""
+        found: dict[str, Json] = {}
+        for one in settings:
+            value = attrgetter(one.file)(self) if one.file else None
+            if value not in (None, ""):
+                found[one.name] = value
         return found
 
     def warnings(self) -> list[tuple[str, str]]:

@@ -10,22 +10,18 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 
-from woz_drivers.pepper import memory, speech_text
+from woz_drivers.pepper import speech_text
 from woz_drivers.pepper.parts import Part, Robot
-from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, answers, apply
+from woz_drivers.pepper.parts_calls import LONG_S, Endings, apply, put, read_back
+from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems
 from woz_drivers.simulated.values import number, text
 from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb
-from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
-TTS = "ALTextToSpeech"
 LANE, SETTINGS_LANE = "voice", "voice-settings"
-VOLUME, SPEED, PITCH = Range(0, 1), Range(50, 400, "%"), Range(0, 4)
-#: NAOqi's names of its parameters.
-_PARAMETERS = {"speech_speed": "speed", "speech_pitch": "pitchShift"}
-_NAMES = ("volume", *_PARAMETERS)
+SOUNDS = tuple(of_section("Voice"))
 
 
 class Voice(Part):
@@ -35,12 +31,8 @@ class Voice(Part):
 
     def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
         super().__init__(robot, settings, outlet)
-        voice = settings.voice
         #: Asked for last, by the robot file or by a command: set again after a loss.
-        self._asked: dict[str, float] = {}
-        for name, value in zip(_NAMES, (voice.volume, voice.speed, voice.pitch), strict=True):
-            if value is not None:
-                self._asked[name] = float(value)
+        self._asked = settings.asked(SOUNDS)
         self._endings = Endings()
         #: In per cent, as last read; only the expected duration depends on it.
         self._speed = settings.voice.speed or 100.0
@@ -67,9 +59,15 @@ class Voice(Part):
                 lane=LANE,
                 limit_s=3600.0,
             ),
-            _setting("volume", "level", "how loud it speaks, 0 to 1", VOLUME),
-            _setting("speech_speed", "percent", "how fast it speaks, 100 is normal", SPEED),
-            _setting("speech_pitch", "pitch", "0: its own voice; 1 to 4 times that", PITCH),
+            *(
+                Verb(
+                    *(one.verb, f"set {one.what}", (one.taken(required=True),)),
+                    lane=SETTINGS_LANE,
+                    limit_s=5.0,
+                    brief=True,
+                )
+                for one in SOUNDS
+            ),
         )
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -79,16 +77,7 @@ class Voice(Part):
                 return await self._say(job)
             case "read":
                 return await self._read(job)
-            case "volume":
-                return await self._set(job, "level", VOLUME)
-            case "speech_speed":
-                return await self._set(job, "percent", SPEED)
-            case "speech_pitch":
-                pitch = _inside(job, "pitch", PITCH)
-                if 0 < pitch < 1:
-                    raise Rejected(f"there is no pitch {pitch:g}", "0 is its own, 1 to 4 shift it")
-                return await self._set(job, "pitch", PITCH)
-        raise Rejected(f"the voice cannot {job.verb!r}")
+        return await self._set(job)
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Fall silent."""
@@ -101,24 +90,20 @@ class Voice(Part):
         """Apply what the robot file says of the voice, or the wizard since."""
         await apply(
             self._outlet,
-            {name.replace("_", " "): self._call(name, to) for name, to in self._asked.items()},
+            {
+                name.replace("_", " "): put(self._robot, SETTINGS[name], to)
+                for name, to in self._asked.items()
+            },
         )
 
     async def read(self) -> Mapping[str, Json]:
         """Volume (0 to 1), speed (per cent) and pitch as the robot has them."""
-        ask, before = self._robot.ask, self._speed
-        values = await answers(
-            {
-                "volume": ask(TTS, "getVolume"),
-                "speech_speed": ask(TTS, "getParameter", "speed"),
-                "speech_pitch": ask(TTS, "getParameter", "pitchShift"),
-            }
-        )
-        told = {name: memory.number(value) for name, value in values.items()}
-        read = {name: round(value, 3) for name, value in told.items() if value is not None}
-        if self._speed == before and SPEED.contains(read.get("speech_speed", 0.0)):
-            self._speed = read["speech_speed"]  # else it was set while the robot was asked
-        return dict(read)
+        before = self._speed
+        read = await read_back(self._robot, SOUNDS)
+        speed, allowed = read.get("speech_speed"), SETTINGS["speech_speed"].range
+        if self._speed == before and isinstance(speed, float) and allowed.contains(speed):
+            self._speed = speed  # else it was set while the robot was asked
+        return read
 
     async def close(self) -> None:
         """End what is on its way."""
@@ -167,27 +152,17 @@ class Voice(Part):
             remedy = "correct the tag in the text"
             self._outlet.notice("warning", problem, remedy, tells=("request",))
 
-    async def _set(self, job: Job, argument: str, allowed: Range) -> dict[str, Json]:
-        value = _inside(job, argument, allowed)
-        await self._call(job.verb, value)
-        self._asked[job.verb] = value
-        if job.verb == "speech_speed":
+    async def _set(self, job: Job) -> dict[str, Json]:
+        setting = SETTINGS.get(job.verb)
+        if setting not in SOUNDS or setting is None:
+            raise Rejected(f"the voice cannot {job.verb!r}")
+        value = number(job.args, setting.argument)
+        if not setting.range.contains(value):
+            raise Rejected(f"{job.verb} takes {setting.range}, not {value:g}")
+        if setting.name == "speech_pitch" and 0 < value < 1:
+            raise Rejected(f"there is no pitch {value:g}", "0 is its own, 1 to 4 shift it")
+        await put(self._robot, setting, value)
+        self._asked[setting.name] = value
+        if setting.name == "speech_speed":
             self._speed = value
-        return {argument: value}
-
-    def _call(self, name: str, value: float) -> Call:
-        if name == "volume":
-            return self._robot.call(TTS, "setVolume", value)
-        return self._robot.call(TTS, "setParameter", _PARAMETERS[name], value)
-
-
-def _setting(verb: str, argument: str, summary: str, allowed: Range) -> Verb:
-    takes = (Argument(argument, "number", summary, required=True, range=allowed),)
-    return Verb(verb, f"set {summary}", takes, lane=SETTINGS_LANE, limit_s=5.0, brief=True)
-
-
-def _inside(job: Job, argument: str, allowed: Range) -> float:
-    value = number(job.args, argument)
-    if not allowed.contains(value):
-        raise Rejected(f"{job.verb} takes {allowed}, not {value:g}")
-    return value
+        return {setting.argument: value}

@@ -2,16 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 
-from woz_drivers.pepper.autonomy import asked_for
-from woz_drivers.pepper.autonomy_settings import CHAINS
 from woz_drivers.pepper.eyes_color import Color
+from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import color as color_of
 from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
-from woz_tui.core.robots import Setting
 
 #: Two numbers closer than this are the same: NAOqi counts in single precision.
 CLOSE = 0.006
@@ -21,17 +19,20 @@ FLEETING = frozenset(("eyes", "eyes_brightness"))
 #: posture, and what the tablet shows has another name there.
 NEVER = frozenset(("robot", "posture", "tablet", "sound", "microphones"))
 #: Breathing of the whole body, and what is set behind it for parts of it.
-WHOLE, *PARTS = CHAINS
+WHOLE = "body_breathing"
+PARTS = ("head_breathing", "arms_breathing", "legs_breathing")
 
 
 class Wanted:
     """By name what was asked for: by the robot file, or by a command since."""
 
-    def __init__(self, settings: PepperSettings, lines: Iterable[Setting]) -> None:
+    def __init__(self, settings: PepperSettings) -> None:
         self._by_argument = {
-            (line.verb, line.argument): line for line in lines if line.name not in NEVER
+            (one.verb, one.argument): one for one in SETTINGS.values() if one.name not in NEVER
         }
-        self._asked = _of_file(settings)
+        self._asked = settings.asked(SETTINGS.values())
+        if "eyes" in self._asked:
+            self._asked["eyes"] = _color(settings.eyes)
         self._doubted: frozenset[str] = frozenset()
 
     @property
@@ -66,15 +67,6 @@ class Wanted:
         }
         self._doubted = doubted
         return told
-
-
-def _of_file(settings: PepperSettings) -> dict[str, Json]:
-    """What the robot file asks for."""
-    voice = settings.voice
-    asked = asked_for(settings.autonomy)
-    asked |= {"volume": voice.volume, "speech_speed": voice.speed, "speech_pitch": voice.pitch}
-    asked["eyes"] = _color(settings.eyes) if settings.eyes else None
-    return {name: value for name, value in asked.items() if value is not None}
 
 
 def _color(value: Json) -> Json:

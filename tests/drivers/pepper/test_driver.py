@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.pepper import Pepper
-from woz_drivers.pepper.parts import SETTINGS
+from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import Autonomy as AutonomySettings
 from woz_drivers.pepper.settings import PepperSettings, Voice
 

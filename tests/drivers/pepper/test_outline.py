@@ -13,7 +13,7 @@ from woz_drivers.pepper import body_joints, outline, speech_text
 from woz_drivers.pepper.animations_known import MOVES, path_of
 from woz_drivers.pepper.conflicts import conflicts
 from woz_drivers.pepper.eyes_color import Color
-from woz_drivers.pepper.parts import SETTINGS
+from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import Autonomy, PepperSettings, Voice
 from woz_drivers.pepper.wanted import Wanted
 
@@ -26,7 +26,7 @@ DEGREES = st.floats(-400, 400)
 
 
 def wanted(settings: PepperSettings = ONE) -> Wanted:
-    return Wanted(settings, outline.lines(settings))
+    return Wanted(settings)
 
 
 # -- the outline ---------------------------------------------------------------------------------

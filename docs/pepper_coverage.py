@@ -1,26 +1,40 @@
-"""Which test shows which call of NAOqi and which key of a WoZ4U file: the tables of
-`docs/pepper.md`, written by `python -m docs.pepper_coverage`; a test keeps them fresh.
+"""Which test shows which call of NAOqi and which key of a WoZ4U file, and the robot's settings: the
+tables of `docs/pepper.md`, written by `python -m docs.pepper_coverage`; a test keeps them fresh.
 
 Tests bear `@pytest.mark.naoqi("ALMotion.moveTo")` and `@pytest.mark.woz4u("pepper_ips")`.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from pathlib import Path
+
+from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting
 
 from docs import marked
 
 PAGE = Path(__file__).parent / "pepper.md"
 BEGIN, END = "<!-- {}: begin -->", "<!-- {}: end -->"
 
+
+def _of_settings() -> dict[str, str]:
+    """The calls that read and set the robot's settings."""
+    verbs = Counter(one.verb for one in SETTINGS.values())
+    reached: dict[str, list[str]] = {}
+    for one in SETTINGS.values():
+        shared = verbs[one.verb] > 1
+        verb = f"`{one.verb}: {{{one.argument}: ...}}`" if shared else f"`{one.verb}`"
+        for call, how in ((one.put, verb), (one.get, f"setting `{one.name}`")):
+            if call:
+                reached.setdefault(".".join(call[:2]), []).append(how)
+    return {call: ", ".join(ways) for call, ways in reached.items()}
+
+
 #: Every call of the robot's own software that a wizard of a Pepper needs, and how it is reached.
 CALLS: dict[str, str] = {
+    **_of_settings(),
     "ALTextToSpeech.say": "`say` with `plain: true`, `read`",
     "ALTextToSpeech.stopAll": "the stop, a `say` cut short",
-    "ALTextToSpeech.setVolume": "`volume`",
-    "ALTextToSpeech.getVolume": "setting `volume`",
-    "ALTextToSpeech.setParameter": "`speech_speed`, `speech_pitch`",
-    "ALTextToSpeech.getParameter": "settings `speech_speed`, `speech_pitch`",
     "ALTextToSpeech/TextDone": "`naoqi: ALMemory.getData`; a `say` ends with its own call",
     "ALAnimatedSpeech.say": "`say`, `read`",
     "tag.vct": "`say`",
@@ -33,33 +47,14 @@ CALLS: dict[str, str] = {
     "tag.stop": "`say`",
     "tag.wait": "`say`",
     "ALAnimationPlayer.run": "`play`",
-    "ALAutonomousLife.setState": "`autonomy: {state: ...}`",
-    "ALAutonomousLife.getState": "setting `state`",
-    "ALBasicAwareness.setEnabled": "`autonomy: {awareness: ...}`",
-    "ALBasicAwareness.isEnabled": "setting `awareness`",
-    "ALBasicAwareness.setEngagementMode": "`autonomy: {engagement: ...}`",
-    "ALBasicAwareness.getEngagementMode": "setting `engagement`",
-    "ALAutonomousBlinking.setEnabled": "`autonomy: {blinking: ...}`",
-    "ALAutonomousBlinking.isEnabled": "setting `blinking`",
-    "ALListeningMovement.setEnabled": "`autonomy: {listening_movement: ...}`",
-    "ALListeningMovement.isEnabled": "setting `listening_movement`",
-    "ALSpeakingMovement.setEnabled": "`autonomy: {speaking_movement: ...}`",
-    "ALSpeakingMovement.isEnabled": "setting `speaking_movement`",
     "ALMotion.wakeUp": "`torque: on`",
     "ALMotion.rest": "`torque: off`, the end of a session",
-    "ALMotion.robotIsWakeUp": "setting `awake`",
     "ALMotion.moveTo": "`drive`",
     "ALMotion.stopMove": "a `drive` cut short, the stop",
     "ALMotion.killAll": "the stop",
     "ALMotion.getRobotVelocity": "the stop: whether it stands",
     "ALMotion.setStiffnesses": "`gaze`, `nudge`, `hip`, `pose`",
     "ALMotion.angleInterpolation": "`pose`",
-    "ALMotion.setBreathEnabled": "`autonomy: {head_breathing: ...}` and the other chains",
-    "ALMotion.getBreathEnabled": "settings `head_breathing` ...",
-    "ALMotion.setTangentialSecurityDistance": "`collision: {tangential: ...}`",
-    "ALMotion.getTangentialSecurityDistance": "setting `tangential`",
-    "ALMotion.setOrthogonalSecurityDistance": "`collision: {orthogonal: ...}`",
-    "ALMotion.getOrthogonalSecurityDistance": "setting `orthogonal`",
     "ALRobotPosture.goToPosture": "`posture`, `home`",
     "ALTabletService.showWebview": "`screen`",
     "ALTabletService.hideWebview": "`tablet: hide`",
@@ -181,13 +176,14 @@ def unknown(table: str) -> list[str]:
 
 
 def page(text: str) -> str:
-    """The page `text` with both tables as they are now."""
-    for name in TABLES:
+    """The page `text` with all tables as they are now."""
+    tables = {**{name: _table(name) for name in TABLES}, "settings": _settings()}
+    for name, table in tables.items():
         before, begin, rest = text.partition(BEGIN.format(name))
         _, end, after = rest.partition(END.format(name))
         if not end:
             raise ValueError(f"{PAGE} has no place for the table of {name}")
-        text = f"{before}{begin}\n{_table(name)}\n{end}{after}"
+        text = f"{before}{begin}\n{table}\n{end}{after}"
     return text
 
 
@@ -199,6 +195,29 @@ def _table(name: str) -> str:
         for row, reached in rows.items()
     ]
     return "\n".join([f"| {first} | {second} | tests |", "|---|---|---|", *lines])
+
+
+def _settings() -> str:
+    rows = [
+        f"| `{one.name}` | {one.what} | {_values(one)} | {_code(one.verb)} | {_code(one.file)} |"
+        for one in SETTINGS.values()
+    ]
+    head = "| setting | | values | verb | in the robot file |"
+    return "\n".join([head, "|---|---|---|---|---|", *rows])
+
+
+def _values(setting: RobotSetting) -> str:
+    match setting.kind:
+        case "flag":
+            return "on, off"
+        case "number":
+            return str(setting.range)
+        case _:
+            return ", ".join(map(_code, setting.choices))
+
+
+def _code(text: str) -> str:
+    return f"`{text}`" if text else ""
 
 
 if __name__ == "__main__":

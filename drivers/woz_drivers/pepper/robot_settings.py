@@ -130,7 +130,7 @@ _TABLE = (
         get=("ALRobotPosture", "getPosture"),
         choices=("Stand", "StandInit", "StandZero", "Crouch"),
     ),
-    RobotSetting("Robot", "battery", "number", "charge, 0 to 1"),
+    RobotSetting("Robot", "battery", "number", "charge"),
     # Set in this order: the state switches most of those behind it by itself, breathing of the
     # whole body that of its parts.
     _life(
@@ -173,7 +173,7 @@ _TABLE = (
         )
     ),
     RobotSetting(
-        *("Voice", "volume", "number", "how loud it speaks, 0 to 1", "volume", "level"),
+        *("Voice", "volume", "number", "how loud it speaks", "volume", "level"),
         *("voice.volume", (TTS, "getVolume"), (TTS, "setVolume")),
         step=0.05,
     ),

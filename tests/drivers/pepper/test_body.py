@@ -63,7 +63,7 @@ async def test_a_cancelled_animation_ends_on_the_robot_and_the_next_one_plays(
 # -- postures ------------------------------------------------------------------------------------
 
 
-@pytest.mark.naoqi("ALRobotPosture.goToPosture")
+@pytest.mark.naoqi("ALRobotPosture.goToPosture", "ALRobotPosture.getPosture")
 async def test_postures_are_taken_and_home_is_upright(it: Played) -> None:
     assert await it.do("posture", name="StandInit", speed=0.8) == {
         "name": "StandInit",

@@ -14,9 +14,9 @@ from woz_drivers.pepper.base import Base
 from woz_drivers.pepper.body import Body
 from woz_drivers.pepper.body_joints import JOINTS
 from woz_drivers.pepper.connection import Connection
-from woz_drivers.pepper.driver_reading import Reading
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.parts_task import Background
+from woz_drivers.pepper.reading import Reading
 from woz_drivers.pepper.recognition import Recognition
 from woz_drivers.pepper.senses import Senses
 from woz_drivers.pepper.settings import PepperSettings

@@ -2,14 +2,24 @@
 
 from __future__ import annotations
 
+import asyncio
 import contextlib
-from collections.abc import Mapping
-from dataclasses import dataclass
-from pathlib import PurePosixPath
+import errno
+import os
+import queue
+import secrets
+import threading
+import wave
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path, PurePosixPath
+from typing import Any
 
 from woz_drivers.pepper.camera_files import stamp
-from woz_drivers.pepper.microphones_listening import Listening
+from woz_drivers.pepper.link import Said, Unsubscribe, binary
+from woz_drivers.pepper.memory import stamped, within
 from woz_drivers.pepper.parts import Part, Robot
+from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Verb
 from woz_tui.core.messages import Json
@@ -155,3 +165,270 @@ class Microphones(Part):
     def _leave(self, listening: Listening) -> None:
         listening.abandon()
         self._left.append(listening)
+
+
+# -- sent to this machine --------------------------------------------------------------------------
+
+#: How the service of ours begins that the robot sends its sound to. Each has a name of its own: a
+#: robot that was cut off holds on to those of before for a while.
+SERVICE = "WozTuiMicrophones"
+_HEARD_HZ = 48000
+#: ALAudioDevice's number for the front microphone, and for samples channel by channel: no.
+_FRONT, _NOT_DEINTERLEAVED = 3, 0
+#: Sound has to come within this, in seconds.
+_COMES_WITHIN_S = 3.0
+
+
+class Listening:
+    """The front microphone's sound on its way into one file in the media folder."""
+
+    def __init__(self, robot: Robot, outlet: Outlet) -> None:
+        self._robot = robot
+        self._outlet = outlet
+        self._path = outlet.media / f"robot-{stamp(outlet.clock.wall())}.wav"
+        #: The file as results and messages name it.
+        self.file = f"{outlet.media.name}/{self._path.name}"
+        self._service = f"{SERVICE}_{secrets.token_hex(4)}"
+        self._sound: SoundFile | None = None
+        self._first: asyncio.Future[Block] = asyncio.get_running_loop().create_future()
+        self._t_us = 0
+        self._bad = 0
+        self._over = False
+        self._withdraw: Unsubscribe | None = None
+        self._endings = Endings()
+
+    async def begin(self) -> Mapping[str, Json]:
+        """Return when the first sound has come; `t` is the moment of its first sample.
+
+        Raises `DriverError` if none comes.
+        """
+        self._withdraw = await self._robot.serve(
+            self._service, {"processRemote": ("(iimr)", self._heard)}
+        )
+        try:
+            await self._robot.call(
+                *("ALAudioDevice", "setClientPreferences"),
+                *(self._service, _HEARD_HZ, _FRONT, _NOT_DEINTERLEAVED),
+            )
+            await self._robot.call("ALAudioDevice", "subscribe", self._service)
+            async with asyncio.timeout(_COMES_WITHIN_S):
+                first = await asyncio.shield(self._first)
+        except TimeoutError:
+            raise DriverError(
+                f"no sound came within {_COMES_WITHIN_S:g} s",
+                "record_sound works on the robot itself",
+            ) from None
+        return {**self._told(), "channels": first.channels, "robot_time": first.robot_s}
+
+    def _told(self) -> dict[str, Json]:
+        return {"file": self.file, "t": self._outlet.t(self._t_us), "rate": _HEARD_HZ}
+
+    def _heard(self, channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
+        """What the robot calls for each buffer."""
+        came = block(channels, samples, stamp_, buffer)
+        if self._over:
+            return
+        if isinstance(came, str) or (self._sound and came.channels != self._sound.channels):
+            self._bad += 1
+            if self._bad == 1:
+                why = came if isinstance(came, str) else f"{came.channels} channels of a sudden"
+                self._outlet.notice("warning", f"a part of the robot's sound is missing: {why}")
+            return
+        if self._sound is None:
+            lasted_us = came.samples * 1_000_000 // _HEARD_HZ
+            self._t_us = self._outlet.clock.now_us() - lasted_us
+            self._sound = SoundFile(self._path, _HEARD_HZ, came.channels, self._failed)
+            self._sound.begin()
+            self._first.set_result(came)
+        self._sound.put(came.data)
+
+    def _failed(self, why: str) -> None:
+        text = f"the robot's sound is not kept any more, {self.file}: {why}"
+        self._outlet.notice("error", text, "look at the disk, then play listen off and on")
+
+    async def end(self) -> Mapping[str, Json]:
+        """Return when the file is whole. Raises `DriverError` if something of it is missing."""
+        await self._leave()
+        if self._sound is None:
+            return {"file": ""}
+        written = await self._sound.finish()
+        if written.trouble:
+            raise DriverError(
+                f"{self.file} ends too early, after {written.frames / _HEARD_HZ:.1f} s:"
+                f" {written.trouble}",
+                "look at the disk",
+            )
+        seconds = round(written.frames / _HEARD_HZ, 3)
+        return {**self._told(), "seconds": seconds, "missing": self._bad}
+
+    async def _leave(self) -> None:
+        """Have the robot send nothing more; the service here is gone in any case."""
+        self._over = True
+        self._endings.send(self._withdrawn())
+        await self._endings.settled()
+        await self._endings.close()
+
+    def abandon(self) -> None:
+        """End it without waiting: what came is in the file."""
+        self._over = True
+        self._endings.send(self._withdrawn())
+        if self._sound is not None:
+            self._sound.end()
+
+    async def close(self) -> None:
+        """Return when nothing of it is under way any more."""
+        await self._endings.settled()
+        await self._endings.close()
+        if self._sound is not None:
+            await self._sound.finish()
+
+    async def _withdrawn(self) -> None:
+        with contextlib.suppress(DriverError):  # it is not there, and sends nothing then
+            await self._robot.call(
+                "ALAudioDevice", "unsubscribe", self._service, within=_FAREWELL_S
+            )
+        withdraw, self._withdraw = self._withdraw, None
+        if withdraw is not None:
+            await withdraw()
+
+
+# -- as ALAudioDevice sends it ---------------------------------------------------------------------
+# doc.aldebaran.com, "naoqi/audio/alaudiodevice": `processRemote(channels, samples of each, [s, us],
+# 16-bit samples)` is called for every buffer, about six times a second.
+
+#: Bytes of a sample.
+_WIDTH = 2
+#: Of one buffer: four microphones, and a second of 48 kHz. They bound what waits for a disk.
+_MOST_CHANNELS, _MOST_SAMPLES = 4, 48_000
+#: Buffers that may wait for a disk that does not answer: half a minute of sound.
+_WAITING = 200
+#: A WAV file's header has 32 bits for its length.
+_LONGEST = 2**32 - 2**16
+#: How long the end of a file is waited for, in seconds.
+_WRITTEN_WITHIN_S = 2.0
+_NEW = os.O_CREAT | os.O_EXCL | os.O_RDWR | os.O_CLOEXEC
+
+
+@dataclass(frozen=True, slots=True)
+class Block:
+    """One buffer: `data` holds `samples` frames of `channels` samples. `robot_s`: its time stamp by
+    the robot's clock, in seconds since 1970.
+    """
+
+    channels: int
+    samples: int
+    data: bytes
+    robot_s: float | None
+
+
+def block(channels: Any, samples: Any, stamp: Any, buffer: Any) -> Block | str:
+    """What the robot sent, or why it is no sound. Never raises."""
+    some, many = within(channels, 1, _MOST_CHANNELS), within(samples, 1, _MOST_SAMPLES)
+    if some is None or many is None or some != int(some) or many != int(many):
+        return f"{channels!r} channels of {samples!r} samples are no sound"
+    try:
+        data = binary(buffer)
+    except (Said, UnicodeEncodeError) as trouble:
+        return f"the robot's sound: {trouble}"
+    if len(data) != int(some) * int(many) * _WIDTH:
+        return f"{len(data)} bytes for {int(some)} channels of {int(many)} samples are no sound"
+    at = stamped(stamp)
+    return Block(int(some), int(many), data, None if at is None else at[0] + at[1] / 1_000_000)
+
+
+@dataclass(slots=True)
+class Written:
+    """How much of it is on the disk: frames, and what went wrong."""
+
+    frames: int = 0
+    trouble: str = ""
+
+
+@dataclass(slots=True)
+class SoundFile:
+    """A WAV file that is written by a thread of its own, and valid after each buffer.
+
+    `put` and `finish` belong to the event loop; `failed(why)` is called there, once, when the file
+    can take no more: the disk is full, hangs, or the file is as long as a WAV file can be.
+    """
+
+    path: Path
+    rate: int
+    channels: int
+    failed: Callable[[str], None]
+    _written: Written = field(default_factory=Written)
+    _blocks: queue.SimpleQueue[bytes | None] = field(default_factory=queue.SimpleQueue)
+    _done: asyncio.Future[None] = field(
+        default_factory=lambda: asyncio.get_running_loop().create_future()
+    )
+
+    def begin(self) -> None:
+        """Start the thread."""
+        loop = asyncio.get_running_loop()
+        name = "pepper sound"
+        threading.Thread(target=self._run, args=(loop,), name=name, daemon=True).start()
+
+    def put(self, data: bytes) -> None:
+        """Have it written; what comes after a trouble is left out."""
+        if self._written.trouble:
+            return
+        if self._blocks.qsize() >= _WAITING:
+            self._fail("the disk does not answer")
+        else:
+            self._blocks.put(data)
+
+    def end(self) -> None:
+        """Nothing more comes; return at once."""
+        self._blocks.put(None)
+
+    async def finish(self) -> Written:
+        """Return when everything is written, or could not be. A disk that hangs is left alone."""
+        self.end()
+        await asyncio.wait([self._done], timeout=_WRITTEN_WITHIN_S)
+        if not self._done.done() and not self._written.trouble:
+            self._written.trouble = "the disk does not answer"
+        return self._written
+
+    def _fail(self, why: str) -> None:
+        if not self._written.trouble:
+            self._written.trouble = why
+            self.failed(why)
+
+    def _run(self, loop: asyncio.AbstractEventLoop) -> None:
+        why = ""
+        try:
+            self._write()
+        except (OSError, wave.Error, OverflowError) as error:
+            why = (error.strerror if isinstance(error, OSError) else "") or str(error)
+        try:
+            loop.call_soon_threadsafe(self._ended, why)
+        except RuntimeError:
+            return  # the session is over; the file is whole up to its last buffer
+
+    def _ended(self, why: str) -> None:
+        if why:
+            self._fail(why)
+        if not self._done.done():
+            self._done.set_result(None)
+
+    def _write(self) -> None:
+        self.path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        fd = os.open(self.path, _NEW, 0o600)  # a person's voice
+        with os.fdopen(fd, "w+b") as file, wave.open(file, "wb") as sound:
+            sound.setparams((self.channels, _WIDTH, self.rate, 0, "NONE", "not compressed"))
+            while (data := self._blocks.get()) is not None:
+                if file.tell() + len(data) > _LONGEST:
+                    raise OverflowError("a WAV file cannot be longer; listen again for another one")
+                sound.writeframes(data)
+                file.flush()
+                self._still_there(file.fileno())
+                self._written.frames += len(data) // (_WIDTH * self.channels)
+
+    def _still_there(self, fd: int) -> None:
+        """What is written into a file that was removed is nowhere. Raises `OSError`."""
+        try:
+            same = os.path.samestat(self.path.stat(), os.fstat(fd))
+        except FileNotFoundError:
+            same = False
+        if not same:
+            raise OSError(errno.ENOENT, "the file was removed or moved")

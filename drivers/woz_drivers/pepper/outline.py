@@ -6,7 +6,7 @@ from dataclasses import replace
 
 from woz_drivers.pepper import tags
 from woz_drivers.pepper.address import SIMULATED
-from woz_drivers.pepper.animations_known import MOVES
+from woz_drivers.pepper.animations import MOVES
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.messages import Json

@@ -14,8 +14,7 @@ from typing import Any
 from woz_drivers.pepper.memory import flag, item, within
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_task import Background
-from woz_drivers.pepper.senses_asking import Asking
-from woz_drivers.pepper.senses_modules import NAME
+from woz_drivers.pepper.senses_modules import NAME, Asking
 from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import (
     SPEECH,

@@ -8,15 +8,15 @@ they were first seen.
 from __future__ import annotations
 
 import asyncio
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any
 
-from woz_drivers.pepper import memory, people
+from woz_drivers.pepper import memory
+from woz_drivers.pepper.memory import item, items, number, within
 from woz_drivers.pepper.parts import Part, Robot, together
 from woz_drivers.pepper.parts_task import Background
-from woz_drivers.pepper.senses_asking import Asking
-from woz_drivers.pepper.senses_modules import Modules, wanted
-from woz_drivers.pepper.senses_told import Refusal, Told
+from woz_drivers.pepper.senses_modules import Asking, Modules, wanted
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
 from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Verb
@@ -144,11 +144,11 @@ class Senses(Part):
         keys = [memory.BATTERY]
         keys += [memory.SONAR] if runs("distance") else []
         keys += [memory.SOUND] if runs("direction") else []
-        keys += [people.FACES] if runs("identity") else []
+        keys += [FACES] if runs("identity") else []
         if runs("presence"):
-            keys.append(people.VISIBLE)
+            keys.append(VISIBLE)
             for person in self._ids:
-                keys += [people.distance_key(person), people.looking_key(person)]
+                keys += [distance_key(person), looking_key(person)]
         return keys
 
     async def _energy(self) -> Any:
@@ -170,14 +170,14 @@ class Senses(Part):
             self._told.plain("distance", memory.sonar(said), said, "m")
         if memory.SOUND in values:
             self._told.sound(values[memory.SOUND])
-        if people.FACES in values:
-            self._told.identity(values[people.FACES])
-        if people.VISIBLE in values:
+        if FACES in values:
+            self._told.identity(values[FACES])
+        if VISIBLE in values:
             self._say_people(values)
 
     def _say_people(self, values: Mapping[str, Any]) -> None:
-        said = values[people.VISIBLE]
-        ids = people.visible(said)
+        said = values[VISIBLE]
+        ids = visible(said)
         self._ids = ids or ()
         sensors = [sensor for sensor in self._sensors if self._modules.runs(sensor)]
         if ids is not None:
@@ -186,3 +186,239 @@ class Senses(Part):
         for sensor in ("presence", "people", "nearest", "gaze"):
             if sensor in sensors:
                 self._told.nothing(sensor, said)
+
+
+# -- from values to readings -----------------------------------------------------------------------
+
+#: What stays the same for hours is told this often: seldom, but not so that it looks stale.
+_CALM_US = 1_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Refusal:
+    """Instead of a value: why the robot gives none."""
+
+    why: str
+
+
+class Told:
+    """Says what came of each round."""
+
+    def __init__(self, outlet: Outlet) -> None:
+        self._outlet = outlet
+        self._heard: tuple[float, float] | None = None
+        self._begun = False
+        self._charge: float | None = None
+        self._charged_us = outlet.clock.now_us() - _CALM_US
+
+    def forget(self) -> None:
+        """It may be another robot, with another clock."""
+        self._heard, self._begun = None, False
+        self._charged_us = self._outlet.clock.now_us() - _CALM_US
+
+    def plain(self, sensor: str, value: float | None, said: Any, unit: str = "") -> None:
+        """One number, as it was decoded from `said`."""
+        if value is None:
+            self.nothing(sensor, said)
+        else:
+            self._outlet.sensor(sensor, "ok")
+            self._outlet.reading(sensor, value, unit=unit)
+
+    def nothing(self, sensor: str, said: Any) -> None:
+        """The robot has no value, or one that makes no sense."""
+        self._outlet.sensor(sensor, "stale", _why(said))
+        self._outlet.reading(sensor, None)
+
+    def battery(self, said: Any) -> None:
+        """The charge to the hundredth; while it stays the same, now and then."""
+        charge = memory.battery(said)
+        share = None if charge is None else round(charge, 2)
+        now_us = self._outlet.clock.now_us()
+        if share != self._charge or now_us - self._charged_us >= _CALM_US:
+            self._charge, self._charged_us = share, now_us
+            self.plain("battery", share, said)
+
+    def sound(self, said: Any) -> None:
+        """Where a sound came from, once for each; the first one found may be of yesterday."""
+        if said is None or said in ([], ()):
+            self._outlet.sensor("direction", "ok")
+            self._begun = True
+            return
+        found = memory.sound(said)
+        if found is None:
+            self.nothing("direction", said)
+            return
+        self._outlet.sensor("direction", "ok")
+        if found.stamp != self._heard and self._begun:
+            self._outlet.reading("direction", round(found.degrees, 1), unit="deg")
+        self._heard, self._begun = found.stamp, True
+
+    def identity(self, said: Any) -> None:
+        """Whose face it is: the name as text, the recognition's score as value."""
+        found = face(said)
+        if found is None:
+            self.nothing("identity", said)
+            return
+        self._outlet.sensor("identity", "ok")
+        score = found.score if found.name else 0.0
+        self._outlet.reading("identity", score, text=found.name)
+
+    def people(self, ids: Sequence[int], values: Mapping[str, Any], sensors: Sequence[str]) -> None:
+        """How many there are, how far the nearest is, and whether they look at the robot; of
+        somebody of whom nothing is known yet, only that they are there.
+        """
+        for sensor in ("presence", "people"):
+            self._outlet.sensor(sensor, "ok")
+        self._outlet.reading("presence", float(bool(ids)))
+        self._outlet.reading("people", float(len(ids)))
+        who = nearest(ids, values)
+        if who is not None:
+            said = values.get(distance_key(who.id))
+            self.plain("nearest", who.distance, said, "m")
+            looking = None if who.looking is None else float(who.looking)
+            if "gaze" in sensors:
+                self.plain("gaze", looking, values.get(looking_key(who.id)))
+        elif not ids:
+            self._outlet.sensor("nearest", "ok")
+            self._outlet.reading("nearest", None, unit="m")
+            if "gaze" in sensors:
+                self.plain("gaze", 0.0, None)
+
+
+def _why(said: Any) -> str:
+    if said is None:
+        return "the robot has no value for it"
+    if isinstance(said, Refusal):
+        return said.why
+    return f"makes no sense: {memory.brief(said)}"
+
+
+# -- people ----------------------------------------------------------------------------------------
+# Nothing in here raises, whatever the robot says. Shapes are those of NAOqi 2.4 to 2.9
+# (doc.aldebaran.com, "naoqi/peopleperception/alpeopleperception-api", "alfacedetection-api").
+
+VISIBLE = "PeoplePerception/VisiblePeopleList"
+FACES = "FaceDetected"
+
+#: Nobody measures farther than this; the robot's own reach is about 3.5 m.
+REACH_M = 30.0
+#: So many people are asked about; a robot sees a handful.
+_MOST = 20
+_LARGEST_ID = 2**53
+#: A name is looked at up to here, in characters.
+_READABLE = 1000
+
+
+def distance_key(person: int) -> str:
+    """Where a person's distance in metres stands."""
+    return f"PeoplePerception/Person/{person}/Distance"
+
+
+def looking_key(person: int) -> str:
+    """Where it stands whether a person looks at the robot."""
+    return f"PeoplePerception/Person/{person}/IsLookingAtRobot"
+
+
+def visible(value: Any) -> tuple[int, ...] | None:
+    """Ids of the people whom the robot sees now; None if the value is no list of ids."""
+    if not isinstance(value, (list, tuple)):
+        return None
+    ids: list[int] = []
+    for one in value:
+        found = within(one, 0, _LARGEST_ID)
+        if found is None or found != int(found):
+            return None
+        ids.append(int(found))
+    return tuple(dict.fromkeys(ids))[:_MOST]
+
+
+@dataclass(frozen=True, slots=True)
+class Person:
+    """Somebody visible: metres and whether they look at the robot, None where it does not say."""
+
+    id: int
+    distance: float | None
+    looking: bool | None
+
+
+def nearest(ids: Sequence[int], values: Mapping[str, Any]) -> Person | None:
+    """The nearest of `ids` whose values were read; who has no distance comes last."""
+    people = [
+        Person(one, metres(values.get(distance_key(one))), looks(values.get(looking_key(one))))
+        for one in ids
+        if distance_key(one) in values
+    ]
+    return min(people, key=lambda one: one.distance or REACH_M + 1.0, default=None)
+
+
+def metres(value: Any) -> float | None:
+    """A person's distance, above 0."""
+    return within(value, 0.0, REACH_M) or None
+
+
+def looks(value: Any) -> bool | None:
+    """Whether a person looks at the robot; NAOqi versions say it as a flag or as a number."""
+    if isinstance(value, bool):
+        return value
+    share = within(value, 0.0, 1.0)
+    return None if share is None else share >= 0.5
+
+
+@dataclass(frozen=True, slots=True)
+class Face:
+    """A face: `name` is empty if nobody knows it, `score` of the recognition if there is one."""
+
+    name: str
+    score: float | None
+
+
+NOBODY = Face("", None)
+
+
+def face(value: Any) -> Face | None:
+    """The largest face of `FaceDetected`; a `Face` without a name where there is none.
+
+    `[]`, or `[time, [face, ..., recognised], ...]` with faces `[[0, alpha, beta, width, height],
+    [id, score, name, ...]]`; in some versions the second part holds a list of such lists. The last
+    entry, who has been recognised over time, is `[]`, `[4]`, `[2, [name]]` or `[3, [names]]`. None
+    if the value is something else.
+    """
+    if value is None or value in ([], ()):
+        return NOBODY
+    entries = item(value, 1)
+    if not isinstance(entries, (list, tuple)):
+        return None
+    faces = [one for one in entries if _size(one) is not None]
+    if not faces:
+        return None if entries else NOBODY
+    known = _known(max(faces, key=lambda one: _size(one) or 0.0))
+    if known is not None and not known.name and len(faces) == 1:
+        return Face(_over_time(entries[-1]), known.score)
+    return known
+
+
+def _over_time(entry: Any) -> str:
+    """Who was recognised over time, if it is one."""
+    return (_name(item(entry, 1, 0)) or "") if item(entry, 0) == 2 else ""
+
+
+def _size(entry: Any) -> float | None:
+    """How large a face is in the picture; None for what is no face."""
+    width, height = number(item(entry, 0, 3)), number(item(entry, 0, 4))
+    return None if width is None or height is None else abs(width * height)
+
+
+def _known(entry: Any) -> Face | None:
+    extra = item(entry, 1)
+    if isinstance(item(extra, 0), (list, tuple)):
+        extra = item(extra, 0)
+    if not items(extra):
+        return NOBODY
+    name = _name(item(extra, 2))
+    return None if name is None else Face(name, within(item(extra, 1), 0.0, 1.0))
+
+
+def _name(value: Any) -> str | None:
+    if not isinstance(value, str) or len(value) > _READABLE:
+        return None
+    return value.strip()

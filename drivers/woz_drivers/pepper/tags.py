@@ -1,6 +1,6 @@
 r"""Tags in an utterance: which there are, and sentences about those that the robot will not take.
 
-Two families: `\rspd=80\` changes the voice from there on, `^run(animations/...)` moves the body
+Two families: `\rspd=80\\` changes the voice from there on, `^run(animations/...)` moves the body
 meanwhile. A tag that is wrong is told and still sent as it was written: whoever wrote it decides.
 Ranges as the manufacturer documents them for ALTextToSpeech and ALAnimatedSpeech.
 
@@ -14,9 +14,12 @@ import difflib
 import re
 from collections.abc import Iterator
 from dataclasses import dataclass
+from pathlib import Path
 
-from woz_tui.core.driver import UNKNOWN
+from woz_drivers.simulated.speech import utterance
+from woz_tui.core.driver import UNKNOWN, Rejected
 from woz_tui.core.fields import Range
+from woz_tui.core.regular import NotRegularError, open_regular
 from woz_tui.core.robots import Tag
 
 
@@ -143,3 +146,52 @@ def _within(value: str | None, allowed: Range) -> bool:
 def _meant(name: str, known: dict[str, VoiceTag] | dict[str, str], sign: str) -> str:
     near = difflib.get_close_matches(name, known, 1, 0.5)
     return f"; did you mean {sign}{near[0]}?" if near else ""
+
+
+# -- texts to be spoken ----------------------------------------------------------------------------
+
+#: Characters a second at speed 100; only what the console counts down is made of it.
+CHARACTERS_A_SECOND = 14.0
+#: The longest text file that is read, in bytes: a day of speech.
+LONGEST = 1 << 20
+
+_BLANK_LINES = re.compile(r"\n[ \t]*(?:\n[ \t]*)+")
+
+
+def seconds(text: str, speed: float) -> float:
+    """About how long `text` takes at `speed` per cent, its pauses included."""
+    return utterance(text, CHARACTERS_A_SECOND * max(speed, 10.0) / 100).seconds
+
+
+def paragraphs(text: str) -> list[str]:
+    """What blank lines part; line breaks inside of a paragraph are spaces."""
+    plain = text.replace("\r\n", "\n").replace("\r", "\n")
+    found = (" ".join(part.split("\n")).strip() for part in _BLANK_LINES.split(plain))
+    return [part for part in found if part]
+
+
+def read_text(path: Path) -> str:
+    """A text file, in UTF-8 or else in Latin-1. Raises `Rejected` for one that cannot be read."""
+    try:
+        data = _bytes(path)
+    except FileNotFoundError:
+        raise Rejected(f"there is no file {path}", "put it there, or correct the path") from None
+    except (OSError, ValueError) as error:  # ValueError: a name that no file can have
+        why = getattr(error, "strerror", None) or error
+        raise Rejected(f"{path} cannot be read: {why}", "correct the path") from None
+    try:
+        return data.decode("utf-8-sig")
+    except UnicodeDecodeError:
+        return data.decode("latin-1")
+
+
+def _bytes(path: Path) -> bytes:
+    """All of a regular file; nothing without an end is read."""
+    try:
+        with open_regular(path) as file:
+            data = file.read(LONGEST + 1)
+    except NotRegularError:
+        raise Rejected(f"{path} is no text file", "correct the path") from None
+    if len(data) > LONGEST:
+        raise Rejected(f"{path} is longer than {LONGEST >> 20} MiB", "is it the right one?")
+    return data

@@ -10,7 +10,7 @@ from __future__ import annotations
 import asyncio
 from collections.abc import Mapping
 
-from woz_drivers.pepper import speech_text
+from woz_drivers.pepper import tags
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings, apply, put, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
@@ -117,20 +117,20 @@ class Voice(Part):
             raise Rejected("there is nothing to say", "write a text")
         self._warn(said)
         await self._endings.settled()
-        job.expects(speech_text.seconds(said, self._speed))
+        job.expects(tags.seconds(said, self._speed))
         await self._utter(said, job.args.get("plain") is True)
         return {"text": said}
 
     async def _read(self, job: Job) -> dict[str, Json]:
         path = self._outlet.folder / text(job.args, "file")
-        whole = await asyncio.to_thread(speech_text.read_text, path)
-        parts = speech_text.paragraphs(whole)
+        whole = await asyncio.to_thread(tags.read_text, path)
+        parts = tags.paragraphs(whole)
         if not parts:
             raise Rejected(f"{path} has no text in it", "write something into it")
         self._warn(whole)
         await self._endings.settled()
         for position, part in enumerate(parts):
-            job.expects(sum(speech_text.seconds(left, self._speed) for left in parts[position:]))
+            job.expects(sum(tags.seconds(left, self._speed) for left in parts[position:]))
             try:
                 await self._utter(part, job.args.get("plain") is True)
             except DriverError as error:

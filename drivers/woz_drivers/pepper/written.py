@@ -9,13 +9,13 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers.pepper import address, naoqi_call, tags
-from woz_drivers.pepper.animations_known import path_of
+from woz_drivers.pepper.animations import path_of
 from woz_drivers.pepper.body_joints import checked
 from woz_drivers.pepper.served_files import REMEDY, places
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.sounds import here_of
-from woz_drivers.pepper.speech_text import paragraphs, read_text
 from woz_drivers.pepper.tablet_page import is_address, kind
+from woz_drivers.pepper.tags import paragraphs, read_text
 from woz_drivers.simulated.values import color
 from woz_tui.core.driver import UNKNOWN, DriverError, Finding, Written
 from woz_tui.core.messages import Json

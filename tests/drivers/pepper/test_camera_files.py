@@ -12,8 +12,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from PIL import Image
-from woz_drivers.pepper.camera_files import keep, stamp
-from woz_drivers.pepper.png import png
+from woz_drivers.pepper.camera_files import keep, png, stamp
 
 from woz_tui.core.driver import DriverError
 from woz_tui.core.pictures import Picture

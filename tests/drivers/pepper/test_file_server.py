@@ -18,8 +18,7 @@ from urllib.parse import urlsplit
 import pytest
 from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
-from woz_drivers.pepper.file_server import MOST, FileServer
-from woz_drivers.pepper.file_server_answers import TYPES, Part, part
+from woz_drivers.pepper.file_server import MOST, TYPES, FileServer, Part, part
 
 from woz_tui.core.driver import DriverError
 

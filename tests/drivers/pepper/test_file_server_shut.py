@@ -12,8 +12,7 @@ from pathlib import Path
 from types import SimpleNamespace
 
 import pytest
-from woz_drivers.pepper.file_server import FileServer
-from woz_drivers.pepper.file_server_answers import Listed
+from woz_drivers.pepper.file_server import FileServer, Listed
 
 HOST, PATIENCE_S = "127.0.0.1", 20.0
 

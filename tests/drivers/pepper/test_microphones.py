@@ -13,9 +13,7 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.audio_client import Block, SoundFile, block
-from woz_drivers.pepper.microphones import Microphones
-from woz_drivers.pepper.microphones_listening import SERVICE
+from woz_drivers.pepper.microphones import SERVICE, Block, Microphones, SoundFile, block
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
@@ -34,8 +32,7 @@ async def robot() -> AsyncIterator[StandIn]:
 @pytest.fixture(autouse=True)
 def unhurried(monkeypatch: pytest.MonkeyPatch) -> None:
     """On a busy machine sound comes late, and ends late."""
-    monkeypatch.setattr("woz_drivers.pepper.microphones_listening._PATIENCE_S", PATIENCE_S)
-    monkeypatch.setattr("woz_drivers.pepper.microphones_listening._FAREWELL_S", PATIENCE_S)
+    monkeypatch.setattr("woz_drivers.pepper.microphones._COMES_WITHIN_S", PATIENCE_S)
     monkeypatch.setattr("woz_drivers.pepper.microphones._FAREWELL_S", PATIENCE_S)
 
 

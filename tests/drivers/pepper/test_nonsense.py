@@ -11,7 +11,7 @@ from woz_drivers.pepper.animations import Animations
 from woz_drivers.pepper.autonomy import Autonomy
 from woz_drivers.pepper.base import Base
 from woz_drivers.pepper.body import Body
-from woz_drivers.pepper.camera_wire import frame
+from woz_drivers.pepper.camera import frame
 from woz_drivers.pepper.eyes import Eyes
 from woz_drivers.pepper.head import Head
 from woz_drivers.pepper.link import words

@@ -9,13 +9,12 @@ from pathlib import Path
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper import body_joints, outline, speech_text
-from woz_drivers.pepper.animations_known import MOVES, path_of
-from woz_drivers.pepper.conflicts import conflicts
-from woz_drivers.pepper.eyes_color import Color
+from woz_drivers.pepper import body_joints, outline, tags
+from woz_drivers.pepper.animations import MOVES, path_of
+from woz_drivers.pepper.eyes import Color
+from woz_drivers.pepper.reading import Wanted, conflicts
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import Autonomy, PepperSettings, Voice
-from woz_drivers.pepper.wanted import Wanted
 
 from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
@@ -129,37 +128,37 @@ def test_an_impossible_pose_is_refused_before_anything_moves(pose: Json, says: s
 
 
 def test_blank_lines_part_paragraphs() -> None:
-    assert speech_text.paragraphs("One\nline.\r\n\r\n \t\n\nTwo.\n") == ["One line.", "Two."]
-    assert speech_text.paragraphs(" \n\n\t\n") == []
+    assert tags.paragraphs("One\nline.\r\n\r\n \t\n\nTwo.\n") == ["One line.", "Two."]
+    assert tags.paragraphs(" \n\n\t\n") == []
 
 
 @pytest.mark.parametrize("encoding", ["utf-8", "utf-8-sig", "latin-1"])
 def test_a_text_file_is_read_in_either_encoding(tmp_path: Path, encoding: str) -> None:
     file = tmp_path / "text.txt"
     file.write_bytes("Grüße, Zoë & Søren".encode(encoding))
-    assert speech_text.read_text(file) == "Grüße, Zoë & Søren"
+    assert tags.read_text(file) == "Grüße, Zoë & Søren"
 
 
 def test_what_has_no_end_is_not_read(tmp_path: Path) -> None:
     pipe, long, zero = (tmp_path / name for name in ("pipe.txt", "long.txt", "zero.txt"))
     os.mkfifo(pipe)
-    long.write_bytes(b"x" * (speech_text.LONGEST + 1))
+    long.write_bytes(b"x" * (tags.LONGEST + 1))
     zero.symlink_to("/dev/zero")
     for path, words in ((pipe, "no text file"), (zero, "no text file"), (long, "longer than")):
         with pytest.raises(Rejected, match=words):
-            speech_text.read_text(path)
+            tags.read_text(path)
     with pytest.raises(Rejected, match="cannot be read"):
-        speech_text.read_text(tmp_path / "a\0b")
+        tags.read_text(tmp_path / "a\0b")
 
 
 def test_a_file_that_is_not_there_is_refused_by_name(tmp_path: Path) -> None:
     for path in (tmp_path / "nothing.txt", tmp_path):
         with pytest.raises(Rejected, match=str(path)):
-            speech_text.read_text(path)
+            tags.read_text(path)
 
 
 def test_twice_the_speed_is_half_the_time_but_for_the_pauses() -> None:
-    slow, fast = (speech_text.seconds("x" * 140 + r"\pau=1000\ ", speed) for speed in (100, 200))
+    slow, fast = (tags.seconds("x" * 140 + r"\pau=1000\ ", speed) for speed in (100, 200))
     assert slow - 1 == pytest.approx(2 * (fast - 1))
 
 

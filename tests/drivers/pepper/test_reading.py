@@ -11,10 +11,9 @@ from typing import cast
 
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.conflicts import RECENT_S
 from woz_drivers.pepper.connection import SPACING_S, Connection
-from woz_drivers.pepper.driver_reading import EVERY_S, LULL_S, Reading
 from woz_drivers.pepper.parts import Part
+from woz_drivers.pepper.reading import EVERY_S, LULL_S, RECENT_S, Reading
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard, Ordered

@@ -11,8 +11,7 @@ from typing import Any
 import pytest
 from woz_drivers.pepper import settings
 from woz_drivers.pepper.memory import BATTERY, SONAR, SOUND
-from woz_drivers.pepper.people import FACES, VISIBLE, distance_key, looking_key
-from woz_drivers.pepper.senses import Senses
+from woz_drivers.pepper.senses import FACES, VISIBLE, Senses, distance_key, looking_key
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in

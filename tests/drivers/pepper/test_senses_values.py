@@ -8,8 +8,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper import memory, people
-from woz_drivers.pepper.camera_wire import Frame, frame
+from woz_drivers.pepper import memory, senses
+from woz_drivers.pepper.camera import Frame, frame
 
 LEAVES = st.one_of(
     st.none(),
@@ -48,16 +48,16 @@ def test_no_value_of_the_memory_raises_and_every_number_is_in_its_range(value: A
     assert metres is None or 0 < metres <= memory.SONAR_REACH_M
     for share in (memory.battery(value), memory.loudness(value)):
         assert share is None or 0 <= share <= 1
-    far = people.metres(value)
-    assert far is None or 0 < far <= people.REACH_M
-    assert people.looks(value) in (None, True, False)
-    ids = people.visible(value)
+    far = senses.metres(value)
+    assert far is None or 0 < far <= senses.REACH_M
+    assert senses.looks(value) in (None, True, False)
+    ids = senses.visible(value)
     assert ids is None or all(one >= 0 for one in ids)
 
 
 @given(ANYTHING | FACES)
 def test_no_face_raises(value: Any) -> None:
-    found = people.face(value)
+    found = senses.face(value)
     assert found is None or found.name == found.name.strip()
     assert found is None or found.score is None or 0 <= found.score <= 1
 
@@ -84,14 +84,14 @@ def test_no_picture_raises_and_each_has_all_its_pixels(value: Any) -> None:
     st.dictionaries(st.integers(0, 9), st.floats(0.1, 20.0) | ANYTHING),
 )
 def test_nobody_is_nearer_than_the_nearest(ids: list[int], far: dict[int, Any]) -> None:
-    values = {people.distance_key(one): value for one, value in far.items()}
-    found = people.nearest(ids, values)
+    values = {senses.distance_key(one): value for one, value in far.items()}
+    found = senses.nearest(ids, values)
     known = [one for one in ids if one in far]
     if found is None:
         assert not known
         return
     assert found.id in known
-    measured = [value for one in known if (value := people.metres(far[one])) is not None]
+    measured = [value for one in known if (value := senses.metres(far[one])) is not None]
     assert found.distance == (min(measured) if measured else None)
 
 
@@ -134,11 +134,11 @@ def test_behind_is_half_a_turn_at_most() -> None:
     [([], ()), ([7, 8, 7], (7, 8)), ((3.0,), (3,)), ([1.5], None), ([-1], None), ([True], None)],
 )
 def test_who_is_visible(value: Any, ids: tuple[int, ...] | None) -> None:
-    assert people.visible(value) == ids
+    assert senses.visible(value) == ids
 
 
 def test_not_more_people_than_fit_into_a_question() -> None:
-    assert len(people.visible(list(range(1000))) or ()) == 20
+    assert len(senses.visible(list(range(1000))) or ()) == 20
 
 
 def _face(size: float, name: str, score: float = 0.6) -> list[Any]:
@@ -160,7 +160,7 @@ def _face(size: float, name: str, score: float = 0.6) -> list[Any]:
     ],
 )
 def test_whose_face_it_is(value: Any, name: str, score: float | None) -> None:
-    assert people.face(value) == people.Face(name, score)
+    assert senses.face(value) == senses.Face(name, score)
 
 
 @pytest.mark.parametrize(
@@ -168,7 +168,7 @@ def test_whose_face_it_is(value: Any, name: str, score: float | None) -> None:
     ["V1", 5, [1, 2], [[1, 2], "V1"], [[1, 2], [5, 6]], [[1], [[[0, 0, 0, 1, 1], [1, 2, 3]]]]],
 )
 def test_what_is_no_face_is_said_to_be_none(value: Any) -> None:
-    assert people.face(value) is None
+    assert senses.face(value) is None
 
 
 def test_a_picture_in_the_other_order_of_colours() -> None:

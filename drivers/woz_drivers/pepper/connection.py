@@ -6,7 +6,7 @@ What is promised about calls, and what cannot be:
   that was killed is known at once; one that is frozen or cut off after at most 2 s, and all calls
   under way end in that moment.
 - A call is sent only while the robot is known to be alive: it was heard within the last 0.02 s
-  (`connection_pulse.FRESH_S`), or it has just answered a question that was asked for this call. If
+  (`connection_line.FRESH_S`), or it has just answered a question that was asked for this call. If
   it is silent, the call is refused and never sent. Only calls that end something (`HALTS`) are sent
   in any case, because late they do no harm.
 - What was sent into a cut cable is forgotten by this machine within 1.5 s and on closing: it does

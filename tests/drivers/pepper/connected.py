@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from woz_drivers.pepper import connection, connection_pulse
+from woz_drivers.pepper import connection, connection_line
 from woz_drivers.pepper.connection import Connection
 from woz_drivers.pepper.parts import LOOK_S
 from woz_drivers.pepper.settings import PepperSettings
@@ -27,9 +27,9 @@ SETTINGS = PepperSettings(robots=())
 
 #: How long the driver waits for an answer, and how long it does so in `patience`.
 LIMITS = {
-    (connection_pulse, "SILENT_S"): (connection_pulse.SILENT_S, WITHIN_S),
-    (connection_pulse, "ANSWER_S"): (connection_pulse.ANSWER_S, WITHIN_S),
-    (connection_pulse, "KNOWN_S"): (connection_pulse.KNOWN_S, 2 * WITHIN_S),
+    (connection_line, "SILENT_S"): (connection_line.SILENT_S, WITHIN_S),
+    (connection_line, "ANSWER_S"): (connection_line.ANSWER_S, WITHIN_S),
+    (connection_line, "KNOWN_S"): (connection_line.KNOWN_S, 2 * WITHIN_S),
     (connection, "LOOK_S"): (LOOK_S, WITHIN_S),
 }
 

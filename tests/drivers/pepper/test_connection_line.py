@@ -8,7 +8,7 @@ from collections.abc import Callable
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.pepper.connection_pulse import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Pulse
+from woz_drivers.pepper.connection_line import ALERT_S, ANSWER_S, FRESH_S, SILENT_S, Pulse
 from woz_drivers.pepper.link import Gone, Unanswered
 
 from tests.fakes.virtual_time import run_virtual

@@ -9,7 +9,7 @@ import wave
 from dataclasses import dataclass
 from typing import Any
 
-from naoqi_simulator import hearing
+from naoqi_simulator.audio import block
 from naoqi_simulator.table import Refused, Service, offers
 from naoqi_simulator.web import fetch
 from naoqi_simulator.world import World, flat
@@ -270,7 +270,7 @@ class AudioRecorder(Service):
     def _content(self, recording: _Recording) -> bytes:
         passed = self._world.time.now() - recording.begun
         samples = round(min(passed, 600.0) * recording.rate)
-        sound = hearing.block(
+        sound = block(
             *(self._world.person(), recording.begun, samples),
             *(recording.rate, recording.channels),
         )

@@ -26,11 +26,10 @@ from qimessaging.errors import (
     ServiceLost,
     TimedOut,
 )
+from qimessaging.handshake import WayIn
 from qimessaging.host import Host
 from qimessaging.hosting import Hosted
-from qimessaging.listening import Listener
-from qimessaging.opening import WayIn
-from qimessaging.registering import Registration, describe, register
+from qimessaging.registering import Listener, Registration, describe, register
 from qimessaging.remote import RemoteObject, Unsubscribe
 
 DIRECTORY_SERVICE: Final = 1

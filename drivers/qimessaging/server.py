@@ -27,7 +27,7 @@ from qimessaging.errors import Refused
 from qimessaging.frames import LONGEST
 from qimessaging.host import Host
 from qimessaging.hosting import Hosted, Member, Method, Property, Signal
-from qimessaging.listening import Authenticator, Listener
+from qimessaging.registering import Authenticator, Listener
 from qimessaging.remote import WITHIN, RemoteObject
 
 

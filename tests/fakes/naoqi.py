@@ -15,10 +15,9 @@ from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from typing import Any, NamedTuple
 
-from naoqi_simulator.control import carry_out
 from naoqi_simulator.passing import PacedTime, Time
 from naoqi_simulator.pepper import Pepper
-from naoqi_simulator.process import start
+from naoqi_simulator.process import carry_out, start
 from naoqi_simulator.table import Refused
 from naoqi_simulator.world import Options, World
 
@@ -49,7 +48,7 @@ class Robot:
     address: str
 
     async def order(self, **order: Any) -> Any:
-        """Carry out an order of `control.carry_out`. Raises AssertionError if it says no."""
+        """Carry out an order of `process.carry_out`. Raises AssertionError if it says no."""
         raise NotImplementedError
 
     @property

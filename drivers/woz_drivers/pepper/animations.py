@@ -107,7 +107,7 @@ class Animations(Part):
 # (`ALBehaviorManager.getInstalledBehaviors`); the manufacturer's pages document a part of them. A
 # robot may have more of them: any path can be played.
 #
-# The simulated robot (`naoqi_simulator.library`) has a table of its own, on purpose: it is the far
+# The simulated robot (`naoqi_simulator`) has a table of its own, on purpose: it is the far
 # end, and one that learned from the caller what there is could never show a mistake in here.
 
 ROOT = "animations/Stand/"

@@ -4,7 +4,7 @@ Two families: `\rspd=80\\` changes the voice from there on, `^run(animations/...
 meanwhile. A tag that is wrong is told and still sent as it was written: whoever wrote it decides.
 Ranges as the manufacturer documents them for ALTextToSpeech and ALAnimatedSpeech.
 
-The simulated robot (`naoqi_simulator.tags`) reads tags by rules of its own, on purpose: it is the
+The simulated robot (`naoqi_simulator.speech`) reads tags by rules of its own, on purpose: it is the
 far end, and would otherwise take whatever is let through here, right or wrong.
 """
 

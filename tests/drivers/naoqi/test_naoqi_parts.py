@@ -8,14 +8,14 @@ import re
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from naoqi_simulator.animations import LENGTHS, with_tag
+from naoqi_simulator.audio import HIGHEST, energy
 from naoqi_simulator.body import Body
-from naoqi_simulator.hearing import HIGHEST, energy
 from naoqi_simulator.joints import JOINTS
-from naoqi_simulator.library import LENGTHS, with_tag
 from naoqi_simulator.passing import PacedTime
 from naoqi_simulator.pepper import Pepper
+from naoqi_simulator.speech import Animate, Manner, Pause, Words, animated, plain
 from naoqi_simulator.table import methods_of, split_signature
-from naoqi_simulator.tags import Animate, Manner, Pause, Words, animated, plain
 from naoqi_simulator.visitor import FAR_M, Visitors
 from naoqi_simulator.world import World
 from qimessaging.signature import parse, parse_members

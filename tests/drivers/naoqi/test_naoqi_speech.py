@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 
 import pytest
-from naoqi_simulator.tags import LETTERS_PER_S, Animate, Pause, Words, animated
+from naoqi_simulator.speech import LETTERS_PER_S, Animate, Pause, Words, animated
 
 from tests.drivers.naoqi.hands import Said, Wired
 

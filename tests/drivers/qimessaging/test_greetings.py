@@ -22,7 +22,7 @@ from qimessaging.encoding import encode
 from qimessaging.frames import Frame, Kind
 from qimessaging.host import Host
 from qimessaging.hosting import Signal
-from qimessaging.listening import Listener
+from qimessaging.registering import Listener
 
 from tests.drivers.qimessaging.desk import bench, between, frames, script
 

@@ -16,12 +16,11 @@ from qimessaging.decoding import MOST_VALUES, Decoder, decode
 from qimessaging.encoding import encode
 from qimessaging.endpoints import Endpoint, ServiceInfo
 from qimessaging.frames import DYNAMIC_PAYLOAD, MAGIC, Frame, FrameReader, Kind
+from qimessaging.handshake import WayIn
 from qimessaging.host import Host
 from qimessaging.hosting import Hosted, Signal
-from qimessaging.listening import Listener
 from qimessaging.metaobject import MetaMethod, MetaObject
-from qimessaging.opening import WayIn
-from qimessaging.registering import describe, register
+from qimessaging.registering import Listener, describe, register
 from qimessaging.remote import RemoteObject
 from qimessaging.signature import parse
 

@@ -24,7 +24,7 @@ from qimessaging.errors import ConnectionLost
 from qimessaging.frames import Frame, Kind
 from qimessaging.handshake import error_text
 from qimessaging.host import Host
-from qimessaging.listening import Listener
+from qimessaging.registering import Listener
 
 from tests.drivers.qimessaging.desk import Bench, bench, until
 

@@ -271,9 +271,10 @@ async def test_orders_may_come_from_a_file(tmp_path: Path) -> None:
     assert process.returncode == 0
 
 
-async def test_help_tells_how_to_rehearse() -> None:
+@pytest.mark.parametrize("name", ["naoqi_simulator", "woz_drivers.naoqi"])
+async def test_help_tells_how_to_rehearse_by_either_name(name: str) -> None:
     process = await asyncio.create_subprocess_exec(
-        *(sys.executable, "-m", "naoqi_simulator", "--help"), stdout=asyncio.subprocess.PIPE
+        *(sys.executable, "-m", name, "--help"), stdout=asyncio.subprocess.PIPE
     )
     out, _ = await asyncio.wait_for(process.communicate(), PATIENCE_S)
     for word in (b"robots: [simulated]", b"--control", b"frozen", b"--pace"):

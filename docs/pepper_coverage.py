@@ -211,7 +211,7 @@ def _values(setting: RobotSetting) -> str:
         case "flag":
             return "on, off"
         case "number":
-            return str(setting.range)
+            return setting.numbers
         case _:
             return ", ".join(map(_code, setting.choices))
 

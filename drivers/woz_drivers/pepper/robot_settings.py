@@ -8,7 +8,7 @@ compared, and the table in `docs/pepper.md` are made from here.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any, Literal
 
 from woz_tui.core.driver import Argument
@@ -42,6 +42,7 @@ class RobotSetting:
         label: What the screen calls it; empty: its name.
         choices: Of a choice.
         range: Of a number.
+        gap: Between these two of a number it takes none.
         step: How far an arrow key changes a number.
         within: Seconds that setting it may take.
     """
@@ -58,6 +59,7 @@ class RobotSetting:
     label: str = ""
     choices: tuple[str, ...] = ()
     range: Range = _SHARE
+    gap: tuple[float, float] | None = None
     step: float = 0.1
     within: float = 2.0
 
@@ -70,6 +72,18 @@ class RobotSetting:
     def one_of(self) -> OneOf:
         """What the robot file may say of a choice; empty: it is left as it is."""
         return OneOf(("", *self.choices))
+
+    def allows(self, number: float) -> bool:
+        """Whether the robot takes that number."""
+        low, high = self.gap or (0.0, 0.0)
+        return self.range.contains(number) and not low < number < high
+
+    @property
+    def numbers(self) -> str:
+        """What the robot takes, in words."""
+        if self.gap is None:
+            return str(self.range)
+        return f"{self.gap[0]:g}, or {replace(self.range, low=self.gap[1])}"
 
     def taken(self, *, required: bool = False) -> Argument:
         """The argument of the verb that changes it."""
@@ -189,6 +203,7 @@ _TABLE = (
         *("speech_pitch", "pitch", "voice.pitch"),
         *((TTS, "getParameter", "pitchShift"), (TTS, "setParameter", "pitchShift")),
         range=_PITCH,
+        gap=(0.0, 1.0),
     ),
     RobotSetting("Eyes", "eyes", "color", "a name or #rrggbb; off", "eyes", "color", "eyes"),
     RobotSetting(

@@ -8,7 +8,7 @@ from operator import attrgetter
 from typing import Annotated
 
 from woz_drivers.pepper.address import parse, seen
-from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting
+from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting, of_section
 from woz_drivers.simulated.values import color
 from woz_tui.core.driver import Rejected
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
@@ -139,8 +139,9 @@ class PepperSettings(Section):
                 color({"color": self.eyes}, "color")
             except Rejected as error:
                 found.append(("eyes", f"{error.what}; {error.remedy}"))
-        if self.voice.pitch is not None and 0 < self.voice.pitch < 1:
-            found.append(("voice.pitch", "is 0 for its own voice, or 1 to 4 times that"))
+        for name, value in self.asked(of_section("Voice")).items():
+            if isinstance(value, int | float) and not SETTINGS[name].allows(value):
+                found.append((SETTINGS[name].file, f"takes {SETTINGS[name].numbers}"))
         return found
 
     def asked(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:

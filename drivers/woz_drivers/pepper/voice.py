@@ -157,10 +157,8 @@ class Voice(Part):
         if setting not in SOUNDS or setting is None:
             raise Rejected(f"the voice cannot {job.verb!r}")
         value = number(job.args, setting.argument)
-        if not setting.range.contains(value):
-            raise Rejected(f"{job.verb} takes {setting.range}, not {value:g}")
-        if setting.name == "speech_pitch" and 0 < value < 1:
-            raise Rejected(f"there is no pitch {value:g}", "0 is its own, 1 to 4 shift it")
+        if not setting.allows(value):
+            raise Rejected(f"{job.verb} takes {setting.numbers}, not {value:g}", setting.what)
         await put(self._robot, setting, value)
         self._asked[setting.name] = value
         if setting.name == "speech_speed":

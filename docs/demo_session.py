@@ -12,8 +12,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import msgspec
+from woz_drivers.simulated.driver import SimulatedRobot
 from woz_drivers.simulated.pace import Pace
-from woz_drivers.simulated.robot import SimulatedRobot
 from woz_drivers.simulated.settings import Settings
 
 from tests.drivers.body.rig import SteppedBody

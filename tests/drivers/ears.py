@@ -9,8 +9,8 @@ from pathlib import Path
 from typing import Any
 
 from woz_drivers import room
-from woz_drivers.microphone import Microphone
-from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_drivers.microphone.driver import Microphone
+from woz_drivers.microphone.settings import MicrophoneSettings
 
 from tests.drivers.heard import Heard, Ordered, until
 from woz_tui.core.clock import Clock

@@ -10,8 +10,8 @@ from typing import Any
 
 import psutil
 from woz_drivers.guard import guard
-from woz_drivers.speech import Speech
-from woz_drivers.speech_settings import SpeechSettings
+from woz_drivers.speech.driver import Speech
+from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.wav import Wav
 
 from tests.drivers.heard import Heard, Ordered

@@ -14,11 +14,11 @@ from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.dynamixel import DynamixelServos
 from woz_drivers.led_face import LedFace
 from woz_drivers.led_face.settings import LedFaceSettings
-from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
-from woz_drivers.speech_settings import SpeechSettings
+from woz_drivers.speech.settings import SpeechSettings
 
 from tests.drivers.body.rig import robot
 from tests.drivers.servo_stand import head

@@ -8,7 +8,7 @@ import math
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers import tables
+from woz_drivers.dynamixel import tables
 from woz_drivers.dynamixel.calibration import calibrate
 from woz_drivers.dynamixel.motion import Follow, Keyframe, plan, segment, shortest
 from woz_drivers.dynamixel.settings import Joint

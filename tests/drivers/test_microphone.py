@@ -12,8 +12,8 @@ import psutil
 import pytest
 from woz_drivers import sound
 from woz_drivers.guard import guard
-from woz_drivers.microphone import Microphone
-from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_drivers.microphone.driver import Microphone
+from woz_drivers.microphone.settings import MicrophoneSettings
 
 from tests.drivers.ears import ears, learning
 from tests.drivers.heard import Heard, Ordered, until

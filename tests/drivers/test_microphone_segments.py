@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 import pytest
 from woz_drivers import sound
-from woz_drivers.microphone import Microphone
+from woz_drivers.microphone.driver import Microphone
 
 from tests.drivers.ears import ears
 from tests.drivers.heard import PATIENCE_S, Heard, until

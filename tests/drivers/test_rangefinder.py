@@ -11,8 +11,8 @@ from typing import Any
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from woz_drivers.distance_filter import DistanceFilter, Gates
 from woz_drivers.rangefinder import Rangefinder, RangefinderSettings
+from woz_drivers.rangefinder.distance_filter import DistanceFilter, Gates
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.rangefinder import PluggedSensor, a02, maxbotix, tfmini

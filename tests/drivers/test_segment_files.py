@@ -6,8 +6,8 @@ import asyncio
 from pathlib import Path
 
 import pytest
-from woz_drivers.segment_files import SegmentFiles
-from woz_drivers.transcriber import Heard, Transcriber
+from woz_drivers.microphone.segment_files import SegmentFiles
+from woz_drivers.microphone.transcriber import Heard, Transcriber
 
 from tests.drivers.heard import until
 from woz_tui.core.messages import SpeechText

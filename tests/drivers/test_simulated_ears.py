@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 from woz_drivers import room
-from woz_drivers.microphone import Microphone
+from woz_drivers.microphone.driver import Microphone
 from woz_drivers.simulated import Settings
 from woz_drivers.simulated.senses import ROOM_NOISE, ROOM_SPREAD, THRESHOLD
 from woz_drivers.simulated.verbs import offered

@@ -13,9 +13,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as arrays
 from woz_drivers import sound
+from woz_drivers.microphone.speaking import BLOCK_S, Ear, Speaking
 from woz_drivers.room import learn
 from woz_drivers.sound import FORMATS, Samples
-from woz_drivers.speaking import BLOCK_S, Ear, Speaking
 from woz_drivers.wav import NoWav, Wav, parse
 
 NAMES = st.sampled_from(sorted(FORMATS))

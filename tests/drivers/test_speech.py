@@ -12,8 +12,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.sound import decode, rms
-from woz_drivers.speech import Speech
-from woz_drivers.voice import file_names, spoken
+from woz_drivers.speech.driver import Speech
+from woz_drivers.speech.voice import file_names, spoken
 from woz_drivers.wav import parse
 
 from tests.drivers.heard import Ordered, until

@@ -5,8 +5,8 @@ from __future__ import annotations
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers import tables
-from woz_drivers.tables import Register
+from woz_drivers.dynamixel import tables
+from woz_drivers.dynamixel.tables import Register
 
 from tests.fakes.servo_motor import KINDS
 

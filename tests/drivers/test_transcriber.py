@@ -9,9 +9,9 @@ from typing import Any
 
 import psutil
 import pytest
-from woz_drivers.microphone import Microphone
-from woz_drivers.microphone_settings import MicrophoneSettings
-from woz_drivers.transcriber import LONGEST, WAITING, one_line
+from woz_drivers.microphone.driver import Microphone
+from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.microphone.transcriber import LONGEST, WAITING, one_line
 
 from tests.drivers.ears import ears
 from tests.drivers.heard import Heard, until

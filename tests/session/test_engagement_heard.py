@@ -9,7 +9,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from woz_drivers.microphone import Microphone
+from woz_drivers.microphone.driver import Microphone
 
 from tests.drivers.heard import until
 from tests.fakes.piped_command import PipedCommand

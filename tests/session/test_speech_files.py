@@ -5,8 +5,8 @@ from __future__ import annotations
 import wave
 from pathlib import Path
 
-from woz_drivers.microphone import Microphone
-from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_drivers.microphone.driver import Microphone
+from woz_drivers.microphone.settings import MicrophoneSettings
 
 from tests.drivers.heard import until
 from tests.fakes.piped_command import PipedCommand

@@ -8,6 +8,7 @@ import logging
 from collections.abc import Callable, Mapping
 from typing import Any, ClassVar
 
+from woz_drivers.body import doctor
 from woz_drivers.body.loop import BodyLoop
 from woz_drivers.body.repertoire import differences
 from woz_drivers.body.settings import Settings as BodySettings
@@ -104,30 +105,7 @@ class Body(RenderedDriver):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Say what it is made of; there is no hardware of its own to look at."""
-        settings: BodySettings = probe.settings
-        known = settings.repertoire
-        findings = [
-            Finding(
-                "ok",
-                probe.name,
-                f"{len(settings.joints)} joints ({', '.join(settings.joints)}),"
-                f" {len(known.moves)} moves, {len(settings.personalities)} personalities",
-            )
-        ]
-        findings += [
-            Finding("warning" if problem.warning else "error", probe.name, str(problem))
-            for problem in known.folder.problems
-        ]
-        if not settings.servos:
-            findings.append(
-                Finding(
-                    "info",
-                    probe.name,
-                    "moves no servos: it is seen in the console only",
-                    "name the driver of the servos in `servos`",
-                )
-            )
-        return findings
+        return doctor.examine(probe)
 
     async def open(self) -> None:
         """Begin to tick."""

@@ -17,8 +17,9 @@ _PATIENCE_S = 10.0
 _ODD = 1.5
 
 
-async def examine(probe: Probe, settings: CameraSettings) -> list[Finding]:
+async def examine(probe: Probe) -> list[Finding]:
     """What two seconds of pictures look like, or why there are none. Never raises."""
+    settings: CameraSettings = probe.settings
     try:
         words = settings.words
         taken = await _take(settings, words, probe)

@@ -56,7 +56,7 @@ class Camera(PassiveDriver):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Look for two seconds; say how many pictures came and what is in them."""
-        return await doctor.examine(probe, probe.settings)
+        return await doctor.examine(probe)
 
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""

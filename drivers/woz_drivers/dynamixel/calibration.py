@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 
 from woz_drivers.dynamixel.settings import Joint
-from woz_drivers.tables import Model
+from woz_drivers.dynamixel.tables import Model
 
 #: Counts that extended position control accepts to either side.
 MULTI_TURN = 1_048_575

@@ -16,9 +16,9 @@ from woz_drivers.dynamixel.motion import ARRIVED, Follow, Keyframe, Plan, plan
 from woz_drivers.dynamixel.port import slow_answers
 from woz_drivers.dynamixel.servo import MISSES, Servo, SilentError, Standing, UnfitError
 from woz_drivers.dynamixel.settings import Settings
+from woz_drivers.dynamixel.tables import Table
 from woz_drivers.dynamixel.upkeep import Upkeep
 from woz_drivers.dynamixel.wire import Wire
-from woz_drivers.tables import Table
 from woz_tui.core.driver import DriverError, Lost, Outlet, Rejected
 from woz_tui.motion.safety import guard
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 
-from woz_drivers import tables
+from woz_drivers.dynamixel import tables
 from woz_drivers.dynamixel.port import (
     AMPLE_MS,
     ServoPort,

@@ -5,12 +5,12 @@ from __future__ import annotations
 import enum
 from dataclasses import dataclass, field
 
-from woz_drivers import tables
+from woz_drivers.dynamixel import tables
 from woz_drivers.dynamixel.calibration import Calibration, calibrate
 from woz_drivers.dynamixel.motion import Follow, Track
 from woz_drivers.dynamixel.settings import Joint, Settings
+from woz_drivers.dynamixel.tables import Model, Register, Table
 from woz_drivers.dynamixel.wire import Wire, refusal
-from woz_drivers.tables import Model, Register, Table
 from woz_tui.core.driver import DriverError
 from woz_tui.motion.safety import Limits
 

@@ -7,7 +7,7 @@ from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers import tables
+from woz_drivers.dynamixel import tables
 from woz_tui.core.fields import Doc, OneOf, Port, Range, Section, Sibling
 
 #: The key beside the joints' names in a keyframe.

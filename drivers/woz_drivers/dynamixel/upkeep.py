@@ -6,8 +6,8 @@ from collections import Counter, deque
 from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass
 
-from woz_drivers import tables
 from woz_drivers.dynamixel import servo as servos
+from woz_drivers.dynamixel import tables
 from woz_drivers.dynamixel.servo import Servo, SilentError, Standing, UnfitError
 from woz_drivers.dynamixel.settings import Settings
 from woz_drivers.dynamixel.wire import Answer, Wire

@@ -2,10 +2,10 @@
 
 It takes every common verb, needs the time a robot needs, moves joints with limits and speeds,
 drives about, breaks down when told to, and can be visited by a simulated person.
-`robot.py` is the driver; `body.py`, `faults.py` and `visitor.py` know nothing of it.
+`driver.py` is the driver; `body.py`, `faults.py` and `visitor.py` know nothing of it.
 """
 
-from woz_drivers.simulated.robot import SimulatedRobot
+from woz_drivers.simulated.driver import SimulatedRobot
 from woz_drivers.simulated.settings import ScheduledFault, Settings, SimulatedJoint
 
 __all__ = ["ScheduledFault", "Settings", "SimulatedJoint", "SimulatedRobot"]

@@ -242,3 +242,14 @@ def _control(settings: Settings) -> tuple[Verb, ...]:
             lane="fault",
         ),
     )
+
+
+def breakable(settings: Settings, kind: str) -> tuple[str, ...]:
+    """What a fault of this kind may name as its part; some hit the whole robot only."""
+    if kind in ("nan", "stuck", "silent"):
+        return sensors(settings)
+    if kind == "overheat":
+        return tuple(settings.joints)
+    if kind in ("slow", "deaf"):
+        return ()
+    return tuple(lane for lane in lanes(settings) if lane != "fault")

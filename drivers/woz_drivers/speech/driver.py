@@ -9,10 +9,11 @@ from collections.abc import AsyncIterator, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from woz_drivers import child, programs, speech_check
+from woz_drivers import child, programs
 from woz_drivers.child import Child
-from woz_drivers.speech_settings import SpeechSettings
-from woz_drivers.voice import Utterance, Voice, finish, read_wav, spoken
+from woz_drivers.speech import doctor
+from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.voice import Utterance, Voice, finish, read_wav, spoken
 from woz_drivers.wav import Wav
 from woz_tui.core.driver import (
     Argument,
@@ -84,8 +85,7 @@ class Speech(Driver):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Are the programs, the voice, the sound card and the recordings there?"""
-        settings: SpeechSettings = probe.settings
-        return await speech_check.examine(probe, settings)
+        return await doctor.examine(probe)
 
     async def open(self) -> None:
         """Look for the programs, until they are there."""

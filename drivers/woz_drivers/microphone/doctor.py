@@ -7,7 +7,7 @@ import asyncio
 import numpy as np
 
 from woz_drivers import child, programs, sound
-from woz_drivers.microphone_settings import MicrophoneSettings
+from woz_drivers.microphone.settings import MicrophoneSettings
 from woz_tui.core.driver import DriverError, Finding, Probe
 
 #: How much is listened to, and how long that may take, in seconds.
@@ -17,8 +17,9 @@ _PATIENCE_S = 8.0
 _VERY_QUIET_DB = -80.0
 
 
-async def examine(probe: Probe, settings: MicrophoneSettings) -> list[Finding]:
+async def examine(probe: Probe) -> list[Finding]:
     """The level of one second, or why there is none and which devices there are. Never raises."""
+    settings: MicrophoneSettings = probe.settings
     try:
         words = settings.words
         block = await _record(settings, words, probe)

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import Annotated
 
 from woz_drivers import programs, sound
-from woz_drivers.speaking import BLOCK_S, Ear
+from woz_drivers.microphone.speaking import BLOCK_S, Ear
 from woz_tui.core.driver import DriverError
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 

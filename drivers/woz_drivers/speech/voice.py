@@ -12,8 +12,8 @@ from pathlib import Path
 
 from woz_drivers import child, programs, wav
 from woz_drivers.child import Child
-from woz_drivers.speech_cache import SpeechCache, users_folder
-from woz_drivers.speech_settings import SpeechSettings
+from woz_drivers.speech.cache import SpeechCache, users_folder
+from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.wav import NoWav, Wav
 from woz_tui.core.driver import DriverError, Rejected
 from woz_tui.core.regular import open_regular

@@ -6,16 +6,17 @@ import asyncio
 from pathlib import Path
 
 from woz_drivers import child, programs
-from woz_drivers.speech_settings import SpeechSettings
-from woz_drivers.voice import Voice, read_wav
+from woz_drivers.speech.settings import SpeechSettings
+from woz_drivers.speech.voice import Voice, read_wav
 from woz_tui.core.driver import DriverError, Finding, Probe
 
 _PATIENCE_S = 5.0
 _TRIAL = "Hello"
 
 
-async def examine(probe: Probe, settings: SpeechSettings) -> list[Finding]:
+async def examine(probe: Probe) -> list[Finding]:
     """One finding for each part that is needed; silent, and it never raises."""
+    settings: SpeechSettings = probe.settings
     try:
         if settings.speak:
             return [_found(probe, settings.speak_words()[0])]

@@ -7,12 +7,11 @@ import contextlib
 from collections.abc import Callable, Mapping
 
 from woz_drivers import room
+from woz_drivers.simulated import doctor, values, verbs
 from woz_drivers.simulated import settings as _settings
-from woz_drivers.simulated import values, verbs
 from woz_drivers.simulated.body import Body
 from woz_drivers.simulated.ears import Ears
 from woz_drivers.simulated.faults import MEANING, SLOWNESS, Fault, Faults
-from woz_drivers.simulated.moves import roles
 from woz_drivers.simulated.pace import Pace
 from woz_drivers.simulated.performance import Performance
 from woz_drivers.simulated.publishing import Publisher
@@ -49,7 +48,6 @@ BLINK = 0.001
 #: The home pose is taken this gently when the robot is left alone, in seconds.
 REST_SECONDS = 1.5
 
-_SENSOR_FAULTS = ("nan", "stuck", "silent")
 _LOST_REMEDY = "it comes back by itself; `fault: clear` brings it back at once"
 
 
@@ -101,39 +99,7 @@ class SimulatedRobot(Driver):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Nothing can be missing; say what of the settings deserves a thought."""
-        settings: _settings.Settings = probe.settings
-        findings = [Finding("ok", probe.name, f"simulated, {len(settings.joints)} joints")]
-        if not {"yaw", "pitch"} & roles(settings).keys():
-            findings.append(
-                Finding(
-                    "info",
-                    probe.name,
-                    "it has no head joint, so `gaze` and `nudge` are not offered",
-                    "name one in yaw_joint or pitch_joint",
-                )
-            )
-        if settings.faults:
-            findings.append(
-                Finding(
-                    "warning",
-                    probe.name,
-                    f"it will break down {len(settings.faults)} times by itself",
-                    "take `faults` out of the robot file to end that",
-                )
-            )
-        for fault in settings.faults:
-            parts = _parts(settings, fault.kind)
-            if fault.part and fault.part not in parts:
-                findings.append(
-                    Finding(
-                        "error",
-                        probe.name,
-                        f"the planned fault {fault.kind!r} names a part {fault.part!r} that is"
-                        " not there",
-                        f"choose from {', '.join(parts)}" if parts else "leave `part` out",
-                    )
-                )
-        return findings
+        return doctor.examine(probe)
 
     # -- life -----------------------------------------------------------------------------------
 
@@ -356,21 +322,10 @@ class SimulatedRobot(Driver):
             self._faults.clear()
         else:
             if part:
-                values.word({"part": part}, "part", _parts(self.settings, kind))
+                values.word({"part": part}, "part", verbs.breakable(self.settings, kind))
             self._faults.add(kind, seconds, part, now)
         self._tell_health(now)
         return {"kind": kind, "seconds": seconds, "part": part}
-
-
-def _parts(settings: _settings.Settings, kind: str) -> tuple[str, ...]:
-    """What a fault of this kind may name as its part; some hit the whole robot only."""
-    if kind in _SENSOR_FAULTS:
-        return verbs.sensors(settings)
-    if kind == "overheat":
-        return tuple(settings.joints)
-    if kind in ("slow", "deaf"):
-        return ()
-    return tuple(lane for lane in verbs.lanes(settings) if lane != "fault")
 
 
 def _alarm(fault: Fault) -> tuple[str, str]:

@@ -6,12 +6,13 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any
 
-from woz_drivers import microphone_check, room, sound
+from woz_drivers import room, sound
 from woz_drivers.byte_stream import ByteStream, Command, Listener
-from woz_drivers.microphone_settings import MicrophoneSettings
-from woz_drivers.segments import Segments
-from woz_drivers.speaking import BLOCK_S, Speaking
-from woz_drivers.transcriber import Transcriber
+from woz_drivers.microphone import doctor
+from woz_drivers.microphone.segments import Segments
+from woz_drivers.microphone.settings import MicrophoneSettings
+from woz_drivers.microphone.speaking import BLOCK_S, Speaking
+from woz_drivers.microphone.transcriber import Transcriber
 from woz_tui.core.driver import (
     SPEECH,
     SPEECH_TEXT,
@@ -82,8 +83,7 @@ class Microphone(PassiveDriver):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
         """Listen for a second; say how loud it is."""
-        settings: MicrophoneSettings = probe.settings
-        return await microphone_check.examine(probe, settings)
+        return await doctor.examine(probe)
 
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""

@@ -1,0 +1,151 @@
+"""Distance sensors on a serial port: MaxBotix, TFmini and TF-Luna, A02 and JSN-SR04T, Arduino."""
+
+from __future__ import annotations
+
+import asyncio
+from typing import Any
+
+from woz_drivers.rangefinder import doctor
+from woz_drivers.rangefinder.framings import Measurement
+from woz_drivers.rangefinder.settings import RangefinderSettings
+from woz_drivers.serial_line import SerialLine, Trouble
+from woz_tui.core.driver import Finding, Health, Outlet, PassiveDriver, Probe
+
+SENSOR = "distance"
+RATE = "distance.rate"
+BAD = "distance.bad"
+
+#: How often staleness is looked at, and how often rate and bad frames are published, in seconds.
+_LOOK_S = 0.1
+_COUNT_US = 1_000_000
+
+
+class Rangefinder(PassiveDriver):
+    """One sensor on one port.
+
+    Publishes `distance` in metres (`raw`: the device's own number of that frame) for every
+    accepted value, and once a second `distance.rate` (accepted values a second) and
+    `distance.bad` (frames thrown away since the port was opened: malformed, or out of range).
+    """
+
+    Settings = RangefinderSettings
+    summary = "a distance sensor on a serial port"
+    settings: RangefinderSettings
+
+    def __init__(self, name: str, settings: RangefinderSettings, outlet: Outlet) -> None:
+        super().__init__(name, settings, outlet)
+        self._decoder = settings.decoder()
+        self._filter = settings.filter()
+        self._out_of_range = 0
+        self._accepted = 0
+        self._why = ""
+        self._heard = b""
+        self._valid_us = 0
+        self._counted_us = 0
+        self._line = SerialLine(
+            settings.port,
+            settings.real_baud,
+            on_open=self._opened,
+            on_bytes=self._received,
+            on_trouble=self._troubled,
+        )
+        self._watch: asyncio.Task[None] | None = None
+
+    @classmethod
+    def sensors(cls, settings: Any) -> tuple[str, ...]:
+        """The distance, and how well it comes in."""
+        return (SENSOR, RATE, BAD)
+
+    @classmethod
+    async def examine(cls, probe: Probe) -> list[Finding]:
+        """Open the port, listen for a moment, say what came."""
+        return [await doctor.examine(probe)]
+
+    async def open(self) -> None:
+        """Begin to look for the port."""
+        self.outlet.health(Health.CONNECTING, f"looking for {self.settings.port}")
+        self._line.start()
+        self._watch = asyncio.create_task(self._watch_for_silence())
+
+    async def close(self) -> None:
+        """Let go of the port."""
+        if self._watch is not None:
+            self._watch.cancel()
+            await asyncio.gather(self._watch, return_exceptions=True)
+        await self._line.close()
+
+    # -- the port ------------------------------------------------------------------------------
+
+    def _opened(self) -> None:
+        self._decoder = self.settings.decoder()
+        self._filter = self.settings.filter()
+        self._out_of_range = 0
+        self._accepted = 0
+        self._why = ""
+        self._heard = b""
+        self._valid_us = self._counted_us = self.outlet.clock.now_us()
+        settings = self.settings
+        self.outlet.health(
+            Health.CONNECTED, f"{settings.port}, {settings.framing}, {settings.real_baud} baud"
+        )
+
+    def _troubled(self, trouble: Trouble) -> None:
+        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.outlet.sensor(SENSOR, "stale", trouble.what)
+
+    # -- values --------------------------------------------------------------------------------
+
+    def _received(self, data: bytes) -> None:
+        self._heard = (self._heard + data)[-16:]
+        for measurement in self._decoder.feed(data):
+            self._measured(measurement)
+
+    def _measured(self, measurement: Measurement) -> None:
+        if measurement.metres is None:
+            self._why = measurement.why
+            return
+        verdict = self._filter.take(measurement.metres)
+        if verdict.metres is None:
+            if verdict.why == "range":
+                self._out_of_range += 1
+                self._why = f"{measurement.metres:.2f} m is out of range"
+            else:
+                self._why = "the distance jumps to and fro"
+            return
+        self._accepted += 1
+        self._why = ""
+        self._heard = b""
+        self._valid_us = self.outlet.clock.now_us()
+        self.outlet.sensor(SENSOR, "ok")
+        self.outlet.reading(SENSOR, verdict.metres, unit="m", raw=measurement.raw)
+
+    async def _watch_for_silence(self) -> None:
+        while True:
+            await asyncio.sleep(_LOOK_S)
+            if not self._line.connected:
+                continue
+            now = self.outlet.clock.now_us()
+            if now - self._counted_us >= _COUNT_US:
+                self._count((now - self._counted_us) / 1_000_000)
+                self._counted_us = now
+            if now - self._valid_us >= self.settings.stale_after * 1_000_000:
+                self.outlet.sensor(SENSOR, "stale", self._silence())
+
+    def _count(self, seconds: float) -> None:
+        self.outlet.reading(RATE, self._accepted / seconds, unit="Hz")
+        self.outlet.reading(BAD, float(self._decoder.bad + self._out_of_range))
+        self._accepted = 0
+
+    def _silence(self) -> str:
+        """Why there is no valid value."""
+        settings = self.settings
+        if not self._heard:
+            return f"{settings.port} sends nothing; check the sensor's power and wiring"
+        if self._why:
+            return self._why
+        if self._decoder.bad:
+            return (
+                f"what comes is not {settings.framing} at {settings.real_baud} baud:"
+                f" {self._heard!r}; check framing and baud"
+            )
+        return "the sensor fell silent"

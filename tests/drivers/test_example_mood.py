@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import asyncio
 import importlib.util
-from dataclasses import dataclass
 from pathlib import Path
 from types import ModuleType, SimpleNamespace
-from typing import Any
 
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.driver import Ask, Scope
-from woz_tui.core.feeds import Feeds
+from woz_tui.core.driver import Scope
+from woz_tui.testing import RecordingContext
 
 MOOD = Path(__file__).parents[2] / "drivers/example/woz_driver_lamp/mood.py"
 
@@ -27,33 +25,10 @@ def module() -> ModuleType:
     return made
 
 
-@dataclass
-class Heard:
-    """An outlet that remembers."""
-
-    feeds: Feeds
-    asks: list[Ask]
-    notices: list[str]
-
-    def feed(self, topic: str, of: str = "") -> Any:
-        return self.feeds.feed(of or "mood", topic)
-
-    def ask(self, ask: Ask, done: Any = None) -> None:
-        self.asks.append(ask)
-        done(False, "no driver 'lamp' offers 'glow'")
-
-    def health(self, *told: object) -> None:
-        """It says that it is there."""
-
-    def notice(
-        self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
-    ) -> None:
-        self.notices.append(text)
-
-
 def test_the_lamp_follows_the_face_and_is_left_alone_while_stopped() -> None:
     mood = module()
-    outlet = Heard(Feeds(), [], [])
+    outlet = RecordingContext()
+    outlet.outcome = (False, "no driver 'lamp' offers 'glow'")
     state = outlet.feeds.feed("body", "state")
 
     async def scenario() -> None:
@@ -73,4 +48,4 @@ def test_the_lamp_follows_the_face_and_is_left_alone_while_stopped() -> None:
     run_virtual(scenario())
     assert [ask.args["color"] for ask in outlet.asks] == ["#ffd000", "#0040ff", "#ff0000"]
     assert {(ask.what, ask.name, ask.on) for ask in outlet.asks} == {("verb", "glow", "lamp")}
-    assert "no driver 'lamp' offers 'glow'" in outlet.notices[0]
+    assert "no driver 'lamp' offers 'glow'" in outlet.notices[0][1]

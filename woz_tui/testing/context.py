@@ -14,16 +14,18 @@ from woz_tui.core.messages import Json, Reading, Shown, Speech, reading
 
 
 class RecordingContext:
-    """An `Outlet` that keeps everything a driver publishes, and carries out what it asks for.
+    """An `Outlet` that keeps everything a driver publishes and asks for.
 
     Attributes:
         published: How often anything was published.
+        outcome: How every `ask` ends: whether it is carried out, and why not.
     """
 
     def __init__(self, folder: Path = Path(), clock: Clock | None = None) -> None:
         self._folder = folder
         self._clock = clock or RealClock()
         self.published = 0
+        self.outcome = (True, "")
         self.readings: list[Reading] = []
         self.states: list[tuple[str, str, str]] = []
         self.healths: list[tuple[Health, str, str]] = []
@@ -105,10 +107,10 @@ class RecordingContext:
         return self.feeds.feed(of, topic)
 
     def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
-        """Keep it; it is carried out at once."""
+        """Keep it and answer at once."""
         self.asks.append(ask)
         if done is not None:
-            done(True, "")
+            done(*self.outcome)
 
     def of(self, sensor: str) -> list[Reading]:
         """All readings of a sensor."""

@@ -9,7 +9,7 @@ from typing import Any
 
 from woz_tui.bus.guard import guarded
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Driver
+from woz_tui.core.driver import Driver, DriverError
 from woz_tui.core.hub import Hub
 
 #: Seconds that drivers may take to open, and to rest and to close when the session ends.
@@ -141,5 +141,6 @@ class Crew:
                 problems[name] = f"it took longer than {seconds:g} s"
             elif not call.cancelled() and (error := call.exception()) is not None:
                 log.error("%s failed", name, exc_info=error)
-                problems[name] = f"{type(error).__name__}: {error}"
+                kind = "" if isinstance(error, DriverError) else f"{type(error).__name__}: "
+                problems[name] = f"{kind}{error}"
         return problems

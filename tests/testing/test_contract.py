@@ -39,7 +39,7 @@ class Nothing:
 class Right(Driver):
     """The smallest driver that keeps the contract."""
 
-    Settings = Nothing
+    Settings: ClassVar[type] = Nothing
     summary = "nothing at all"
     offered: ClassVar[tuple[Verb, ...]] = (Verb("rest-hands", "rest"),)
     closed = False
@@ -169,6 +169,18 @@ class Restless(Right):
         return ("warmth",)
 
 
+@dataclass(frozen=True)
+class Ruled:
+    """Settings with rules that nobody asks for: it is no `Section`."""
+
+    def problems(self) -> list[tuple[str, str]]:
+        return [("", "never right")]
+
+
+class Lawless(Right):
+    Settings: ClassVar[type] = Ruled
+
+
 class Excited(Right):
     @classmethod
     async def examine(cls, probe: Probe) -> list[Finding]:
@@ -200,7 +212,7 @@ async def test_wrong_remarks_are_found(found: Callable[[Written], Finding], comp
 
 async def test_remarks_about_arguments_are_right() -> None:
     right = remarking(lambda written: Finding("warning", "to", str(written.args["to"])))
-    assert "remarks" not in await complaints(right)
+    assert await complaints(right) == []
 
 
 @pytest.mark.parametrize(
@@ -215,6 +227,7 @@ async def test_remarks_about_arguments_are_right() -> None:
         (OnlyOnce, "close for the second time: raised RuntimeError('closed already')"),
         (Careless, "close: left 'forgotten' running"),
         (Restless, "close: published something afterwards"),
+        (Lawless, "Settings: nobody calls its problems()"),
         (Excited, "examine: raised OSError('no such port')"),
     ],
 )

@@ -268,6 +268,9 @@ class Picture:
         )
         if self.settings.study.blind and not before.study.blind:
             self._go_by(self.session.messages(), Redactor(self.settings.study).message)
+            if (given := self.session.study.assigned) is not None:
+                order = [*self.settings.study.assigned]  # by its labels
+                self.session.study.assigned = msgspec.structs.replace(given, order=order)
         self._perceive(Perception.of(self.settings.study))
         plan = self.session.plan
         self._plan(changed, plan.drivers if plan is not None else [])

@@ -2,20 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any, Protocol
 
 from woz_tui.console.engagement.seen import texts
 from woz_tui.console.engagement.words import why
+from woz_tui.console.parts import DriverView
 from woz_tui.console.robot.stopping import missing_words
 from woz_tui.console.runs import Outcome
+from woz_tui.console.study.picture import Study
 from woz_tui.console.study.telling import TELLERS, line_of
 from woz_tui.console.wording import words
 from woz_tui.core import messages as m
-
-if TYPE_CHECKING:
-    from woz_tui.console.picture import Picture
+from woz_tui.core.views import ActionView
+from woz_tui.timeline.episodes import Stop
+from woz_tui.timeline.state import SessionState
 
 #: Who or what pressed, where it was not a key.
 _SOURCES = {
@@ -35,6 +37,43 @@ _VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
 _BACK_US = 3_000_000
 #: Verbs that move something by one step: pressed in a row, they are one line.
 _STEPPING = frozenset({"control", "nudge"})
+
+
+class Shown(Protocol):
+    """What sentences need to know of the console's state."""
+
+    @property
+    def drivers(self) -> Mapping[str, DriverView]:
+        """Health by driver."""
+        ...
+
+    @property
+    def keeps(self) -> bool:
+        """Whether anything is kept from the wizard."""
+        ...
+
+    @property
+    def session(self) -> SessionState:
+        """What holds."""
+        ...
+
+    @property
+    def stop(self) -> Stop | None:
+        """The stop while it is latched."""
+        ...
+
+    @property
+    def study(self) -> Study:
+        """The study around the session."""
+        ...
+
+    def action(self, name: str) -> ActionView | None:
+        """The action of this name."""
+        ...
+
+    def label(self, name: str) -> str:
+        """What the wizard calls it."""
+        ...
 
 
 @dataclass(slots=True)
@@ -79,21 +118,21 @@ class Event:
             self.detail = outcome.reason
 
 
-def event_of(message: m.Message, picture: Picture) -> Event | None:
+def event_of(message: m.Message, shown: Shown) -> Event | None:
     """The line for `message`, or None if it is not worth one."""
     tell = _TELLERS.get(type(message))
-    return tell(message, picture) if tell is not None else None
+    return tell(message, shown) if tell is not None else None
 
 
-def _requested(message: m.ActionRequested, picture: Picture) -> Event | None:
-    if _is_effect(message.action, picture):
+def _requested(message: m.ActionRequested, shown: Shown) -> Event | None:
+    if _is_effect(message.action, shown):
         return None  # the state's own line tells of it
     source = _SOURCES.get(message.source, "")
-    action = picture.action(message.action)
+    action = shown.action(message.action)
     return Event(
         message.t,
         "running",
-        picture.label(message.action),
+        shown.label(message.action),
         source,
         run=message.run,
         action=message.action,
@@ -101,12 +140,12 @@ def _requested(message: m.ActionRequested, picture: Picture) -> Event | None:
     )
 
 
-def _is_effect(action: str, picture: Picture) -> bool:
+def _is_effect(action: str, shown: Shown) -> bool:
     """Whether it is what a state of the engagement model brings with it: `on RobotThinks`."""
-    return action.startswith("on ") and picture.action(action) is None
+    return action.startswith("on ") and shown.action(action) is None
 
 
-def _command(message: m.Command, picture: Picture) -> Event | None:
+def _command(message: m.Command, shown: Shown) -> Event | None:
     if message.run or message.passing:
         return None  # its action has a line, or the panel's picture shows it
     if message.driver == "session" and message.verb in ("mark", "note"):
@@ -114,16 +153,16 @@ def _command(message: m.Command, picture: Picture) -> Event | None:
     return Event(message.t, "running", words(message), run=message.command)
 
 
-def _action_end(message: m.ActionEnd, picture: Picture) -> Event | None:
+def _action_end(message: m.ActionEnd, shown: Shown) -> Event | None:
     """Only reached if the beginning is not on the list, or not any more."""
-    left = isinstance(message, m.ActionStopped) and _is_effect(message.action, picture)
+    left = isinstance(message, m.ActionStopped) and _is_effect(message.action, shown)
     if isinstance(message, m.ActionDone) or left:
         return None
     how = str(message.__struct_config__.tag).removeprefix("action.")
-    return Event(message.t, how, picture.label(message.action), message.reason, run=message.run)
+    return Event(message.t, how, shown.label(message.action), message.reason, run=message.run)
 
 
-def _session(message: m.SessionChanged, picture: Picture) -> Event | None:
+def _session(message: m.SessionChanged, shown: Shown) -> Event | None:
     parts = [
         f"{name} {value}"
         for name, value in (
@@ -136,11 +175,11 @@ def _session(message: m.SessionChanged, picture: Picture) -> Event | None:
     return Event(message.t, "info", ", ".join(parts)) if parts else None
 
 
-def _session_end(message: m.SessionEnd, picture: Picture) -> Event:
+def _session_end(message: m.SessionEnd, shown: Shown) -> Event:
     return Event(message.t, "info", "Session ended", message.reason)
 
 
-def _recorder(message: m.RecorderState, picture: Picture) -> Event | None:
+def _recorder(message: m.RecorderState, shown: Shown) -> Event | None:
     if message.level == "ok":
         return None
     mark = "warning" if message.level == "warn" else "error"
@@ -151,62 +190,62 @@ def _recorder(message: m.RecorderState, picture: Picture) -> Event | None:
     return Event(message.t, mark, "Log falls behind", f"{message.lag_us / 1000:.0f} ms")
 
 
-def _notice(message: m.Notice, picture: Picture) -> Event:
+def _notice(message: m.Notice, shown: Shown) -> Event:
     mark = message.level if message.level in ("info", "warning", "error") else "info"
     return Event(message.t, mark, message.text, message.remedy)
 
 
-def _stop(message: m.StopPressed, picture: Picture) -> Event:
+def _stop(message: m.StopPressed, shown: Shown) -> Event:
     if message.scope != "all":
         return Event(message.t, "stop", "Driving stopped", message.source)
     return Event(message.t, "stop", "STOP", f"by {message.source}")
 
 
-def _confirmed(message: m.StopConfirmed, picture: Picture) -> Event:
+def _confirmed(message: m.StopConfirmed, shown: Shown) -> Event:
     if message.missing:
-        parts = picture.stop.parts_missing if picture.stop is not None else {}
+        parts = shown.stop.parts_missing if shown.stop is not None else {}
         words = "; ".join(missing_words(message.missing, message.unreached, parts))
         what, _, names = words.partition(": ")
         return Event(message.t, "error", what.capitalize(), names)
     return Event(message.t, "stop", "Stop confirmed", f"in {message.elapsed_us / 1000:.0f} ms")
 
 
-def _released(message: m.StopReleased, picture: Picture) -> Event:
+def _released(message: m.StopReleased, shown: Shown) -> Event:
     return Event(message.t, "info", "Stop released", f"by {message.source}")
 
 
-def _driver(message: m.DriverHealth, picture: Picture) -> Event:
+def _driver(message: m.DriverHealth, shown: Shown) -> Event:
     health = str(message.__struct_config__.tag).removeprefix("driver.")
     mark = {"lost": "error", "faulted": "error", "connected": "done"}.get(health, "driver")
     return Event(message.t, mark, f"{message.driver} {health}", message.detail)
 
 
-def _lane_faulted(message: m.LaneFaulted, picture: Picture) -> Event:
+def _lane_faulted(message: m.LaneFaulted, shown: Shown) -> Event:
     return Event(message.t, "error", f"{message.driver} {message.lane} hangs", "waits for its end")
 
 
-def _lane_recovered(message: m.LaneRecovered, picture: Picture) -> Event:
+def _lane_recovered(message: m.LaneRecovered, shown: Shown) -> Event:
     return Event(message.t, "done", f"{message.driver} {message.lane} is back")
 
 
-def _sensor(message: m.SensorChanged, picture: Picture) -> Event | None:
+def _sensor(message: m.SensorChanged, shown: Shown) -> Event | None:
     if message.state != "stale" and message.was != "stale":
         return None  # speaking and quiet are on the meter
-    if _with_its_driver(message, picture):
+    if _with_its_driver(message, shown):
         return None
     mark = "warning" if message.state == "stale" else "done"
     text = f"{message.sensor} {message.state}"
     return Event(message.t, mark, text, message.why, sensor=message.sensor)
 
 
-def _with_its_driver(message: m.SensorChanged, picture: Picture) -> bool:
+def _with_its_driver(message: m.SensorChanged, shown: Shown) -> bool:
     """Whether the sensor went or came only because its driver did: that is one event, not ten.
 
     Whose a sensor is that has never given a reading, such as a tablet that nobody has touched, is
     not known: then any driver will do.
     """
-    name = _driver_of(message.sensor, picture)
-    drivers = [driver for driver in picture.drivers.values() if name in ("", driver.name)]
+    name = _driver_of(message.sensor, shown)
+    drivers = [driver for driver in shown.drivers.values() if name in ("", driver.name)]
     if message.state == "stale":
         return any(driver.health == "lost" for driver in drivers)
     # A driver may hear its sensors before it calls itself connected.
@@ -215,43 +254,43 @@ def _with_its_driver(message: m.SensorChanged, picture: Picture) -> bool:
     )
 
 
-def _driver_of(sensor: str, picture: Picture) -> str:
+def _driver_of(sensor: str, shown: Shown) -> str:
     """The driver of a sensor that has given a reading, or nothing."""
-    reading = picture.session.readings.get(sensor)
+    reading = shown.session.readings.get(sensor)
     return reading.driver if reading is not None else ""
 
 
-def explained(event: Event, message: m.DriverHealth, picture: Picture) -> bool:
+def explained(event: Event, message: m.DriverHealth, shown: Shown) -> bool:
     """Whether `message` tells why a sensor fell silent: its driver was lost, or takes another
     robot, a moment after. The sensor's own line then says nothing any more.
     """
     if not event.sensor or event.mark != "warning":
         return False
-    whose = _driver_of(event.sensor, picture)
+    whose = _driver_of(event.sensor, shown)
     return whose in ("", message.driver) and 0 <= message.t - event.t < _BACK_US
 
 
-def _engagement(message: m.EngagementChanged, picture: Picture) -> Event:
+def _engagement(message: m.EngagementChanged, shown: Shown) -> Event:
     if message.forced:
         return Event(message.t, "forced", message.now, f"by hand: {why(message)}")
     return Event(message.t, "info", message.now, message.why)
 
 
-def _speech(message: m.SpeechEnded, picture: Picture) -> Event | None:
+def _speech(message: m.SpeechEnded, shown: Shown) -> Event | None:
     """Only that nothing was kept of it; what it says comes later."""
     if not message.detail or message.file:
         return None
     return Event(message.t, "warning", "Speech not kept", message.detail)
 
 
-def _heard(message: m.SpeechText, picture: Picture) -> Event:
+def _heard(message: m.SpeechText, shown: Shown) -> Event:
     if message.text.strip():
         return Event(message.t, "heard", f"“{message.text}”", "heard")
     mark = "warning" if message.detail else "info"
     return Event(message.t, mark, "Speech not understood", message.detail)
 
 
-def _visitor(message: m.VisitorChanged, picture: Picture) -> Event:
+def _visitor(message: m.VisitorChanged, shown: Shown) -> Event:
     about = ", ".join(value for value in texts(message.about).values() if value)
     if message.what == "renamed" and message.was:
         return Event(message.t, "info", f"Visitor {message.was} is {message.visitor} now", about)
@@ -259,28 +298,28 @@ def _visitor(message: m.VisitorChanged, picture: Picture) -> Event:
     return Event(message.t, "info", f"Visitor {message.visitor} {what}".rstrip(), about)
 
 
-def _mode(message: m.ModeChanged, picture: Picture) -> Event:
+def _mode(message: m.ModeChanged, shown: Shown) -> Event:
     return Event(message.t, "info", f"{message.driver} mode {message.now}", message.why)
 
 
-def _marker(message: m.Marker, picture: Picture) -> Event:
+def _marker(message: m.Marker, shown: Shown) -> Event:
     return Event(message.t, "marker", "Marker", message.text)
 
 
-def _note(message: m.Note, picture: Picture) -> Event:
+def _note(message: m.Note, shown: Shown) -> Event:
     return Event(message.t, "note", message.text)
 
 
-def _mistake(message: m.Mistake, picture: Picture) -> Event:
-    what = picture.label(message.action) if message.action else message.run
+def _mistake(message: m.Mistake, shown: Shown) -> Event:
+    what = shown.label(message.action) if message.action else message.run
     return Event(message.t, "note", f"Mistake: {what}", message.text)
 
 
-def _lock(message: m.PanelLocked, picture: Picture) -> Event:
+def _lock(message: m.PanelLocked, shown: Shown) -> Event:
     return Event(message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
 
 
-def _profile(message: m.ProfileChanged, picture: Picture) -> Event:
+def _profile(message: m.ProfileChanged, shown: Shown) -> Event:
     return Event(
         message.t,
         "info",
@@ -288,34 +327,34 @@ def _profile(message: m.ProfileChanged, picture: Picture) -> Event:
     )
 
 
-def _reloaded(message: m.ExperimentReloaded, picture: Picture) -> Event:
+def _reloaded(message: m.ExperimentReloaded, shown: Shown) -> Event:
     return Event(message.t, "info", "File reloaded", "; ".join(message.changes) or "no changes")
 
 
-def _of_study(message: m.Message, picture: Picture) -> Event | None:
+def _of_study(message: m.Message, shown: Shown) -> Event | None:
     line = line_of(message)
-    missing = picture.study.unticked() if isinstance(message, m.TrialStarted) else []
-    if line is not None and missing and picture.study.last is None:
+    missing = shown.study.unticked() if isinstance(message, m.TrialStarted) else []
+    if line is not None and missing and shown.study.last is None:
         line = line._replace(mark="warning", detail=f"not ticked: {'; '.join(missing)}")
     if line is not None and isinstance(message, m.CueAnswered):
-        names = picture.study.right_for(message)
-        right = f"right: {' or '.join(map(picture.label, names))}" if names else ""
+        names = shown.study.right_for(message)
+        right = f"right: {' or '.join(map(shown.label, names))}" if names else ""
         line = line._replace(detail=", ".join(filter(None, (line.detail, right))))
     return Event(message.t, *line) if line is not None else None
 
 
-def _attached(message: m.ConsoleAttached, picture: Picture) -> Event:
+def _attached(message: m.ConsoleAttached, shown: Shown) -> Event:
     what = f"{message.role} {message.name}".rstrip()
-    if message.sees == "all" and picture.keeps:
+    if message.sees == "all" and shown.keeps:
         return Event(message.t, "info", f"{what} attached", "it sees what is kept from you")
     return Event(message.t, "info", f"{what} attached", message.console)
 
 
-def _console_lost(message: m.ConsoleLost, picture: Picture) -> Event:
+def _console_lost(message: m.ConsoleLost, shown: Shown) -> Event:
     return Event(message.t, "warning", f"{message.role} gone", message.why)
 
 
-_TELLERS: dict[type[m.Message], Callable[[Any, Picture], Event | None]] = {
+_TELLERS: dict[type[m.Message], Callable[[Any, Shown], Event | None]] = {
     m.ActionRequested: _requested,
     m.Command: _command,
     m.ActionDone: _action_end,

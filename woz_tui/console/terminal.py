@@ -35,6 +35,7 @@ from woz_tui.console.output import Output
 from woz_tui.console.scanner import INTRODUCER_S, Scanner
 from woz_tui.console.tokens import Key, Paste, Raw, Reply, Stop, Token
 from woz_tui.core.clock import RealClock
+from woz_tui.core.machine.scheduling import ask_for_short_turns
 from woz_tui.experiment.terminals import KITTY, PLAIN, Terminal, detected, folded
 
 #: The reading thread looks around at least this often, in seconds.
@@ -214,6 +215,7 @@ class WizardDriver(LinuxDriver):
 
     def run_input_thread(self) -> None:
         """Read until told to end, or until the terminal is gone."""
+        ask_for_short_turns()
         scanner = self._scanner = Scanner(folded(detected(os.environ)))
         scanner.expects_graphics = bool(question(os.environ))
         self._line.reset()

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING
 
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
+from woz_tui.core.machine.scheduling import ask_for_short_turns
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
 from woz_tui.host.desk import Desk
@@ -171,6 +172,7 @@ async def _serve(
         host.listen(listener)
         if options.announce:
             _announce(path, recorder)
+        ask_for_short_turns()
         gc.collect()
         gc.freeze()
         gc.set_threshold(*GC_THRESHOLDS)

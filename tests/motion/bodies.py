@@ -11,11 +11,18 @@ from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand
 from woz_tui.motion.move import Move
+from woz_tui.motion.personality import RANGES
 from woz_tui.motion.shapes import BodyShape, FaceShape, JointShape, Personality
 from woz_tui.motion.ticks import Answer, Tick
 
 #: No breath and no blink: what is left is what people wanted.
 CALM = Personality(breathing=0.0, blink_rate=0.0)
+
+
+def reach(trait: str) -> tuple[float, float]:
+    """The least and the greatest value of a personality's trait."""
+    return RANGES[trait].low or 0.0, RANGES[trait].high or 0.0
+
 
 #: Oosterkamp's robot: three joints, speeds of the thesis.
 EYEPI = BodyShape(

@@ -7,10 +7,11 @@ import random
 from collections.abc import Callable
 from typing import Any
 
+from tests.motion.bodies import reach
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.inputs import CONTROLS, EMOTIONS, KINDS
 from woz_tui.motion.modes import Hand, Mode
-from woz_tui.motion.personality import NAMES, RANGES
+from woz_tui.motion.personality import NAMES
 from woz_tui.motion.setpoints import Seen
 from woz_tui.motion.shapes import BodyShape
 
@@ -112,7 +113,7 @@ class Hostile:
             "mode": lambda: {
                 "mode": chance.choice(["normal", "normal", *(mode.value for mode in Mode)])
             },
-            "personality": lambda: {trait: u(*RANGES[trait]) for trait in chance.sample(NAMES, 2)},
+            "personality": lambda: {trait: u(*reach(trait)) for trait in chance.sample(NAMES, 2)},
             "emotion": lambda: {"emotion": chance.choice(EMOTIONS)},
             "affect": lambda: {"valence": u(-1, 1), "arousal": u(-1, 1)},
             "look": lambda: {"x": u(-1, 1), "y": u(-1, 1)},

@@ -19,9 +19,10 @@ import psutil
 from tests.motion.bodies import BODIES
 from tests.motion.hostile import Hostile
 from tests.motion.watch import Watch
+from woz_tui.core.driver import Rejected
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.ticks import Refused, Tick
+from woz_tui.motion.ticks import Tick
 
 DT = 0.02
 #: Inputs a tick: two a second.
@@ -99,7 +100,7 @@ class Soak:
             try:
                 self.engine.apply(*hostile.input())
                 self._taken += 1
-            except Refused:
+            except Rejected:
                 self._refused += 1
         if hostile.often(INPUTS):
             self.engine.see(hostile.seen())

@@ -9,13 +9,14 @@ from collections.abc import Callable
 
 import pytest
 
-from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely
+from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely, reach
+from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.inputs import CONTROL_KINDS, CONTROLS, EMOTIONS, KINDS
 from woz_tui.motion.modes import TABLE, Hand, Kind, Mode, counts
-from woz_tui.motion.personality import NAMES, RANGES
-from woz_tui.motion.ticks import Refused, Tick
+from woz_tui.motion.personality import NAMES
+from woz_tui.motion.ticks import Tick
 
 Input = tuple[str, dict[str, Json]]
 OTHERS = [mode for mode in Mode if mode is not Mode.NORMAL]
@@ -57,7 +58,7 @@ def any_input(kind: Kind, chance: random.Random) -> Input:
         ],
         Kind.ANIMATION: [("play", {"move": chance.choice(list(BUILT_IN))})],
         Kind.PERSONALITY: [
-            ("personality", {trait: u(*RANGES[trait])}),
+            ("personality", {trait: u(*reach(trait))}),
             ("personality", {"name": chance.choice(["upbeat", "grumpy"])}),
             ("breathing", {"on": chance.random() < 0.5}),
         ],
@@ -114,7 +115,7 @@ def test_what_does_not_count_changes_nothing(kind: Kind, mode: Mode, hand: Hand)
             verb, args = any_input(kind, chance)
             try:
                 answer = rig.do(verb, hand, **args)
-            except Refused as refusal:
+            except Rejected as refusal:
                 refused += 1
                 assert mode.value in refusal.what
             else:
@@ -158,7 +159,7 @@ def test_every_verb_and_control_has_its_row() -> None:
     assert rows == set(TABLE)
     assert set(CONTROL_KINDS) == set(CONTROLS)
     for verb in KINDS:
-        with contextlib.suppress(Refused):
+        with contextlib.suppress(Rejected):
             rig.do(verb)
 
 
@@ -245,7 +246,7 @@ def test_no_change_of_mode_jumps_or_loses_the_stop(first: Mode, second: Mode, fl
     enter(rig, first)
     ticks += rig.run(0.5)
     if second is not Mode.NORMAL and first is not Mode.NORMAL:
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             enter(rig, second)
         assert rig.tick().mode is first
         ticks.append(rig.last)
@@ -283,7 +284,7 @@ def test_the_later_hand_wins_and_the_stop_ends_what_a_program_began() -> None:
     assert [(e.token, e.why) for e in rig.tick().ended] == [(third.token, "stopped")]
     rig.do("mode", Hand.WIZARD, mode="demo")
     rig.run(0.2)
-    with pytest.raises(Refused, match="demo"):
+    with pytest.raises(Rejected, match="demo"):
         rig.do("play", Hand.PROGRAM, move="nod")
-    with pytest.raises(Refused, match="demo"):
+    with pytest.raises(Rejected, match="demo"):
         rig.do("control", Hand.PROGRAM, control="pitch", value=0.9)

@@ -8,15 +8,15 @@ from dataclasses import asdict
 
 import pytest
 
-from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely
+from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely, reach
+from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.controls import TRAITS
 from woz_tui.motion.easing import followed
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import CONTROLS
-from woz_tui.motion.personality import GLIDES, NAMES, RANGES
-from woz_tui.motion.ticks import Refused
+from woz_tui.motion.personality import GLIDES, NAMES
 
 #: Each trait that a body can be seen by, from one end to the other.
 TURNS: list[tuple[dict[str, Json], dict[str, Json]]] = [
@@ -150,12 +150,12 @@ def test_two_bodies_have_their_own_sets_at_once() -> None:
 def test_a_trait_out_of_its_range_is_refused(trait: str) -> None:
     engine = Engine(EYEPI, BUILT_IN)
     before = engine.values()
-    low, high = RANGES[trait]
+    low, high = reach(trait)
     wrongs: list[Json] = [low - 1.0, high + 1.0, math.nan, "much", [], True]
     for wrong in wrongs:
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             engine.apply("personality", {"tempo": 1.5, trait: wrong, "name": "upbeat"})
-    with pytest.raises(Refused, match="cannot be"):
+    with pytest.raises(Rejected, match="must be one of"):
         engine.apply("personality", {"name": "angelic"})
     assert engine.values() == before
 
@@ -189,7 +189,7 @@ def test_every_control_reads_back_where_it_was_put(control: str) -> None:
         {"value": "up"},
     ]
     for wrong in wrongs:
-        with pytest.raises(Refused):
+        with pytest.raises(Rejected):
             rig.engine.apply("control", {"control": control, **wrong})
     assert rig.engine.state().controls[control] == 1.0
 
@@ -203,7 +203,7 @@ def test_64_of_127_is_the_middle_of_a_knob_that_has_one(control: str) -> None:
 
 @pytest.mark.parametrize("trait", TRAITS)
 def test_knobs_keep_to_the_ranges_of_robot_files(trait: str) -> None:
-    low, high = RANGES[trait]
+    low, high = reach(trait)
     values = [TRAITS[trait].value(place / 20) for place in range(21)]
     assert values == sorted(values)
     assert low <= values[0] < values[-1] <= high

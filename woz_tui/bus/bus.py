@@ -14,9 +14,9 @@ from collections.abc import Callable, Coroutine, Iterable, Mapping
 
 import msgspec
 
-from woz_tui.bus.arguments import ArgumentError, checked
 from woz_tui.bus.guard import guarded
 from woz_tui.bus.lane import Lane, Ticket
+from woz_tui.core.arguments import ArgumentError, checked
 from woz_tui.core.driver import Lost, Performer, Scope, StopReport, Verb
 from woz_tui.core.hiding import hidden
 from woz_tui.core.hub import Hub

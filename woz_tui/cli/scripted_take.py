@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 
+from woz_tui.core.driver import Rejected
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.puppeteer import Puppeteer
 from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, STOP, Input
-from woz_tui.motion.ticks import Refused
 
 #: Ticks a second, as the driver's own by default.
 RATE = 50.0
@@ -56,6 +56,6 @@ def _apply(puppeteer: Puppeteer, one: Input, tell: Callable[[str], None]) -> Non
             puppeteer.apply("mode", {"mode": Mode.NORMAL.value})
         elif one.verb not in BEYOND_VERBS:
             puppeteer.apply(one.verb, one.args)
-    except Refused as refused:
+    except Rejected as refused:
         remedy = f" ({refused.remedy})" if refused.remedy else ""
         tell(f"{one.place}: {one.verb} refused: {refused.what}{remedy}")

@@ -7,9 +7,11 @@ Same shape, moves, seed and inputs at the same ticks: same setpoints and same pi
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
+from woz_tui.core.arguments import ArgumentError, checked
+from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
-from woz_tui.motion.asked import Asked, finite, quoted
 from woz_tui.motion.breathing import Breath
 from woz_tui.motion.face import FaceState, draw, prepare
 from woz_tui.motion.facework import FaceWork
@@ -19,16 +21,16 @@ from woz_tui.motion.kinematics import Chain
 from woz_tui.motion.layers import Shaping
 from woz_tui.motion.modes import BLINKS, BREATHES, Hand, Kind, Mode, counts
 from woz_tui.motion.move import Move
-from woz_tui.motion.orders import Orders
+from woz_tui.motion.orders import Args, Orders
 from woz_tui.motion.personality import Character
 from woz_tui.motion.primaries import Line, Moment
 from woz_tui.motion.saccade import Saccade
-from woz_tui.motion.safety import Safety
+from woz_tui.motion.safety import Safety, number
 from woz_tui.motion.setpoints import Seen, State
 from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.stance import beginning, found
 from woz_tui.motion.steering import ARRIVED, Steering
-from woz_tui.motion.ticks import Answer, Ended, Refused, Tick
+from woz_tui.motion.ticks import Answer, Ended, Tick
 
 #: Time that counts between two ticks at most, in seconds; whoever slept longer goes on from there.
 LONGEST_S = 10.0
@@ -58,10 +60,7 @@ class Engine:
         present: Mapping[str, float] | None = None,
     ) -> None:
         self._shape = shape
-        self._takes = {
-            verb.name: tuple(argument.name for argument in verb.arguments)
-            for verb in offered(shape, moves)
-        }
+        self._verbs = {verb.name: verb for verb in offered(shape, moves)}
         pose = beginning(shape, present)
         self._safety = Safety(shape.joints, {**pose, **found(shape, present)})
         self._shaping = Shaping(shape.joints, pose)
@@ -97,48 +96,58 @@ class Engine:
     def apply(self, verb: str, args: Mapping[str, Json], hand: Hand = Hand.WIZARD) -> Answer:
         """Do what somebody wants, from the next tick on.
 
-        Raises `Refused`, and nothing else, if that makes no sense or does not count now; then
+        Raises `Rejected`, and nothing else, if that makes no sense or does not count now; then
         nothing has changed.
         """
         try:
             return self._apply(verb, args, hand)
-        except Refused:
+        except Rejected:
             raise
         except Exception as error:
-            raise Refused(f"{quoted(verb)} failed inside: {error!r}") from error
+            raise Rejected(f"{verb!r} failed inside: {error!r}") from error
 
     def learn(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
+        self._verbs = {verb.name: verb for verb in offered(self._shape, moves)}
         self._orders.moves = moves
 
     def _apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
-        asked = Asked(verb, args, self._arguments(verb))
-        kind, joint_control = self._kind(verb, asked)
+        read = self._checked(verb, args)
+        kind = KINDS[verb]
+        if verb == "control":
+            kind = CONTROL_KINDS.get(read["control"], kind)
+        if verb == "mode" and read["mode"] == Mode.NORMAL.value:
+            kind = Kind.STOP
         if self._frozen:
-            raise Refused(f"the robot stands still ({self._frozen})", "release the stop first")
+            raise Rejected(f"the robot stands still ({self._frozen})", "release the stop first")
         mode = self._steering.mode
         if counts(kind, mode, hand):
-            return self._orders.verbs[verb](asked)
-        if joint_control and hand is Hand.WIZARD:
-            answer = self._orders.verbs[verb](asked)
+            return self._orders.verbs[verb](read)
+        if verb == "control" and kind is Kind.JOINTS and hand is Hand.WIZARD:
+            answer = self._orders.verbs[verb](read)
             return Answer({**answer.sent, "waits": Mode.NORMAL.value})
         what = "a change of mode" if kind is Kind.MODE else kind.value
-        raise Refused(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
+        raise Rejected(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
 
-    def _arguments(self, verb: object) -> tuple[str, ...]:
-        takes = self._takes.get(verb) if isinstance(verb, str) else None
-        if takes is None:
-            raise Refused(f"this body cannot {quoted(verb)}", f"it can {', '.join(self._takes)}")
-        return takes
-
-    def _kind(self, verb: str, asked: Asked) -> tuple[Kind, bool]:
-        """The table's row, and whether it is a control of joints."""
-        if verb == "control":
-            kind = CONTROL_KINDS.get(self._orders.control(asked), Kind.JOINTS)
-            return kind, kind is Kind.JOINTS
-        if verb == "mode" and asked.choice("mode", tuple(m.value for m in Mode)) == "normal":
-            return Kind.STOP, False
-        return KINDS[verb], False
+    def _checked(self, verb: object, args: object) -> Args:
+        """The arguments as the verb has them. Of angles, those that make no sense are left out by
+        `Orders` and named, so that the other joints move.
+        """
+        found = self._verbs.get(verb) if isinstance(verb, str) else None
+        if found is None:
+            raise Rejected(f"this body cannot {verb!r}", f"it can {', '.join(self._verbs)}")
+        if not isinstance(args, Mapping):
+            raise Rejected(f"{found.name}: arguments are names and values, not {args!r}")
+        angles = {"joints": args.get("joints")} if verb in ("pose", "joints") else {}
+        others = tuple(one for one in found.arguments if one.name not in angles)
+        given = {name: value for name, value in args.items() if name not in angles}
+        seconds = given.get("seconds")
+        if isinstance(seconds, int | float) and not seconds > 0:  # no time: as fast as it may
+            given["seconds"] = 0.0
+        try:
+            return {**angles, **checked(replace(found, arguments=others), given)}
+        except ArgumentError as error:
+            raise Rejected(str(error)) from None
 
     def see(self, seen: Seen | None) -> None:
         """What the camera saw last."""
@@ -208,7 +217,7 @@ class Engine:
         )
 
     def _advance(self, t: float) -> float:
-        time = finite(t)
+        time = number(t)
         if time is None:
             return 0.0
         before, self._t = self._t, time

@@ -7,15 +7,14 @@ or a mode wants of the face lies on top as long as it lasts, except for what peo
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from typing import Any
 
 from woz_tui.core.messages import Json
-from woz_tui.motion.asked import Asked
 from woz_tui.motion.blinking import Blinks
 from woz_tui.motion.controls import FACE
 from woz_tui.motion.emotions import of_affect, to_affect
 from woz_tui.motion.face import CRASH_S, FaceState
-from woz_tui.motion.inputs import EMOTIONS
 from woz_tui.motion.move import FaceWish
 from woz_tui.motion.personality import Character
 from woz_tui.motion.primaries import Wish
@@ -49,12 +48,11 @@ class FaceWork:
 
     # -- what people write ----------------------------------------------------------------------
 
-    def show(self, asked: Asked, token: Callable[[], int]) -> Answer:
+    def show(self, args: Mapping[str, Any], token: Callable[[], int]) -> Answer:
         """Verb `emotion`. A breakdown plays and leads back to the emotion from before; it takes
         time, so it gets a `token`.
         """
-        emotion = asked.choice("emotion", EMOTIONS)
-        intensity = asked.within("intensity", 0.0, 1.0, self.intensity)
+        emotion, intensity = args["emotion"], args.get("intensity", self.intensity)
         self._mine |= {"emotion", "intensity"}
         self._end_crash(f"replaced by {emotion}")
         sent: dict[str, Json] = {"emotion": emotion, "intensity": intensity}

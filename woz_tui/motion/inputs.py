@@ -9,7 +9,9 @@ from collections.abc import Iterable, Mapping
 
 from woz_tui.core.driver import Argument, Verb
 from woz_tui.core.fields import Range
+from woz_tui.motion.controls import TRAITS
 from woz_tui.motion.modes import Kind, Mode
+from woz_tui.motion.personality import RANGES, SUMMARIES
 from woz_tui.motion.shapes import EASINGS, BodyShape
 
 #: Emotions that a face knows; the first has no intensity. The first six are Oosterkamp's.
@@ -17,12 +19,6 @@ EMOTIONS = ("neutral", "sleepy", "angry", "sad", "happy", "amazed", "friendly", 
 #: Verbs whose end nobody waits for, beside all streams: the next emotion must not wait for the film
 #: of a crash to end.
 BRIEF = frozenset({"emotion"})
-#: Controls that every body has, beside one for each joint (called as the joint).
-CONTROLS = (
-    *("zoom", "eye-x", "eye-y", "intensity", "valence", "arousal", "brightness"),
-    *("tempo", "breathing", "smoothing", "compression", "speed", "amplitude"),
-)
-
 #: Verb -> its row of the table. `mode: normal` is the stop, whatever this says of `mode`.
 KINDS: Mapping[str, Kind] = {
     "play": Kind.ANIMATION,
@@ -32,6 +28,7 @@ KINDS: Mapping[str, Kind] = {
     "gaze": Kind.POSE,
     "nudge": Kind.POSE,
     "joints": Kind.JOINTS,
+    "control": Kind.JOINTS,
     "emotion": Kind.EMOTION,
     "affect": Kind.EMOTION,
     "look": Kind.EYES,
@@ -43,7 +40,8 @@ KINDS: Mapping[str, Kind] = {
     "mode": Kind.MODE,
 }
 
-#: The rows of single controls; a joint's own control is among the joint controls.
+#: Controls that every body has, and the row of each; a joint's own control, called as the joint, is
+#: among the joint controls.
 CONTROL_KINDS: Mapping[str, Kind] = {
     "zoom": Kind.JOINTS,
     "eye-x": Kind.EYES,
@@ -52,37 +50,29 @@ CONTROL_KINDS: Mapping[str, Kind] = {
     "valence": Kind.EMOTION,
     "arousal": Kind.EMOTION,
     "brightness": Kind.FACE,
-    "tempo": Kind.PERSONALITY,
-    "breathing": Kind.PERSONALITY,
-    "smoothing": Kind.PERSONALITY,
-    "compression": Kind.PERSONALITY,
-    "speed": Kind.PERSONALITY,
-    "amplitude": Kind.PERSONALITY,
+    **dict.fromkeys(TRAITS, Kind.PERSONALITY),
 }
+
+CONTROLS = tuple(CONTROL_KINDS)
 
 _UNIT = Range(0, 1)
 _BOTH = Range(-1, 1)
 _ANGLE = Range(-180, 180, "deg")
-_SECONDS = Argument("seconds", "seconds", "in how long; empty: as fast as it may")
+#: No movement takes longer than a day.
+_DAY = Range(0, 86_400, "s")
+_SECONDS = Argument("seconds", "seconds", "in how long; empty: as fast as it may", range=_DAY)
 _EASING = Argument("easing", "choice", "how it gets there", choices=EASINGS)
 
 
 def offered(shape: BodyShape, moves: Iterable[str]) -> tuple[Verb, ...]:
     """The verbs of a body with these moves."""
-    verbs = [*_body_verbs(tuple(moves), shape), *_way_verbs(shape)]
-    if shape.face is not None:
-        verbs += _face_verbs()
-    return tuple(verbs)
-
-
-def _body_verbs(moves: tuple[str, ...], shape: BodyShape) -> list[Verb]:
     joints = Argument("joints", "joints", "degrees by joint", required=True)
-    return [
+    body = (
         Verb(
             "play",
             "play a move",
             (
-                Argument("move", "choice", "which one", required=True, choices=moves),
+                Argument("move", "choice", "which one", required=True, choices=tuple(moves)),
                 Argument("speed", "number", "1: as written", default=1.0, range=Range(0.1, 5)),
                 Argument("amplitude", "number", "1: as written", default=1.0, range=Range(0, 3)),
             ),
@@ -100,7 +90,7 @@ def _body_verbs(moves: tuple[str, ...], shape: BodyShape) -> list[Verb]:
         Verb(
             "home",
             "take the home pose",
-            (Argument("seconds", "seconds", "in how long", default=1.0), _EASING),
+            (Argument("seconds", "seconds", "in how long", default=1.0, range=_DAY), _EASING),
             lane="body",
         ),
         Verb(
@@ -146,12 +136,6 @@ def _body_verbs(moves: tuple[str, ...], shape: BodyShape) -> list[Verb]:
             lane="control",
             brief=True,
         ),
-    ]
-
-
-def _way_verbs(shape: BodyShape) -> list[Verb]:
-    names = ("", *shape.personalities)
-    return [
         Verb(
             "mode",
             "change the mode; normal ends whatever goes on",
@@ -169,17 +153,17 @@ def _way_verbs(shape: BodyShape) -> list[Verb]:
             "personality",
             "be another character, or change a trait",
             (
-                Argument("name", "choice", "one of the robot file's", default="", choices=names),
-                Argument("tempo", "number", "beats a second", range=Range(0.1, 5, "Hz")),
-                Argument("breathing", "number", "amplitude", range=Range(0, 45, "deg")),
-                Argument("breathing_rate", "number", "breaths a second", range=Range(0.01, 3)),
-                Argument("blink_rate", "number", "blinks a minute", range=Range(0, 120)),
-                Argument("blink_time", "number", "of one blink", range=Range(0.05, 2, "s")),
-                Argument("blink_irregularity", "number", "0: like a clock", range=_UNIT),
-                Argument("smoothing", "number", "time constant", range=Range(0, 5, "s")),
-                Argument("compression", "number", "0: full range", range=_UNIT),
-                Argument("speed", "number", "of animations", range=Range(0.1, 5)),
-                Argument("amplitude", "number", "of animations", range=Range(0, 3)),
+                Argument(
+                    "name",
+                    "choice",
+                    "one of the robot file's",
+                    default="",
+                    choices=("", *shape.personalities),
+                ),
+                *(
+                    Argument(name, "number", text, range=RANGES[name])
+                    for name, text in SUMMARIES.items()
+                ),
             ),
             lane="way",
             brief=True,
@@ -191,53 +175,53 @@ def _way_verbs(shape: BodyShape) -> list[Verb]:
             lane="way",
             brief=True,
         ),
-    ]
+    )
+    return body if shape.face is None else (*body, *_FACE_VERBS)
 
 
-def _face_verbs() -> list[Verb]:
-    return [
-        Verb(
-            "emotion",
-            "show an emotion",
-            (
-                Argument("emotion", "choice", required=True, choices=EMOTIONS),
-                Argument("intensity", "number", "empty: as it was", range=_UNIT),
-            ),
-            lane="face",
+_FACE_VERBS = (
+    Verb(
+        "emotion",
+        "show an emotion",
+        (
+            Argument("emotion", "choice", required=True, choices=EMOTIONS),
+            Argument("intensity", "number", "empty: as it was", range=_UNIT),
         ),
-        Verb(
-            "affect",
-            "show what a mood looks like (Russell's circle)",
-            (
-                Argument("valence", "number", "bad to good", required=True, range=_BOTH),
-                Argument("arousal", "number", "calm to excited", required=True, range=_BOTH),
-            ),
-            lane="face",
-            stream=True,
+        lane="face",
+    ),
+    Verb(
+        "affect",
+        "show what a mood looks like (Russell's circle)",
+        (
+            Argument("valence", "number", "bad to good", required=True, range=_BOTH),
+            Argument("arousal", "number", "calm to excited", required=True, range=_BOTH),
         ),
-        Verb(
-            "look",
-            "where the eyes look on the face",
-            (
-                Argument("x", "number", "right to left", default=0.0, range=_BOTH),
-                Argument("y", "number", "down to up", default=0.0, range=_BOTH),
-            ),
-            lane="face",
-            stream=True,
+        lane="face",
+        stream=True,
+    ),
+    Verb(
+        "look",
+        "where the eyes look on the face",
+        (
+            Argument("x", "number", "right to left", default=0.0, range=_BOTH),
+            Argument("y", "number", "down to up", default=0.0, range=_BOTH),
         ),
-        Verb(
-            "brightness",
-            "of the lights",
-            (Argument("level", "number", required=True, range=_UNIT),),
-            lane="face",
-            brief=True,
-        ),
-        Verb("blink", "blink once", lane="face"),
-        Verb(
-            "blinking",
-            "blink by itself or not",
-            (Argument("on", "flag", required=True),),
-            lane="face",
-            brief=True,
-        ),
-    ]
+        lane="face",
+        stream=True,
+    ),
+    Verb(
+        "brightness",
+        "of the lights",
+        (Argument("level", "number", required=True, range=_UNIT),),
+        lane="face",
+        brief=True,
+    ),
+    Verb("blink", "blink once", lane="face"),
+    Verb(
+        "blinking",
+        "blink by itself or not",
+        (Argument("on", "flag", required=True),),
+        lane="face",
+        brief=True,
+    ),
+)

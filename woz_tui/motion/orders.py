@@ -7,28 +7,78 @@ trace.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
 
+from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
-from woz_tui.motion.asked import Angles, Asked
 from woz_tui.motion.controls import FACE
-from woz_tui.motion.easing import EASE
 from woz_tui.motion.facework import FaceWork
-from woz_tui.motion.inputs import CONTROLS
 from woz_tui.motion.kinematics import Aim, Chain
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.move import Move
 from woz_tui.motion.personality import Character
 from woz_tui.motion.primaries import Following, Line, Playing, Primary
 from woz_tui.motion.saccade import Saccade, direction
-from woz_tui.motion.shapes import BodyShape
+from woz_tui.motion.safety import number
+from woz_tui.motion.shapes import BodyShape, JointShape
+from woz_tui.motion.stance import within
 from woz_tui.motion.steering import Steering
-from woz_tui.motion.ticks import Answer, Refused
+from woz_tui.motion.ticks import Answer
 from woz_tui.motion.tracking import Tracker
 
+#: Arguments of an input, checked: their types and ranges are those of the verb (`inputs`), but for
+#: the angles of joints.
+Args = Mapping[str, Any]
+#: No more poses in one input than this, and no pose takes longer than a day, in seconds.
+MOST_POSES, LONGEST_S = 1000, 86_400.0
 #: A nudge takes at least so long, in seconds: held arrow keys become one even movement.
 NUDGE_S = 0.15
 #: The move that the mode `demo` plays.
 DEMO = "demo"
+
+
+@dataclass(frozen=True, slots=True)
+class Angles:
+    """Joint angles that can be used, in degrees, and what differs from those asked for.
+
+    `clamped` holds, by joint, the angle that was asked for; `left_out` why a joint is not moved.
+    """
+
+    joints: dict[str, float]
+    clamped: dict[str, Json] = field(default_factory=dict)
+    left_out: dict[str, Json] = field(default_factory=dict)
+
+    def told(self) -> dict[str, Json]:
+        """For an answer, as the servos' driver tells it."""
+        sent: dict[str, Json] = {"joints": {k: round(v, 3) for k, v in self.joints.items()}}
+        if self.clamped:
+            sent["clamped"] = self.clamped
+        if self.left_out:
+            sent["left_out"] = self.left_out
+        return sent
+
+
+def angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> Angles:
+    """What can be used of a mapping joint -> degrees; `Rejected` if that is nothing."""
+    if not isinstance(value, Mapping) or not value:
+        raise Rejected(f"{path} must name joints and degrees, not {repr(value)[:60]}")
+    taken = Angles({})
+    for name, wish in value.items():
+        shape = shapes.get(name) if isinstance(name, str) else None
+        angle = number(wish)
+        if shape is None:
+            taken.left_out[str(name)[:60]] = "no such joint"
+        elif angle is None:
+            taken.left_out[name] = f"not an angle: {repr(wish)[:60]}"
+        else:
+            taken.joints[name] = within(shape, angle)
+            if taken.joints[name] != angle:
+                taken.clamped[name] = angle
+    if not taken.joints:
+        reasons = "; ".join(f"{name}: {why}" for name, why in list(taken.left_out.items())[:3])
+        raise Rejected(f"{path} moves nothing ({reasons})", f"joints are {', '.join(shapes)}")
+    return taken
 
 
 class Orders:
@@ -55,7 +105,7 @@ class Orders:
         #: Seconds since the engine began, as of the last tick; and where the joints were then.
         self.now = 0.0
         self.joints: Mapping[str, float] = {}
-        self.verbs: Mapping[str, Callable[[Asked], Answer]] = {
+        self.verbs: Mapping[str, Callable[[Args], Answer]] = {
             "play": self._play,
             "pose": self._pose,
             "poses": self._poses,
@@ -65,10 +115,10 @@ class Orders:
             "joints": self._joints,
             "control": self._control,
             "mode": self._mode,
-            "personality": lambda asked: Answer(character.become(asked)),
+            "personality": lambda args: Answer(character.become(args)),
             "breathing": self._breathing,
-            "emotion": self._emotion,
-            "affect": self._affect,
+            "emotion": lambda args: face.show(args, self._token),
+            "affect": lambda args: face.feel(args["valence"], args["arousal"]),
             "look": self._look,
             "brightness": self._brightness,
             "blink": self._blink,
@@ -81,84 +131,81 @@ class Orders:
 
     # -- moves, gaze, pose ----------------------------------------------------------------------
 
-    def _play(self, asked: Asked) -> Answer:
-        move = self.moves[asked.choice("move", tuple(self.moves))]
-        speed = asked.within("speed", 0.1, 5.0, 1.0)
-        amplitude = asked.within("amplitude", 0.0, 3.0, 1.0)
-        playing = self._steering.play(move, speed, amplitude, self._token())
+    def _play(self, args: Args) -> Answer:
+        move = self.moves[args["move"]]
+        playing = self._steering.play(move, args["speed"], args["amplitude"], self._token())
         self._face.begin_lead()
         seconds = move.length / playing.rate(self._character["tempo"], self._character["speed"])
-        sent: dict[str, Json] = {"move": move.name, "speed": speed, "amplitude": amplitude}
-        return Answer({**sent, "seconds": round(seconds, 3)}, playing.token, seconds)
+        sent = {**args, "move": move.name, "seconds": round(seconds, 3)}
+        return Answer(sent, playing.token, seconds)
 
-    def _pose(self, asked: Asked) -> Answer:
-        angles, seconds = asked.joints(self._shape.joints), asked.seconds()
-        return self._go("pose", [(angles, seconds)], self._easing(asked))
+    def _pose(self, args: Args) -> Answer:
+        goal = angles("pose.joints", args["joints"], self._shape.joints)
+        return self._go("pose", [(goal, args.get("seconds", 0.0))], args)
 
-    def _poses(self, asked: Asked) -> Answer:
-        return self._go("poses", asked.poses(self._shape.joints), self._easing(asked))
+    def _poses(self, args: Args) -> Answer:
+        poses = [
+            (angles("poses.joints", pose["joints"], self._shape.joints), pose.get("seconds", 0.0))
+            for pose in args["poses"][: MOST_POSES + 1]
+        ]
+        if len(poses) > MOST_POSES or max(seconds for _, seconds in poses) > LONGEST_S:
+            raise Rejected("poses: too many, or too slow", f"{MOST_POSES} of {LONGEST_S:g} s each")
+        return self._go("poses", poses, args)
 
-    def _home(self, asked: Asked) -> Answer:
+    def _home(self, args: Args) -> Answer:
         home = {name: joint.home for name, joint in self._shape.joints.items()}
-        seconds = asked.seconds() if asked.given("seconds") else 1.0
-        return self._go("home", [(Angles(home, {}, {}), seconds)], self._easing(asked))
+        return self._go("home", [(Angles(home), args["seconds"])], args)
 
-    def _gaze(self, asked: Asked) -> Answer:
-        point = [name for name in ("x", "y", "z") if asked.given(name)]
-        angle = [name for name in ("yaw", "pitch") if asked.given(name)]
-        if bool(point) == bool(angle):
-            raise Refused(
+    def _gaze(self, args: Args) -> Answer:
+        point = [args[name] for name in ("x", "y", "z") if name in args]
+        if bool(point) == ("yaw" in args or "pitch" in args) or len(point) not in (0, 3):
+            raise Rejected(
                 "gaze looks either at a point or in a direction",
                 "give x, y and z, or yaw and pitch",
             )
-        seconds, easing = asked.seconds(), self._easing(asked)
         pose = self._steering.stance.pose
         if point:
-            target = (asked.number("x"), asked.number("y"), asked.number("z"))
             try:
-                aim = self._chain.aim_at(target, pose)
+                aim = self._chain.aim_at((point[0], point[1], point[2]), pose)
             except ValueError as error:
-                raise Refused(f"gaze: {error}") from None
-            return self._look_at(aim, "gaze", seconds, easing)
-        yaw, pitch = direction(self._chain, pose)
-        yaw = asked.within("yaw", -180.0, 180.0, yaw)
-        down = asked.within("pitch", -90.0, 90.0, -pitch)
-        return self._look_at(self._chain.aim_along(yaw, -down, pose), "gaze", seconds, easing)
+                raise Rejected(f"gaze: {error}") from None
+        else:
+            yaw, pitch = direction(self._chain, pose)
+            down = args.get("pitch", -pitch)
+            aim = self._chain.aim_along(args.get("yaw", yaw), -down, pose)
+        return self._look_at(aim, "gaze", args.get("seconds", 0.0), args)
 
-    def _nudge(self, asked: Asked) -> Answer:
-        left, down = asked.within("yaw", -180, 180, 0.0), asked.within("pitch", -180, 180, 0.0)
+    def _nudge(self, args: Args) -> Answer:
         pose = self._steering.stance.pose
         yaw, pitch = direction(self._chain, pose)
-        yaw = (yaw + left + 180.0) % 360.0 - 180.0
-        pitch = min(90.0, max(-90.0, pitch - down))
+        yaw = (yaw + args["yaw"] + 180.0) % 360.0 - 180.0
+        pitch = min(90.0, max(-90.0, pitch - args["pitch"]))
         aim = self._chain.aim_along(yaw, pitch, pose)
         if self._steering.move:  # the arrow keys turn whoever dances, and do not end the dance
             self._steering.shift(aim.joints, "nudge")
-            return Answer(_off_the_mark(Angles(dict(aim.joints), {}, {}).told(), aim))
-        return self._look_at(aim, "nudge", NUDGE_S, "")
+            return Answer(_off_the_mark(Angles(dict(aim.joints)).told(), aim))
+        return self._look_at(aim, "nudge", NUDGE_S, args)
 
-    def _look_at(self, aim: Aim, name: str, seconds: float, easing: str) -> Answer:
-        answer = self._go(name, [(Angles(dict(aim.joints), {}, {}), seconds)], easing)
-        return Answer(_off_the_mark(answer.sent, aim), answer.token, answer.seconds)
+    def _look_at(self, aim: Aim, name: str, seconds: float, args: Args) -> Answer:
+        answer = self._go(name, [(Angles(dict(aim.joints)), seconds)], args)
+        return replace(answer, sent=_off_the_mark(answer.sent, aim))
 
-    def _easing(self, asked: Asked) -> str:
-        return asked.choice("easing", tuple(EASE), self._shape.easing)
-
-    def _go(self, name: str, poses: list[tuple[Angles, float]], easing: str) -> Answer:
-        goals = [(angles.joints, seconds) for angles, seconds in poses]
+    def _go(self, name: str, poses: list[tuple[Angles, float]], args: Args) -> Answer:
+        goals = [(goal.joints, seconds) for goal, seconds in poses]
+        easing = args.get("easing", self._shape.easing)
         line = self._steering.go(name, goals, self._token(), easing)
         late = line.seconds - sum(seconds for _, seconds in goals)
-        told = [angles.told() for angles, _ in poses]
+        told = [goal.told() for goal, _ in poses]
         sent: dict[str, Json] = told[0] if name != "poses" else {"poses": list(told)}
         sent["seconds"] = round(line.seconds, 3)
         if late > 1e-9 and all(seconds > 0.0 for _, seconds in goals):
             sent["late_s"] = round(late, 3)
         return Answer(sent, line.token, line.seconds)
 
-    def _joints(self, asked: Asked) -> Answer:
-        angles = asked.joints(self._shape.joints)
-        self._steering.put(angles.joints, "joints")
-        return Answer(angles.told())
+    def _joints(self, args: Args) -> Answer:
+        taken = angles("joints.joints", args["joints"], self._shape.joints)
+        self._steering.put(taken.joints, "joints")
+        return Answer(taken.told())
 
     # -- controls -------------------------------------------------------------------------------
 
@@ -172,17 +219,11 @@ class Orders:
             **self._character.places(),
         }
 
-    def control(self, asked: Asked) -> str:
-        """Which control an input is about."""
-        return asked.choice("control", (*self._shape.joints, *CONTROLS))
-
-    def _control(self, asked: Asked) -> Answer:
-        name = self.control(asked)
-        if asked.given("value") == asked.given("by"):
-            raise Refused("control needs either a value or by how much", "both are 0 to 1")
-        wish = asked.number("value") if asked.given("value") else 0.0
-        if asked.given("by"):
-            wish = self.places()[name] + asked.number("by")
+    def _control(self, args: Args) -> Answer:
+        name = args["control"]
+        if ("value" in args) == ("by" in args):
+            raise Rejected("control needs either a value or by how much", "both are 0 to 1")
+        wish = args["value"] if "value" in args else self.places()[name] + args["by"]
         place = min(1.0, max(0.0, wish))
         sent: dict[str, Json] = {"control": name, "value": round(place, 4)}
         if place != wish:
@@ -200,8 +241,8 @@ class Orders:
 
     # -- modes ----------------------------------------------------------------------------------
 
-    def _mode(self, asked: Asked) -> Answer:
-        mode = Mode(asked.choice("mode", tuple(mode.value for mode in Mode)))
+    def _mode(self, args: Args) -> Answer:
+        mode = Mode(args["mode"])
         if mode is Mode.NORMAL:
             self.leave("stopped")
             self._steering.stop("stopped")
@@ -236,21 +277,13 @@ class Orders:
             return Saccade(self._chain, self._shape, pose, self._face.eyes)
         move = self.moves.get(DEMO)
         if move is None:
-            raise Refused("there is no demo", f"it is the move called {DEMO!r}")
+            raise Rejected("there is no demo", f"it is the move called {DEMO!r}")
         return Playing(move, self._shape, 1.0, 1.0, 0, own_pace=True)
 
     # -- face and ways --------------------------------------------------------------------------
 
-    def _emotion(self, asked: Asked) -> Answer:
-        return self._face.show(asked, self._token)
-
-    def _affect(self, asked: Asked) -> Answer:
-        valence = asked.within("valence", -1.0, 1.0)
-        return self._face.feel(valence, asked.within("arousal", -1.0, 1.0))
-
-    def _look(self, asked: Asked) -> Answer:
-        x, y = asked.within("x", -1.0, 1.0, 0.0), asked.within("y", -1.0, 1.0, 0.0)
-        answer = self._face.look(x, y)
+    def _look(self, args: Args) -> Answer:
+        answer = self._face.look(args["x"], args["y"])
         self._eyes_moved(True)
         return answer
 
@@ -260,21 +293,21 @@ class Orders:
         if moved and isinstance(primary, Saccade):
             primary.look(self._face.x, self._face.y)
 
-    def _brightness(self, asked: Asked) -> Answer:
-        self._face.brightness = asked.within("level", 0.0, 1.0)
-        return Answer({"level": self._face.brightness})
+    def _brightness(self, args: Args) -> Answer:
+        self._face.brightness = args["level"]
+        return Answer(args)
 
-    def _blink(self, asked: Asked) -> Answer:
+    def _blink(self, args: Args) -> Answer:
         self._face.blink()
-        return Answer({})
+        return Answer()
 
-    def _blinking(self, asked: Asked) -> Answer:
-        self._face.blinks_by_itself = asked.flag("on")
-        return Answer({"on": self._face.blinks_by_itself})
+    def _blinking(self, args: Args) -> Answer:
+        self._face.blinks_by_itself = args["on"]
+        return Answer(args)
 
-    def _breathing(self, asked: Asked) -> Answer:
-        self._character.breathes = asked.flag("on")
-        return Answer({"on": self._character.breathes})
+    def _breathing(self, args: Args) -> Answer:
+        self._character.breathes = args["on"]
+        return Answer(args)
 
 
 def _off_the_mark(sent: Mapping[str, Json], aim: Aim) -> dict[str, Json]:

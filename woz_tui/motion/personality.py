@@ -8,11 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import asdict, fields
-from typing import get_type_hints
+from typing import Any, get_type_hints
 
-from woz_tui.core.fields import Range
+from woz_tui.core.fields import Doc, Range
 from woz_tui.core.messages import Json
-from woz_tui.motion.asked import Asked
 from woz_tui.motion.controls import TRAITS
 from woz_tui.motion.gliding import Gliding
 from woz_tui.motion.shapes import Personality
@@ -25,17 +24,16 @@ GLIDES = 8.0
 NAMES = tuple(field.name for field in fields(Personality))
 
 
-def _ranges() -> Mapping[str, tuple[float, float]]:
-    hints = get_type_hints(Personality, include_extras=True)
-    ranges = {}
-    for name in NAMES:
-        limits = next(part for part in hints[name].__metadata__ if isinstance(part, Range))
-        ranges[name] = (float(limits.low or 0.0), float(limits.high or 0.0))
-    return ranges
-
-
-#: Lowest and highest value of each trait, as robot files have them.
-RANGES = _ranges()
+_HINTS = get_type_hints(Personality, include_extras=True)
+#: What robot files say of each trait: its range, and what it is.
+RANGES: Mapping[str, Range] = {
+    name: next(note for note in _HINTS[name].__metadata__ if isinstance(note, Range))
+    for name in NAMES
+}
+SUMMARIES: Mapping[str, str] = {
+    name: next(note.text for note in _HINTS[name].__metadata__ if isinstance(note, Doc))
+    for name in NAMES
+}
 
 
 class Character:
@@ -66,21 +64,18 @@ class Character:
         """All traits as they are set."""
         return dict(self._traits)
 
-    def become(self, asked: Asked) -> dict[str, Json]:
+    def become(self, args: Mapping[str, Any]) -> dict[str, Json]:
         """Verb `personality`: a named set, single traits, or both; returns what was taken."""
-        name = asked.choice("name", ("", *self._named), "")
-        taken: dict[str, float | None] = asdict(self._named[name]) if name else {}
-        for trait in NAMES:
-            if asked.given(trait):
-                taken[trait] = asked.within(trait, *RANGES[trait])
+        name = args["name"]
+        taken = asdict(self._named[name]) if name else {}
+        taken |= {trait: args[trait] for trait in NAMES if trait in args}
         self._traits.update(taken)
         self.name = name or self.name
-        return {"name": name, **taken} if name else dict(taken)
+        return {"name": name, **taken} if name else taken
 
     def turn(self, trait: str, place: float) -> None:
         """Move the knob of a trait."""
-        low, high = RANGES[trait]
-        self._traits[trait] = min(high, max(low, TRAITS[trait].value(place)))
+        self._traits[trait] = TRAITS[trait].value(place)
 
     def places(self) -> dict[str, float]:
         """Where the traits' knobs stand, 0..1."""

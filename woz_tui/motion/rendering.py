@@ -12,13 +12,13 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from woz_tui.core.driver import Driver
+from woz_tui.core.driver import Driver, Rejected
 from woz_tui.core.messages import Json
-from woz_tui.motion.asked import quoted
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand, Mode
+from woz_tui.motion.safety import number
 from woz_tui.motion.setpoints import Seen
-from woz_tui.motion.ticks import Refused, Tick
+from woz_tui.motion.ticks import Tick
 
 #: Nothing takes longer than this, in seconds, unless it is asked for.
 LONGEST_S = 600.0
@@ -187,7 +187,7 @@ class Rendering:
                 if answer.token:
                     self._running.add(answer.token)
                 return answer.token
-        except Refused as refused:
+        except Rejected as refused:
             remedy = f" ({refused.remedy})" if refused.remedy else ""
             self._say(one, now, f" refused: {refused.what}{remedy}")
         return 0
@@ -241,14 +241,15 @@ class Rendering:
 
 
 def _place(seen: Mapping[str, Json], name: str) -> float | None:
-    """A number of what was seen; None if there is none. Raises `Refused` for anything else."""
+    """A number of what was seen; None if there is none. Raises `Rejected` for anything else."""
     value = seen.get(name)
     if value is None:
         return None
-    if isinstance(value, bool) or not isinstance(value, int | float) or not abs(value) <= 1.0:
+    place = number(value)
+    if place is None or abs(place) > 1.0:
         low = "0" if name == "size" else "-1"
-        raise Refused(f"{name} must be {low} to 1, or null, not {quoted(value)}")
-    return float(value)
+        raise Rejected(f"{name} must be {low} to 1, or null, not {value!r}")
+    return place
 
 
 def _shortfalls(sent: Mapping[str, Json]) -> Iterator[str]:

@@ -7,13 +7,13 @@ session's log: the commands that the body carried out and the stop are taken fro
 from __future__ import annotations
 
 import json
-import math
 from collections.abc import Iterable, Mapping
 from typing import Any
 
 from woz_tui.experiment.report import nearest
 from woz_tui.motion.modes import Hand, hand_of
 from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, Input
+from woz_tui.motion.safety import number
 
 #: Ends of commands that may never have begun.
 _NEVER_BEGAN = frozenset({"command.refused", "command.superseded", "command.stopped"})
@@ -99,12 +99,14 @@ class _Reader:
             near = nearest(verb, self._verbs)
             means = f"did you mean {near!r}?" if near else f"there are {', '.join(self._verbs)}"
             raise InputLineError(f"{place}: no input is called {verb!r}; {means}")
-        t = read.pop("t", None)
-        if not _finite(t) or t < 0:
-            raise InputLineError(f'{place}: "t" is a number of seconds from 0 up, not {_shown(t)}')
+        given = read.pop("t", None)
+        t = _time(given)
+        if t is None:
+            what = f"a number of seconds from 0 up, not {_shown(given)}"
+            raise InputLineError(f'{place}: "t" is {what}')
         if t < self._last:
             raise InputLineError(f"{place}: t {t:g} lies before {self._last:g}, which stands above")
-        self._last = float(t)
+        self._last = t
         self._found.append(Input(self._last, verb, read, hand, place))
 
     @staticmethod
@@ -142,19 +144,18 @@ class _Reader:
 
     @staticmethod
     def _seconds(place: str, read: Mapping[str, Any]) -> float:
-        t = read.get("t", 0)
-        if not _finite(t) or t < 0:
-            raise InputLineError(f'{place}: "t" is a number of microseconds, not {_shown(t)}')
-        return float(t) / 1_000_000
+        t = _time(read.get("t", 0))
+        if t is None:
+            raise InputLineError(
+                f'{place}: "t" is a number of microseconds, not {_shown(read["t"])}'
+            )
+        return t / 1_000_000
 
 
-def _finite(value: Any) -> bool:
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        return False
-    try:
-        return math.isfinite(value)
-    except OverflowError:
-        return False
+def _time(value: Any) -> float | None:
+    """A number from 0 up, or None."""
+    found = number(value)
+    return None if found is None or found < 0 else found
 
 
 def _no_constant(word: str) -> float:

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-from woz_tui.motion.asked import finite
+from woz_tui.motion.safety import number
 from woz_tui.motion.shapes import BodyShape, JointShape
 
 
@@ -100,7 +100,7 @@ def within(shape: JointShape, angle: float) -> float:
 
 def found(shape: BodyShape, present: Mapping[str, float] | None) -> dict[str, float]:
     """Where the joints are, as far as that is known: those of the body, finite angles only."""
-    angles = {name: finite(angle) for name, angle in (present or {}).items()}
+    angles = {name: number(angle) for name, angle in (present or {}).items()}
     return {name: a for name, a in angles.items() if name in shape.joints and a is not None}
 
 

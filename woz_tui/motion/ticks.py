@@ -11,15 +11,6 @@ from woz_tui.motion.modes import Mode
 from woz_tui.motion.move import Cue
 
 
-class Refused(Exception):  # noqa: N818 - engines read `raise Refused("...")`
-    """An input that changes nothing: what is wrong with it, and what could be done instead."""
-
-    def __init__(self, what: str, remedy: str = "") -> None:
-        super().__init__(what)
-        self.what = what
-        self.remedy = remedy
-
-
 @dataclass(frozen=True, slots=True)
 class Answer:
     """What became of an input.

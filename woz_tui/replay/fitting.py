@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 
-from woz_tui.bus.arguments import ArgumentError, checked
+from woz_tui.core.arguments import ArgumentError, checked
 from woz_tui.core.driver import Verb
 from woz_tui.experiment.shape import Experiment
 from woz_tui.replay.plan import Plan, Step

@@ -32,7 +32,7 @@ from woz_tui.motion.inputs import BRIEF, offered
 from woz_tui.motion.kinematics import outline
 from woz_tui.motion.modes import Hand, Mode, hand_of
 from woz_tui.motion.rendering import RenderedDriver
-from woz_tui.motion.ticks import Answer, Ended, Refused
+from woz_tui.motion.ticks import Ended
 
 #: The stop is confirmed by the next tick; after so many seconds nobody knows.
 STOP_S = 0.4
@@ -124,7 +124,7 @@ class Body(RenderedDriver):
         if job.verb not in self._verbs:
             raise Rejected(f"this body cannot {job.verb!r}")
         verb, args = self.translated(self.settings, job.verb, job.args)
-        answer = self._apply(verb, args, hand_of(job.source))
+        answer = self.loop.apply(verb, args, hand_of(job.source))
         if verb == "mode" and args.get("mode") == Mode.TRACKING.value and not self.settings.camera:
             self.outlet.notice("warning", *BLIND)
         sent = dict(answer.sent)
@@ -180,9 +180,9 @@ class Body(RenderedDriver):
     async def _go_to_rest(self) -> None:
         pose: dict[str, Json] = dict(self.settings.rest_pose)
         try:
-            self._apply("mode", {"mode": "normal"}, Hand.WIZARD)
-            self._apply("breathing", {"on": False}, Hand.WIZARD)
-            answer = self._apply(
+            self.loop.apply("mode", {"mode": "normal"}, Hand.WIZARD)
+            self.loop.apply("breathing", {"on": False}, Hand.WIZARD)
+            answer = self.loop.apply(
                 "pose", {"joints": pose, "seconds": self.settings.rest_time}, Hand.WIZARD
             )
         except Rejected as refused:
@@ -211,12 +211,6 @@ class Body(RenderedDriver):
         self.outlet.notice("info", str(self._ticker.lateness))
 
     # -- inputs ----------------------------------------------------------------------------------
-
-    def _apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
-        try:
-            return self.loop.apply(verb, args, hand)
-        except Refused as refused:
-            raise Rejected(refused.what, refused.remedy) from None
 
     @classmethod
     def translated(

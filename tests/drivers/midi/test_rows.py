@@ -24,13 +24,13 @@ from woz_drivers.midi.maps import BUILT_IN
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui import plugins
-from woz_tui.bus.arguments import checked
-from woz_tui.core.driver import Ask, Verb
+from woz_tui.core.arguments import checked
+from woz_tui.core.driver import Ask, Rejected, Verb
 from woz_tui.experiment.decode import load
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import offered
 from woz_tui.motion.setpoints import STATE
-from woz_tui.motion.ticks import Refused, Tick
+from woz_tui.motion.ticks import Tick
 from woz_tui.testing import RecordingContext
 
 ROOT = Path(__file__).parents[3]
@@ -71,7 +71,7 @@ class Stage(RecordingContext):
             if ask.what == "verb":
                 assert ask.on == "body"
                 self.engine.apply(ask.name, checked(verbs()[ask.name], ask.args))
-        except Refused as refused:
+        except Rejected as refused:
             self.refused.append(refused.what)
             done(False, refused.what)
         else:

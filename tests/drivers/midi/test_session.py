@@ -16,8 +16,8 @@ from tests.drivers.heard import PATIENCE_S
 from tests.drivers.midi.test_maps import BODY
 from tests.fakes.midi_panel import MidiPanelFake
 from woz_tui import plugins
-from woz_tui.bus.arguments import checked
 from woz_tui.core import messages as m
+from woz_tui.core.arguments import checked
 from woz_tui.core.clock import RealClock
 from woz_tui.experiment.builtins import builtin
 from woz_tui.experiment.decode import load

@@ -16,9 +16,8 @@ import time
 from collections.abc import Callable
 from pathlib import Path
 
-from woz_drivers.body.lateness import Lateness
 from woz_drivers.body.settings import Settings
-from woz_drivers.body.ticker import ThreadTicker
+from woz_drivers.body.ticker import Lateness, ThreadTicker
 
 RATE = 50.0
 EVERY_S = 1.0

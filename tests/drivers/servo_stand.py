@@ -14,6 +14,7 @@ from woz_drivers.dynamixel.port import ServoPort
 
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.servos import ServoBus
+from woz_tui.core.arguments import checked
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverHealth, Json, Notice
 
 #: On a crowded test machine an answer may take far longer than on any wire.
@@ -51,9 +52,14 @@ class Stand:
 
     async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
         """Perform a verb to its end, and until the servos have heard of it."""
-        sent = await self.driver.perform(Ordered(verb, args))
+        sent = await self.driver.perform(self.ordered(verb, args))
         await self.ticks(1)  # the servos answer a read only after what was written before it
         return sent
+
+    def ordered(self, verb: str, args: Mapping[str, Json]) -> Ordered:
+        """A command as the bus hands it over. Raises `ArgumentError`."""
+        verbs = {known.name: known for known in self.driver.verbs(self.driver.settings)}
+        return Ordered(verb, checked(verbs[verb], args) if verb in verbs else args)
 
     def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
         """Begin a verb."""

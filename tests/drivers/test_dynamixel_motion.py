@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from woz_drivers.dynamixel import tables
-from woz_drivers.dynamixel.calibration import calibrate
 from woz_drivers.dynamixel.motion import Follow, Keyframe, plan, segment, shortest
+from woz_drivers.dynamixel.servo import calibrate
 from woz_drivers.dynamixel.settings import Joint
 
 from woz_tui.motion.safety import Limits, guard

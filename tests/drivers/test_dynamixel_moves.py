@@ -13,7 +13,9 @@ from woz_drivers.dynamixel import Joint
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import stand
 from tests.fakes.servos import ServoBus
+from woz_tui.core.arguments import ArgumentError
 from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.messages import Json
 
 GOAL, TORQUE, WATCHDOG, PROFILE_VELOCITY = 116, 64, 98, 112
 #: Counts in a tick of 20 ms at 300 deg/s, and one for rounding, times the two ticks a late one may
@@ -127,12 +129,13 @@ async def test_clamped_and_late_are_reported(tmp_path: Path) -> None:
     ],
 )
 async def test_nonsense_is_rejected_and_moves_nothing(
-    tmp_path: Path, verb: str, args: dict[str, object]
+    tmp_path: Path, verb: str, args: dict[str, Json]
 ) -> None:
-    async with stand(tmp_path, pan="pan", tilt="tilt", torque=True) as it:
+    poses = {"left": {"pan": 9.0}}
+    async with stand(tmp_path, pan="pan", tilt="tilt", torque=True, poses=poses) as it:
         await until(lambda: it.bus.servo(11).torque)
-        with pytest.raises(Rejected):
-            await it.driver.perform(Ordered(verb, args))  # type: ignore[arg-type]
+        with pytest.raises((Rejected, ArgumentError)):
+            await it.driver.perform(it.ordered(verb, args))
         await it.ticks(3)
         assert set(it.bus.goals(11)) == {2048}
 

@@ -11,7 +11,9 @@ import pytest
 from woz_drivers.dynamixel import DynamixelServos, Joint, Settings, verbs
 
 from tests.drivers.servo_stand import HEAD
-from woz_tui.core.driver import KINDS, Rejected
+from woz_tui.core.arguments import ArgumentError, checked
+from woz_tui.core.driver import KINDS
+from woz_tui.core.messages import Json
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment, ExperimentError, Together
 
@@ -89,11 +91,18 @@ def test_play_scales_time_and_way_from_home() -> None:
         ({"tilt": 15.0}, 0.1),
         ({"tilt": 5.0}, 0.2),
     ]
-    (pose,) = verbs.keyframes(settings, "play", {"move": "up"})
+    play = next(verb for verb in verbs.offered(settings) if verb.name == "play")
+    (pose,) = verbs.keyframes(settings, "play", checked(play, {"move": "up"}))
     assert dict(pose.joints) == {"tilt": -15.0}
-    for hostile in ({"speed": 0.0}, {"speed": -1.0}, {"amplitude": math.inf}, {"move": 3}):
-        with pytest.raises(Rejected):
-            verbs.keyframes(settings, "play", {"move": "nod", **hostile})
+    wrongs: list[dict[str, Json]] = [
+        {"speed": 0.0},
+        {"speed": -1.0},
+        {"amplitude": math.inf},
+        {"move": 3},
+    ]
+    for hostile in wrongs:
+        with pytest.raises(ArgumentError):
+            checked(play, {"move": "nod", **hostile})
 
 
 def test_sensors_name_every_joint() -> None:

@@ -104,7 +104,7 @@ async def test_what_was_learnt_decides_what_is_speech(it: Rig) -> None:
 
 def test_visits_do_not_hang_on_what_is_taken_for_speech() -> None:
     deaf, usual = Visitor(3), Visitor(3)
-    deaf.hearing.threshold = 0.9
+    deaf.hearing.ends.threshold = 0.9
     assert deaf.step(120.0) == usual.step(120.0)
 
 

@@ -10,7 +10,8 @@ from pathlib import Path
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from woz_drivers.simulated import Settings, words
+from woz_drivers.simulated import Settings
+from woz_drivers.simulated import visitor as words
 from woz_drivers.simulated.hearing import HANG_OVER, PRE_ROLL, UNDERSTOOD_AFTER, Hearing, Speech
 from woz_drivers.simulated.senses import THRESHOLD, TICK
 from woz_drivers.simulated.verbs import offered, sensors
@@ -160,7 +161,7 @@ def test_whoever_has_answered_enough_thanks_and_goes() -> None:
     visitor.speech()  # whatever others have said
     said: list[str] = []
     while visitor.present:
-        if not visitor.hearing.speaks:
+        if not visitor.hearing.ends.speaks:
             visitor.hear(now, 1.0, "And that is the whale.")
         now += 6.0
         visitor.step(now)
@@ -175,7 +176,7 @@ def test_whoever_says_goodbye_goes_though_the_robot_talks_on() -> None:
     now = standing(visitor, "V1")
     said: list[str] = []
     while visitor.present:
-        if visitor.hearing.speaks or not said:  # it never lets them finish
+        if visitor.hearing.ends.speaks or not said:  # it never lets them finish
             visitor.hear(now, 0.5, "And that is the whale.")
         now += 0.1
         visitor.step(now)

@@ -11,8 +11,9 @@ from pathlib import Path
 from woz_drivers.simulated import Settings, SimulatedRobot
 
 from tests.fakes.manual_pace import ManualPace
+from woz_tui.core.arguments import ArgumentError, checked
 from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import Health
+from woz_tui.core.driver import Health, Rejected
 from woz_tui.core.messages import Json
 from woz_tui.testing import PlainJob, RecordingContext
 
@@ -29,6 +30,12 @@ class Rig:
         return asyncio.create_task(self.perform(PlainJob(verb, args)))
 
     async def perform(self, job: PlainJob) -> Mapping[str, Json]:
+        verbs = {verb.name: verb for verb in self.robot.verbs(self.robot.settings)}
+        if job.verb in verbs:  # as the bus does
+            try:
+                job.args = checked(verbs[job.verb], job.args)
+            except ArgumentError as error:
+                raise Rejected(str(error)) from None
         return await self.robot.perform(job)
 
     def health(self) -> Health:

@@ -8,8 +8,7 @@ from collections.abc import Callable
 
 import pytest
 
-from woz_tui.motion.builtin import BUILT_IN
-from woz_tui.motion.demo import DEMO
+from woz_tui.motion.builtin import BUILT_IN, DEMO, DEMO_SCENES
 from woz_tui.motion.inputs import EMOTIONS
 from woz_tui.motion.move import Move
 from woz_tui.motion.shapes import ROLES, Personality
@@ -119,7 +118,7 @@ def test_pointing_is_out_there_with_three_nods(name: str, pan: float) -> None:
 @pytest.mark.toolkit("M5")
 def test_the_demo_shows_its_emotions_in_order_within_a_minute() -> None:
     assert 50 <= DEMO.length <= 70
-    scenes = [scene for scene in DEMO.scenes if scene.emotion != "neutral"]
+    scenes = [scene for scene in DEMO_SCENES if scene.emotion != "neutral"]
     shown = [(scene.emotion, scene.title) for scene in scenes]
     parts = [
         *("falls asleep", "dances", "shakes its head and drops it", "looks round sadly"),
@@ -144,7 +143,7 @@ def test_each_emotion_of_the_demo_is_seen_at_its_strongest() -> None:
 
 @pytest.mark.toolkit("M5")
 def test_faces_change_only_where_nothing_is_seen_of_them() -> None:
-    for before, after in itertools.pairwise(DEMO.scenes):
+    for before, after in itertools.pairwise(DEMO_SCENES):
         left, entered = DEMO.at(after.start - 1e-6).face, DEMO.at(after.start).face
         assert left is not None and entered is not None
         if before.emotion != after.emotion:

@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely
-from woz_tui.motion.blinking import Blinks
 from woz_tui.motion.face import FaceState, draw
+from woz_tui.motion.facework import Blinks
 from woz_tui.motion.ticks import Tick
 
 

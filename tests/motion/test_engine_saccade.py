@@ -12,7 +12,7 @@ from woz_tui.core.messages import Json
 from woz_tui.motion.frames import Frame
 from woz_tui.motion.kinematics import Chain
 from woz_tui.motion.modes import Mode
-from woz_tui.motion.saccade import SPAN, direction
+from woz_tui.motion.primaries import SPAN, direction
 from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.ticks import Tick
 

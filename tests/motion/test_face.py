@@ -11,8 +11,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from docs import face_sheet
-from woz_tui.motion.eyes import OPEN, eye, layout
-from woz_tui.motion.face import CRASH_S, STEPS, FaceState, draw, prepare, squeezed
+from woz_tui.motion.face import (
+    CRASH_S,
+    OPEN,
+    STEPS,
+    FaceState,
+    draw,
+    eye,
+    layout,
+    prepare,
+    squeezed,
+)
 from woz_tui.motion.frames import Frame, blank
 from woz_tui.motion.inputs import EMOTIONS
 from woz_tui.motion.shapes import FaceShape

@@ -8,7 +8,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.motion.gliding import Gliding
+from woz_tui.motion.easing import Gliding
 
 
 @pytest.mark.toolkit("P1")

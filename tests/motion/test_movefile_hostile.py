@@ -13,8 +13,7 @@ from hypothesis import strategies as st
 
 from tests.motion.heads import EYEPI
 from woz_tui.motion.inputs import EMOTIONS
-from woz_tui.motion.movefile import LAYER, TOP_LEVEL, read_folder
-from woz_tui.motion.moveframes import FRAME
+from woz_tui.motion.movefile import FRAME, LAYER, TOP_LEVEL, read_folder
 from woz_tui.motion.shapes import ROLES
 
 scalars: st.SearchStrategy[Any] = st.one_of(

@@ -18,8 +18,17 @@ from woz_tui.motion.engine import Engine
 from woz_tui.motion.keyframes import KeyFrame, KeyframeMove, Layer, Samples
 from woz_tui.motion.movefile import MAIN, read_move
 from woz_tui.motion.movewriter import WriteError, save, written
-from woz_tui.motion.puppeteer import Puppeteer
-from woz_tui.motion.recording import Looks, Take, blended, laid, muted, rest, trimmed, without
+from woz_tui.motion.puppeteer import (
+    Looks,
+    Puppeteer,
+    Take,
+    blended,
+    laid,
+    muted,
+    rest,
+    trimmed,
+    without,
+)
 from woz_tui.motion.shapes import Personality
 from woz_tui.motion.ticks import Tick
 

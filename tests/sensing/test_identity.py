@@ -8,8 +8,7 @@ import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
 
-from woz_tui.sensing.filters import least
-from woz_tui.sensing.identity import IdentityFifo
+from woz_tui.sensing.filters import IdentityFifo, least
 from woz_tui.sensing.samples import UNKNOWN
 
 names = st.lists(st.sampled_from(["Anna", "Bert", "Carl", UNKNOWN]), max_size=80)

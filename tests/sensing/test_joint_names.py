@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.sensing.test_joint import ENGAGED, NOBODY, Robot
-from woz_tui.sensing.joint_names import MOST, Names
+from woz_tui.sensing.joint import MOST, Names
 from woz_tui.sensing.samples import UNKNOWN
 
 PERIOD = 333_333

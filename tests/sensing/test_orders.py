@@ -128,11 +128,10 @@ def test_a_handshake_that_the_wizard_ends_is_over_though_the_model_is_held(
     [
         ("force", {"to": "Wait"}, "it is Wait already"),
         ("force", {"to": "eng2know"}, "does not lead out of Wait"),
-        ("force", {"to": "Nowhere"}, "neither a state nor leads"),
+        ("force", {"to": "Nowhere"}, "does not lead out of Wait"),
         ("engagement", {"run": "step"}, "only a model on hold"),
         ("handshake", {"what": "ok"}, "no handshake to end"),
         ("social_distance", {"metres": 5.0}, "beyond the sensor's reach"),
-        ("attend", {"mode": "somehow"}, "mode is one of"),
         ("visitor", {"code": "Unknown"}, "is no name"),
         ("sense", {"sign": "identity", "value": "?"}, "neither letters nor digits"),
         ("filter", {"sign": "all", "kind": "median"}, "sign: distance, kind: median"),

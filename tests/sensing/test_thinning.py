@@ -13,7 +13,7 @@ from tests.sensing.visiting import WITH, Visit
 from woz_tui.experiment.engagement import EngagementSettings, JointSettings, SignSettings
 from woz_tui.sensing.model import Engagement
 from woz_tui.sensing.passing import SECOND
-from woz_tui.sensing.thinning import Thinning
+from woz_tui.sensing.signs import Thinning
 
 SAMPLES: dict[str, Any] = {**WITH, "identity": "Anna"}
 

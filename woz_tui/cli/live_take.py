@@ -160,7 +160,7 @@ class Live:
             elif key in EYES:
                 self._look(*EYES[key])
             elif steps := self._steps(key):
-                held = self._puppeteer.held
+                held = self._puppeteer.engine.held
                 joints = {name: held[name] + step for name, step in steps.items()}
                 self._puppeteer.apply("joints", {"joints": joints})
 

@@ -153,7 +153,7 @@ def _move(arguments: argparse.Namespace, shape: BodyShape) -> KeyframeMove:
 
 def _changed(move: KeyframeMove, arguments: argparse.Namespace) -> KeyframeMove:
     from woz_tui.experiment.report import hint  # noqa: PLC0415
-    from woz_tui.motion.recording import blended, muted, without  # noqa: PLC0415
+    from woz_tui.motion.puppeteer import blended, muted, without  # noqa: PLC0415
 
     known = [layer.name for layer in move.layers]
     shares = [name for name, _ in arguments.share]

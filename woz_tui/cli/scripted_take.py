@@ -49,9 +49,9 @@ def _moments(inputs: Sequence[Input], start: float, end: float) -> list[float]:
 def _apply(puppeteer: Puppeteer, one: Input, tell: Callable[[str], None]) -> None:
     try:
         if one.verb == FREEZE:
-            puppeteer.freeze()
+            puppeteer.engine.freeze()
         elif one.verb == RESUME:
-            puppeteer.resume()
+            puppeteer.engine.resume()
         elif one.verb == STOP:
             puppeteer.apply("mode", {"mode": Mode.NORMAL.value})
         elif one.verb not in BEYOND_VERBS:

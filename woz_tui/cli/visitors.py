@@ -6,9 +6,9 @@ import argparse
 import difflib
 import sys
 from collections.abc import Callable
-from dataclasses import asdict
 from pathlib import Path
 
+from msgspec.structs import asdict
 from rich.table import Table
 from rich.text import Text
 

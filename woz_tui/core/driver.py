@@ -110,8 +110,8 @@ class Job(Protocol):
         ...
 
     @property
-    def args(self) -> Mapping[str, Json]:
-        """Checked arguments, defaults filled in."""
+    def args(self) -> Mapping[str, Any]:
+        """Checked arguments, defaults filled in: of the types that the verb's arguments have."""
         ...
 
     @property

@@ -12,24 +12,18 @@ from dataclasses import replace
 from woz_tui.core.arguments import ArgumentError, checked
 from woz_tui.core.driver import Rejected
 from woz_tui.core.messages import Json
-from woz_tui.motion.breathing import Breath
 from woz_tui.motion.face import FaceState, draw, prepare
-from woz_tui.motion.facework import FaceWork
 from woz_tui.motion.frames import Frame, blank
 from woz_tui.motion.inputs import CONTROL_KINDS, KINDS, offered
-from woz_tui.motion.kinematics import Chain
-from woz_tui.motion.layers import Shaping
+from woz_tui.motion.layers import Breath
 from woz_tui.motion.modes import BLINKS, BREATHES, Hand, Kind, Mode, counts
 from woz_tui.motion.move import Move
 from woz_tui.motion.orders import Args, Orders
-from woz_tui.motion.personality import Character
-from woz_tui.motion.primaries import Line, Moment
-from woz_tui.motion.saccade import Saccade
-from woz_tui.motion.safety import Safety, number
+from woz_tui.motion.primaries import Line, Moment, Saccade
+from woz_tui.motion.safety import number
 from woz_tui.motion.setpoints import Seen, State
 from woz_tui.motion.shapes import BodyShape
-from woz_tui.motion.stance import beginning, found
-from woz_tui.motion.steering import ARRIVED, Steering
+from woz_tui.motion.steering import ARRIVED
 from woz_tui.motion.ticks import Answer, Ended, Tick
 
 #: Time that counts between two ticks at most, in seconds; whoever slept longer goes on from there.
@@ -41,7 +35,7 @@ EXACT = frozenset({Mode.TRACKING, Mode.SACCADE})
 SACCADE_BREATH = 0.3
 
 
-class Engine:
+class Engine(Orders):
     """One body.
 
     Args:
@@ -59,28 +53,12 @@ class Engine:
         seed: int = 0,
         present: Mapping[str, float] | None = None,
     ) -> None:
-        self._shape = shape
+        super().__init__(shape, moves, seed, present)
         self._verbs = {verb.name: verb for verb in offered(shape, moves)}
-        pose = beginning(shape, present)
-        self._safety = Safety(shape.joints, {**pose, **found(shape, present)})
-        self._shaping = Shaping(shape.joints, pose)
-        self._steering = Steering(shape, self._shaping, pose)
         self._breath = Breath(shape)
-        self._character = Character(shape.personality, shape.personalities)
-        self._face = FaceWork(seed)
-        self._orders = Orders(
-            shape=shape,
-            moves=moves,
-            chain=Chain(shape),
-            steering=self._steering,
-            face=self._face,
-            character=self._character,
-        )
-        self._orders.joints = self._safety.last
         self._seen: Seen | None = None
         self._frozen = ""
         self._t: float | None = None
-        self._now = 0.0
         self._notices: list[str] = []
         self._failed: set[tuple[str, str]] = set()
         self._rejected: frozenset[str] = frozenset()
@@ -109,22 +87,21 @@ class Engine:
     def learn(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
         self._verbs = {verb.name: verb for verb in offered(self._shape, moves)}
-        self._orders.moves = moves
+        self._moves = moves
 
     def _apply(self, verb: str, args: Mapping[str, Json], hand: Hand) -> Answer:
         read = self._checked(verb, args)
-        kind = KINDS[verb]
         if verb == "control":
-            kind = CONTROL_KINDS.get(read["control"], kind)
-        if verb == "mode" and read["mode"] == Mode.NORMAL.value:
-            kind = Kind.STOP
+            kind = CONTROL_KINDS.get(read["control"], Kind.JOINTS)
+        else:
+            kind = Kind.STOP if read.get("mode") == Mode.NORMAL.value else KINDS[verb]
         if self._frozen:
             raise Rejected(f"the robot stands still ({self._frozen})", "release the stop first")
         mode = self._steering.mode
         if counts(kind, mode, hand):
-            return self._orders.verbs[verb](read)
+            return self._acts[verb](read)
         if verb == "control" and kind is Kind.JOINTS and hand is Hand.WIZARD:
-            answer = self._orders.verbs[verb](read)
+            answer = self._acts[verb](read)
             return Answer({**answer.sent, "waits": Mode.NORMAL.value})
         what = "a change of mode" if kind is Kind.MODE else kind.value
         raise Rejected(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
@@ -138,14 +115,15 @@ class Engine:
             raise Rejected(f"this body cannot {verb!r}", f"it can {', '.join(self._verbs)}")
         if not isinstance(args, Mapping):
             raise Rejected(f"{found.name}: arguments are names and values, not {args!r}")
-        angles = {"joints": args.get("joints")} if verb in ("pose", "joints") else {}
-        others = tuple(one for one in found.arguments if one.name not in angles)
-        given = {name: value for name, value in args.items() if name not in angles}
+        given, angles = dict(args), {}
+        if verb in ("pose", "joints"):
+            found = replace(found, arguments=found.arguments[1:])
+            angles = {"joints": given.pop("joints", None)}
         seconds = given.get("seconds")
         if isinstance(seconds, int | float) and not seconds > 0:  # no time: as fast as it may
             given["seconds"] = 0.0
         try:
-            return {**angles, **checked(replace(found, arguments=others), given)}
+            return {**angles, **checked(found, given)}
         except ArgumentError as error:
             raise Rejected(str(error)) from None
 
@@ -158,7 +136,7 @@ class Engine:
         joints = self._safety.last
         still = all(abs(joints[j] - self._wanted[j]) < ARRIVED for j in joints)
         self._safety.restart(joints)
-        self._orders.leave(f"stopped: {why}")
+        self._leave(f"stopped: {why}")
         self._steering.freeze(f"stopped: {why}", joints, still)
         self._breath.hold()
         self._face.calm()
@@ -181,12 +159,11 @@ class Engine:
 
     def restart(self, present: Mapping[str, float]) -> None:
         """Go on from this pose, in degrees, before the first servo moves."""
-        self._orders.leave("the joints are where they are")
+        self._leave("the joints are where they are")
         self._safety.restart(present)
         self._steering.restart(self._safety.last)
         self._breath.hold()
         self._wanted = dict(self._safety.last)
-        self._orders.joints = self._safety.last
 
     # -- every tick -----------------------------------------------------------------------------
 
@@ -223,7 +200,6 @@ class Engine:
         before, self._t = self._t, time
         dt = 0.0 if before is None else min(max(time - before, 0.0), LONGEST_S)
         self._now += dt
-        self._orders.now = self._now
         return dt
 
     def _move(self, dt: float) -> None:
@@ -251,7 +227,6 @@ class Engine:
         wanted = self._breath.on(shaped)
         joints = self._safety.step(wanted, dt)
         self._wanted = wanted
-        self._orders.joints = joints
         self._tell_rejected()
         lagging = {
             name: angle - wanted[name] + shaped[name]
@@ -271,7 +246,7 @@ class Engine:
         shape, face, steering = self._shape.face, self._face, self._steering
         try:
             if not self._frozen:
-                face.lead(steering.wish)
+                face.lead(steering.primary.wish)
                 primary = steering.primary
                 face.led = primary.eyes(self._safety.last) if isinstance(primary, Saccade) else None
                 face.step(dt, self._character, steering.mode in BLINKS)
@@ -289,7 +264,7 @@ class Engine:
         name = self._steering.primary.name or "holding a pose"
         self._say_once(name, error)
         if self._steering.mode is Mode.SACCADE:
-            self._orders.eyes_back()
+            self._eyes_back()
         self._steering.drop(f"{name} failed: {error}")
 
     def _say_once(self, what: str, error: Exception) -> None:
@@ -336,7 +311,7 @@ class Engine:
     def state(self) -> State:
         """What a control panel must know to agree with the body."""
         return State(
-            controls=self._orders.places(),
+            controls=self._places(),
             mode=self._steering.mode.value,
             emotion=self._face.shown[0],
             move=self._steering.move,

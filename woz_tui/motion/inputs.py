@@ -28,7 +28,6 @@ KINDS: Mapping[str, Kind] = {
     "gaze": Kind.POSE,
     "nudge": Kind.POSE,
     "joints": Kind.JOINTS,
-    "control": Kind.JOINTS,
     "emotion": Kind.EMOTION,
     "affect": Kind.EMOTION,
     "look": Kind.EYES,

@@ -10,10 +10,12 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
-from typing import cast
+from typing import Literal
+
+import msgspec
 
 from woz_tui.core.messages import Json
-from woz_tui.motion.shapes import AXES, BodyShape, Vector
+from woz_tui.motion.shapes import AXES, BodyShape, JointShape, Vector
 
 #: A gaze that misses by more than this, in degrees, is said not to reach.
 REACHED_DEG = 0.1
@@ -95,28 +97,23 @@ class Chain:
     """The joints of a body, one on the other, and its eyes on the last."""
 
     def __init__(self, shape: BodyShape) -> None:
-        links = [
-            _link(name, one.axis, one.offset, (one.min, one.max, one.home))
-            for name, one in shape.joints.items()
-        ]
-        self._set(links, shape.eyes, shape.view)
+        self._set([_link(name, one) for name, one in shape.joints.items()], shape)
 
     @classmethod
     def of_outline(cls, outline: Json) -> Chain:
         """The chain of what `outline` made. `ValueError` if it is nothing of the kind."""
-        chain = cls.__new__(cls)
         try:
-            told = cast(Mapping[str, Json], outline)
-            links = [_told_link(cast(Mapping[str, Json], one)) for one in _listed(told["joints"])]
-            chain._set(links, _vector(told["eyes"]), str(told["view"]))
-        except (KeyError, TypeError, IndexError, AttributeError) as error:
-            raise ValueError(f"no outline of a body: {error!r}") from error
+            told = msgspec.convert(outline, _Outline)
+        except msgspec.ValidationError as error:
+            raise ValueError(f"no outline of a body: {error}") from error
+        chain = cls.__new__(cls)
+        chain._set([_link(one.name, one) for one in told.joints], told)
         return chain
 
-    def _set(self, links: Sequence[Link], eyes: Vector, view: str) -> None:
+    def _set(self, links: Sequence[Link], head: BodyShape | _Outline) -> None:
         self.links = tuple(links)
-        self._eyes = eyes
-        self._view = AXES[view]
+        self._eyes = head.eyes
+        self._view = AXES[head.view]
 
     def points(self, angles: Mapping[str, float]) -> tuple[Vector, ...]:
         """Base, each joint from the base up, and the eyes, in metres.
@@ -288,26 +285,32 @@ def outline(shape: BodyShape) -> dict[str, Json]:
     }
 
 
-def _link(name: str, axis: str, offset: Vector, angles: tuple[float, float, float]) -> Link:
-    direction = AXES[axis]
+_Axis = Literal["x", "-x", "y", "-y", "z", "-z"]
+
+
+class _Joint(msgspec.Struct):
+    """A joint of an outline."""
+
+    name: str
+    axis: _Axis
+    offset: Vector
+    min: float
+    max: float
+    home: float
+
+
+class _Outline(msgspec.Struct):
+    """What of an outline makes a chain."""
+
+    joints: list[_Joint]
+    eyes: Vector
+    view: _Axis
+
+
+def _link(name: str, joint: JointShape | _Joint) -> Link:
+    direction = AXES[joint.axis]
     about = next(number for number in range(3) if direction[number])
-    return Link(name, about, direction[about], offset, *angles)
-
-
-def _told_link(told: Mapping[str, Json]) -> Link:
-    low, high, home = (float(cast(float, told[key])) for key in ("min", "max", "home"))
-    return _link(str(told["name"]), str(told["axis"]), _vector(told["offset"]), (low, high, home))
-
-
-def _listed(told: Json) -> Sequence[Json]:
-    if not isinstance(told, list | tuple):
-        raise TypeError(f"{told!r} is no list")
-    return told
-
-
-def _vector(told: Json) -> Vector:
-    x, y, z = (float(cast(float, one)) for one in _listed(told))
-    return (x, y, z)
+    return Link(name, about, direction[about], joint.offset, joint.min, joint.max, joint.home)
 
 
 def _told(point: Sequence[float]) -> str:
@@ -333,13 +336,14 @@ def _dot(a: Vector, b: Vector) -> float:
     return a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
 
 
-def _cross(a: Vector, b: Vector) -> Vector:
+def cross(a: Vector, b: Vector) -> Vector:
+    """The vector product."""
     return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
 
 
 def _angle(a: Vector, b: Vector) -> float:
     """Between two unit vectors; exact for small angles too."""
-    return math.atan2(math.hypot(*_cross(a, b)), _dot(a, b))
+    return math.atan2(math.hypot(*cross(a, b)), _dot(a, b))
 
 
 def _turn(turned: Sequence[Vector], v: Vector) -> Vector:
@@ -369,20 +373,20 @@ def _missed(goal: _Goal, stance: _Stance) -> float:
 
 def _across(gaze: Vector, wanted: Vector) -> tuple[Vector, Vector]:
     """Two axes across the gaze; turning about the first leads it to `wanted`."""
-    axis = _cross(gaze, wanted)
+    axis = cross(gaze, wanted)
     if math.hypot(*axis) < 1e-9:  # straight behind, or there already: any axis will do
         flattest = min(range(3), key=lambda number: abs(gaze[number]))
-        axis = _cross(gaze, list(AXES.values())[2 * flattest])
+        axis = cross(gaze, list(AXES.values())[2 * flattest])
     first = _times(axis, 1 / math.hypot(*axis))
-    return first, _cross(gaze, first)
+    return first, cross(gaze, first)
 
 
 def _rate(axis: Vector, arm: Vector, wanted: Vector, distance: float) -> Vector:
     """How the gaze turns towards the goal if a joint turns about `axis`: it turns the gaze, and by
     moving the eyes on its `arm` it moves the goal's direction too.
     """
-    moved = _cross(axis, arm)
-    return _plus(axis, _times(_cross(wanted, moved), 1 / distance))
+    moved = cross(axis, arm)
+    return _plus(axis, _times(cross(wanted, moved), 1 / distance))
 
 
 def _least_squares(

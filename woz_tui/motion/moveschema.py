@@ -5,19 +5,18 @@ A little more generous than the reader: which joints there are only a robot file
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping
 from typing import Any
 
 from woz_tui.core.fields import Range
 from woz_tui.motion.easing import EASINGS
 from woz_tui.motion.inputs import EMOTIONS
 from woz_tui.motion.keyframes import MIXES
-from woz_tui.motion.moveframes import ANGLES, FEATURE_RANGES, LENGTHS, RATES, UNIT
+from woz_tui.motion.movefile import ANGLES, FEATURE_RANGES, LENGTHS, RATES, UNIT
 from woz_tui.motion.shapes import ROLES
 
 Schema = dict[str, Any]
 
-_FLAG: Schema = {"enum": [True, False, "yes", "no", "on", "off"]}
 _TEXT: Schema = {"type": ["string", "number", "boolean"]}
 _WHAT_ROLES_DO: Mapping[str, str] = {
     "pan": "degrees to its left",
@@ -40,12 +39,9 @@ def move_schema() -> Schema:
                     "description": "what play calls it by (default: the file's name)",
                 },
                 "about": {**_TEXT, "description": "what it looks like, in a few words"},
-                "relative": {
-                    **_FLAG,
-                    "description": "joints are added to the pose held before (default)",
-                },
-                "beats": {**_FLAG, "description": "count beats of the tempo instead of seconds"},
-                "stays": {**_FLAG, "description": "hold the last pose instead of the one before"},
+                "relative": _flag("joints are added to the pose held before (default)"),
+                "beats": _flag("count beats of the tempo instead of seconds"),
+                "stays": _flag("hold the last pose instead of the one before"),
                 "frames": {"$ref": "#/$defs/frames"},
                 "layers": {
                     "type": "array",
@@ -82,18 +78,18 @@ def _frame() -> Schema:
         "type": "object",
         "properties": {
             "seconds": {**time, "description": "from the frame before"},
-            "beats": {**_number(LENGTHS), "description": "from the frame before, with beats: true"},
+            "beats": _number(LENGTHS, "from the frame before, with beats: true"),
             "at": {**time, "description": "from the beginning of the move"},
             "easing": {"enum": list(EASINGS), "description": "how it gets there (default: smooth)"},
             "emotion": {"enum": list(EMOTIONS), "description": "face that comes on till then"},
-            "intensity": {**_number(UNIT), "description": "of the emotion"},
+            "intensity": _number(UNIT, "of the emotion"),
             "eyes": {
                 **_object({"x": _number(FEATURE_RANGES["x"]), "y": _number(FEATURE_RANGES["y"])}),
                 "description": "where they look: x to its left, y up, -1 to 1",
             },
-            "lid": {**_number(UNIT), "description": "how far the eyes are open"},
+            "lid": _number(UNIT, "how far the eyes are open"),
             "sound": {"type": "string", "description": "file, relative to this one"},
-            "volume": {**_number(UNIT), "description": "of the sound"},
+            "volume": _number(UNIT, "of the sound"),
             "roles": {
                 **_object({role: _role(role) for role in ROLES}),
                 "description": "roles by name, where a joint has the name of a role",
@@ -115,12 +111,12 @@ def _layer() -> Schema:
     schema = _object(
         {
             "name": {**_TEXT, "description": "unique in the file"},
-            "muted": {**_FLAG, "description": "leave it out; it still counts for the length"},
-            "share": {**_number(UNIT), "description": "how much of it counts (default: 1)"},
+            "muted": _flag("leave it out; it still counts for the length"),
+            "share": _number(UNIT, "how much of it counts (default: 1)"),
             "mix": {"enum": list(MIXES), "description": "added to the layers below (default)"},
-            "relative": {**_FLAG, "description": "as the move's, for this layer"},
+            "relative": _flag("as the move's, for this layer"),
             "frames": {"$ref": "#/$defs/frames"},
-            "rate": {**_number(RATES), "description": "samples each second, or beat"},
+            "rate": _number(RATES, "samples each second, or beat"),
             "joints": {
                 "type": "object",
                 "additionalProperties": samples,
@@ -129,29 +125,28 @@ def _layer() -> Schema:
             "roles": _object(dict.fromkeys(ROLES, samples)),
             "face": _object(dict.fromkeys(FEATURE_RANGES, samples)),
         },
-        required=("name",),
     )
     groups = ("frames", "joints", "roles", "face")
     return {
         **schema,
+        "required": ["name"],
         "anyOf": [{"required": [name]} for name in groups],
         "dependentRequired": {name: ["rate"] for name in groups[1:]},
     }
 
 
 def _role(role: str) -> Schema:
-    return {**_number(ANGLES), "description": _WHAT_ROLES_DO[role]}
+    return _number(ANGLES, _WHAT_ROLES_DO[role])
 
 
-def _number(allowed: Range) -> Schema:
-    bounds = {"minimum": allowed.low, "maximum": allowed.high}
-    return {
-        "type": "number",
-        **{name: value for name, value in bounds.items() if value is not None},
-    }
+def _flag(description: str) -> Schema:
+    return {"enum": [True, False, "yes", "no", "on", "off"], "description": description}
 
 
-def _object(properties: Schema, required: Iterable[str] = ()) -> Schema:
-    schema: Schema = {"type": "object", "properties": properties, "additionalProperties": False}
-    names = list(required)
-    return {**schema, "required": names} if names else schema
+def _number(allowed: Range, description: str = "") -> Schema:
+    schema: Schema = {"type": "number", "minimum": allowed.low, "maximum": allowed.high}
+    return {**schema, "description": description} if description else schema
+
+
+def _object(properties: Schema) -> Schema:
+    return {"type": "object", "properties": properties, "additionalProperties": False}

@@ -12,6 +12,7 @@ import textwrap
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 
+from woz_tui.core.driver import DriverError
 from woz_tui.core.replacing import replacing
 from woz_tui.experiment.source import MAX_BYTES
 from woz_tui.motion.keyframes import PLACE_DECIMALS, KeyFrame, KeyframeMove, Layer
@@ -22,13 +23,8 @@ from woz_tui.motion.shapes import BodyShape
 _WIDTH = 96
 
 
-class WriteError(Exception):
+class WriteError(DriverError):
     """The file was not written, and the old one, if there is one, is still there."""
-
-    def __init__(self, what: str, remedy: str = "") -> None:
-        super().__init__(what)
-        self.what = what
-        self.remedy = remedy
 
 
 def save(move: KeyframeMove, path: Path, shape: BodyShape) -> None:
@@ -79,9 +75,7 @@ def _lines(move: KeyframeMove, folder: Path) -> Iterator[str]:
     yield f"name: {move.name}"
     if move.summary:
         yield f"about: {_text(move.summary)}"
-    for word, flag in (("beats", move.beats), ("stays", move.stays)):
-        if flag:
-            yield f"{word}: true"
+    yield from _unusual(move, KeyframeMove("", "", ()), "beats", "stays")
     if not relative:
         yield "relative: false"
     layers = list(move.layers)
@@ -96,14 +90,9 @@ def _lines(move: KeyframeMove, folder: Path) -> Iterator[str]:
 
 def _layer(layer: Layer, move: KeyframeMove, folder: Path, relative: bool) -> Iterator[str]:
     yield f"  - name: {_text(layer.name)}"
-    if layer.muted:
-        yield "    muted: true"
-    if layer.share != 1:
-        yield f"    share: {_number(layer.share)}"
-    if layer.mix != "add":
-        yield f"    mix: {layer.mix}"
-    if layer.relative != relative:
-        yield f"    relative: {str(layer.relative).lower()}"
+    usual = Layer("", relative=relative)
+    for entry in _unusual(layer, usual, "muted", "share", "mix", "relative"):
+        yield f"    {entry}"
     if layer.samples is not None:
         yield f"    rate: {_number(layer.samples.rate)}"
         groups = (("roles", layer.samples.roles), ("joints", layer.samples.joints),
@@ -143,26 +132,25 @@ def _entries(frame: KeyFrame, layer: Layer, folder: Path) -> Iterator[str]:
     if frame.joints:
         angles = (f"{_text(joint)}: {_number(angle)}" for joint, angle in frame.joints.items())
         yield f"joints: {{{', '.join(angles)}}}"
-    if frame.easing != "smooth":
-        yield f"easing: {frame.easing}"
-    if frame.emotion is not None:
-        yield f"emotion: {frame.emotion}"
-    if frame.intensity is not None:
-        yield f"intensity: {_number(frame.intensity)}"
-    eyes = [
-        f"{name}: {_number(value)}"
-        for name, value in (("x", frame.x), ("y", frame.y))
-        if value is not None
-    ]
+    usual = KeyFrame(0.0)
+    yield from _unusual(frame, usual, "easing", "emotion", "intensity")
+    eyes = ", ".join(_unusual(frame, usual, "x", "y"))
     if eyes:
-        yield f"eyes: {{{', '.join(eyes)}}}"
-    if frame.lid is not None:
-        yield f"lid: {_number(frame.lid)}"
+        yield f"eyes: {{{eyes}}}"
+    yield from _unusual(frame, usual, "lid")
     if frame.sound:
         # As it was read: its file's folder stands before what the file says.
         yield f"sound: {_text(frame.sound.removeprefix(f'{folder.absolute()}{os.sep}'))}"
-    if frame.volume != 1:
-        yield f"volume: {_number(frame.volume)}"
+    yield from _unusual(frame, usual, "volume")
+
+
+def _unusual(one: object, usual: object, *names: str) -> Iterator[str]:
+    """Entries for what is not as it would be if the file said nothing."""
+    for name in names:
+        value = getattr(one, name)
+        if value != getattr(usual, name):
+            known = value if isinstance(value, str) else _number(value)
+            yield f"{name}: {str(value).lower() if isinstance(value, bool) else known}"
 
 
 def _number(value: float) -> str:

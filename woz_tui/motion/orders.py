@@ -15,17 +15,15 @@ from woz_tui.core.messages import Json
 from woz_tui.motion.controls import FACE
 from woz_tui.motion.facework import FaceWork
 from woz_tui.motion.kinematics import Aim, Chain
+from woz_tui.motion.layers import Shaping
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.move import Move
 from woz_tui.motion.personality import Character
-from woz_tui.motion.primaries import Following, Line, Playing, Primary
-from woz_tui.motion.saccade import Saccade, direction
-from woz_tui.motion.safety import number
+from woz_tui.motion.primaries import Following, Line, Playing, Primary, Saccade, Tracker, direction
+from woz_tui.motion.safety import Safety, number
 from woz_tui.motion.shapes import BodyShape, JointShape
-from woz_tui.motion.stance import within
-from woz_tui.motion.steering import Steering
+from woz_tui.motion.steering import Steering, beginning, found
 from woz_tui.motion.ticks import Answer
-from woz_tui.motion.tracking import Tracker
 
 #: Arguments of an input, checked: their types and ranges are those of the verb (`inputs`), but for
 #: the angles of joints.
@@ -72,7 +70,7 @@ def angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> Angles
         elif angle is None:
             taken.left_out[name] = f"not an angle: {repr(wish)[:60]}"
         else:
-            taken.joints[name] = within(shape, angle)
+            taken.joints[name] = shape.within(angle)
             if taken.joints[name] != angle:
                 taken.clamped[name] = angle
     if not taken.joints:
@@ -82,30 +80,28 @@ def angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> Angles
 
 
 class Orders:
-    """Carries out inputs on the parts of one body."""
+    """The parts of one body, and what inputs do to them. The arguments are those of `Engine`."""
 
     def __init__(
         self,
-        *,
         shape: BodyShape,
         moves: Mapping[str, Move],
-        chain: Chain,
-        steering: Steering,
-        face: FaceWork,
-        character: Character,
+        seed: int,
+        present: Mapping[str, float] | None,
     ) -> None:
+        pose = beginning(shape, present)
         self._shape = shape
-        #: What can be played now.
-        self.moves = moves
-        self._chain = chain
-        self._steering = steering
-        self._face = face
-        self._character = character
+        self._moves = moves
+        self._chain = Chain(shape)
+        self._safety = Safety(shape.joints, {**pose, **found(shape, present)})
+        self._shaping = Shaping(shape.joints, pose)
+        self._steering = Steering(shape, self._shaping, pose)
+        self._face = face = FaceWork(seed)
+        self._character = character = Character(shape.personality, shape.personalities)
         self._tokens = 0
-        #: Seconds since the engine began, as of the last tick; and where the joints were then.
-        self.now = 0.0
-        self.joints: Mapping[str, float] = {}
-        self.verbs: Mapping[str, Callable[[Args], Answer]] = {
+        #: Seconds since the engine began, as of the last tick.
+        self._now = 0.0
+        self._acts: Mapping[str, Callable[[Args], Answer]] = {
             "play": self._play,
             "pose": self._pose,
             "poses": self._poses,
@@ -132,7 +128,7 @@ class Orders:
     # -- moves, gaze, pose ----------------------------------------------------------------------
 
     def _play(self, args: Args) -> Answer:
-        move = self.moves[args["move"]]
+        move = self._moves[args["move"]]
         playing = self._steering.play(move, args["speed"], args["amplitude"], self._token())
         self._face.begin_lead()
         seconds = move.length / playing.rate(self._character["tempo"], self._character["speed"])
@@ -209,7 +205,7 @@ class Orders:
 
     # -- controls -------------------------------------------------------------------------------
 
-    def places(self) -> dict[str, float]:
+    def _places(self) -> dict[str, float]:
         """Where every control of the body stands, 0..1."""
         stance = self._steering.stance
         return {
@@ -223,7 +219,7 @@ class Orders:
         name = args["control"]
         if ("value" in args) == ("by" in args):
             raise Rejected("control needs either a value or by how much", "both are 0 to 1")
-        wish = args["value"] if "value" in args else self.places()[name] + args["by"]
+        wish = args["value"] if "value" in args else self._places()[name] + args["by"]
         place = min(1.0, max(0.0, wish))
         sent: dict[str, Json] = {"control": name, "value": round(place, 4)}
         if place != wish:
@@ -244,7 +240,7 @@ class Orders:
     def _mode(self, args: Args) -> Answer:
         mode = Mode(args["mode"])
         if mode is Mode.NORMAL:
-            self.leave("stopped")
+            self._leave("stopped")
             self._steering.stop("stopped")
             return Answer({"mode": mode.value})
         # What begins goes on from where everything is: the primary is made first, it may refuse.
@@ -254,14 +250,14 @@ class Orders:
         self._steering.enter(mode, primary)
         return Answer({"mode": mode.value})
 
-    def leave(self, why: str) -> None:
+    def _leave(self, why: str) -> None:
         """What the stop ends besides what moves the joints."""
         self._face.stop(why)
         self._face.begin_lead()
         if self._steering.mode is Mode.SACCADE:
-            self.eyes_back()
+            self._eyes_back()
 
-    def eyes_back(self) -> None:
+    def _eyes_back(self) -> None:
         """The eyes are the face's own again, in its middle."""
         self._face.led = None
         self._face.look(0.0, 0.0)
@@ -269,13 +265,13 @@ class Orders:
     def _primary(self, mode: Mode) -> Primary:
         if mode is Mode.TRACKING:
             tracker = Tracker(self._shape, self._chain)
-            tracker.begin(self.now, self.joints)
+            tracker.begin(self._now, self._safety.last)
             return Following(tracker)
         if mode is Mode.SACCADE:
             line = isinstance(self._steering.primary, Line)
             pose = self._steering.here if line else self._steering.stance.pose
             return Saccade(self._chain, self._shape, pose, self._face.eyes)
-        move = self.moves.get(DEMO)
+        move = self._moves.get(DEMO)
         if move is None:
             raise Rejected("there is no demo", f"it is the move called {DEMO!r}")
         return Playing(move, self._shape, 1.0, 1.0, 0, own_pace=True)

@@ -13,7 +13,7 @@ from typing import Any, get_type_hints
 from woz_tui.core.fields import Doc, Range
 from woz_tui.core.messages import Json
 from woz_tui.motion.controls import TRAITS
-from woz_tui.motion.gliding import Gliding
+from woz_tui.motion.easing import Gliding
 from woz_tui.motion.shapes import Personality
 
 #: How fast changed sizes glide, 1/s: by 95 % in 0.6 s, and a pose at the end of a range of 180

@@ -135,10 +135,7 @@ class Safety:
         self._joints = {
             name: Guarded(Limits.of(joint), joint.home) for name, joint in joints.items()
         }
-        self._home = {name: joint.home for name, joint in joints.items()}
-        self.last: Mapping[str, float] = MappingProxyType(dict(self._home))
-        self.rejected: Mapping[str, str] = {}
-        self.restart({**self._home, **start})
+        self.restart(start)
 
     def restart(self, present: Mapping[str, float]) -> None:
         """Begin at the pose in which the joints were found, at rest, before anything moves.
@@ -183,7 +180,9 @@ class Safety:
 
     def _tell(self, rejected: Mapping[str, str]) -> None:
         self.rejected = rejected
-        self.last = MappingProxyType({name: one.position for name, one in self._joints.items()})
+        self.last: Mapping[str, float] = MappingProxyType(
+            {name: one.position for name, one in self._joints.items()}
+        )
 
 
 def number(value: object) -> float | None:

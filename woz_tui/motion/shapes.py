@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
-from typing import Annotated
+from typing import Annotated, Protocol
 
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 
@@ -37,6 +37,46 @@ EASINGS = ("linear", "smooth", "minimum-jerk")
 _DEGREES = Range(-3600, 3600, "deg")
 
 
+class Ranged(Protocol):
+    """A joint's range."""
+
+    @property
+    def min(self) -> float:
+        """Lowest angle."""
+        ...
+
+    @property
+    def max(self) -> float:
+        """Highest angle."""
+        ...
+
+
+def _outside(path: str, joint: Ranged, angle: float | None) -> Iterator[tuple[str, str]]:
+    if angle is not None and not joint.min <= angle <= joint.max:
+        yield path, f"{angle:g} lies outside {joint.min:g} to {joint.max:g} degrees"
+
+
+def range_problems(path: str, joint: Ranged, **angles: float | None) -> Iterator[tuple[str, str]]:
+    """What is wrong with a joint's range, and with angles that its settings name."""
+    if joint.min >= joint.max:
+        yield f"{path}.min", f"{joint.min:g} is not below max ({joint.max:g})"
+        return
+    for key, angle in angles.items():
+        yield from _outside(f"{path}.{key}", joint, angle)
+
+
+def pose_problems(
+    path: str, pose: Mapping[str, float], joints: Mapping[str, Ranged]
+) -> Iterator[tuple[str, str]]:
+    """Joints that there are not, and angles that they cannot have (NaN is none)."""
+    for name, angle in pose.items():
+        if name in joints:
+            yield from _outside(f"{path}.{name}", joints[name], angle)
+        else:
+            known = ", ".join(joints)
+            yield f"{path}.{name}", f"no joint is called {name!r}; there are {known}"
+
+
 @dataclass(frozen=True, slots=True)
 class JointShape:
     """One joint; joints stand in the file from the base up, each on the one before."""
@@ -60,6 +100,10 @@ class JointShape:
     start: Annotated[
         float | None, _DEGREES, Doc("angle when direct control begins; empty: home")
     ] = None
+
+    def within(self, angle: float) -> float:
+        """The nearest angle inside its range."""
+        return min(self.max, max(self.min, angle))
 
 
 @dataclass(frozen=True, slots=True)
@@ -180,16 +224,7 @@ class BodyShape(Section):
         if not self.joints:
             yield "joints", "names no joint"
         for name, joint in self.joints.items():
-            path = f"joints.{name}"
-            if joint.min >= joint.max:
-                yield f"{path}.min", f"{joint.min:g} is not below max ({joint.max:g})"
-                continue
-            for key, value in (("home", joint.home), ("start", joint.start)):
-                if value is not None and not joint.min <= value <= joint.max:
-                    yield (
-                        f"{path}.{key}",
-                        f"{value:g} lies outside {joint.min:g} to {joint.max:g} degrees",
-                    )
+            yield from range_problems(f"joints.{name}", joint, home=joint.home, start=joint.start)
 
     def _share_problems(self) -> Iterator[tuple[str, str]]:
         for role in self.roles:

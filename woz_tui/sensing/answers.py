@@ -54,20 +54,19 @@ class Answers:
     """Reads answers. `yes` and `no` are an experiment's words, beside those of the table."""
 
     def __init__(self, yes: Iterable[str], no: Iterable[str]) -> None:
-        table = LANGUAGES.values()
-        self._yes = _phrases(yes, *(one.yes for one in table))
-        self._no = _phrases(no, *(one.no for one in table))
-        self._negations = _phrases(*(one.negations for one in table))
-        self._declines = _phrases(*(one.declines for one in table))
-        self._before = _phrases(*(one.before for one in table))
-        self._copulas = _phrases(*(one.copulas for one in table))
-        self._starting = _phrases(*(one.copulas + one.opening for one in table))
-        self._after = _phrases(*(one.after for one in table))
-        self._fillers = _phrases(*(one.fillers for one in table))
-        self._ends = {word for (word,) in _phrases(*(one.ends for one in table))}
+        self._yes = _phrases("yes", more=yes)
+        self._no = _phrases("no", more=no)
+        self._negations = _phrases("negations")
+        self._declines = _phrases("declines")
+        self._before = _phrases("before")
+        self._copulas = _phrases("copulas")
+        self._starting = _phrases("copulas", "opening")
+        self._after = _phrases("after")
+        self._fillers = _phrases("fillers")
+        self._ends = {word for (word,) in _phrases("ends")}
         answers: list[_Phrase] = [phrase for phrase in self._yes + self._no if len(phrase) == 1]
         self._leads = self._fillers + answers
-        self._never = {word for (word,) in [*_phrases(*(one.never for one in table)), *answers]}
+        self._never = {word for (word,) in [*_phrases("never"), *answers]}
         self._denials = {word for (word,) in self._negations}
 
     def read(self, text: str, asked: str = "") -> Answer:
@@ -178,9 +177,10 @@ class Answers:
         return _written(" ".join(name)) if len(name) <= WORDS else ""
 
 
-def _phrases(*tables: Iterable[str]) -> list[_Phrase]:
-    """Phrases as words to compare, the longest first."""
-    found = {tuple(word.key for word in _words(phrase)) for table in tables for phrase in table}
+def _phrases(*kinds: str, more: Iterable[str] = ()) -> list[_Phrase]:
+    """Phrases of all languages, and `more`, as words to compare, the longest first."""
+    known = [getattr(language, kind) for language in LANGUAGES.values() for kind in kinds]
+    found = {tuple(word.key for word in _words(one)) for table in (*known, more) for one in table}
     return sorted((phrase for phrase in found if phrase), key=lambda one: (-len(one), one))
 
 

@@ -203,10 +203,6 @@ class Attention:
         return self._engaged and self.mode == "FullyEngaged"
 
     @property
-    def _within(self) -> float:
-        return self._settings.within
-
-    @property
     def _length(self) -> int:
         return round(self._settings.seconds * _SECOND)
 
@@ -224,11 +220,11 @@ class Attention:
         """Why a stimulus is none; empty: it is one."""
         away = self._away
         if away is not None:
-            if _apart(place, away.direction) <= self._within:
+            if _apart(place, away.direction) <= self._settings.within:
                 return "it looks there already"
             if kind.priority >= away.kind.priority:
                 return f"{_WORDS[away.kind]} has its attention"
-        elif self._engaged and _apart(place, self._visitor or 0.0) <= self._within:
+        elif self._engaged and _apart(place, self._visitor or 0.0) <= self._settings.within:
             return "that is where the visitor is"
         return ""
 
@@ -240,7 +236,9 @@ class Attention:
         self._lasting[kind] = (place, self._now)
         if last is None:
             return False
-        return _apart(place, last[0]) <= self._within and self._now - last[1] < self._length
+        return (
+            _apart(place, last[0]) <= self._settings.within and self._now - last[1] < self._length
+        )
 
     def _undistracted(self, why: str) -> Order | None:
         """Look back if nothing may distract it any more."""

@@ -55,16 +55,12 @@ class Endpointer:
         self._pre = pre
         self._onset = onset
         self._longest = longest
-        self._chunks = 0
+        #: How many chunks were taken: the number of the next one.
+        self.chunks = 0
         self._free = 0
         self._loud = 0
         self._quiet = 0
         self._first: int | None = None
-
-    @property
-    def chunks(self) -> int:
-        """How many chunks were taken: the number of the next one."""
-        return self._chunks
 
     @property
     def speaks(self) -> bool:
@@ -81,12 +77,12 @@ class Endpointer:
         """The first chunk that a segment may still hold: those before it can be forgotten."""
         if self._first is not None:
             return self._first
-        return max(self._free, self._chunks - self._loud - self._pre, 0)
+        return max(self._free, self.chunks - self._loud - self._pre, 0)
 
     def take(self, rms: float | None) -> Started | Ended | None:
         """Judge the next chunk; what begins or ends with it."""
-        number = self._chunks
-        self._chunks += 1
+        number = self.chunks
+        self.chunks += 1
         if rms is not None and rms > self.threshold:
             self._loud += 1
             self._quiet = 0
@@ -106,7 +102,7 @@ class Endpointer:
         if self._first is None:
             return None
         self._loud = 0
-        return self._end(self._first, self._chunks - 1, cut=True)
+        return self._end(self._first, self.chunks - 1, cut=True)
 
     def _begin(self, number: int) -> Started | None:
         if self._loud < self._onset:

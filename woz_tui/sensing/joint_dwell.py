@@ -104,19 +104,21 @@ class Dwell:
 def passed(shares: Sequence[float], dwell: Dwell, elapsed: int) -> list[float]:
     """The probabilities after `elapsed` microseconds without a sample."""
     step = dwell.steps(min(elapsed, LONGEST))
-    worlds = [tuple(shares[at : at + CONDITIONS]) for at in range(0, len(shares), CONDITIONS)]
-    none_far, none_near = _moved(worlds[0], worlds[1], step.placed, step.placed)
-    idle_far, idle_near = _moved(worlds[2], worlds[3], step.nearer, step.away)
-    here_far, here_near = _moved(worlds[4], worlds[5], step.nearer, step.away)
-    idle_far, here_far = _turned(idle_far, here_far, step.up, step.turned)
-    idle_near, here_near = _turned(idle_near, here_near, step.up, step.turned)
+    worlds = [shares[at : at + CONDITIONS] for at in range(0, len(shares), CONDITIONS)]
+    # A stray distance turns out to be true for who has moved, a glance that stays is turning away.
+    moved, turned = (0, 1, 2, 3, 0, 5), (0, 1, 0, 0, 4, 5)
+    none_far, none_near = _exchanged(worlds[0], worlds[1], step.placed, step.placed, moved)
+    idle_far, idle_near = _exchanged(worlds[2], worlds[3], step.nearer, step.away, moved)
+    here_far, here_near = _exchanged(worlds[4], worlds[5], step.nearer, step.away, moved)
+    idle_far, here_far = _exchanged(idle_far, here_far, step.up, step.turned, turned)
+    idle_near, here_near = _exchanged(idle_near, here_near, step.up, step.turned, turned)
     worlds = _came([none_far, none_near, idle_far, idle_near, here_far, here_near], step)
     return [
         share for index, world in enumerate(worlds) for share in _erred(world, step, index // 2)
     ]
 
 
-_World = tuple[float, ...]
+_World = Sequence[float]
 
 
 def between(there: float, back: float, seconds: float) -> tuple[float, float]:
@@ -133,48 +135,18 @@ def _phases(mean: float, seconds: float) -> tuple[float, float]:
     return stays, faded * stays
 
 
-def _moved(far: _World, near: _World, nearer: float, away: float) -> tuple[_World, _World]:
-    """Between far and near. A stray distance that turns out to be true is none any more."""
-    f0, f1, f2, f3, f4, f5 = far
-    n0, n1, n2, n3, n4, n5 = near
-    stay, rest = 1.0 - nearer, 1.0 - away
-    return (
-        f0 * stay + (n0 + n4) * away,
-        f1 * stay + n1 * away,
-        f2 * stay + n2 * away,
-        f3 * stay + n3 * away,
-        f4 * stay,
-        f5 * stay + n5 * away,
-    ), (
-        n0 * rest + (f0 + f4) * nearer,
-        n1 * rest + f1 * nearer,
-        n2 * rest + f2 * nearer,
-        n3 * rest + f3 * nearer,
-        n4 * rest,
-        n5 * rest + f5 * nearer,
-    )
-
-
-def _turned(idle: _World, here: _World, up: float, turned: float) -> tuple[_World, _World]:
-    """Between looking elsewhere and attending. A glance that stays is turning away."""
-    i0, i1, i2, i3, i4, i5 = idle
-    h0, h1, h2, h3, h4, h5 = here
-    stay, rest = 1.0 - up, 1.0 - turned
-    return (
-        i0 * stay + (h0 + h2 + h3) * turned,
-        i1 * stay + h1 * turned,
-        i2 * stay,
-        i3 * stay,
-        i4 * stay + h4 * turned,
-        i5 * stay + h5 * turned,
-    ), (
-        h0 * rest + (i0 + i2 + i3) * up,
-        h1 * rest + i1 * up,
-        h2 * rest,
-        h3 * rest,
-        h4 * rest + i4 * up,
-        h5 * rest + i5 * up,
-    )
+def _exchanged(
+    one: _World, other: _World, there: float, back: float, become: Sequence[int]
+) -> tuple[_World, _World]:
+    """Two worlds of which these shares go there and back; on the way each condition of the readings
+    becomes the one that `become` has in its place.
+    """
+    stay, rest = 1.0 - there, 1.0 - back
+    left, right = [share * stay for share in one], [share * rest for share in other]
+    for condition, gone, came in zip(become, one, other):  # noqa: B905 - this runs at every sample
+        right[condition] += gone * there
+        left[condition] += came * back
+    return left, right
 
 
 def _came(worlds: list[_World], step: Steps) -> list[_World]:
@@ -202,8 +174,9 @@ def _came(worlds: list[_World], step: Steps) -> list[_World]:
 
 def _scaled(world: _World, stay: float, more: float) -> _World:
     """What stays, and `more` whose readings are right."""
-    w0, w1, w2, w3, w4, w5 = world
-    return (w0 * stay + more, w1 * stay, w2 * stay, w3 * stay, w4 * stay, w5 * stay)
+    scaled = [share * stay for share in world]
+    scaled[0] += more
+    return scaled
 
 
 def _erred(world: _World, step: Steps, who: int) -> _World:

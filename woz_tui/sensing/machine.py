@@ -111,73 +111,72 @@ def _greets(view: View) -> bool:
     return view.engaged and view.tries_left > 0 and view.handshake.by != "nobody"
 
 
+# fmt: off
 #: Every arrow, in the order in which those of one state are tried: the first that holds is taken.
 EDGES: tuple[Edge, ...] = (
     Edge(State.WAIT, State.STOP, "end", _on(Event.STOP), "ended by hand", listing=True),
     Edge(State.WAIT, State.DETECTED, "human_presence", lambda view: view.presence, "{reason}", "a"),
     Edge(
-        *(State.DETECTED, State.WAIT, "human_absence"),
-        *(lambda view: not view.presence, "{absence}", "b"),
+        State.DETECTED, State.WAIT, "human_absence",
+        lambda view: not view.presence, "{absence}", "b",
     ),
     Edge(
-        *(State.DETECTED, State.KNOWN, "recognized"),
-        *(lambda view: view.engaged and view.known, "{reason}", "e"),
+        State.DETECTED, State.KNOWN, "recognized",
+        lambda view: view.engaged and view.known, "{reason}", "e",
     ),
     Edge(State.DETECTED, State.UNKNOWN, "unrecognized", _nameless, "{reason}", "c"),
     Edge(
-        *(State.DETECTED, State.WAIT, "human_absence"),
-        *(_after("approach"), "did not engage in time: {reason}"),
-        listing=True,
+        State.DETECTED, State.WAIT, "human_absence",
+        _after("approach"), "did not engage in time: {reason}", listing=True,
     ),
     Edge(State.UNKNOWN, State.DETECTED, "error", _lost, "engagement lost: {reason}", "d"),
     Edge(State.UNKNOWN, State.HANDSHAKE, "handshake", _greets, "to be introduced", "g"),
     # Where no handshake leads on (any more), a name that turns up does.
     Edge(
-        *(State.UNKNOWN, State.KNOWN, "recognized"),
-        *(lambda view: view.engaged and view.known, "{reason}"),
+        State.UNKNOWN, State.KNOWN, "recognized",
+        lambda view: view.engaged and view.known, "{reason}",
     ),
     Edge(
-        *(State.HANDSHAKE, State.KNOWN, "eng2know"),
-        *(_on(Event.HANDSHAKE_OK), "introduced", "i"),
+        State.HANDSHAKE, State.KNOWN, "eng2know",
+        _on(Event.HANDSHAKE_OK), "introduced", "i",
     ),
     Edge(
-        *(State.HANDSHAKE, State.UNKNOWN, "eng2unknow"),
-        *(_on(Event.HANDSHAKE_FAIL), "the handshake failed", "h"),
+        State.HANDSHAKE, State.UNKNOWN, "eng2unknow",
+        _on(Event.HANDSHAKE_FAIL), "the handshake failed", "h",
     ),
     Edge(
-        *(State.HANDSHAKE, State.UNKNOWN, "eng2unknow"),
-        *(lambda view: view.elapsed >= view.handshake.seconds, "the handshake took too long", "h"),
+        State.HANDSHAKE, State.UNKNOWN, "eng2unknow",
+        lambda view: view.elapsed >= view.handshake.seconds, "the handshake took too long", "h",
     ),
     Edge(State.KNOWN, State.DETECTED, "error", _lost, "engagement lost: {reason}", "f"),
     Edge(
         State.KNOWN, State.USER_SPEAKS, "listening", _on(Event.SPEECH_START), "somebody speaks", "l"
     ),
     Edge(
-        *(State.KNOWN, State.ROBOT_SPEAKS, "speaking"),
-        *(_on(Event.ROBOT_INITIATIVE), "the robot begins", "p"),
+        State.KNOWN, State.ROBOT_SPEAKS, "speaking",
+        _on(Event.ROBOT_INITIATIVE), "the robot begins", "p",
     ),
     Edge(State.USER_SPEAKS, State.THINKS, "done", _on(Event.SPEECH_END), "speech has ended", "m"),
     Edge(
-        *(State.USER_SPEAKS, State.KNOWN, "error"),
-        *(_on(Event.SPEECH_ERROR), "nothing was understood"),
-        listing=True,
+        State.USER_SPEAKS, State.KNOWN, "error",
+        _on(Event.SPEECH_ERROR), "nothing was understood", listing=True,
     ),
     Edge(
-        *(State.USER_SPEAKS, State.KNOWN, "error"),
-        *(_after("listening"), "the speech does not end"),
-        listing=True,
+        State.USER_SPEAKS, State.KNOWN, "error",
+        _after("listening"), "the speech does not end", listing=True,
     ),
     Edge(State.THINKS, State.REPLIES, "done", _on(Event.THINK_DONE), "there is an answer", "n"),
     Edge(State.THINKS, State.KNOWN, "error", _after("thinking"), "nobody has answered"),
     Edge(State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE), "the answer is over", "o"),
     Edge(State.REPLIES, State.KNOWN, "error", _after("talking"), "the answer does not end"),
     Edge(
-        *(State.ROBOT_SPEAKS, State.KNOWN, "done"),
-        *(_on(Event.SAY_DONE), "the robot's sentence is over", "q"),
+        State.ROBOT_SPEAKS, State.KNOWN, "done",
+        _on(Event.SAY_DONE), "the robot's sentence is over", "q",
     ),
     Edge(State.ROBOT_SPEAKS, State.KNOWN, "error", _after("talking"), "the speech does not end"),
 )
 
+# fmt: on
 #: States in which somebody talks with the robot: stimuli from elsewhere may distract it or not.
 ENGAGED = frozenset(
     {

@@ -13,9 +13,9 @@ from dataclasses import dataclass
 from woz_tui.core.engaged import EngagementShown
 from woz_tui.core.envelope import Json
 from woz_tui.experiment.engagement import RUNS, EngagementSettings
-from woz_tui.sensing.condition import Signs
 from woz_tui.sensing.machine import Edge, Event, State, View, by_signs, edge_to, edges_from
 from woz_tui.sensing.passing import SECOND, Passing, microseconds, periods
+from woz_tui.sensing.signs import Signs
 from woz_tui.sensing.voice import Voice
 
 #: States of the trail.
@@ -251,11 +251,6 @@ class Engagement:
         return self.signs.reason(self._time.now, self._told)
 
     @property
-    def social_distance(self) -> float:
-        """Metres that are near enough to talk."""
-        return self.signs.near
-
-    @property
     def waits_since(self) -> int:
         """Since when, in the model's time, the visitor waits for an answer; -1: nobody does."""
         return self.since if self.state is State.THINKS else -1
@@ -270,7 +265,7 @@ class Engagement:
             signs=self.signs.shown(),
             run=self._run,
             uses=[sign.name for sign in self.signs.uses],
-            social_distance=self.social_distance,
+            social_distance=self.signs.near,
             engaged=self.engaged,
             next=self.pending,
             waits_since=-1 if waits < 0 else self._time.stamp(waits),

@@ -25,9 +25,10 @@ import stat
 import threading
 import time
 from collections.abc import Iterable, Iterator
-from dataclasses import replace
 from datetime import date
 from pathlib import Path
+
+from msgspec.structs import replace
 
 from woz_tui.core import replacing
 from woz_tui.experiment.visitor_names import BadNameError, key_of, label_of, name_of, word_of

@@ -3,19 +3,59 @@
 from __future__ import annotations
 
 import math
-from typing import Any, TypedDict
+from collections.abc import Iterator
+from typing import Any, Generic, TypeVar
 
 from woz_tui.core.engaged import SignShown
-from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.core.envelope import Json
+from woz_tui.experiment.engagement import CONDITION, FILTERS, SIGNS, EngagementSettings
 from woz_tui.sensing import samples
-from woz_tui.sensing.filters import Fifo, Filter, Median
-from woz_tui.sensing.identity import IdentityFifo
+from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
 from woz_tui.sensing.joint import Joint
 from woz_tui.sensing.joint import Sign as JointSign
 from woz_tui.sensing.passing import SECOND, microseconds
 from woz_tui.sensing.samples import UNKNOWN
-from woz_tui.sensing.steady import Steady
-from woz_tui.sensing.thinning import Thinning
+
+# -- thinning -------------------------------------------------------------------------------------
+# Fewer samples than a quick sensor sends, so that the places of a queue last as long as meant.
+
+
+class Thinning:
+    """One sample in each period of a steady beat counts: the first that comes.
+
+    The first sample of all lies in the middle of its period, so that a sensor of just this rate
+    may be half a period early or late and loses nothing. A sample that counts does so at once, and
+    which ones do follows from their times (the model's, in microseconds) alone. `rate`: samples a
+    second; None: all count.
+    """
+
+    def __init__(self, rate: float | None) -> None:
+        self.rate = rate
+        self.restart()
+
+    def restart(self) -> None:
+        """The next sample is the first."""
+        self._began: int | None = None
+        self._last = 0
+
+    def beats(self, rate: float | None) -> None:
+        """Another rate from now on."""
+        if rate != self.rate:
+            self.rate = rate
+            self.restart()
+
+    def counts(self, now: int) -> bool:
+        """Whether a sample at `now`, no earlier than the one before, is to be taken."""
+        if self.rate is None:
+            return True
+        if self._began is None:
+            self._began, self._last = now, 0
+            return True
+        period = int((now - self._began) * self.rate / SECOND + 0.5)
+        counts = period > self._last
+        self._last = period
+        return counts
+
 
 #: Nobody counts as engaged on samples older than this, whatever the settings say; microseconds.
 FRESH = 2 * SECOND
@@ -27,55 +67,107 @@ WORDS = {
 }
 
 
-class _Filled(TypedDict):
-    count: int
-    needed: int
-    places: int
-    filter: str
+Q = TypeVar("Q", Fifo, IdentityFifo)
 
 
-class Heard:
-    """A sensor and its filter: when it was heard last. Times are the model's, in microseconds."""
+class Heard(Generic[Q]):
+    """A sensor, when it was heard last, and its filters: a queue, and its view of the joint filter;
+    one of them decides. The queue is filled in any case, so that it is there when it is asked
+    again. Times are the model's, in microseconds.
+    """
 
-    _steady: Steady[Any]
-
-    def __init__(self, name: str, settings: EngagementSettings, now: int) -> None:
+    def __init__(self, name: str, settings: EngagementSettings, joint: Joint, now: int) -> None:
         self.name = name
         self._start_up = settings.start_up
         self.stale_after = _stale_after(name, settings)
         self._thinning = Thinning(settings.sign(name).rate)
         self.heard_at = now
         #: Whether it was ever heard, and whether that is too long ago.
-        self.ever = False
-        self.stale = False
+        self.ever = self.stale = False
+        #: What the wizard says.
+        self.forced: Any = None
+        kind, count, threshold = numbers(name, settings)
+        self._joint = joint.view(name)
+        self._joint.configure(count, threshold)
+        self._jointly = kind == "joint"
+        self.queue: Q = self._made(kind, count, threshold)
+
+    def _made(self, kind: str, count: int, threshold: float) -> Q:
+        """A queue of a kind; the usual one if it has no such kind."""
+        raise NotImplementedError
+
+    @property
+    def filter(self) -> Q | JointSign:
+        """What makes the verdict."""
+        return self._joint if self._jointly else self.queue
 
     def pass_to(self, now: int) -> None:
         """Time passes; a sensor that says nothing for too long is stale, and its queue empty."""
         if not self.stale and now - self.heard_at > self.stale_after:
             self.stale = True
-            self._steady.forget()
+            self.queue.forget()
+            self._joint.forget()
             self._thinning.restart()
 
     def configure(self, kind: str | None, count: int | None, threshold: float | None) -> None:
-        """Another filter, or other numbers for it; None leaves them as they are."""
-        self._steady.configure(kind, count, threshold)
+        """Another filter, or other numbers for it; it keeps what it holds as far as it fits. None
+        leaves a number as it is.
+        """
+        before = self.queue
+        count = before.places if count is None else count
+        threshold = before.threshold if threshold is None else threshold
+        before.configure(count, threshold)
+        self._joint.configure(count, threshold)
+        if kind is None:
+            return
+        if kind not in ("joint", before.kind):
+            self.queue = self._made(kind, count, threshold)
+            self.queue.resume(before.values)
+        if kind == "joint" and not self._jointly:
+            self._joint.catch_up()
+        if kind != "joint" and self._jointly:
+            self._joint.leave()
+        self._jointly = kind == "joint"
 
     def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
         """Go on with what is new in the settings."""
         self.stale_after = _stale_after(self.name, settings)
-        self._start_up = settings.start_up
-        self._steady.start_as(settings.start_up)
+        self._start_up = self.queue.start_up = self._joint.start_up = settings.start_up
         self._thinning.beats(settings.sign(self.name).rate)
         new = numbers(self.name, settings)
         if new != numbers(self.name, before):
             self.configure(*new)
 
-    def _takes(self, value: float | str, now: int) -> None:
+    def _takes(self, value: Any, now: int) -> None:
         self.heard_at = now
         self.ever = True
         self.stale = False
         if self._thinning.counts(now):
-            self._steady.take(value, now)
+            self.queue.take(value, now)
+            if self._jointly:
+                self._joint.take(value, now)
+            else:
+                self._joint.overhear(value, now)
+
+    def _shown(self, **raw: Any) -> SignShown:
+        """The sign as the screen shows it, with what its sensor says."""
+        chosen = self.filter
+        return SignShown(
+            **raw,
+            count=chosen.count,
+            needed=chosen.needed,
+            places=chosen.places,
+            filter=chosen.kind,
+            stale=self.stale and self.forced is None,
+            forced=self.forced is not None,
+        )
+
+    def _share(self) -> str:
+        """How many speak for it, unless all do or none."""
+        chosen = self.filter
+        if not 0 < chosen.count < chosen.places:
+            return ""
+        return f" ({chosen.count} {'%' if self._jointly else f'of {chosen.places}'})"
 
 
 def _stale_after(name: str, settings: EngagementSettings) -> int:
@@ -93,24 +185,16 @@ def numbers(name: str, settings: EngagementSettings) -> tuple[str, int, float]:
     return kind, own.samples or settings.samples, threshold
 
 
-class Sign(Heard):
-    """Presence, gaze or distance. `joint` is what all signs share that are filtered jointly."""
-
-    _steady: Steady[Fifo]
+class Sign(Heard[Fifo]):
+    """Presence, gaze or distance; `forced` is a verdict, or metres. `joint` is what all signs share
+    that are filtered jointly.
+    """
 
     def __init__(self, name: str, settings: EngagementSettings, joint: Joint, now: int) -> None:
-        super().__init__(name, settings, now)
         self.near = settings.social_distance
         self._farthest = settings.farthest
         self.raw: float | None = None
-        #: The wizard's verdict, or metres.
-        self.forced: float | bool | None = None
-        self._steady = Steady(self._made, joint.view(name), numbers(name, settings))
-
-    @property
-    def filter(self) -> Filter:
-        """What makes the verdict."""
-        return self._steady.filter
+        super().__init__(name, settings, joint, now)
 
     def take(self, value: object, now: int) -> bool:
         """A sample, whatever it is; whether it is one."""
@@ -126,7 +210,7 @@ class Sign(Heard):
         """Another social distance."""
         self.near = metres
         if self.name == "distance":
-            self._steady.queue.near_within(metres)
+            self.queue.near_within(metres)
 
     def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
         """Go on with what is new in the settings."""
@@ -157,7 +241,7 @@ class Sign(Heard):
         metres = self.metres
         if self.name == "distance" and metres is not None and math.isfinite(metres):
             said += f" {metres:.1f} m"
-        return said + (" (wizard)" if self.forced is not None else _share(self.filter))
+        return said + (" (wizard)" if self.forced is not None else self._share())
 
     @property
     def metres(self) -> float | None:
@@ -168,13 +252,8 @@ class Sign(Heard):
     def shown(self) -> SignShown:
         """The sign as the screen shows it; what is beyond all measure has no number."""
         raw = self.metres if self.raw is None else self.raw
-        return SignShown(
-            raw=raw if raw is not None and math.isfinite(raw) else None,
-            verdict=self.verdict,
-            **_filled(self.filter),
-            stale=self.stale and self.forced is None,
-            forced=self.forced is not None,
-        )
+        known = raw if raw is not None and math.isfinite(raw) else None
+        return self._shown(raw=known, verdict=self.verdict)
 
     def _made(self, kind: str, count: int, threshold: float) -> Fifo:
         near = self.near if self.name == "distance" else None
@@ -183,22 +262,11 @@ class Sign(Heard):
         return Fifo(count, threshold, self._start_up, near)
 
 
-class Identity(Heard):
-    """Who the visitor is."""
+class Identity(Heard[IdentityFifo]):
+    """Who the visitor is; `forced` is the name that the wizard gives, which may be "Unknown"."""
 
-    _steady: Steady[IdentityFifo]
-
-    def __init__(self, settings: EngagementSettings, joint: Joint, now: int) -> None:
-        super().__init__("identity", settings, now)
-        self.raw: str = ""
-        #: The name that the wizard gives, which may be "Unknown".
-        self.forced: str | None = None
-        self._steady = Steady(self._made, joint.view("identity"), numbers("identity", settings))
-
-    @property
-    def filter(self) -> IdentityFifo | JointSign:
-        """What makes the verdict."""
-        return self._steady.filter
+    forced: str | None
+    raw = ""
 
     def take(self, value: object, text: str, now: int) -> bool:
         """A recognition, whatever it is; whether it is one."""
@@ -236,34 +304,184 @@ class Identity(Heard):
             return f"{self.forced if self.known else 'no name'} (wizard)"
         if not self.known:
             return "no name"
-        return self.name_given + _share(self.filter)
+        return self.name_given + self._share()
 
     def shown(self) -> SignShown:
         """The sign as the screen shows it."""
-        return SignShown(
-            raw_name=self.raw,
-            verdict=self.verdict,
-            name=self.name_given,
-            **_filled(self.filter),
-            stale=self.stale and self.forced is None,
-            forced=self.forced is not None,
-        )
+        return self._shown(raw_name=self.raw, verdict=self.verdict, name=self.name_given)
 
     def _made(self, kind: str, count: int, threshold: float) -> IdentityFifo:
         return IdentityFifo(count, threshold, self._start_up)
 
 
-def _share(filter_: Filter) -> str:
-    """How many speak for it, unless all do or none."""
-    if not 0 < filter_.count < filter_.places:
-        return ""
-    return f" ({filter_.count} {'%' if filter_.kind == 'joint' else f'of {filter_.places}'})"
+# -- condition ------------------------------------------------------------------------------------
+# All signs of a visitor together: whether somebody is there, and with the robot.
+#
+# The condition of engagement is that every sign which the experiment uses says yes, and has been
+# sensed lately.
+
+#: Social distances that may be set, in metres.
+NEAREST, FARTHEST = 0.1, 10.0
 
 
-def _filled(filter_: Filter) -> _Filled:
-    return _Filled(
-        count=filter_.count,
-        needed=filter_.needed,
-        places=filter_.places,
-        filter=filter_.kind,
-    )
+class Signs:
+    """Presence, gaze, distance and identity. Times are the model's, in microseconds."""
+
+    def __init__(self, settings: EngagementSettings, now: int) -> None:
+        self._joint = Joint(
+            settings.social_distance, start_up=settings.start_up, glance=settings.joint.glance
+        )
+        self._by_name = {name: Sign(name, settings, self._joint, now) for name in CONDITION}
+        self.identity = Identity("identity", settings, self._joint, now)
+        self._all: list[Sign | Identity] = [*self._by_name.values(), self.identity]
+        self.uses: list[Sign] = []
+        self._use(settings)
+
+    # -- what comes in --------------------------------------------------------------------------
+
+    def pass_to(self, now: int) -> None:
+        """Time passes."""
+        for sign in self._all:
+            sign.pass_to(now)
+
+    def take(self, sign: str, value: object, name: str, now: int) -> bool:
+        """A sample, whatever it is; whether it is one. ValueError if there is no such sign."""
+        if sign == "identity":
+            return self.identity.take(value, name, now)
+        return self._sign(sign).take(value, now)
+
+    def override(self, sign: str, value: object | None, name: str) -> None:
+        """What the wizard says; ValueError with a sentence if it makes no sense."""
+        if sign == "identity":
+            self.identity.forced = _name(value, name)
+        else:
+            self._sign(sign).forced = _verdict(sign, value)
+
+    def configure(
+        self, sign: str, kind: str | None, count: int | None, threshold: float | None
+    ) -> None:
+        """Another filter, or other numbers; ValueError with a sentence if there are not such."""
+        _check(sign, kind, count, threshold)
+        chosen = self.identity if sign == "identity" else self._by_name[sign]
+        chosen.configure(kind, count, threshold)
+
+    def near_within(self, metres: float) -> None:
+        """Another social distance; ValueError outside of 0.1 to 10 m."""
+        if not NEAREST <= metres <= FARTHEST:
+            raise ValueError(f"{metres:g} m is not {NEAREST:g} to {FARTHEST:g} m")
+        self._joint.near_within(metres)
+        for sign in self._by_name.values():
+            sign.near_within(metres)
+
+    def adopt(self, settings: EngagementSettings, before: EngagementSettings) -> None:
+        """Go on with what is new in the settings."""
+        for sign in self._all:
+            sign.adopt(settings, before)
+        if settings.social_distance != before.social_distance:
+            self.near_within(settings.social_distance)
+        if settings.joint != before.joint:
+            self._joint.glances_last(settings.joint.glance)
+        self._use(settings)
+
+    # -- how they stand -------------------------------------------------------------------------
+
+    @property
+    def near(self) -> float:
+        """The social distance in metres."""
+        return self._by_name["distance"].near
+
+    def engaged(self, now: int) -> bool:
+        """The condition of engagement."""
+        return bool(self.uses) and all(sign.verdict == 1 and sign.fresh(now) for sign in self.uses)
+
+    @property
+    def present(self) -> bool:
+        """Whether somebody is there: by presence, or by any sign used if presence is not."""
+        return any(sign.verdict == 1 for sign in self._there)
+
+    @property
+    def verdicts(self) -> dict[str, Json]:
+        """Presence, gaze, distance (near) as 0, 1 or None; identity as a name or "Unknown"."""
+        found: dict[str, Json] = {name: sign.verdict for name, sign in self._by_name.items()}
+        return {**found, "identity": self.identity.name_given}
+
+    @property
+    def stale(self) -> list[str]:
+        """Those whose sensors were heard once, and are not heard any more."""
+        return [sign.name for sign in self._all if sign.stale and sign.ever]
+
+    def reason(self, now: int, told: str) -> str:
+        """What they say, in words; `told` is the name that somebody has given."""
+        return ", ".join([*(sign.words(now) for sign in self.uses), self.identity.words(told)])
+
+    def explained(self, why: str, now: int, told: str) -> str:
+        """`why`, with `{reason}` as what all say and `{absence}` as why nobody is there."""
+        return why.format(reason=self.reason(now, told), absence=self._absence(now))
+
+    def _absence(self, now: int) -> str:
+        said = ", ".join(sign.words(now) for sign in self._there)
+        nobody = WORDS["presence"][0]
+        return said if said.startswith(nobody) else ": ".join(filter(None, (nobody, said)))
+
+    def shown(self) -> dict[str, SignShown]:
+        """All of them for the screen."""
+        return {sign.name: sign.shown() for sign in self._all}
+
+    def overruled(self, presence: bool, condition: bool, name: bool) -> bool:
+        """Whether the wizard has a hand in presence, in the condition, or in the name."""
+        signs = [*(self._there if presence else ()), *(self.uses if condition else ())]
+        return any(sign.forced is not None for sign in signs) or (
+            name and self.identity.forced is not None
+        )
+
+    def deadlines(self) -> Iterator[int]:
+        """When they grow stale, or too old to engage anybody, if no sample comes."""
+        for sign in self._all:
+            if not sign.stale:
+                yield sign.heard_at + sign.stale_after + 1
+        yield from (sign.heard_at + FRESH + 1 for sign in self.uses)
+
+    def _use(self, settings: EngagementSettings) -> None:
+        self.uses = [sign for name, sign in self._by_name.items() if name in settings.signs]
+        presence = self._by_name["presence"]
+        self._there = [presence] if presence in self.uses else self.uses
+
+    def _sign(self, name: str) -> Sign:
+        if name not in self._by_name:
+            raise ValueError(f"{name!r} is none of {', '.join(SIGNS)}")
+        return self._by_name[name]
+
+
+def _verdict(sign: str, value: object | None) -> float | bool | None:
+    if value is None or isinstance(value, bool):
+        return value
+    number = samples.number(value)
+    if sign == "distance":
+        if number is None or not number > 0.0:
+            raise ValueError(f"{value!r} is no distance: a number of metres, on or off")
+        return number
+    if number not in (0.0, 1.0):
+        raise ValueError(f"{value!r} is no verdict on {sign}: on or off")
+    return bool(number)
+
+
+def _name(value: object | None, name: str) -> str | None:
+    if value is None and not name:
+        return None
+    found = samples.name(value if isinstance(value, str) else "", name)
+    if found is None:
+        raise ValueError(f"{name or value!r} is no name of a visitor")
+    return found
+
+
+def _check(sign: str, kind: str | None, count: int | None, threshold: float | None) -> None:
+    if sign not in SIGNS:
+        raise ValueError(f"{sign!r} is none of {', '.join(SIGNS)}")
+    if kind is not None and kind not in FILTERS:
+        raise ValueError(f"{kind!r} is none of {', '.join(FILTERS)}")
+    if kind == "median" and sign != "distance":
+        raise ValueError(f"a median is for distance, not for {sign}")
+    if count is not None and not 1 <= count <= 1000:
+        raise ValueError(f"{count} is not 1 to 1000 places")
+    if threshold is not None and not 0 <= threshold <= 1:
+        raise ValueError(f"{threshold:g} is not 0 to 1")

@@ -219,7 +219,7 @@ class Follower:
             self.mode = str(end.sent.get("mode", self.mode))
         try:
             change = orders.obeyed(self.model, verb, end.sent)
-        except (ValueError, KeyError, TypeError):  # it made sense when it was understood
+        except (ValueError, KeyError, TypeError, AttributeError):  # a log that was changed
             return None
         return change if change is not None else self._step()
 

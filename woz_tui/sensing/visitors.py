@@ -8,11 +8,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Iterable, Mapping
-from dataclasses import dataclass, replace
 from datetime import date
 from typing import Any
 
 import msgspec
+from msgspec.structs import replace
 
 from woz_tui.experiment.visitor_names import BadNameError, key_of, label_of, name_of, shown, word_of
 
@@ -43,8 +43,7 @@ class UnsavedError(VisitorsError):
     """The change was made, but only here, in memory: the file could not be written."""
 
 
-@dataclass(frozen=True, slots=True)
-class Visitor:
+class Visitor(msgspec.Struct, frozen=True, forbid_unknown_fields=True, omit_defaults=True):
     """One visitor. Only `name` is always there.
 
     `labels` are what recognisers call the face. `first_met` and `last_met` are days
@@ -204,36 +203,17 @@ def owner_of(people: People, text: str) -> Visitor | None:
 # -- the file -----------------------------------------------------------------------------------
 
 
-class _Entry(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
-    """A visitor in the file."""
-
-    name: str
-    age_group: str = ""
-    address: str = ""
-    labels: list[str] = []
-    first_met: str = ""
-    last_met: str = ""
-    meetings: int = 0
-
-
 class _File(msgspec.Struct, forbid_unknown_fields=True):
     """The whole file."""
 
     format: str
     version: int
-    visitors: list[_Entry]
+    visitors: list[Visitor]
 
 
 def written(people: People) -> str:
     """The file's text: JSON, two blanks deep, visitors by name."""
-    entries = [
-        _Entry(
-            *(one.name, one.age_group, one.address, list(one.labels)),
-            *(one.first_met, one.last_met, one.meetings),
-        )
-        for one in sorted_by_name(people.values())
-    ]
-    file = msgspec.to_builtins(_File(FORMAT, VERSION, entries))
+    file = msgspec.to_builtins(_File(FORMAT, VERSION, sorted_by_name(people.values())))
     return json.dumps(file, indent=2, ensure_ascii=False) + "\n"
 
 
@@ -258,9 +238,9 @@ def read(text: str, place: str) -> dict[str, Visitor]:
         raise _unreadable(f"{place}: {str(error).replace('$.', '')}") from None
     people: dict[str, Visitor] = {}
     owners: dict[str, Visitor] = {}
-    for number, entry in enumerate(file.visitors):
+    for number, visitor in enumerate(file.visitors):
         try:
-            visitor = _visitor(entry)
+            _check(visitor)
             _claim(owners, visitor)
         except (BadNameError, RefusedError, ValueError) as error:
             reason = getattr(error, "reason", str(error))
@@ -294,29 +274,24 @@ def _check_kind(content: Any, place: str) -> None:
         raise _unreadable(f"{place}: version: {shown(str(version))} is none that there ever was")
 
 
-def _visitor(entry: _Entry) -> Visitor:
-    """An entry that is written as this program writes it; `BadNameError` or `ValueError` if not."""
-    visitor = Visitor(
-        *(entry.name, entry.age_group, entry.address, tuple(entry.labels)),
-        *(entry.first_met, entry.last_met, entry.meetings),
-    )
+def _check(visitor: Visitor) -> None:
+    """Whether it is written as this program writes it; `BadNameError` or `ValueError` if not."""
     tidy = replace(
         visitor,
-        name=name_of(entry.name),
-        age_group=word_of(entry.age_group, "an age group"),
-        address=word_of(entry.address, "a form of address"),
-        labels=tuple(label_of(label) for label in entry.labels),
+        name=name_of(visitor.name),
+        age_group=word_of(visitor.age_group, "an age group"),
+        address=word_of(visitor.address, "a form of address"),
+        labels=tuple(map(label_of, visitor.labels)),
     )
     if tidy != visitor:
         raise ValueError(
-            f"{shown(entry.name)} has blanks too many, or letters that are not composed"
+            f"{shown(visitor.name)} has blanks too many, or letters that are not composed"
         )
-    for day in filter(None, (entry.first_met, entry.last_met)):
+    for day in filter(None, (visitor.first_met, visitor.last_met)):
         if date.fromisoformat(day).isoformat() != day:
             raise ValueError(f"{shown(day)} is not written like 2026-03-01")
-    if entry.meetings < 0:
-        raise ValueError(f"meetings: {entry.meetings} is less than none")
-    return visitor
+    if visitor.meetings < 0:
+        raise ValueError(f"meetings: {visitor.meetings} is less than none")
 
 
 def _unreadable(reason: str) -> UnreadableError:

@@ -10,9 +10,9 @@ from typing import Any, ClassVar
 
 from woz_drivers.body import doctor
 from woz_drivers.body.loop import BodyLoop
-from woz_drivers.body.repertoire import differences
 from woz_drivers.body.settings import Settings as BodySettings
-from woz_drivers.body.ticker import ThreadTicker, Ticker
+from woz_drivers.body.settings import differences
+from woz_drivers.body.ticker import ThreadTicker
 from woz_tui.core.driver import (
     DriverError,
     Finding,
@@ -57,7 +57,7 @@ class Body(RenderedDriver):
     summary = "a body: gaze, moves, moods and modes, for servos or only to be seen"
     settings: BodySettings
     #: What keeps the rate, made with the rate and the driver's name.
-    ticker: ClassVar[Callable[[float, str], Ticker]] = ThreadTicker
+    ticker: ClassVar[Callable[[float, str], ThreadTicker]] = ThreadTicker
 
     def __init__(self, name: str, settings: BodySettings, outlet: Outlet) -> None:
         super().__init__(name, settings, outlet)

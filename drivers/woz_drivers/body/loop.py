@@ -11,17 +11,179 @@ import threading
 from collections.abc import Callable, Mapping
 from concurrent.futures import Future
 
-from woz_drivers.body.joining import Joining
-from woz_drivers.body.lateness import Lateness
-from woz_drivers.body.publishing import Due, Publishing
 from woz_drivers.body.settings import Settings
-from woz_tui.core.driver import DriverError, Health, Outlet
-from woz_tui.core.messages import Json
+from woz_drivers.body.ticker import Lateness
+from woz_tui.core.driver import Ask, DriverError, Health, Outlet
+from woz_tui.core.messages import BodyChanged, FaceShown, Json
 from woz_tui.motion.engine import Engine
-from woz_tui.motion.modes import Hand
-from woz_tui.motion.move import Move
-from woz_tui.motion.setpoints import FACE, SEEN, SETPOINTS, STATE, Lit, Seen, Setpoints
+from woz_tui.motion.frames import Frame
+from woz_tui.motion.modes import Hand, Mode
+from woz_tui.motion.move import Cue, Move
+from woz_tui.motion.setpoints import (
+    FACE,
+    PRESENT,
+    SEEN,
+    SETPOINTS,
+    STATE,
+    Lit,
+    Present,
+    Seen,
+    Setpoints,
+    State,
+)
 from woz_tui.motion.ticks import Answer, Ended, Tick
+
+# -- joining --------------------------------------------------------------------------------------
+# Where the joints really are before servos hold them.
+
+#: A hand has moved a limp joint when it is so many degrees from where it was last found.
+MOVED = 2.0
+#: Older news of the servos count no more, in seconds.
+FRESH_S = 0.5
+#: So long after an input the body goes by what was asked of it, in seconds.
+BUSY_S = 3.0
+
+
+class Joining:
+    """Says when the engine must begin anew at the pose in which the servos are.
+
+    While no joint is held, hands may move them; the engine then goes on from where they were left.
+    What is asked of the body in the meantime, to rehearse it, is not disturbed.
+    """
+
+    def __init__(self, settings: Settings, outlet: Outlet) -> None:
+        self._zero = {name: joint.zero for name, joint in settings.joints.items()}
+        self._feed = outlet.feed(PRESENT, of=settings.servos)
+        self._serial = 0
+        self._found: Mapping[str, float] = {}
+        self._busy_until = float("-inf")
+
+    def touched(self, now: float) -> None:
+        """Somebody has asked something of the body."""
+        self._busy_until = now + BUSY_S
+
+    def place(self, now: float, state: State) -> Mapping[str, float] | None:
+        """The joints' angles, in the body's degrees, if the engine is to begin at them."""
+        newest = self._feed.latest()
+        present = newest.value
+        if newest.serial == self._serial or not isinstance(present, Present):
+            return None
+        self._serial = newest.serial
+        if now - present.t_us / 1e6 > FRESH_S:
+            return None
+        joints = {
+            name: angle - self._zero[name]
+            for name, angle in present.joints.items()
+            if name in self._zero
+        }
+        busy = now < self._busy_until or state.move or state.mode != Mode.NORMAL.value
+        if present.held or busy or not self._moved(joints):
+            return None
+        self._found = {**self._found, **joints}
+        return joints
+
+    def _moved(self, joints: Mapping[str, float]) -> bool:
+        return any(
+            name not in self._found or abs(angle - self._found[name]) > MOVED
+            for name, angle in joints.items()
+        )
+
+
+# -- publishing -----------------------------------------------------------------------------------
+# What a body tells of its ticks: often enough to be seen, seldom enough to be read.
+
+#: Least seconds between two readings of a joint, two faces, two descriptions of the body.
+READING_S, FACE_S, VALUES_S = 0.1, 0.04, 0.2
+#: Every so many seconds the latest tick is told.
+PUNCTUAL_S = 1.0
+#: Deadlines may be met a moment early: ticks do not come at even times.
+SLACK_S = 0.002
+
+
+class Due:
+    """Whether something may be said again."""
+
+    def __init__(self, every: float) -> None:
+        self._every = every
+        self._next = float("-inf")
+
+    def __call__(self, now: float) -> bool:
+        """Whether it is time; then the next time is `every` seconds later."""
+        if now + SLACK_S < self._next:
+            return False
+        after = self._next + self._every
+        self._next = after if after > now else now + self._every
+        return True
+
+
+class Publishing:
+    """Belongs to the ticking thread."""
+
+    def __init__(self, settings: Settings, outlet: Outlet) -> None:
+        self._outlet = outlet
+        self._alone = not settings.servos
+        self._readings, self._faces = Due(READING_S), Due(FACE_S)
+        #: When it is time to look at the body's values again, and to say how punctual ticks are.
+        self.values_due, self.lateness_due = Due(VALUES_S), Due(PUNCTUAL_S)
+        self._face: tuple[Frame, str, float, float] | None = None
+        self._values: Mapping[str, Json] | None = None
+        self._unheard: set[str] = set()
+
+    def tick(self, tick: Tick) -> None:
+        """Everything but the body's values."""
+        for notice in tick.notices:
+            self._outlet.notice("info", notice, tells=("request",))
+        self._outlet.mode(tick.mode.value, tick.notices[0] if tick.notices else "")
+        for cue in tick.cues:
+            self._sound(cue)
+        self._show_face(tick)
+        if self._readings(tick.t):
+            for name, angle in tick.wanted.items():
+                self._outlet.reading(f"setpoint.{name}", round(angle, 3), unit="deg")
+            if self._alone:
+                for name, angle in tick.joints.items():
+                    self._outlet.reading(f"joint.{name}", round(angle, 3), unit="deg")
+
+    def values(self, values: Mapping[str, Json]) -> None:
+        """Say how the body is, if it is otherwise than before."""
+        if values != self._values:
+            self._values = values
+            self._outlet.show(BodyChanged(values=dict(values)))
+
+    def lateness(self, late_ms: float) -> None:
+        """The latest tick of the last second."""
+        self._outlet.reading("tick", round(late_ms, 3), unit="ms")
+
+    def _show_face(self, tick: Tick) -> None:
+        if tick.face is None:
+            return
+        face = (tick.face, tick.emotion, round(tick.intensity, 3), round(tick.brightness, 3))
+        if face != self._face and self._faces(tick.t):
+            self._face = face
+            self._outlet.show(
+                FaceShown(
+                    width=tick.face.width,
+                    rows=tick.face.hex,
+                    emotion=face[1],
+                    intensity=face[2],
+                    brightness=face[3],
+                )
+            )
+
+    def _sound(self, cue: Cue) -> None:
+        if not cue.sound or cue.volume <= 0:
+            return
+
+        def heard(carried: bool, why: str) -> None:
+            if not carried and why not in self._unheard:
+                self._unheard.add(why)
+                text = f"the sound {cue.sound} was not heard: {why}"
+                self._outlet.notice("warning", text, tells=("request",))
+
+        self._outlet.ask(Ask("verb", "sound", {"file": cue.sound}, source="body"), heard)
+
+
+# --------------------------------------------------------------------------------------------------
 
 #: What the camera said counts for so long, in seconds.
 SEEN_S = 1.0
@@ -138,7 +300,7 @@ class BodyLoop:
             if self._touched or tick.ended or self._state_due(now):
                 self._touched = False
                 state = self.engine.state()
-            values = self.engine.values() if self._publishing.wants_values(now) else None
+            values = self.engine.values() if self._publishing.values_due(now) else None
         self._setpoints.put(
             Setpoints(
                 round(now * 1e6),
@@ -155,7 +317,7 @@ class BodyLoop:
         self._publishing.tick(tick)
         if values is not None:
             self._publishing.values(values)
-        if self._publishing.wants_lateness(now):
+        if self._publishing.lateness_due(now):
             self._publishing.lateness(self._lateness.recent())
 
     def _look(self, now: float) -> None:

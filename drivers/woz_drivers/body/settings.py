@@ -2,17 +2,51 @@
 
 from __future__ import annotations
 
-import math
 import pathlib
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_drivers.body.repertoire import Repertoire, repertoire
 from woz_tui.core.fields import Doc, Path, Range, Seconds, Sibling
+from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.inputs import CONTROLS
-from woz_tui.motion.movefile import NAME, NAME_RULE, MoveFolder
-from woz_tui.motion.shapes import BodyShape
+from woz_tui.motion.move import Move
+from woz_tui.motion.movefile import NAME, NAME_RULE, MoveFolder, read_folder
+from woz_tui.motion.shapes import BodyShape, pose_problems
+
+# -- repertoire -----------------------------------------------------------------------------------
+# The moves that a body can play: those built in, and those of its folder.
+
+
+@dataclass(frozen=True, slots=True)
+class Repertoire:
+    """Moves by name, and what the folder holds, with all that is wrong with its files."""
+
+    moves: Mapping[str, Move]
+    folder: MoveFolder
+
+
+def repertoire(folder: str, shape: BodyShape) -> Repertoire:
+    """The built-in moves, and those of the files in `folder` (empty: none).
+
+    A file's move takes the place of the built-in one of that name: a body's own way to nod.
+    """
+    there = folder and pathlib.Path(folder).is_dir()
+    found = read_folder(pathlib.Path(folder), shape) if there else MoveFolder({}, ())
+    return Repertoire({**BUILT_IN, **found.moves}, found)
+
+
+def differences(old: Mapping[str, Move], new: Mapping[str, Move]) -> Iterator[str]:
+    """What became of a body's moves, in words."""
+    for name, move in new.items():
+        if name not in old:
+            yield f"move {name!r} is new"
+        elif move != old[name]:
+            yield f"move {name!r} changed"
+    yield from (f"move {name!r} is gone" for name in old if name not in new)
+
+
+# --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -64,16 +98,7 @@ class Settings(BodyShape):
     def _angle_problems(self) -> Iterator[tuple[str, str]]:
         poses = {f"poses.{name}": pose for name, pose in self.poses.items()}
         for path, pose in {**poses, "rest": self.rest}.items():
-            for name, angle in pose.items():
-                joint = self.joints.get(name)
-                if joint is None:
-                    known = ", ".join(self.joints)
-                    yield f"{path}.{name}", f"no joint is called {name!r}; there are {known}"
-                elif not (math.isfinite(angle) and joint.min <= angle <= joint.max):
-                    yield (
-                        f"{path}.{name}",
-                        f"{angle:g} lies outside {joint.min:g} to {joint.max:g} degrees",
-                    )
+            yield from pose_problems(path, pose, self.joints)
 
     def _name_problems(self) -> Iterator[tuple[str, str]]:
         if self.moves and not pathlib.Path(self.moves).is_dir():

@@ -46,7 +46,7 @@ class Move:
     taken: list[str] = field(default_factory=list)
 
 
-class Chain:
+class Chain(Upkeep):
     """The servos of one port, for as long as one opening of the port lasts.
 
     With `following` the joints do what a body wants, but for movements begun here.
@@ -55,13 +55,9 @@ class Chain:
     def __init__(
         self, wire: Wire, settings: Settings, outlet: Outlet, following: Following | None = None
     ) -> None:
-        self.wire = wire
-        self.settings = settings
-        self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
-        self._outlet = outlet
+        super().__init__(wire, settings, outlet)
         self._following = following
         self._moves: list[Move] = []
-        self._upkeep = Upkeep(wire, settings, outlet, self.servos, self.let_go)
         self._probes: deque[Servo] = deque()
         self._last_tick: float | None = None
         self._next_refresh = 0.0
@@ -238,7 +234,7 @@ class Chain:
         if self._following is not None:
             self._following.tell(self.servos.values(), now)
         self._probe(now)
-        self._upkeep.one_chore(now)
+        self.one_chore(now)
 
     def _read(self) -> None:
         for table, group in self._tables(lambda servo: servo.standing is Standing.READY).items():
@@ -258,7 +254,7 @@ class Chain:
             self._found(servo, None)
             return
         self._found(servo, table.present.within(block, answer.data))
-        self._upkeep.torque(servo, table, answer)
+        self.check_torque(servo, table, answer)
 
     def _found(self, servo: Servo, raw: int | None) -> None:
         if raw is None:

@@ -184,10 +184,8 @@ class DynamixelServos(Driver):
         return sent
 
     async def _torque(self, job: Job) -> dict[str, Json]:
-        on = job.args.get("on")
-        if not isinstance(on, bool):
-            raise Rejected(f"torque is switched on or off, not {on!r}")
-        names = self._named(job) or list(self.settings.joints)
+        on = bool(job.args["on"])
+        names = _named(job) or list(self.settings.joints)
         failed = await self._ask(lambda chain, _now: chain.set_torque(names, on))
         done: list[Json] = [name for name in names if name not in failed]
         if not done:
@@ -203,7 +201,7 @@ class DynamixelServos(Driver):
                 "protocol 1 servos cannot be restarted over the wire",
                 "switch their power off and on",
             )
-        named = self._named(job)
+        named = _named(job)
 
         def restart(chain: Chain, _now: float) -> list[str]:
             alarmed = [servo.name for servo in chain.servos.values() if servo.alarms]
@@ -235,15 +233,6 @@ class DynamixelServos(Driver):
             missing = await self._ask(silent)
             looks -= 1
         return missing
-
-    def _named(self, job: Job) -> list[str]:
-        name = job.args.get("joint")
-        if not name:
-            return []
-        if name not in self.settings.joints:
-            known = ", ".join(self.settings.joints)
-            raise Rejected(f"there is no joint {name!r}", f"the joints are {known}")
-        return [str(name)]
 
     # -- rest ------------------------------------------------------------------------------------
 
@@ -305,6 +294,12 @@ class DynamixelServos(Driver):
 def _held(chain: Chain, _now: float) -> dict[str, float]:
     """Setpoints of the joints that are held."""
     return {servo.name: servo.setpoint for servo in chain.servos.values() if servo.moves}
+
+
+def _named(job: Job) -> list[str]:
+    """The one joint that a command names, if it names one."""
+    name = job.args.get("joint")
+    return [name] if name else []
 
 
 def _may_hold(servo: Servo) -> bool:

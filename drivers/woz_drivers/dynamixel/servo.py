@@ -3,16 +3,86 @@
 from __future__ import annotations
 
 import enum
+import math
 from dataclasses import dataclass, field
 
 from woz_drivers.dynamixel import tables
-from woz_drivers.dynamixel.calibration import Calibration, calibrate
 from woz_drivers.dynamixel.motion import Follow, Track
 from woz_drivers.dynamixel.settings import Joint, Settings
 from woz_drivers.dynamixel.tables import Model, Register, Table
 from woz_drivers.dynamixel.wire import Wire, refusal
 from woz_tui.core.driver import DriverError
 from woz_tui.motion.safety import Limits
+
+# -- calibration ----------------------------------------------------------------------------------
+# Degrees of a joint <-> counts of its servo.
+
+#: Counts that extended position control accepts to either side.
+MULTI_TURN = 1_048_575
+
+
+@dataclass(frozen=True, slots=True)
+class Calibration:
+    """How one joint's degrees and its servo's counts belong together.
+
+    `low` and `high` are the joint's limits in degrees after the servo's own limits were taken
+    into account (`low > high`: the two do not meet); `low_raw` and `high_raw` the counts that the
+    servo accepts as a goal.
+    """
+
+    model: Model
+    zero: int
+    degrees_per_count: float
+    low: float
+    high: float
+    low_raw: int
+    high_raw: int
+
+    def degrees(self, raw: int) -> float:
+        """The joint's angle at the servo's count `raw`."""
+        return (raw - self.zero) * self.degrees_per_count
+
+    def raw(self, degrees: float) -> int:
+        """The count for an angle, bounded by the servo's own limits; NaN is refused."""
+        if not math.isfinite(degrees):
+            raise ValueError(f"{degrees} degrees cannot be written to a servo")
+        count = self.zero + round(degrees / self.degrees_per_count)
+        return min(max(count, self.low_raw), self.high_raw)
+
+    def speed_count(self, degrees_per_s: float) -> int:
+        """Speed register for the joint's speed, rounded up, at least 1 (0 means no limit)."""
+        servo_speed = degrees_per_s * self.model.degrees_per_step / abs(self.degrees_per_count)
+        top = 32_767 if self.model.table.protocol == 2 else 1023
+        return min(max(1, math.ceil(servo_speed / self.model.speed_unit)), top)
+
+    def goal_value(self, raw: int, degrees_per_s: float) -> int:
+        """The number for the table's `goal_block`: the goal, in protocol 1 with the speed."""
+        table = self.model.table
+        if table.goal_block() == table.goal:
+            return raw
+        return raw | self.speed_count(degrees_per_s) << 8 * table.goal.size
+
+
+def calibrate(joint: Joint, model: Model, servo_limits: tuple[int, int] | None) -> Calibration:
+    """Put a joint's settings, its model and the limits stored in the servo together.
+
+    Args:
+        joint: The settings.
+        model: What answered the ping.
+        servo_limits: Lowest and highest goal that the servo accepts; None in modes that know no
+            limits (several turns).
+    """
+    zero = joint.zero if joint.zero is not None else model.centre
+    per_count = joint.direction * model.degrees_per_step / joint.gear
+    low, high = joint.min, joint.max
+    if servo_limits is None:
+        return Calibration(model, zero, per_count, low, high, -MULTI_TURN, MULTI_TURN)
+    reach = sorted((limit - zero) * per_count for limit in servo_limits)
+    low, high = max(low, reach[0]), min(high, reach[1])
+    return Calibration(model, zero, per_count, low, high, *servo_limits)
+
+
+# --------------------------------------------------------------------------------------------------
 
 #: Reads that must fail in a row before a servo counts as silent: noise costs one, a cable all.
 MISSES = 3
@@ -99,6 +169,36 @@ class Servo:
         self.misses = 0
 
 
+@dataclass(frozen=True, slots=True)
+class Line:
+    """One servo on the wire. Raises `SilentError` or `UnfitError` where it does not do as asked."""
+
+    wire: Wire
+    servo: int
+    table: Table
+
+    def number(self, register: Register) -> int:
+        """A register as a number."""
+        value = self.wire.number(self.servo, register)
+        if value is None:
+            raise SilentError()
+        return value
+
+    def write(self, register: Register, value: int) -> None:
+        """Write, once more if it went unanswered."""
+        error = self.wire.write(self.servo, register, value)
+        if error is None:
+            error = self.wire.write(self.servo, register, value)
+        if error is None:
+            raise SilentError()
+        why = refusal(error) if self.table.protocol == 2 else ""
+        if why:
+            raise UnfitError(
+                f"refuses to take {value} at address {register.address}: {why}",
+                "look at its alarm; `reboot` clears one",
+            )
+
+
 def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
     """Ping a servo, compare it with its settings, and make it ready without moving it.
 
@@ -118,16 +218,17 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
         raise SilentError()
     model = _model(servo.joint, settings.protocol, number)
     table = model.table
+    line = Line(wire, servo.joint.id, table)
     # Before anything is judged: a servo found turning like a wheel must not go on doing so.
     status = wire.read(servo.joint.id, table.status_block())
     if status is None:
         raise SilentError()
     keep = servo.torque and not fresh and holds(servo, table, status.data)
     if enabled(table, status.data) and not keep:
-        _must(wire, servo.joint.id, table, table.torque, 0)
+        line.write(table.torque, 0)
         servo.torque = False
-    extended = _mode(wire, servo.joint.id, table)
-    servo_limits = None if extended else _servo_limits(wire, servo.joint.id, model)
+    extended = _mode(line)
+    servo_limits = None if extended else _servo_limits(line)
     calibration = calibrate(servo.joint, model, servo_limits)
     if calibration.low >= calibration.high:
         raise UnfitError(
@@ -137,10 +238,10 @@ def check(wire: Wire, servo: Servo, settings: Settings, *, fresh: bool) -> None:
         )
     if settings.return_delay is not None:
         wanted = settings.return_delay // 2
-        if _need(wire.number(servo.joint.id, table.return_delay)) != wanted:
-            _must(wire, servo.joint.id, table, table.return_delay, wanted)
-    _fence(wire, servo, settings, calibration)
-    raw = _need(wire.number(servo.joint.id, table.present))
+        if line.number(table.return_delay) != wanted:
+            line.write(table.return_delay, wanted)
+    _fence(line, servo, settings, calibration)
+    raw = line.number(table.present)
     servo.model, servo.calibration = model, calibration
     servo.limits = Limits(
         calibration.low, calibration.high, servo.joint.speed, servo.joint.acceleration
@@ -169,11 +270,11 @@ def _model(joint: Joint, protocol: int, number: int) -> Model:
     return model
 
 
-def _mode(wire: Wire, servo: int, table: Table) -> bool:
+def _mode(line: Line) -> bool:
     """Whether the servo counts several turns; `UnfitError` if it does not hold positions."""
-    if table.operating_mode is None:
+    if line.table.operating_mode is None:
         return False
-    mode = _need(wire.number(servo, table.operating_mode))
+    mode = line.number(line.table.operating_mode)
     if mode not in tables.POSITION_MODES:
         raise UnfitError(
             f"is in operating mode {mode}, not in a position mode",
@@ -182,9 +283,8 @@ def _mode(wire: Wire, servo: int, table: Table) -> bool:
     return mode in tables.EXTENDED_MODES
 
 
-def _servo_limits(wire: Wire, servo: int, model: Model) -> tuple[int, int]:
-    low = _need(wire.number(servo, model.table.low_limit))
-    high = _need(wire.number(servo, model.table.high_limit))
+def _servo_limits(line: Line) -> tuple[int, int]:
+    low, high = line.number(line.table.low_limit), line.number(line.table.high_limit)
     if low >= high:
         # Protocol 1: both 0 is wheel mode, both at the top is multi-turn mode.
         raise UnfitError(
@@ -211,28 +311,24 @@ def holds(servo: Servo, table: Table, status: bytes) -> bool:
     return enabled(table, status) and limit == servo.torque_limit
 
 
-def _fence(wire: Wire, servo: Servo, settings: Settings, calibration: Calibration) -> None:
+def _fence(line: Line, servo: Servo, settings: Settings, calibration: Calibration) -> None:
     """Set what a servo forgets without power, and what stops it where this program does not."""
-    table = calibration.model.table
-    number = servo.joint.id
+    table = line.table
     if table.watchdog is not None:
-        rearm(wire, number, table, settings.watchdog)
-    timed = (
-        table.drive_mode is not None
-        and _need(wire.number(number, table.drive_mode)) & tables.TIME_PROFILE_BIT
-    )
+        rearm(line, settings.watchdog)
+    timed = table.drive_mode is not None and line.number(table.drive_mode) & tables.TIME_PROFILE_BIT
     if not timed:
         # Second fence behind our own: the servo itself never goes faster either.
-        _must(wire, number, table, table.speed_limit, calibration.speed_count(servo.joint.speed))
+        line.write(table.speed_limit, calibration.speed_count(servo.joint.speed))
 
 
-def rearm(wire: Wire, servo: int, table: Table, milliseconds: int) -> None:
+def rearm(line: Line, milliseconds: int) -> None:
     """Clear the bus watchdog, which also takes it out of its error, and set it again."""
-    assert table.watchdog is not None
-    _must(wire, servo, table, table.watchdog, 0)
+    assert line.table.watchdog is not None
+    line.write(line.table.watchdog, 0)
     units = watchdog_units(milliseconds)
     if units:
-        _must(wire, servo, table, table.watchdog, units)
+        line.write(line.table.watchdog, units)
 
 
 def watchdog_units(milliseconds: int) -> int:
@@ -249,8 +345,9 @@ def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
     """
     calibration = servo.calibration
     assert calibration is not None
-    table, number = calibration.model.table, servo.joint.id
-    raw = _need(wire.number(number, table.present))
+    table = calibration.model.table
+    line = Line(wire, servo.joint.id, table)
+    raw = line.number(table.present)
     servo.present = calibration.degrees(raw)
     servo.settle()
     servo.written = min(max(raw, calibration.low_raw), calibration.high_raw)
@@ -261,21 +358,17 @@ def torque_on(wire: Wire, servo: Servo, settings: Settings) -> None:
             " turn it back by hand first",
             "turn it back by hand, then `torque: on`",
         )
-    _fence(wire, servo, settings, calibration)
+    _fence(line, servo, settings, calibration)
     if table.torque_limit is not None and table.max_torque is not None:
-        servo.torque_limit = _mark(wire, number, table, table.torque_limit, table.max_torque)
-    goal = calibration.goal_value(servo.written, servo.joint.speed)
-    _must(wire, number, table, table.goal_block(), goal)
-    _must(wire, number, table, table.torque, 1)
+        servo.torque_limit = _mark(line, table.torque_limit, table.max_torque)
+    line.write(table.goal_block(), calibration.goal_value(servo.written, servo.joint.speed))
+    line.write(table.torque, 1)
     servo.torque = True
 
 
-def _mark(
-    wire: Wire, servo: int, table: Table, torque_limit: Register, max_torque: Register
-) -> int:
+def _mark(line: Line, torque_limit: Register, max_torque: Register) -> int:
     """Make sure that the torque limit is not what it is after a restart: one count (0.1 %) less."""
-    limit = _need(wire.number(servo, torque_limit))
-    stored = _need(wire.number(servo, max_torque))
+    limit, stored = line.number(torque_limit), line.number(max_torque)
     if limit == 0:
         raise UnfitError(
             "has a torque limit of 0: it shut itself down, or its Max Torque (14) is 0",
@@ -283,7 +376,7 @@ def _mark(
         )
     if limit == stored > 1:
         limit = stored - 1
-        _must(wire, servo, table, torque_limit, limit)
+        line.write(torque_limit, limit)
     return limit
 
 
@@ -291,27 +384,6 @@ def torque_off(wire: Wire, servo: Servo) -> None:
     """Let a servo go limp. Raises `SilentError` or `UnfitError`."""
     assert servo.calibration is not None
     table = servo.calibration.model.table
-    _must(wire, servo.joint.id, table, table.torque, 0)
+    Line(wire, servo.joint.id, table).write(table.torque, 0)
     servo.torque = False
     servo.hold()
-
-
-def _must(wire: Wire, servo: int, table: Table, register: Register, value: int) -> None:
-    """Write, once more if it went unanswered; `SilentError` or `UnfitError` if it was not taken."""
-    error = wire.write(servo, register, value)
-    if error is None:
-        error = wire.write(servo, register, value)
-    if error is None:
-        raise SilentError()
-    why = refusal(error) if table.protocol == 2 else ""
-    if why:
-        raise UnfitError(
-            f"refuses to take {value} at address {register.address}: {why}",
-            "look at its alarm; `reboot` clears one",
-        )
-
-
-def _need(value: int | None) -> int:
-    if value is None:
-        raise SilentError()
-    return value

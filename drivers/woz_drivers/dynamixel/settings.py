@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import Annotated
 
 from woz_drivers.dynamixel import tables
 from woz_tui.core.fields import Doc, OneOf, Port, Range, Section, Sibling
+from woz_tui.motion.shapes import pose_problems, range_problems
 
 #: The key beside the joints' names in a keyframe.
 SECONDS = "seconds"
@@ -129,15 +130,7 @@ class Settings(Section):
                 yield path, f"a joint cannot be called {SECONDS!r}: keyframes use that word"
             if joint.direction == 0:
                 yield f"{path}.direction", "is 0; it must be 1 or -1"
-            if joint.min >= joint.max:
-                yield f"{path}.min", f"{joint.min:g} is not below max ({joint.max:g})"
-                continue
-            for key, value in (("home", joint.home), ("rest", joint.rest)):
-                if value is not None and not joint.min <= value <= joint.max:
-                    yield (
-                        f"{path}.{key}",
-                        f"{value:g} lies outside {joint.min:g} to {joint.max:g} degrees",
-                    )
+            yield from range_problems(path, joint, home=joint.home, rest=joint.rest)
             yield from self._model_problems(path, joint)
 
     def _model_problems(self, path: str, joint: Joint) -> Iterator[tuple[str, str]]:
@@ -172,7 +165,7 @@ class Settings(Section):
 
     def _pose_problems(self) -> Iterator[tuple[str, str]]:
         for name, pose in self.poses.items():
-            yield from self._angles_problems(f"poses.{name}", pose)
+            yield from pose_problems(f"poses.{name}", pose, self.joints)
 
     def _move_problems(self) -> Iterator[tuple[str, str]]:
         for name, frames in self.moves.items():
@@ -189,7 +182,7 @@ class Settings(Section):
                 elif not (math.isfinite(seconds) and seconds > 0):
                     yield f"{place}.{SECONDS}", f"{seconds:g} is not a positive time"
                 angles = {key: value for key, value in frame.items() if key != SECONDS}
-                yield from self._angles_problems(place, angles)
+                yield from pose_problems(place, angles, self.joints)
 
     def _follow_problems(self) -> Iterator[tuple[str, str]]:
         if not self.follows:
@@ -197,17 +190,6 @@ class Settings(Section):
         for name in ("pan", "tilt", "poses", "moves"):
             if getattr(self, name):
                 yield name, f"does nothing: the joints follow {self.follows!r}, which has the verbs"
-
-    def _angles_problems(self, path: str, angles: Mapping[str, float]) -> Iterator[tuple[str, str]]:
-        for name, angle in angles.items():
-            joint = self.joints.get(name)
-            if joint is None:
-                yield f"{path}.{name}", self._unknown(name)
-            elif not joint.min <= angle <= joint.max:
-                yield (
-                    f"{path}.{name}",
-                    f"{angle:g} lies outside {joint.min:g} to {joint.max:g} degrees",
-                )
 
     def _unknown(self, name: str) -> str:
         return f"no joint is called {name!r}; there are {', '.join(sorted(self.joints))}"

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+import abc
 from collections import Counter, deque
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 
 from woz_drivers.dynamixel import servo as servos
@@ -45,25 +46,14 @@ class Bound:
         return value < self.limit - margin if self.above else value > self.limit + margin
 
 
-class Upkeep:
-    """The chores of one chain; belongs to the loop's thread.
+class Upkeep(abc.ABC):
+    """The servos of a chain, and the chores that look after them; belongs to the loop's thread."""
 
-    `let_go` is called with a servo that stopped by itself, and why.
-    """
-
-    def __init__(
-        self,
-        wire: Wire,
-        settings: Settings,
-        outlet: Outlet,
-        all_servos: Mapping[str, Servo],
-        let_go: Callable[[Servo, str], None],
-    ) -> None:
-        self._wire = wire
-        self._settings = settings
+    def __init__(self, wire: Wire, settings: Settings, outlet: Outlet) -> None:
+        self.wire = wire
+        self.settings = settings
+        self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
         self._outlet = outlet
-        self._servos = all_servos
-        self._let_go = let_go
         self._chores: deque[Callable[[], None]] = deque()
         self._next_round = 0.0
         self._warned: set[tuple[str, str]] = set()
@@ -76,11 +66,15 @@ class Upkeep:
             ],
         }
 
+    @abc.abstractmethod
+    def let_go(self, servo: Servo, why: str) -> None:
+        """A joint cannot take part any more: it lost its torque or stopped by itself."""
+
     def one_chore(self, now: float) -> None:
         """Ask one servo one thing, if it is time; a round takes two ticks a servo."""
         if not self._chores and now >= self._next_round:
             self._next_round = now + ROUND_S
-            for servo in self._servos.values():
+            for servo in self.servos.values():
                 if servo.standing is Standing.READY:
                     self._chores.append(lambda servo=servo: self._status(servo))  # type: ignore[misc]
                     self._chores.append(lambda servo=servo: self._sensors(servo))  # type: ignore[misc]
@@ -93,21 +87,21 @@ class Upkeep:
         if servo.standing is not Standing.READY or servo.model is None:
             return
         table = servo.model.table
-        answer = self._wire.read(servo.joint.id, table.status_block())
+        answer = self.wire.read(servo.joint.id, table.status_block())
         if answer is None:
             return
         self._alarms(servo, table, answer)
-        self.torque(servo, table, answer)
+        self.check_torque(servo, table, answer)
         if table.watchdog is not None:
             self._watchdog(servo, table.watchdog.within(table.status_block(), answer.data))
 
-    def torque(self, servo: Servo, table: tables.Table, status: Answer) -> None:
+    def check_torque(self, servo: Servo, table: tables.Table, status: Answer) -> None:
         """Compare the torque with what it should be: off by itself, or on without a command."""
         if servo.torque and not servos.holds(servo, table, status.data):
             self._alarms(servo, table, status)
             self._went_limp(servo)
         if not servo.torque and servos.enabled(table, status.data):
-            self._wire.write(servo.joint.id, table.torque, 0)  # unanswered: the next look finds it
+            self.wire.write(servo.joint.id, table.torque, 0)  # unanswered: the next look finds it
 
     def _alarms(self, servo: Servo, table: tables.Table, status: Answer) -> None:
         block = table.status_block()
@@ -124,20 +118,21 @@ class Upkeep:
     def _went_limp(self, servo: Servo) -> None:
         servo.torque = False
         why = f"lost its torque ({', '.join(servo.alarms) or 'it may have restarted'})"
-        self._let_go(servo, why)
+        self.let_go(servo, why)
         remedy = _remedy(servo) if servo.alarms else POWER_REMEDY
         self._outlet.notice("error", f"{servo.label} {why}", remedy)
 
     def _watchdog(self, servo: Servo, value: int) -> None:
         """Clear it if it bit; set it again also where that was cut short the last time."""
-        if value == servos.watchdog_units(self._settings.watchdog):
+        if value == servos.watchdog_units(self.settings.watchdog):
             return
         assert servo.model is not None
         bitten = value == tables.WATCHDOG_BITTEN
         if bitten:
-            self._let_go(servo, "stopped by itself: its bus watchdog bit")
+            self.let_go(servo, "stopped by itself: its bus watchdog bit")
         try:
-            servos.rearm(self._wire, servo.joint.id, servo.model.table, self._settings.watchdog)
+            line = servos.Line(self.wire, servo.joint.id, servo.model.table)
+            servos.rearm(line, self.settings.watchdog)
         except (SilentError, UnfitError):
             return  # the next round finds it again
         finally:
@@ -146,7 +141,7 @@ class Upkeep:
             self._outlet.notice(
                 "warning",
                 f"{servo.label} stopped by itself: it heard nothing for"
-                f" {self._settings.watchdog} ms",
+                f" {self.settings.watchdog} ms",
                 "the computer was too busy; close other programs, or raise `watchdog`",
             )
 
@@ -157,7 +152,7 @@ class Upkeep:
             return
         table = servo.model.table
         block = table.sensor_block()
-        answer = self._wire.read(servo.joint.id, block)
+        answer = self.wire.read(servo.joint.id, block)
         if answer is None:
             return
         heat = table.temperature.within(block, answer.data)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
+from typing import Any
 
 from woz_drivers.dynamixel.motion import Keyframe
 from woz_drivers.dynamixel.settings import SECONDS, Settings
 from woz_tui.core.driver import Argument, Rejected, Verb
 from woz_tui.core.fields import Range
-from woz_tui.core.messages import Json
 
 BODY = "body"
 HEAD = "head"
@@ -136,105 +135,57 @@ def _turn(name: str, summary: str, reach: float) -> Verb:
 # -- arguments ------------------------------------------------------------------------------------
 
 
-def keyframes(settings: Settings, verb: str, args: Mapping[str, Json]) -> list[Keyframe]:
+Args = Mapping[str, Any]
+
+
+def keyframes(settings: Settings, verb: str, args: Args) -> list[Keyframe]:
     """What `pose`, `poses`, `home` or `play` asks for. `Rejected` says what is wrong."""
     if verb == "pose":
-        return [Keyframe(angles(settings, args.get("joints")), seconds(args.get("seconds"), 1.0))]
+        return [_keyframe(settings, args)]
     if verb == "home":
         home = {name: joint.home for name, joint in settings.joints.items()}
-        return [Keyframe(home, seconds(args.get("seconds"), 2.0))]
+        return [Keyframe(home, args["seconds"])]
     if verb == "poses":
-        return _sequence(settings, args.get("poses"))
+        return [_keyframe(settings, pose) for pose in args["poses"]]
     return _move(settings, args)
 
 
-def angles(settings: Settings, value: Json) -> dict[str, float]:
-    """Angles in degrees by joint; every joint must exist, every angle be a finite number."""
-    if not isinstance(value, Mapping) or not value:
-        raise Rejected("no joints were named", "write for example `pose: {pan: 20}`")
-    found = {}
-    for name, angle in value.items():
+def _keyframe(settings: Settings, pose: Args) -> Keyframe:
+    for name in pose["joints"]:
         if name not in settings.joints:
             known = ", ".join(sorted(settings.joints))
             raise Rejected(f"there is no joint {name!r}", f"the joints are {known}")
-        found[str(name)] = number(angle, f"the angle of {name}")
-    return found
+    return Keyframe(pose["joints"], pose.get("seconds", 1.0))
 
 
-def number(value: Json, what: str) -> float:
-    """A finite number, or `Rejected`."""
-    if isinstance(value, bool) or not isinstance(value, int | float):
-        raise Rejected(f"{what} is not a number: {value!r}")
-    try:
-        result = float(value)
-    except OverflowError:
-        result = math.inf
-    if not math.isfinite(result):
-        raise Rejected(f"{what} is not a finite number: {value!r}")
-    return result
-
-
-def seconds(value: Json, default: float) -> float:
-    """A time, 0 or more: 0 is as fast as the limits allow."""
-    if value is None:
-        return default
-    result = number(value, SECONDS)
-    if result < 0:
-        raise Rejected(f"{SECONDS} is negative: {result:g}")
-    return result
-
-
-def turn(settings: Settings, args: Mapping[str, Json]) -> dict[str, float]:
+def turn(settings: Settings, args: Args) -> dict[str, float]:
     """Angles of the pan and tilt joints for `yaw` and `pitch`."""
     found = {}
     for key, role, joint in (("yaw", "pan", settings.pan), ("pitch", "tilt", settings.tilt)):
-        value = args.get(key)
-        if value is None:
+        if key not in args:
             continue
-        angle = number(value, key)
         if not joint:
             raise Rejected(f"there is no {role} joint for {key}", f"set `{role}` in the robot file")
-        found[joint] = angle
+        found[joint] = args[key]
     if not found:
         raise Rejected("neither yaw nor pitch was given")
     return found
 
 
-def _sequence(settings: Settings, value: Json) -> list[Keyframe]:
-    if not isinstance(value, Sequence) or isinstance(value, str) or not value:
-        raise Rejected(
-            "no poses were given", "write for example `poses: [{joints: {pan: 20}, seconds: 1}]`"
-        )
-    frames = []
-    for entry in value:
-        if not isinstance(entry, Mapping):
-            raise Rejected(f"a pose must map joints to degrees, not be {entry!r}")
-        time = seconds(entry.get(SECONDS), 1.0)
-        frames.append(Keyframe(angles(settings, entry.get("joints")), time))
-    return frames
-
-
-def _move(settings: Settings, args: Mapping[str, Json]) -> list[Keyframe]:
-    name = args.get("move")
-    speed = number(args.get("speed", 1.0), "speed")
-    amplitude = number(args.get("amplitude", 1.0), "amplitude")
-    if speed <= 0:
-        raise Rejected(f"speed must be above 0, not {speed:g}")
-    if isinstance(name, str) and name in settings.moves:
+def _move(settings: Settings, args: Args) -> list[Keyframe]:
+    name = args["move"]
+    if name in settings.moves:
         frames = settings.moves[name]
-    elif isinstance(name, str) and name in settings.poses:
-        frames = [{**settings.poses[name], SECONDS: POSE_SECONDS}]
     else:
-        known = ", ".join([*settings.moves, *settings.poses]) or "none"
-        raise Rejected(f"there is no move {name!r}", f"the moves are {known}")
+        frames = [{**settings.poses[name], SECONDS: POSE_SECONDS}]
     return [
         Keyframe(
             {
-                joint: _scaled(settings, joint, angle, amplitude)
+                joint: _scaled(settings, joint, angle, args["amplitude"])
                 for joint, angle in frame.items()
                 if joint != SECONDS
             },
-            frame[SECONDS] / speed,
+            frame[SECONDS] / args["speed"],
         )
         for frame in frames
     ]

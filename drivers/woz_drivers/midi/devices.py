@@ -14,19 +14,12 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+from woz_tui.core.driver import Lost
+
 DEV, PROC = Path("/dev/snd"), Path("/proc/asound")
 _NODE = re.compile(r"midiC(\d+)D(\d+)")
 #: ` 1 [nanoKONTROL2   ]: USB-Audio - nanoKONTROL2`
 _CARD = re.compile(r"^\s*(\d+) \[(.*?)\s*\]: \S+ - (.*)$", re.MULTILINE)
-
-
-class DeviceError(Exception):
-    """There is no such device, or it cannot be opened: what is wrong, and what to do about it."""
-
-    def __init__(self, what: str, remedy: str = "") -> None:
-        super().__init__(what)
-        self.what = what
-        self.remedy = remedy
 
 
 @dataclass(frozen=True, slots=True)
@@ -66,7 +59,7 @@ def is_path(wanted: str) -> bool:
 
 def paths_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> list[str]:
     """The paths of devices that are `wanted`: a path, relative to `folder`, a card's name, or
-    nothing for any; the best first. Raises `DeviceError` if there is none.
+    nothing for any; the best first. Raises `Lost` if there is none.
     """
     if is_path(wanted):
         return [str(folder / Path(wanted).expanduser())]
@@ -76,7 +69,7 @@ def paths_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> l
         fitting.sort(key=lambda device: device.card.casefold() != wanted.casefold())
         return [device.path for device in fitting]
     missing = f"no MIDI device is called {wanted!r}" if wanted else "no MIDI device is there"
-    raise DeviceError(missing, f"plug the panel in; {listed(devices)}")
+    raise Lost(missing, f"plug the panel in; {listed(devices)}")
 
 
 def open_one(
@@ -84,15 +77,15 @@ def open_one(
 ) -> tuple[str, int, bool]:
     """Open the first device that is `wanted` and free: two panels of one make have one name.
 
-    Its path, and what `open_device` returns. Raises `DeviceError`.
+    Its path, and what `open_device` returns. Raises `Lost`.
     """
-    refused: DeviceError | None = None
+    refused: Lost | None = None
     for path in paths_of(wanted, folder, dev, proc):
         try:
             return path, *open_device(path)
-        except DeviceError as error:
+        except Lost as error:
             refused = refused or error
-    raise refused or DeviceError("no MIDI device is there")
+    raise refused or Lost("no MIDI device is there")
 
 
 def listed(devices: list[Device]) -> str:
@@ -103,7 +96,7 @@ def listed(devices: list[Device]) -> str:
 
 
 def open_device(path: str) -> tuple[int, bool]:
-    """A descriptor that never blocks, and whether it can be written to. Raises `DeviceError`.
+    """A descriptor that never blocks, and whether it can be written to. Raises `Lost`.
 
     From a FIFO or a plain file, a recording for instance, is only read.
     """
@@ -120,17 +113,17 @@ def open_device(path: str) -> tuple[int, bool]:
         raise explained(path, error) from error
 
 
-def explained(path: str, error: Exception) -> DeviceError:
+def explained(path: str, error: Exception) -> Lost:
     """Why `path` could not be opened, and what to do."""
     match getattr(error, "errno", None):
         case errno.ENOENT | errno.ENXIO | errno.ENODEV | errno.EIO:
-            return DeviceError(f"{path} is not there", f"plug the panel in; {listed(present())}")
+            return Lost(f"{path} is not there", f"plug the panel in; {listed(present())}")
         case errno.EACCES | errno.EPERM:
-            return DeviceError(
+            return Lost(
                 f"no permission to open {path}",
                 "sudo usermod -aG audio $USER, then log out and in again",
             )
         case errno.EBUSY | errno.EAGAIN:
-            return DeviceError(f"{path} is in use by another program", "end the other program")
+            return Lost(f"{path} is in use by another program", "end the other program")
     reason = getattr(error, "strerror", None) or str(error)
-    return DeviceError(f"{path} cannot be opened: {reason}", listed(present()))
+    return Lost(f"{path} cannot be opened: {reason}", listed(present()))

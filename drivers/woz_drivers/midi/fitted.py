@@ -8,9 +8,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 from woz_drivers.midi.layouts import BUTTON, LAYOUTS, Control, Signal
-from woz_drivers.midi.mapped import START, Mapped
-from woz_drivers.midi.maps import PanelMap
-from woz_drivers.midi.rules import kind_of
+from woz_drivers.midi.maps import START, Mapped, PanelMap, kind_of
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import place, value_at
 from woz_tui.core.driver import Ask

@@ -3,12 +3,83 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import dataclass
 
 from woz_drivers.midi.fitted import Fitted
-from woz_drivers.midi.mapped import MOMENTARY, START, TOGGLE
-from woz_drivers.midi.pickup import Pickup
+from woz_drivers.midi.maps import MOMENTARY, START, TOGGLE
 from woz_tui.core.driver import Ask
 from woz_tui.motion.setpoints import State
+
+# -- pickup ---------------------------------------------------------------------------------------
+# Soft take-over: a hand on a knob gets hold of the robot's value only where it passes it.
+#
+# A knob without a motor stays where it was left while keys, moves and personalities change the
+# value behind it. If its next small turn counted, the robot would leap to where the knob happens to
+# be.
+
+#: Places this near to each other are the same: two steps of 127.
+NEAR = 2 / 127
+
+
+@dataclass(slots=True)
+class Pickup:
+    """One control's hold on one value of the robot; all places in the robot's terms, 0..1.
+
+    Attributes:
+        low: Lowest place that the hand can reach.
+        high: Highest place that the hand can reach.
+        jump: Whether every turn counts, wherever the robot's value is.
+        hand: Where the hand left the control; None until it was touched.
+        held: Whether the hand has hold of the value.
+        sent: What the robot was last told by this hand.
+    """
+
+    low: float = 0.0
+    high: float = 1.0
+    jump: bool = False
+    hand: float | None = None
+    held: bool = False
+    sent: float | None = None
+
+    def turn(self, to: float, present: float | None) -> bool:
+        """The hand moved the control to `to`; `present` is the robot's value, None if nobody
+        knows it. Whether this counts.
+        """
+        before, self.hand = self.hand, to
+        if self.jump:
+            self.held = True
+        elif not self.held and present is not None:
+            self.held = self._passes(before, to, min(max(present, self.low), self.high))
+        if self.held:
+            self.sent = to
+        return self.held
+
+    def compare(self, present: float | None) -> None:
+        """The robot's value, read when it must have heard of what was sent: if it is another one,
+        somebody else has changed it and the hand must pick it up again.
+        """
+        if self.jump or not self.held or self.sent is None or present is None:
+            return
+        if abs(present - self.sent) > NEAR:
+            self.held = False
+
+    def drop(self) -> None:
+        """What was sent has been refused: the robot's value is not the hand's."""
+        self.held = self.held and self.jump
+
+    def forget(self) -> None:
+        """The panel is gone; who knows what happens to its controls meanwhile."""
+        self.hand = self.sent = None
+        self.held = False
+
+    @staticmethod
+    def _passes(before: float | None, to: float, value: float) -> bool:
+        if abs(to - value) <= NEAR:
+            return True
+        return before is not None and (before - value) * (to - value) <= 0
+
+
+# --------------------------------------------------------------------------------------------------
 
 #: Asks the session; the function is told how it ended.
 Asking = Callable[[Ask, Callable[[bool, str], None]], None]
@@ -28,21 +99,17 @@ class Line:
     def __init__(self, asking: Asking, at_once: int) -> None:
         self._asking = asking
         self._at_once = at_once
-        self._under_way = 0
+        #: How many have not been answered.
+        self.under_way = 0
         self._waiting: Ask | None = None
         self.on_answer: Callable[[bool], None] = lambda carried: None
 
-    @property
-    def idle(self) -> bool:
-        """Whether everything has been answered."""
-        return self._under_way == 0
-
     def send(self, ask: Ask) -> None:
         """Ask, now or as soon as there is room."""
-        if self._under_way >= self._at_once:
+        if self.under_way >= self._at_once:
             self._waiting = ask
             return
-        self._under_way += 1
+        self.under_way += 1
         answers = iter((self._answered,))  # one ask, one answer, whoever gives it
 
         def done(carried: bool, why: str) -> None:
@@ -52,7 +119,7 @@ class Line:
         self._asking(ask, done)
 
     def _answered(self, carried: bool) -> None:
-        self._under_way -= 1
+        self.under_way -= 1
         waiting, self._waiting = self._waiting, None
         if waiting is not None:
             self.send(waiting)
@@ -97,7 +164,7 @@ class Knob:
 
     def look(self, state: State | None) -> None:
         """Compare with the robot's state, unless something is under way that it cannot show yet."""
-        if self._line.idle and self._now_us() - self._answered_us >= SETTLED_US:
+        if not self._line.under_way and self._now_us() - self._answered_us >= SETTLED_US:
             self.pickup.compare(self._present(state))
 
     def jump(self) -> None:

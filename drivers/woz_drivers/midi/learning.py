@@ -14,8 +14,7 @@ import yaml
 from woz_drivers.midi import devices
 from woz_drivers.midi.fitted import Fitted, fitted, found_by
 from woz_drivers.midi.layouts import LAYOUTS, Signal
-from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.maps import PanelMap
+from woz_drivers.midi.maps import Mapped, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM, Decoder, MidiMessage
 from woz_tui.core.driver import DriverError
@@ -189,10 +188,7 @@ class Lesson:
 
 def begin_lesson(device: str, settings: MidiSettings, *, keep: bool) -> Lesson:
     """Open the panel `device` (path, card's name; empty: the first one). Raises `DriverError`."""
-    try:
-        path, fd, _ = devices.open_one(device, Path.cwd())
-    except devices.DeviceError as error:
-        raise DriverError(error.what, error.remedy) from error
+    path, fd, _ = devices.open_one(device, Path.cwd())
     card = next((it.card for it in devices.present() if it.path == path), "")
     return Lesson(settings.panel, card, fd, keep=keep)
 
@@ -202,7 +198,8 @@ def map_text(panel: PanelMap) -> str:
     head = {
         name: value for name in ("title", "layout", "device") if (value := getattr(panel, name))
     }
-    controls = {name: said(mapped) for name, mapped in panel.controls.items()}
+    listed = fitted(MidiSettings(map=panel))
+    controls = {it.name: said(it.mapped) for it in listed if it.name in panel.controls}
     return written({**head, "controls": controls})
 
 

@@ -10,14 +10,201 @@ Neither source uses the transport keys: the session's own things are there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
-from typing import Annotated
+import difflib
+from collections.abc import Collection, Iterator, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Annotated, Any
 
-from woz_drivers.midi.layouts import LAYOUTS
-from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.rules import claimed_twice, found_in
-from woz_tui.core.fields import Doc, OneOf, Section
+from woz_drivers.midi.layouts import BUTTON, KINDS, KNOB, LAYOUTS, Layout, Signal
+from woz_drivers.midi.wire import BEND, CC, NOTE, PROGRAM
+from woz_tui.core.fields import Doc, OneOf, Range, Section
+
+# -- mapped ---------------------------------------------------------------------------------------
+# What one control of a panel does, as a map file says it.
+
+SOFT, JUMP = "soft", "jump"
+#: What a button does: `start` at a press, nothing when it is let go; `momentary` as long as it is
+#: held; `toggle` on and off.
+START, MOMENTARY, TOGGLE = PRESSES = ("start", "momentary", "toggle")
+#: The ends of a control's places.
+WHOLE = (0.0, 1.0)
+
+_NUMBER = Range(0, 127)
+
+
+@dataclass(frozen=True, slots=True)
+class Mapped:
+    """What one control of the panel does, and, where no layout knows, what it sends.
+
+    Exactly one of `control`, `verb`, `play`, `emotion`, `mode`, `action`, `stop`, `release`,
+    `mark` and `script` says what it does; without any the control is free.
+    """
+
+    control: Annotated[
+        str, Doc("a control of the body: pitch, zoom, tempo ...; follows the hand, 0..1")
+    ] = ""
+    verb: Annotated[str, Doc("any verb of any driver; its arguments stand in args")] = ""
+    args: Annotated[dict[str, Any], Doc("arguments of the verb")] = field(default_factory=dict)
+    argument: Annotated[
+        str, Doc("the verb's argument that a knob or slider sets, between the ends of range")
+    ] = ""
+    back: Annotated[
+        dict[str, Any], Doc("arguments of the verb when a momentary button is let go")
+    ] = field(default_factory=dict)
+    play: Annotated[str, Doc("a move")] = ""
+    emotion: Annotated[str, Doc("an emotion; its intensity stays")] = ""
+    mode: Annotated[str, Doc("a mode; normal is the puppeteer's stop")] = ""
+    action: Annotated[str, Doc("an action of the experiment, by its name")] = ""
+    stop: Annotated[
+        str, OneOf(("", "normal", "all")), Doc("normal: end what moves; all: the emergency stop")
+    ] = ""
+    release: Annotated[bool, Doc("release the emergency stop")] = False
+    mark: Annotated[str, Doc("put a marker with this text into the log")] = ""
+    script: Annotated[bool, Doc("play the script's next line")] = False
+    on: Annotated[str, Doc("driver that is meant; empty: the panel's own `on`")] = ""
+    reversed: Annotated[bool, Doc("its low end is the high one")] = False
+    range: Annotated[
+        tuple[float, float], Doc("what its two ends stand for; a control's places go from 0 to 1")
+    ] = WHOLE
+    take_over: Annotated[
+        str, OneOf(("", SOFT, JUMP)), Doc("soft: picked up as it passes; empty: as the panel says")
+    ] = ""
+    press: Annotated[
+        str, OneOf(PRESSES), Doc("what a button does when it is pressed and let go")
+    ] = "start"
+    label: Annotated[str, Doc("what stands below it on the console; empty: what it does")] = ""
+    cc: Annotated[int | None, _NUMBER, Doc("number of the control change it sends")] = None
+    note: Annotated[int | None, _NUMBER, Doc("number of the note it sends")] = None
+    program: Annotated[int | None, _NUMBER, Doc("number of the program it selects, from 0")] = None
+    bend: Annotated[bool, Doc("it sends pitch bend")] = False
+    channel: Annotated[int, Range(0, 16), Doc("MIDI channel; 0: any")] = 0
+    kind: Annotated[str, OneOf(("", *KINDS)), Doc("what it looks like")] = ""
+    column: Annotated[
+        int, Range(0, 64), Doc("place on the console's picture; 0: where it fits")
+    ] = 0
+    row: Annotated[int, Range(0, 64), Doc("place on the console's picture; 0: where it fits")] = 0
+    lamp: Annotated[bool | None, Doc("whether it has a light that can be switched")] = None
+
+    @property
+    def doing(self) -> tuple[str, ...]:
+        """Which of the things that a control may do are said; more than one is a mistake."""
+        words = {
+            "control": self.control,
+            "verb": self.verb,
+            "play": self.play,
+            "emotion": self.emotion,
+            "mode": self.mode,
+            "action": self.action,
+            "stop": self.stop,
+            "release": self.release,
+            "mark": self.mark,
+            "script": self.script,
+        }
+        return tuple(name for name, said in words.items() if said)
+
+    @property
+    def continuous(self) -> bool:
+        """Whether it takes a value and not only a press."""
+        return bool(self.control or self.argument)
+
+    @property
+    def signals(self) -> tuple[Signal, ...]:
+        """What it sends, as far as the map says it."""
+        numbers = ((CC, self.cc), (NOTE, self.note), (PROGRAM, self.program))
+        found = [Signal(kind, n, self.channel) for kind, n in numbers if n is not None]
+        return (*found, *([Signal(BEND, 0, self.channel)] if self.bend else []))
+
+
+# -- rules ----------------------------------------------------------------------------------------
+# What makes no sense in a map: each mistake with the path at which it stands.
+
+#: What cannot be taken back, so that a button can only start it.
+_ONCE = ("action", "stop", "release", "mark", "script")
+
+Found = Iterator[tuple[str, str]]
+
+
+def found_in(controls: Mapping[str, Mapped], layout: Layout) -> Found:
+    """Mistakes of these controls, each by itself."""
+    for name, mapped in controls.items():
+        path = f"controls.{name}"
+        yield from _signal(path, name, mapped, layout)
+        yield from _purpose(path, mapped)
+        yield from _fitting(path, mapped, kind_of(name, mapped, layout))
+
+
+def claimed_twice(panel: PanelMap, names: Collection[str]) -> Found:
+    """Two controls that send the same, as far as one of `names` is among them."""
+    first: dict[Signal, str] = {}
+    for name, mapped in panel.controls.items():
+        for signal in mapped.signals:
+            other = first.setdefault(signal, name)
+            if other != name and (name in names or other in names):
+                wrong = name if name in names else other
+                same = other if wrong == name else name
+                yield f"controls.{wrong}", f"sends {signal}, and so does {same!r}"
+
+
+def kind_of(name: str, mapped: Mapped, layout: Layout) -> str:
+    """What it looks like: as the map says, as the layout knows, or as what it does suggests."""
+    if mapped.kind:
+        return mapped.kind
+    known = layout.controls.get(name)
+    if known is not None:
+        return known.kind
+    pressed = mapped.note is not None or mapped.program is not None or not mapped.continuous
+    return BUTTON if pressed else KNOB
+
+
+def _signal(path: str, name: str, mapped: Mapped, layout: Layout) -> Found:
+    if len(mapped.signals) > 1:
+        yield path, "say one of cc, note, program and bend: it sends one thing"
+    if not mapped.signals and name not in layout.controls:
+        near = difflib.get_close_matches(name, layout.controls, n=1)
+        meant = f"; did you mean {near[0]!r}?" if near else ""
+        yield path, f"nobody knows what it sends: say cc, note, program or bend{meant}"
+
+
+def _purpose(path: str, mapped: Mapped) -> Found:
+    doing = mapped.doing
+    if len(doing) > 1:
+        yield f"{path}.{doing[1]}", f"it does one thing: {doing[0]} stands here already"
+    if not mapped.verb:
+        for name in ("args", "argument", "back"):
+            if getattr(mapped, name):
+                yield f"{path}.{name}", "belongs to verb, which is not here"
+    elif mapped.argument and mapped.argument in mapped.args:
+        yield f"{path}.args.{mapped.argument}", "is what the control sets: see argument"
+    if mapped.on and doing and doing[0] in _ONCE:
+        yield f"{path}.on", f"{doing[0]} is for the session, not for a driver"
+
+
+def _fitting(path: str, mapped: Mapped, kind: str) -> Found:
+    low, high = mapped.range
+    doing = mapped.doing
+    if not low < high:
+        yield f"{path}.range", "the low end comes first: [low, high]; `reversed` turns it round"
+    elif mapped.control and not 0 <= low < high <= 1:
+        yield f"{path}.range", "places of a control go from 0 to 1"
+    elif mapped.range != WHOLE and not mapped.continuous:
+        yield f"{path}.range", "only what takes a value has a range: control, or verb with argument"
+    if mapped.take_over and not mapped.control:
+        yield f"{path}.take_over", "only a control of the body can be taken over"
+    if kind != BUTTON:
+        if doing and not mapped.continuous:
+            yield (
+                f"{path}.{doing[0]}",
+                f"it turns and cannot be pressed: a {kind} takes control, or verb with argument",
+            )
+        if mapped.press != START:
+            yield f"{path}.press", f"a {kind} is not pressed"
+    elif mapped.press != START and doing and doing[0] in _ONCE:
+        yield f"{path}.press", f"{doing[0]} cannot be taken back: leave press out"
+    elif mapped.press == MOMENTARY and mapped.verb and not (mapped.back or mapped.argument):
+        yield f"{path}.press", "say in `back` with which arguments it is taken back"
+
+
+# --------------------------------------------------------------------------------------------------
 
 
 @dataclass(frozen=True, slots=True)
@@ -39,91 +226,77 @@ class PanelMap(Section):
         return [*found_in(self.controls, layout), *claimed_twice(self, tuple(self.controls))]
 
 
-_TRANSPORT = {
-    "stop": Mapped(stop="all"),
+def _mapped(**does: Mapping[str, Any]) -> dict[str, Mapped]:
+    """Controls by what they do: `play={"button-3": "nod"}` is a button that plays a move."""
+    return {
+        name: replace(Mapped(), **{what: value})
+        for what, controls in does.items()
+        for name, value in controls.items()
+    }
+
+
+#: What both maps agree on. In the appendix the buttons of columns 3 to 8 have other numbers: 7 is
+#: `button-3`, and so on down each column.
+_BOTH = {
     "cycle": Mapped(release=True),
     "play": Mapped(script=True),
-    "record": Mapped(mark="panel"),
+    **_mapped(
+        control={
+            "slider-1": "middle",
+            "slider-3": "zoom",
+            "slider-5": "arousal",
+            "slider-6": "valence",
+            "slider-7": "intensity",
+            "knob-1": "pitch",
+            "knob-2": "tempo",
+            "knob-3": "smoothing",
+            "knob-4": "compression",
+            "knob-8": "eye-x",
+        },
+        play={"button-3": "nod", "button-11": "shake", "button-19": "dance"},
+        stop={"stop": "all", "button-4": "normal"},
+        mark={"record": "panel"},
+        mode={"button-5": "demo", "button-21": "saccade"},
+        emotion={
+            "button-7": "neutral",
+            "button-8": "happy",
+            "button-15": "sleepy",
+            "button-16": "amazed",
+            "button-22": "crash",
+            "button-23": "sad",
+            "button-24": "angry",
+        },
+    ),
 }
-
-
-def _play(move: str) -> Mapped:
-    return Mapped(play=move)
-
-
 NANOKONTROL2 = PanelMap(
     title="EyePi on a Korg nanoKONTROL2",
     layout="nanokontrol2",
     controls={
-        "slider-1": Mapped(control="middle"),
+        **_BOTH,
         "slider-2": Mapped(control="top", reversed=True),
-        "slider-3": Mapped(control="zoom"),
-        "slider-5": Mapped(control="arousal"),
-        "slider-6": Mapped(control="valence"),
-        "slider-7": Mapped(control="intensity"),
-        "slider-8": Mapped(control="eye-y"),
-        "knob-1": Mapped(control="pitch"),
-        "knob-2": Mapped(control="tempo"),
-        "knob-3": Mapped(control="smoothing"),
-        "knob-4": Mapped(control="compression"),
-        "knob-7": Mapped(control="brightness"),
-        "knob-8": Mapped(control="eye-x"),
-        "button-3": _play("nod"),
-        "button-4": Mapped(stop="normal"),
-        "button-5": Mapped(mode="demo"),
-        "button-6": Mapped(emotion="friendly"),
-        "button-7": Mapped(emotion="neutral"),
-        "button-8": Mapped(emotion="happy"),
-        "button-11": _play("shake"),
-        "button-12": _play("point-left"),
-        "button-13": _play("point-right"),
-        "button-14": Mapped(mode="tracking"),  # ours: that program had no key for it
-        "button-15": Mapped(emotion="sleepy"),
-        "button-16": Mapped(emotion="amazed"),
-        "button-19": _play("dance"),
-        "button-20": _play("point-middle"),
-        "button-21": Mapped(mode="saccade"),
-        "button-22": Mapped(emotion="crash"),
-        "button-23": Mapped(emotion="sad"),
-        "button-24": Mapped(emotion="angry"),
-        **_TRANSPORT,
+        **_mapped(
+            control={"slider-8": "eye-y", "knob-7": "brightness"},
+            play={
+                "button-12": "point-left",
+                "button-13": "point-right",
+                "button-20": "point-middle",
+            },
+            mode={"button-14": "tracking"},  # ours: that program had no key for it
+            emotion={"button-6": "friendly"},
+        ),
     },
 )
-
 THESIS = PanelMap(
     title="Oosterkamp's appendix A on a Korg nanoKONTROL2",
     layout="nanokontrol2",
     controls={
-        "knob-1": Mapped(control="pitch"),
-        "knob-2": Mapped(control="tempo"),
-        "knob-3": Mapped(control="smoothing"),
-        "knob-4": Mapped(control="compression"),
-        "knob-8": Mapped(control="eye-x"),
-        "button-3": _play("nod"),  # 7 in the appendix, and so on down each column
-        "button-11": _play("shake"),
-        "button-19": _play("dance"),
-        "button-4": Mapped(stop="normal"),
-        "button-12": Mapped(stop="normal"),
-        "button-20": Mapped(stop="normal"),
-        "button-5": Mapped(mode="demo"),
-        "button-13": Mapped(mode="tracking"),
-        "button-21": Mapped(mode="saccade"),  # 15, which the appendix leaves out
-        "button-22": Mapped(emotion="crash"),  # 18
-        "button-7": Mapped(emotion="neutral"),
-        "button-15": Mapped(emotion="sleepy"),
-        "button-23": Mapped(emotion="sad"),
-        "button-8": Mapped(emotion="happy"),
-        "button-16": Mapped(emotion="amazed"),
-        "button-24": Mapped(emotion="angry"),
-        "slider-1": Mapped(control="middle"),
-        "slider-2": Mapped(control="top"),
-        "slider-3": Mapped(control="zoom"),
-        "slider-5": Mapped(control="arousal"),
-        "slider-6": Mapped(control="valence"),
-        "slider-7": Mapped(control="intensity"),
-        **_TRANSPORT,
+        **_BOTH,  # the mode saccade lies on 15, which the appendix leaves out
+        **_mapped(
+            control={"slider-2": "top"},
+            stop={"button-12": "normal", "button-20": "normal"},
+            mode={"button-13": "tracking"},
+        ),
     },
 )
-
 #: By the names under which robot files know them.
 BUILT_IN: Mapping[str, PanelMap] = {"nanokontrol2": NANOKONTROL2, "thesis": THESIS}

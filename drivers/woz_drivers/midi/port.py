@@ -9,7 +9,8 @@ import stat
 from collections.abc import Callable
 from pathlib import Path
 
-from woz_drivers.midi.devices import DeviceError, open_one
+from woz_drivers.midi.devices import open_one
+from woz_tui.core.driver import Lost
 
 #: A missing device is looked for this often, in seconds.
 POLL_S = 0.5
@@ -89,7 +90,7 @@ class MidiPort:
         while True:
             try:
                 path, fd, writable = open_one(self._wanted, self._folder)
-            except DeviceError as error:
+            except Lost as error:
                 self._tell(error.what, error.remedy)
             else:
                 await self._attend(path, fd, writable)

@@ -6,9 +6,7 @@ from dataclasses import dataclass, field, replace
 from typing import Annotated
 
 from woz_drivers.midi.layouts import LAYOUTS
-from woz_drivers.midi.mapped import JUMP, SOFT, Mapped
-from woz_drivers.midi.maps import BUILT_IN, PanelMap
-from woz_drivers.midi.rules import claimed_twice, found_in
+from woz_drivers.midi.maps import BUILT_IN, JUMP, SOFT, Mapped, PanelMap, claimed_twice, found_in
 from woz_tui.core.fields import Doc, Included, OneOf, Section, Sibling
 
 

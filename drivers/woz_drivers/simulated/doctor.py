@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from woz_drivers.simulated import verbs
-from woz_drivers.simulated.moves import roles
 from woz_drivers.simulated.settings import Settings
+from woz_drivers.simulated.verbs import roles
 from woz_tui.core.driver import Finding, Probe
 
 

@@ -4,19 +4,20 @@ from __future__ import annotations
 
 import asyncio
 import contextlib
-from collections.abc import Callable, Mapping
+from collections.abc import Awaitable, Callable, Collection, Mapping
+from typing import Any
 
 from woz_drivers import room
-from woz_drivers.simulated import doctor, values, verbs
+from woz_drivers.simulated import doctor, verbs
 from woz_drivers.simulated import settings as _settings
 from woz_drivers.simulated.body import Body
-from woz_drivers.simulated.ears import Ears
-from woz_drivers.simulated.faults import MEANING, SLOWNESS, Fault, Faults
+from woz_drivers.simulated.faults import SLOWNESS, Fault, Faults
+from woz_drivers.simulated.hearing import Ears, Teller
 from woz_drivers.simulated.pace import Pace
-from woz_drivers.simulated.performance import Performance
 from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.sight import Person, Sight
-from woz_drivers.simulated.telling import Teller
+from woz_drivers.simulated.speech import utterance
+from woz_drivers.simulated.values import color, did_you_mean, file, known_joints, sound_seconds
 from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
     SPEECH,
@@ -36,6 +37,16 @@ from woz_tui.core.driver import (
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
+Sent = Mapping[str, Any]
+
+#: How long the face takes to change, and a screen or a colour, in seconds.
+FACE_SECONDS, SCREEN_SECONDS = 0.3, 0.1
+
+#: A face is looked at so long before it is known, in seconds.
+FACE_LEARNT_SECONDS = 1.0
+
+#: Joints that lag behind their track get this much longer to arrive, in seconds.
+LAG = 1.5
 #: Readings go out this often while something moves, in seconds.
 TICK = 0.1
 
@@ -73,7 +84,31 @@ class SimulatedRobot(Driver):
         visitor = self._visitor
         self._sight = Sight(outlet) if visitor else None
         self._ears = Ears(name, outlet, self._publisher, visitor.hearing) if visitor else None
-        self._performance = Performance(settings, self._body, outlet.folder, self)
+        self._moves = verbs.known(settings)
+        self._roles = verbs.roles(settings)
+        self.volume = 0.7
+        self.mode = settings.modes[0]
+        self.emotion = settings.emotions[0]
+        self._acts: dict[str, Callable[[Job], Awaitable[Sent]]] = {
+            "say": self._say,
+            "sound": self._sound,
+            "volume": self._set_volume,
+            "play": self._play,
+            "pose": self._pose,
+            "poses": self._poses,
+            "home": self._home,
+            "torque": self._torque,
+            "gaze": self._gaze,
+            "nudge": self._nudge,
+            "hip": self._hip,
+            "emotion": self._emotion,
+            "eyes": self._eyes,
+            "screen": self._screen,
+            "drive": self._drive,
+            "mode": self._mode,
+            "learn_face": self._learn_face,
+            "listen_room": self._learn_room,
+        }
         self._opened = self._looked = self._pace.now()
         self._stops = {Scope.ALL: 0, Scope.DRIVE: 0}
         self._life: asyncio.Task[None] | None = None
@@ -129,7 +164,7 @@ class SimulatedRobot(Driver):
         hang = self._faults.use_up("hang", verb.lane, now)
         if hang is not None:
             await self._hold_out(hang.seconds)
-        return await self._performance.act(job)
+        return await self._acts[job.verb](job)
 
     async def stop(self, scope: Scope) -> StopReport | None:
         """Freeze at once. While `deaf`, that is confirmed late, and an unplugged part never is."""
@@ -150,8 +185,8 @@ class SimulatedRobot(Driver):
         now = self._advance()
         self._admit("body", now)
         if self._body.torque:
-            self._body.go(self._performance.home_pose(), REST_SECONDS)
-        self._performance.emotion = self.settings.emotions[0]
+            self._body.go(self._home_pose(), REST_SECONDS)
+        self.emotion = self.settings.emotions[0]
         stops = self._stops[Scope.ALL]
         while self._body.moving and self._stops[Scope.ALL] == stops and not self._closed:
             await self._pace.sleep(SLICE)
@@ -200,7 +235,7 @@ class SimulatedRobot(Driver):
         if gone is not None:
             self._teller.break_off(self._world(now), gone)
             return
-        self.outlet.sensor("loudness", "speaking" if visitor.hearing.speaks else "quiet")
+        self.outlet.sensor("loudness", "speaking" if visitor.hearing.ends.speaks else "quiet")
         self._teller.tell(speech)
 
     def _tell_health(self, now: float) -> None:
@@ -217,11 +252,180 @@ class SimulatedRobot(Driver):
             what = "a voice" if self.settings.voice_only else f"{len(self._body.joints)} joints"
             self.outlet.health(Health.CONNECTED, f"simulated, {what}")
             if not self.settings.voice_only:
-                self.outlet.mode(self._performance.mode)
+                self.outlet.mode(self.mode)
+
+    # -- voice and sound ------------------------------------------------------------------------
+
+    async def _say(self, job: Job) -> Sent:
+        said = utterance(job.args["text"], self.settings.characters_per_second)
+        if not said.text:
+            raise Rejected("nothing to say", "give the utterance a text")
+        if self._visitor is not None:  # who hears it
+            self._visitor.hear(self._world(self._pace.now()), said.seconds, said.text)
+        await self._spend(job, said.seconds)
+        return {"text": said.text, "seconds": round(said.seconds, 3), "volume": self.volume}
+
+    async def _sound(self, job: Job) -> Sent:
+        seconds = sound_seconds(file(job.args, "file", self.outlet.folder))
+        await self._spend(job, seconds)
+        return {"file": job.args["file"], "seconds": round(seconds, 3)}
+
+    async def _set_volume(self, job: Job) -> Sent:
+        self.volume = job.args["level"]
+        return {"level": self.volume}
+
+    async def _learn_face(self, job: Job) -> Sent:
+        name = job.args["name"].strip()
+        if not name:
+            raise Rejected("a face needs a name", "give a code, such as V7")
+        await self._spend(job, FACE_LEARNT_SECONDS)
+        visitor = self._visitor
+        if visitor is None or visitor.recognised_as(name):
+            raise Rejected(f"{name} is somebody else's face", "choose another name")
+        if not visitor.learn_face(name):
+            raise DriverError("nobody shows a face", "wait until somebody stands before the robot")
+        return {"name": name}
+
+    # -- body -----------------------------------------------------------------------------------
+
+    async def _play(self, job: Job) -> Sent:
+        name, amplitude = job.args["move"], job.args["amplitude"]
+        move = self._moves[name]
+        seconds = move.seconds / job.args["speed"]
+        poses = [(share * seconds, self._from_home(pose, amplitude)) for share, pose in move.keys]
+        if any(goals for _, goals in poses):
+            self._need_torque()
+        self._body.trace(poses)
+        await self._move(job, seconds, {name for _, goals in poses for name in goals})
+        return {"move": name, "seconds": round(seconds, 3), "amplitude": amplitude}
+
+    async def _pose(self, job: Job) -> Sent:
+        return await self._go(job, known_joints(job.args["joints"], self._body.joints))
+
+    async def _home(self, job: Job) -> Sent:
+        return await self._go(job, self._home_pose())
+
+    async def _poses(self, job: Job) -> Sent:
+        self._need_torque()
+        at = 0.0
+        path = []
+        for pose in job.args["poses"]:
+            at += max(pose.get("seconds", 0.5), 0.02)
+            path.append((at, known_joints(pose["joints"], self._body.joints)))
+        self._body.trace(path)
+        names = {name for _, goals in path for name in goals}
+        await self._move(job, at, names)
+        return {"joints": self._angles(names), "seconds": round(at, 3)}
+
+    async def _go(self, job: Job, goals: Mapping[str, float]) -> Sent:
+        self._need_torque()
+        needed = self._body.go(goals, job.args["seconds"])
+        await self._move(job, needed, goals)
+        return {"joints": self._angles(goals), "seconds": round(needed, 3)}
+
+    async def _move(self, job: Job, seconds: float, names: Collection[str]) -> None:
+        """Wait until the tracks are through and the joints there; broken off, they stand still."""
+        try:
+            await self._spend(job, seconds)
+            if not self._body.still(names):
+                await self._spend(job, LAG, lambda: self._body.still(names))
+        except (DriverError, asyncio.CancelledError):
+            self._body.hold(names)
+            raise
+
+    async def _torque(self, job: Job) -> Sent:
+        self._body.torque = job.args["on"]
+        if not self._body.torque:
+            self._body.hold(self._body.joints)
+        return {"on": self._body.torque}
+
+    async def _gaze(self, job: Job) -> Sent:
+        return self._aim({role: at for role, at in job.args.items() if role in self._roles})
+
+    async def _nudge(self, job: Job) -> Sent:
+        return self._step(job.args)
+
+    async def _hip(self, job: Job) -> Sent:
+        steps = {"hip": job.args["pitch"], "roll": job.args["roll"]}
+        sent = self._step(steps)
+        return {{"hip": "pitch"}.get(role, role): degrees for role, degrees in sent.items()}
+
+    def _step(self, steps: Mapping[str, float]) -> Sent:
+        for role, step in steps.items():
+            if step and role not in self._roles:
+                raise Rejected(f"this robot has no joint for {role}", "see `woz check` for joints")
+        steps = {role: step for role, step in steps.items() if step}
+        return self._aim(
+            {role: self._body.joints[self._roles[role]].goal + step for role, step in steps.items()}
+        )
+
+    def _aim(self, wanted: Mapping[str, float]) -> Sent:
+        self._need_torque()
+        self._body.jump({self._roles[role]: degrees for role, degrees in wanted.items()})
+        return {role: round(self._body.joints[self._roles[role]].goal, 2) for role in wanted}
+
+    def _from_home(self, pose: Mapping[str, float], amplitude: float) -> dict[str, float]:
+        return {
+            name: self.settings.joints[name].home + pose[role] * amplitude
+            for role, name in self._roles.items()
+            if role in pose
+        }
+
+    def _home_pose(self) -> dict[str, float]:
+        """Degrees by joint of the home pose."""
+        return {name: joint.home for name, joint in self.settings.joints.items()}
+
+    def _angles(self, names: Collection[str]) -> Json:
+        return {name: round(self._body.joints[name].present, 2) for name in sorted(names)}
+
+    def _need_torque(self) -> None:
+        if not self._body.torque:
+            raise Rejected("the motors are limp", "switch them on first: `torque: on`")
+
+    # -- face, screen, base ---------------------------------------------------------------------
+
+    async def _emotion(self, job: Job) -> Sent:
+        await self._spend(job, FACE_SECONDS)
+        self.emotion = job.args["emotion"]
+        return job.args
+
+    async def _eyes(self, job: Job) -> Sent:
+        shown = color(job.args, "color")
+        await self._spend(job, SCREEN_SECONDS)
+        return {**job.args, "color": shown}
+
+    async def _screen(self, job: Job) -> Sent:
+        file(job.args, "file", self.outlet.folder)
+        await self._spend(job, SCREEN_SECONDS)
+        return job.args
+
+    async def _drive(self, job: Job) -> Sent:
+        x, y, turn = (job.args[name] for name in ("x", "y", "turn"))
+        seconds = max(
+            (x * x + y * y) ** 0.5 / self.settings.drive_speed,
+            abs(turn) / self.settings.turn_speed,
+        )
+        base = self._body.base
+        begin = (base.x, base.y)
+        base.drive(self._body.now, seconds, x, y, turn)
+        try:
+            await self._spend(job, seconds)
+        finally:
+            base.freeze()
+        way = ((base.x - begin[0]) ** 2 + (base.y - begin[1]) ** 2) ** 0.5
+        return {"x": x, "y": y, "turn": turn, "seconds": round(seconds, 3), "way": round(way, 3)}
+
+    async def _mode(self, job: Job) -> Sent:
+        was = self.mode
+        self.mode = job.args["mode"]
+        self.outlet.mode(self.mode)
+        return {"mode": self.mode, "was": was}
 
     # -- time -----------------------------------------------------------------------------------
 
-    async def spend(self, job: Job, seconds: float, done: Callable[[], bool] | None = None) -> None:
+    async def _spend(
+        self, job: Job, seconds: float, done: Callable[[], bool] | None = None
+    ) -> None:
         """Let `seconds` of the robot's time pass, less once `done`; raises what breaks it."""
         lane = self._verbs[job.verb].lane
         scopes = (Scope.ALL, Scope.DRIVE) if self._verbs[job.verb].drives else (Scope.ALL,)
@@ -239,30 +443,13 @@ class SimulatedRobot(Driver):
         if failing:
             raise DriverError(f"{job.verb} failed half-way, as asked for", "try it again")
 
-    def mode_changed(self, mode: str) -> None:
-        """Tell which mode holds now."""
-        self.outlet.mode(mode)
-
-    def spoke(self, text: str, seconds: float) -> None:
-        """A visitor hears it."""
-        if self._visitor is not None:
-            self._visitor.hear(self._world(self._pace.now()), seconds, text)
-
-    def learn_face(self, name: str) -> None:
-        """The present visitor is called `name` from now on."""
-        visitor = self._visitor
-        if visitor is None or visitor.recognised_as(name):
-            raise Rejected(f"{name} is somebody else's face", "choose another name")
-        if not visitor.learn_face(name):
-            raise DriverError("nobody shows a face", "wait until somebody stands before the robot")
-
-    async def learn_room(self, job: Job) -> Mapping[str, Json]:
+    async def _learn_room(self, job: Job) -> Mapping[str, Json]:
         """Learn the room's noise, in ticks of the simulated world."""
         if self._ears is None:
             raise Rejected("a robot without a visitor has no microphone")
         self._tick()  # what was heard before does not count
         with self._ears.lesson(room.seconds(job.args)) as lesson:
-            await self.spend(job, lesson.seconds, lesson.done)
+            await self._spend(job, lesson.seconds, lesson.done)
             self._tick()
             return self._ears.adopt(lesson)
 
@@ -313,19 +500,18 @@ class SimulatedRobot(Driver):
         if self._faults.holding("disconnect", lane, now):
             raise Lost(f"the simulated robot's {lane} is unplugged", _LOST_REMEDY)
 
-    def _break(self, args: Mapping[str, Json]) -> Mapping[str, Json]:
-        kind = values.word(args, "kind", MEANING)
-        seconds = values.positive(args, "seconds", 5.0)
-        part = values.text(args, "part")
+    def _break(self, args: Mapping[str, Any]) -> Mapping[str, Json]:
+        kind, seconds, part = args["kind"], args["seconds"], args["part"]
         now = self._advance()
         if kind == "clear":
             self._faults.clear()
         else:
-            if part:
-                values.word({"part": part}, "part", verbs.breakable(self.settings, kind))
+            parts = verbs.breakable(self.settings, kind)
+            if part and part not in parts:
+                raise Rejected(f"unknown part {part!r}", did_you_mean(part, sorted(parts)))
             self._faults.add(kind, seconds, part, now)
         self._tell_health(now)
-        return {"kind": kind, "seconds": seconds, "part": part}
+        return args
 
 
 def _alarm(fault: Fault) -> tuple[str, str]:

@@ -61,7 +61,7 @@ def word(args: Mapping[str, Json], name: str, choices: Iterable[str]) -> str:
     choices = sorted(choices)
     if isinstance(value, str) and value in choices:
         return value
-    raise Rejected(f"unknown {name} {value!r}", _did_you_mean(str(value), choices))
+    raise Rejected(f"unknown {name} {value!r}", did_you_mean(str(value), choices))
 
 
 def text(args: Mapping[str, Json], name: str) -> str:
@@ -72,37 +72,13 @@ def text(args: Mapping[str, Json], name: str) -> str:
     return value
 
 
-def flag(args: Mapping[str, Json], name: str) -> bool:
-    """True or false, or `Rejected`."""
-    value = args.get(name)
-    if not isinstance(value, bool):
-        raise Rejected(f"{name} must be true or false, not {value!r}")
-    return value
-
-
-def pose(value: Json, joints: Iterable[str]) -> dict[str, float]:
-    """Degrees by joint, or `Rejected`."""
+def known_joints(pose: Mapping[str, float], joints: Iterable[str]) -> Mapping[str, float]:
+    """The pose, if there are all of its joints, or `Rejected`."""
     names = sorted(joints)
-    if not isinstance(value, dict) or not value:
-        raise Rejected("a pose is a mapping such as {pan: 10, tilt: -5}")
-    for name in value:
+    for name in pose:
         if name not in names:
-            raise Rejected(f"there is no joint {name!r}", _did_you_mean(str(name), names))
-    return {name: number(value, name) for name in value}
-
-
-def poses(value: Json, joints: Iterable[str]) -> list[tuple[float, dict[str, float]]]:
-    """(seconds for this pose, degrees by joint) one after the other, or `Rejected`."""
-    names = list(joints)
-    example = "{joints: {pan: 10}, seconds: 0.5}"
-    if not isinstance(value, list) or not value:
-        raise Rejected(f"poses are a list such as [{example}]")
-    found = []
-    for one in value:
-        if not isinstance(one, dict):
-            raise Rejected(f"a pose is a mapping such as {example}, not {one!r}")
-        found.append((positive(one, "seconds", 0.5), pose(one.get("joints"), names)))
-    return found
+            raise Rejected(f"there is no joint {name!r}", did_you_mean(name, names))
+    return pose
 
 
 def color(args: Mapping[str, Json], name: str) -> str:
@@ -114,7 +90,7 @@ def color(args: Mapping[str, Json], name: str) -> str:
         return "#" + "".join(digit * 2 for digit in value[1:])
     if value in COLORS:
         return COLORS[value]
-    raise Rejected(f"unknown colour {value!r}", _did_you_mean(value, sorted(COLORS)))
+    raise Rejected(f"unknown colour {value!r}", did_you_mean(value, sorted(COLORS)))
 
 
 def file(args: Mapping[str, Json], name: str, folder: Path) -> str:
@@ -137,7 +113,8 @@ def sound_seconds(path: str) -> float:
         return UNKNOWN_SOUND
 
 
-def _did_you_mean(value: str, choices: list[str]) -> str:
+def did_you_mean(value: str, choices: list[str]) -> str:
+    """What was probably meant, or all that there is."""
     near = difflib.get_close_matches(value, choices, 1)
     if near:
         return f"did you mean {near[0]!r}?"

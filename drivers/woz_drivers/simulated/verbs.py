@@ -2,13 +2,117 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from dataclasses import dataclass
+
 from woz_drivers import room
 from woz_drivers.simulated.faults import MEANING
-from woz_drivers.simulated.moves import known, roles
 from woz_drivers.simulated.senses import SENSORS
 from woz_drivers.simulated.settings import Settings
 from woz_tui.core.driver import SPEECH, SPEECH_TEXT, Argument, Verb
 from woz_tui.core.fields import Range
+
+# -- moves ----------------------------------------------------------------------------------------
+# The gestures that `play` knows, as poses at fractions of their duration.
+
+
+@dataclass(frozen=True, slots=True)
+class Move:
+    """A gesture. `keys` are (fraction of the duration, degrees from home by role of the joint).
+
+    The roles are yaw, pitch and hip; a robot without such a joint leaves it out.
+    """
+
+    seconds: float
+    keys: tuple[tuple[float, Mapping[str, float]], ...] = ()
+
+
+_HOME = {"yaw": 0.0, "pitch": 0.0, "hip": 0.0}
+
+MOVES: Mapping[str, Move] = {
+    "nod": Move(
+        1.2,
+        (
+            (0.2, {"pitch": 18}),
+            (0.45, {"pitch": -6}),
+            (0.7, {"pitch": 14}),
+            (1.0, {"pitch": 0}),
+        ),
+    ),
+    "shake": Move(
+        1.6,
+        (
+            (0.15, {"yaw": 22}),
+            (0.4, {"yaw": -22}),
+            (0.65, {"yaw": 18}),
+            (0.85, {"yaw": -10}),
+            (1.0, {"yaw": 0}),
+        ),
+    ),
+    "dance": Move(
+        6.0,
+        (
+            (0.12, {"yaw": 30, "pitch": 10, "hip": 10}),
+            (0.25, {"yaw": -30, "pitch": -8, "hip": -8}),
+            (0.37, {"yaw": 30, "pitch": 10, "hip": 10}),
+            (0.5, {"yaw": -30, "pitch": -8, "hip": -8}),
+            (0.65, {"yaw": 45, "pitch": 15, "hip": 12}),
+            (0.8, {"yaw": -45, "pitch": -12, "hip": -10}),
+            (0.9, {"yaw": 0, "pitch": 20, "hip": 15}),
+            (1.0, _HOME),
+        ),
+    ),
+    "wave": Move(
+        2.4,
+        (
+            (0.2, {"yaw": 8, "hip": 6}),
+            (0.4, {"yaw": -8, "hip": -6}),
+            (0.6, {"yaw": 8, "hip": 6}),
+            (0.8, {"yaw": -8, "hip": -6}),
+            (1.0, _HOME),
+        ),
+    ),
+    "bow": Move(
+        2.6, ((0.4, {"hip": 24, "pitch": 20}), (0.6, {"hip": 24, "pitch": 20}), (1, _HOME))
+    ),
+    "point-left": Move(
+        2.0, ((0.35, {"yaw": 50, "hip": 6}), (0.7, {"yaw": 50, "hip": 6}), (1.0, _HOME))
+    ),
+    "point-middle": Move(
+        2.0, ((0.35, {"pitch": 14, "hip": 12}), (0.7, {"pitch": 14, "hip": 12}), (1.0, _HOME))
+    ),
+    "point-right": Move(
+        2.0, ((0.35, {"yaw": -50, "hip": 6}), (0.7, {"yaw": -50, "hip": 6}), (1.0, _HOME))
+    ),
+    "look-around": Move(
+        4.0,
+        (
+            (0.25, {"yaw": 55, "pitch": -8}),
+            (0.5, {"yaw": 10, "pitch": 8}),
+            (0.75, {"yaw": -55, "pitch": -8}),
+            (1.0, _HOME),
+        ),
+    ),
+}
+
+
+def known(settings: Settings) -> dict[str, Move]:
+    """Our gestures, and those that the robot file adds: these take their time and move nothing."""
+    return dict(MOVES) | {name: Move(seconds) for name, seconds in settings.moves.items()}
+
+
+def roles(settings: Settings) -> dict[str, str]:
+    """Role of a joint -> its name, for those the robot has."""
+    wanted = {
+        "yaw": settings.yaw_joint,
+        "pitch": settings.pitch_joint,
+        "hip": settings.hip_joint,
+        "roll": settings.hip_roll_joint,
+    }
+    return {role: name for role, name in wanted.items() if name in settings.joints}
+
+
+# --------------------------------------------------------------------------------------------------
 
 #: How coloured eyes move.
 ANIMATIONS = ("steady", "blink", "intermittent")
@@ -20,11 +124,11 @@ _METRES = Range(-5, 5, "m")
 
 def offered(settings: Settings) -> tuple[Verb, ...]:
     """The verbs of a robot with these joints, moves and modes."""
-    senses = (room.verb(), _learn_face()) if settings.visitor else ()
+    senses = (room.verb(), _LEARN_FACE) if settings.visitor else ()
     if settings.voice_only:
-        return (*_voice(), *senses)
-    rest = (*_body(settings), *_face(settings), _drive(), *_control(settings))
-    return (*_voice(), *rest, *senses)
+        return (*_VOICE, *senses)
+    rest = (*_body(settings), *_face(settings), _DRIVE, *_control(settings))
+    return (*_VOICE, *rest, *senses)
 
 
 def sensors(settings: Settings) -> tuple[str, ...]:
@@ -41,39 +145,37 @@ def lanes(settings: Settings) -> tuple[str, ...]:
     return tuple(dict.fromkeys(verb.lane for verb in offered(settings)))
 
 
-def _voice() -> tuple[Verb, ...]:
-    return (
-        Verb(
-            "say",
-            "speak a sentence; tags for pauses and rate count",
-            (Argument("text", "text", "what to say", required=True),),
-            lane="voice",
-            limit_s=180.0,
-        ),
-        Verb(
-            "sound",
-            "play a sound file",
-            (Argument("file", "file", "a WAV file", required=True),),
-            lane="sound",
-            limit_s=600.0,
-        ),
-        Verb(
-            "volume",
-            "set how loud it speaks",
-            (Argument("level", "number", "0 mute, 1 full", required=True, range=Range(0, 1)),),
-            lane="control",
-        ),
-    )
+_VOICE = (
+    Verb(
+        "say",
+        "speak a sentence; tags for pauses and rate count",
+        (Argument("text", "text", "what to say", required=True),),
+        lane="voice",
+        limit_s=180.0,
+    ),
+    Verb(
+        "sound",
+        "play a sound file",
+        (Argument("file", "file", "a WAV file", required=True),),
+        lane="sound",
+        limit_s=600.0,
+    ),
+    Verb(
+        "volume",
+        "set how loud it speaks",
+        (Argument("level", "number", "0 mute, 1 full", required=True, range=Range(0, 1)),),
+        lane="control",
+    ),
+)
 
 
-def _learn_face() -> Verb:
-    return Verb(
-        "learn_face",
-        "recognise the present visitor by this name from now on",
-        (Argument("name", "text", "a code or a pseudonym", required=True),),
-        lane="eye",
-        limit_s=10.0,
-    )
+_LEARN_FACE = Verb(
+    "learn_face",
+    "recognise the present visitor by this name from now on",
+    (Argument("name", "text", "a code or a pseudonym", required=True),),
+    lane="eye",
+    limit_s=10.0,
+)
 
 
 def _body(settings: Settings) -> tuple[Verb, ...]:
@@ -91,78 +193,75 @@ def _body(settings: Settings) -> tuple[Verb, ...]:
         )
     ]
     if settings.joints:
-        moves += _joints()
+        moves += _JOINT_VERBS
     have = roles(settings)
     if "yaw" in have or "pitch" in have:
-        moves += _head()
+        moves += _HEAD
     if "hip" in have or "roll" in have:
-        moves.append(_hip())
+        moves.append(_HIP)
     return tuple(moves)
 
 
-def _joints() -> tuple[Verb, ...]:
-    seconds = Argument("seconds", "seconds", "0: as fast as it can", default=0.0)
-    return (
-        Verb(
-            "pose",
-            "take a pose",
-            (Argument("joints", "joints", "degrees by joint", required=True), seconds),
-            lane="body",
-            limit_s=60.0,
-        ),
-        Verb(
-            "poses",
-            "pass through poses, one after the other",
-            (Argument("poses", "poses", "poses, each with `seconds`", required=True),),
-            lane="body",
-            limit_s=300.0,
-        ),
-        Verb("home", "take the home pose", (seconds,), lane="body", limit_s=60.0),
-        Verb(
-            "torque",
-            "let the motors hold, or go limp",
-            (Argument("on", "flag", required=True),),
-            lane="control",
-        ),
-    )
+seconds = Argument("seconds", "seconds", "0: as fast as it can", default=0.0)
+_JOINT_VERBS = (
+    Verb(
+        "pose",
+        "take a pose",
+        (Argument("joints", "joints", "degrees by joint", required=True), seconds),
+        lane="body",
+        limit_s=60.0,
+    ),
+    Verb(
+        "poses",
+        "pass through poses, one after the other",
+        (Argument("poses", "poses", "poses, each with `seconds`", required=True),),
+        lane="body",
+        limit_s=300.0,
+    ),
+    Verb("home", "take the home pose", (seconds,), lane="body", limit_s=60.0),
+    Verb(
+        "torque",
+        "let the motors hold, or go limp",
+        (Argument("on", "flag", required=True),),
+        lane="control",
+    ),
+)
 
 
-def _head() -> tuple[Verb, ...]:
-    return (
-        Verb(
-            "gaze",
-            "look in a direction",
-            (
-                Argument("yaw", "number", "left is positive", range=_DEGREES),
-                Argument("pitch", "number", "down is positive", range=_DEGREES),
-            ),
-            lane="head",
-            stream=True,
-        ),
-        Verb(
-            "nudge",
-            "turn the head a step from where it looks",
-            (
-                Argument("yaw", "number", "left is positive", default=0.0, range=_STEP),
-                Argument("pitch", "number", "down is positive", default=0.0, range=_STEP),
-            ),
-            lane="head",
-            limit_s=5.0,
-        ),
-    )
-
-
-def _hip() -> Verb:
-    return Verb(
-        "hip",
-        "bend the hips a step from where they are",
+_HEAD = (
+    Verb(
+        "gaze",
+        "look in a direction",
         (
-            Argument("pitch", "number", "forward is positive", default=0.0, range=_STEP),
-            Argument("roll", "number", "left is positive", default=0.0, range=_STEP),
+            Argument("yaw", "number", "left is positive", range=_DEGREES),
+            Argument("pitch", "number", "down is positive", range=_DEGREES),
         ),
-        lane="hip",
+        lane="head",
+        stream=True,
+    ),
+    Verb(
+        "nudge",
+        "turn the head a step from where it looks",
+        (
+            Argument("yaw", "number", "left is positive", default=0.0, range=_STEP),
+            Argument("pitch", "number", "down is positive", default=0.0, range=_STEP),
+        ),
+        lane="head",
         limit_s=5.0,
-    )
+    ),
+)
+
+
+_HIP = Verb(
+    "hip",
+    "bend the hips a step from where they are",
+    (
+        Argument("pitch", "number", "forward is positive", default=0.0, range=_STEP),
+        Argument("roll", "number", "left is positive", default=0.0, range=_STEP),
+    ),
+    lane="hip",
+    limit_s=5.0,
+)
 
 
 def _face(settings: Settings) -> tuple[Verb, ...]:
@@ -202,19 +301,18 @@ def _face(settings: Settings) -> tuple[Verb, ...]:
     )
 
 
-def _drive() -> Verb:
-    return Verb(
-        "drive",
-        "drive and turn from where it stands",
-        (
-            Argument("x", "number", "metres forward", default=0.0, range=_METRES),
-            Argument("y", "number", "metres to the left", default=0.0, range=_METRES),
-            Argument("turn", "number", "degrees to the left", default=0.0, range=Range(-360, 360)),
-        ),
-        lane="base",
-        drives=True,
-        limit_s=120.0,
-    )
+_DRIVE = Verb(
+    "drive",
+    "drive and turn from where it stands",
+    (
+        Argument("x", "number", "metres forward", default=0.0, range=_METRES),
+        Argument("y", "number", "metres to the left", default=0.0, range=_METRES),
+        Argument("turn", "number", "degrees to the left", default=0.0, range=Range(-360, 360)),
+    ),
+    lane="base",
+    drives=True,
+    limit_s=120.0,
+)
 
 
 def _control(settings: Settings) -> tuple[Verb, ...]:

@@ -11,12 +11,70 @@ from __future__ import annotations
 
 import enum
 import math
+import re
 from collections import Counter
 from random import Random
 
-from woz_drivers.simulated import words
 from woz_drivers.simulated.hearing import Hearing, Speech
 from woz_drivers.simulated.senses import DOOR, THRESHOLD, TICK, Sample, Seen, Senses
+
+# -- words ----------------------------------------------------------------------------------------
+# What a simulated visitor says: a few sentences, and answers to what a robot asks strangers.
+
+REMARKS = (
+    "Hello!",
+    "What is that over there?",
+    "How big is it?",
+    "Where did it live?",
+    "When do you close?",
+    "May I take a photograph?",
+    "How old is it?",
+    "Is there more to see?",
+)
+ANSWERS = ("Yes, please.", "I think so.", "I do not know.", "About a hundred years?", "Tell me!")
+REPLIES = ("Oh, really?", "I did not know that.", "That is a lot!", "And what does it eat?")
+GOODBYE = "Thank you, goodbye!"
+
+#: Letters a second, and the shortest utterance in seconds.
+_LETTERS, _SHORTEST = 12.0, 0.8
+
+_ASKS_NAME = re.compile(r"\byour name\b|\bcall you\b|\bwho are you\b", re.IGNORECASE)
+_WHETHER = re.compile(r"\b(right|correct)\b", re.IGNORECASE)
+
+
+def reply(name: str, said: str, chance: Random) -> str:
+    """What the visitor `name` says to a robot that `said` something.
+
+    A question for the name gets the name. A question that contains it gets a yes, and a question
+    whether something is right that does not gets a no.
+    """
+    if "?" not in said:
+        return chance.choice(REPLIES + REMARKS[1:])
+    if re.search(rf"\b{re.escape(name)}\b", said, re.IGNORECASE):
+        return "Yes."
+    if _ASKS_NAME.search(said):
+        return f"{name}."
+    if _asks_whether(said):
+        return "No."
+    return chance.choice(ANSWERS)
+
+
+def _asks_whether(said: str) -> bool:
+    return _WHETHER.search(said[: said.rfind("?")]) is not None
+
+
+def is_about_the_name(name: str, said: str) -> bool:
+    """Whether the robot asks who they are: politeness answers that, however often."""
+    known = re.search(rf"\b{re.escape(name)}\b", said, re.IGNORECASE)
+    return "?" in said and bool(known or _ASKS_NAME.search(said) or _asks_whether(said))
+
+
+def seconds(text: str) -> float:
+    """How long it takes to say that."""
+    return max(_SHORTEST, len(text) / _LETTERS)
+
+
+# --------------------------------------------------------------------------------------------------
 
 #: Visitors whom the robot knows by their faces, and those whom it does not.
 PEOPLE, STRANGERS = ("V1", "V2"), ("Kim", "Robin")
@@ -66,7 +124,8 @@ class Visitor:
         self.person = ""
         self.distance = DOOR
         self._goal = DOOR
-        self._side = 0.0
+        #: Where they stand, in degrees to the right.
+        self.side = 0.0
         self._phase_ends = self._ticks("away", 2.0, 4.0)
         self.looking = False
         self._look_ends = 0
@@ -80,11 +139,6 @@ class Visitor:
     def present(self) -> bool:
         """Whether somebody is there."""
         return self.phase is not Phase.AWAY
-
-    @property
-    def side(self) -> float:
-        """Where they stand, in degrees to the right."""
-        return self._side
 
     @property
     def talking(self) -> bool:
@@ -117,10 +171,10 @@ class Visitor:
         dice = self._dice("answer")
         self.looking = True
         self._look_ends = ends + _whole(dice.uniform(3.0, 6.0))
-        if not words.is_about_the_name(self.person, text):
+        if not is_about_the_name(self.person, text):
             self._patience -= 1
         goodbye = self._patience < 0
-        said = words.GOODBYE if goodbye else words.reply(self.person, text, dice)
+        said = GOODBYE if goodbye else reply(self.person, text, dice)
         self._talk(ends + _whole(dice.uniform(1.0, 2.0)), said)
         if goodbye:
             self._phase_ends = self._talk_ends + _whole(1.0)
@@ -194,7 +248,7 @@ class Visitor:
         self._drawn.clear()
         self._enter(Phase.COMING, self._dice("near").uniform(0.85, 1.15), _whole(12.0))
         self.distance = DOOR
-        self._side = self._dice("side").uniform(-25.0, 25.0)
+        self.side = self._dice("side").uniform(-25.0, 25.0)
         self.person = self._dice("person").choice(PEOPLE + STRANGERS)
         self._patience = self._dice("patience").randint(1, 3)
         self.looking = False
@@ -223,12 +277,12 @@ class Visitor:
             stay = (4.0, 9.0) if self.looking else (0.8, 2.5)
             self._look_ends = self._tick + self._ticks("look", *stay)
         if self._tick >= self._talk_again and self.looking:
-            self._talk(self._tick, self._dice("remark").choice(words.REMARKS))
+            self._talk(self._tick, self._dice("remark").choice(REMARKS))
 
     def _talk(self, begins: int, text: str) -> None:
         """Say `text` from `begins` on, and nothing more by themselves for a while after it."""
         self._words = text
-        self._talk_begins, self._talk_ends = begins, begins + _whole(words.seconds(text))
+        self._talk_begins, self._talk_ends = begins, begins + _whole(seconds(text))
         self._talk_again = self._talk_ends + self._ticks("talk again", 8.0, 16.0)
         self._phase_ends = max(self._phase_ends, self._talk_ends + _whole(_WAITS_FOR_ANSWER))
 
@@ -243,7 +297,7 @@ class Visitor:
                 distance=self.distance if self.present else None,
                 looking=self.looking,
                 talking=self.talking,
-                side=self._side,
+                side=self.side,
                 face=face if recognised else "",
             ),
         )

@@ -10,8 +10,7 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 from woz_drivers.body import Body, Settings
-from woz_drivers.body.lateness import Lateness
-from woz_drivers.body.ticker import Step, Ticker
+from woz_drivers.body.ticker import Lateness, Step, ThreadTicker
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
@@ -26,19 +25,23 @@ CALM = Personality(breathing=0.0, blink_rate=0.0)
 ROBOTS = Path(__file__).parents[3] / "experiments" / "robots"
 
 
-class LoopTicker:
+class LoopTicker(ThreadTicker):
     """Ticks in the event loop, at its time."""
 
     def __init__(self, rate: float, name: str) -> None:
         self.lateness = Lateness()
-        self.ended = False
+        self._over = False
         self._period = 1.0 / rate
 
     def start(self, step: Step) -> None:
         asyncio.get_running_loop().call_soon(self._tick, step)
 
     def end(self) -> None:
-        self.ended = True
+        self._over = True
+
+    @property
+    def ended(self) -> bool:
+        return self._over
 
     def _tick(self, step: Step) -> None:
         if self.ended:
@@ -52,7 +55,7 @@ class LoopTicker:
 class SteppedBody(Body):
     """A body without a thread."""
 
-    ticker: ClassVar[Callable[[float, str], Ticker]] = LoopTicker
+    ticker: ClassVar[Callable[[float, str], ThreadTicker]] = LoopTicker
 
 
 def robot(name: str, folder: Path, **changes: Any) -> Settings:

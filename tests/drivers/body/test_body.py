@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from woz_drivers.body import Body, Settings
-from woz_drivers.body.lateness import Lateness
 from woz_drivers.body.loop import BodyLoop
+from woz_drivers.body.ticker import Lateness
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.drivers.heard import Heard, Ordered

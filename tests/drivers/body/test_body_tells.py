@@ -10,9 +10,7 @@ from typing import Any
 
 import pytest
 from woz_drivers.body import Body, Settings
-from woz_drivers.body.joining import BUSY_S, FRESH_S
-from woz_drivers.body.loop import SEEN_S
-from woz_drivers.body.publishing import Publishing
+from woz_drivers.body.loop import BUSY_S, FRESH_S, SEEN_S, Publishing
 
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.fakes.virtual_time import run_virtual

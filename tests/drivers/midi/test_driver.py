@@ -9,8 +9,7 @@ from pathlib import Path
 import pytest
 from woz_drivers.midi import MidiPanel
 from woz_drivers.midi.hands import Line
-from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.maps import PanelMap
+from woz_drivers.midi.maps import Mapped, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import until
@@ -92,9 +91,9 @@ def test_order_is_kept_and_an_answer_counts_once() -> None:
     asked[0][1](True, "")
     asked[0][1](True, "")
     assert [ask.name for ask, _ in asked] == ["first", "last"]
-    assert [line.idle] == [False]
+    assert [line.under_way] == [1]
     asked[1][1](False, "no")
-    assert (line.idle, answers) == (True, [False])
+    assert (line.under_way, answers) == (0, [False])
 
 
 async def test_refused_it_waits_for_the_hand_to_come_by_again(tmp_path: Path) -> None:

@@ -9,8 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.learning import Lesson
-from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.maps import BUILT_IN, PanelMap
+from woz_drivers.midi.maps import BUILT_IN, Mapped, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.experiment.given import settings_of

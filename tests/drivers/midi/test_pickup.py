@@ -8,10 +8,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from woz_drivers.midi.fitted import fitted
-from woz_drivers.midi.hands import SETTLED_US, Knob
-from woz_drivers.midi.mapped import Mapped
-from woz_drivers.midi.maps import PanelMap
-from woz_drivers.midi.pickup import NEAR, Pickup
+from woz_drivers.midi.hands import NEAR, SETTLED_US, Knob, Pickup
+from woz_drivers.midi.maps import Mapped, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui.core.driver import Ask

@@ -28,6 +28,6 @@ def ask_for_short_turns() -> bool:
     size = _ATTRIBUTES.size
     attributes = _ATTRIBUTES.pack(size, os.SCHED_OTHER, 0, nice, 0, SLICE_NS, 0, 0, 0, 0)
     try:
-        return ctypes.CDLL(None).syscall(number, 0, attributes, 0) == 0
+        return bool(ctypes.CDLL(None).syscall(number, 0, attributes, 0) == 0)
     except (OSError, AttributeError):
         return False

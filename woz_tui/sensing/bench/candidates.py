@@ -8,8 +8,7 @@ from typing import Any
 
 from woz_tui.experiment.engagement import CONDITION, SIGNS, EngagementSettings
 from woz_tui.sensing.bench.scenes import NAME, Row
-from woz_tui.sensing.filters import Fifo, Median
-from woz_tui.sensing.identity import IdentityFifo
+from woz_tui.sensing.filters import Fifo, IdentityFifo, Median
 from woz_tui.sensing.joint import Joint, Sign
 
 #: Anything that a sign's samples may go through.

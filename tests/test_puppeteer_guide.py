@@ -12,7 +12,7 @@ import yaml
 from woz_tui import plugins
 from woz_tui.cli import main
 from woz_tui.experiment.decode import load
-from woz_tui.experiment.robotfile import load_robot
+from woz_tui.experiment.robot import load_robot
 
 ROOT = Path(__file__).parents[1]
 GUIDES = {

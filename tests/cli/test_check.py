@@ -161,7 +161,7 @@ def test_the_command_with_the_installed_drivers(capsys: pytest.CaptureFixture[st
     check.add(parser)
     demo = Path(__file__).parents[2] / "experiments" / "demo.yaml"
     arguments = parser.parse_args([str(demo)])
-    assert arguments.run(arguments) == 0
+    assert check.run(arguments) == 0
     assert "Museum guide" in capsys.readouterr().out
 
 

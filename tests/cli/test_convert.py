@@ -12,7 +12,7 @@ from typing import Any
 import pytest
 
 from tests.experiment.woz4u.reading import CATALOGUE, does, essence, settings
-from woz_tui.cli import convert
+from woz_tui.cli import convert, main
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
 
@@ -62,7 +62,7 @@ def test_the_same_experiment_beside_the_file(
     told = capsys.readouterr()
     assert told.out == ""
     assert told.err.splitlines() == [
-        f"{config}:5:43: warning: animated_speech[0].key_comb: ctrl+3 means stop on some"
+        f"{config}:5:43: warning: animated_speech[0].key_comb: 'ctrl+3' means stop on some"
         " terminals; t plays 'Tale' instead",
         f"{ours}: written; woz check {ours} shows it",
     ]
@@ -77,7 +77,7 @@ def test_on_standard_output(folder: Path, capsys: pytest.CaptureFixture[str]) ->
     assert text.startswith(
         "# config.yaml of WoZ4U, as `woz convert` wrote it: the same experiment."
     )
-    assert "- {key: t, label: Tale, read: texts/tale.txt}  # ctrl+3 means stop on" in text
+    assert "- {key: t, label: Tale, read: texts/tale.txt}  # 'ctrl+3' means stop on" in text
     assert "label: 'Brücke \"A\"'" in text  # unicode as it is
     (folder / "a" / "ours.yaml").write_text(text, encoding="utf-8")
     assert essence(read(folder / "a" / "ours.yaml")) == essence(read(config))
@@ -169,7 +169,7 @@ def test_the_command_tells_in_a_sentence(
     parser = argparse.ArgumentParser()
     convert.add(parser)
     arguments = parser.parse_args([str(tmp_path / "x.yaml")])
-    assert arguments.run(arguments) == 1
+    assert convert.run(arguments) == 1
     assert capsys.readouterr().err.startswith("woz convert: ")
 
 
@@ -224,13 +224,19 @@ class _Full(io.StringIO):
     [
         (
             io.TextIOWrapper(io.BytesIO(), encoding="ascii"),
-            "(there is no U+00FC in ascii); give -o",
+            "cannot show U+00FC: it takes ascii; set LC_ALL=C.UTF-8\n",
         ),
-        (_Full(), "standard output: No space left on device"),
+        (_Full(), "standard output: No space left on device\n"),
     ],
 )
 def test_a_terminal_that_cannot_show_it(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, stream: Any, sentence: str
+    folder: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
+    stream: Any,
+    sentence: str,
 ) -> None:
     monkeypatch.setattr(sys, "stdout", stream)
-    assert refused(str(folder / "a" / "config.yaml")).endswith(sentence)
+    assert main(["convert", str(folder / "a" / "config.yaml")]) == 1
+    monkeypatch.undo()
+    assert capsys.readouterr().err.endswith(sentence)

@@ -135,7 +135,7 @@ def test_how_many_participants_there_can_be(
 ) -> None:
     with pytest.raises(SystemExit):
         designed(tmp_path, f"--participants={count}")
-    assert "expected a whole number from 1 to 1000" in capsys.readouterr().err
+    assert "is no whole number from 1 to 1000" in capsys.readouterr().err
 
 
 STUDY = (Path(__file__).parents[1] / "experiment" / "good" / "study.yaml").read_text()

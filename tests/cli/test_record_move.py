@@ -111,7 +111,7 @@ def test_what_a_session_s_hand_did_becomes_a_layer(tmp_path: Path) -> None:
         (["act.txt", "--inputs", "s"], None, "move files end in .yaml"),
         (["no/act.yaml", "--inputs", "s"], None, "there is no such folder"),
         (["7.yaml", "--inputs", "s"], None, "'7' cannot be a move's name"),
-        (["act.yaml", "--inputs", "none"], None, "No such file"),
+        (["act.yaml", "--inputs", "none"], None, "no such file"),
         (["act.yaml", "--inputs", "empty"], None, "nothing was moved in this take"),
         (["act.yaml", "--inputs", "s", "--seconds", "500"], None, "a take of 500 s is too long"),
         (["act.yaml", "--inputs", "s", "--drop", "x"], None, "act has no layer 'x'"),

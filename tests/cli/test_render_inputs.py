@@ -15,7 +15,7 @@ from tests.cli.test_render import CALM
 from woz_tui.cli import inputs as inputs_command
 from woz_tui.cli import main, modes
 from woz_tui.cli.inputs import lines_of
-from woz_tui.cli.plot import Curve, chart, time_axis
+from woz_tui.cli.render import Curve, chart, time_axis
 from woz_tui.motion.rendering import LONGEST_S
 from woz_tui.motion.scripted import read_inputs
 

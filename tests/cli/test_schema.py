@@ -25,7 +25,7 @@ def test_it_prints_one_schema(
     parser = argparse.ArgumentParser()
     schema.add(parser)
     arguments = parser.parse_args(options)
-    assert arguments.run(arguments) == 0
+    assert schema.run(arguments) == 0
     printed = json.loads(capsys.readouterr().out)
     assert printed["title"] == f"woz-tui {title}"
     assert printed["$schema"].endswith("2020-12/schema")
@@ -41,7 +41,7 @@ def test_a_driver_that_cannot_be_loaded_is_left_out_and_named(
     schema.add(parser)
     for options in ([], ["--robot"]):
         arguments = parser.parse_args(options)
-        assert arguments.run(arguments) == 0
+        assert schema.run(arguments) == 0
         told = capsys.readouterr()
         printed = json.loads(told.out)
         assert "woz schema: left out: the driver 'broken'" in told.err

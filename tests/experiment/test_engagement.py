@@ -16,8 +16,8 @@ from woz_tui.experiment import engagement as shapes
 from woz_tui.experiment.actions import ACTION_FIELDS
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.engagement import EngagementSettings
-from woz_tui.experiment.given import settings_of
 from woz_tui.experiment.sensed import nonsense, sensed
+from woz_tui.experiment.settings import settings_of
 from woz_tui.experiment.shape import Action, Call, Engagement, Experiment, Together, Wait
 from woz_tui.experiment.verbs import ENGAGEMENT, engagement_verbs
 from woz_tui.sensing.filters import least

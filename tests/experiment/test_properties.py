@@ -16,7 +16,7 @@ from woz_tui.experiment.nodes import tree
 from woz_tui.experiment.report import Report
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.experiment.source import Source, text_of
-from woz_tui.experiment.studied import SECTIONS
+from woz_tui.experiment.study_sections import SECTIONS
 
 GOOD, STUDY = (
     (Path(__file__).parent / "good" / f"{name}.yaml").read_text(encoding="utf-8")

@@ -9,7 +9,6 @@ import pytest
 from tests.experiment.catalogue import CATALOGUE
 from tests.experiment.reading import HEAD, HELLO, SEEING, panel, read
 from woz_tui.experiment.decode import load
-from woz_tui.experiment.questionnaires import CODE, code_of
 from woz_tui.experiment.shape import Experiment
 from woz_tui.experiment.study import (
     Design,
@@ -21,6 +20,7 @@ from woz_tui.experiment.study import (
     Training,
     TrainingCue,
 )
+from woz_tui.experiment.study_sections import CODE, code_of
 
 GOOD = Path(__file__).parent / "good"
 

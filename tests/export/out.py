@@ -7,7 +7,7 @@ from pathlib import Path
 
 from tests.export.logs import Timed, write
 from woz_tui.export.export import export
-from woz_tui.export.options import Options, Told
+from woz_tui.export.exporter import Options, Told
 
 
 def exported(

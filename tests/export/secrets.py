@@ -62,10 +62,8 @@ class Secrets:
         match of:
             case inspect.StrType():
                 value = self.secret(kind, path)
-            case inspect.ListType(item_type=item):
+            case inspect.ListType(item_type=item) | inspect.VarTupleType(item_type=item):
                 value = [self._value(item, kind, path), self._value(item, kind, path)]
-            case inspect.VarTupleType(item_type=item):
-                value = [self._value(item, kind, path)]
             case inspect.TupleType(item_types=items):
                 value = [self._value(item, kind, path) for item in items]
             case inspect.DictType(value_type=inner):

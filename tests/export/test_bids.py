@@ -20,7 +20,7 @@ from hypothesis import HealthCheck, given, settings
 from tests.export.logs import Timed, courses, start, visit, write
 from tests.export.out import course_to, exported
 from woz_tui.core import messages as m
-from woz_tui.export import bids_physio
+from woz_tui.export import bids
 
 VALIDATOR = resources.files("bids_validator_deno") / "bids-validator.js"
 #: What nobody but the researcher can know; the README's readers are told to add it.
@@ -146,7 +146,7 @@ def test_a_time_far_off_fills_no_disk(tmp_path: Path) -> None:
 def test_times_that_lead_far_off_in_small_steps_fill_no_disk(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(bids_physio, "_LONGEST_US", 10_000_000)
+    monkeypatch.setattr(bids, "_LONGEST_US", 10_000_000)
     course: list[Timed] = [(0, start())]
     course += [(seconds, m.reading("distance", 1.5)) for seconds in range(0, 100, 2)]
     log = write(tmp_path / "recordings", course)

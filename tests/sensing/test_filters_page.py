@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from woz_tui.cli.engagement_plot import draw
+from woz_tui.cli.engagement_bench import draw
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.sensing import joint_dwell
 from woz_tui.sensing.bench.figures import measure

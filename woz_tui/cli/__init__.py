@@ -2,18 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
-import errno
 import importlib
 import sys
+from argparse import ArgumentParser
 from collections.abc import Sequence
 from typing import NoReturn
 
 from woz_tui import __version__
+from woz_tui.cli.failure import of_output
 from woz_tui.cli.streams import clean_streams
 
-#: Command -> its module's one-line summary. A module has `add(parser)`, which declares its options
-#: and sets `run`, a function from the parsed arguments to the exit code.
+#: Command -> its module's one-line summary. A module has `add(parser)`, which declares its
+#: options, and `run`, a function from the parsed arguments to the exit code; where the command has
+#: commands of its own, `add` sets which of them runs.
 COMMANDS = {
     "run": "start the robot process and the console: a session",
     "demo": "a session with a simulated robot and a simulated visitor",
@@ -43,7 +44,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run one command; returns the exit code."""
     clean_streams()
     given = list(sys.argv[1:] if arguments is None else arguments)
-    parser = argparse.ArgumentParser(
+    parser = ArgumentParser(
         prog="woz", description="A wizard plays a social robot from a terminal."
     )
     parser.add_argument("--version", action="version", version=f"woz-tui {__version__}")
@@ -52,8 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     for name, summary in COMMANDS.items():
         command = commands.add_parser(name, help=summary, description=f"woz {name}: {summary}")
         if name == chosen:
-            module = name.replace("-", "_")
-            importlib.import_module(f"woz_tui.cli.{module}").add(command)
+            module = importlib.import_module(f"woz_tui.cli.{name.replace('-', '_')}")
+            command.set_defaults(run=module.run)
+            module.add(command)
     parsed = parser.parse_args(given)
     try:
         code: int = parsed.run(parsed)
@@ -70,7 +72,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
             f"this terminal cannot show {sign}: it takes {error.encoding}; set LC_ALL=C.UTF-8"
         )
     except OSError as error:
-        if error.filename is not None or error.errno not in (errno.ENOSPC, errno.EIO, errno.EDQUOT):
+        if not of_output(error):
             raise
         return _cut_short(f"standard output: {error.strerror}")
     return code

@@ -2,17 +2,17 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
-from woz_tui.cli.keymap import add_keymap, builtins
-from woz_tui.cli.options import add_pictures
+from woz_tui.cli.options import add_keymap, add_pictures, builtins
 from woz_tui.host import place
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
         "name", nargs="?", default="", help="session code or socket (default: the only one)"
@@ -31,13 +31,10 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     add_keymap(parser)
     add_pictures(parser)
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Open the console on a running session."""
-    from woz_tui.cli import screen  # noqa: PLC0415
-
     refused = screen.refusal()
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
@@ -45,9 +42,7 @@ def run(arguments: argparse.Namespace) -> int:
     return explained(lambda: _attach(arguments))
 
 
-def _attach(arguments: argparse.Namespace) -> int:
-    from woz_tui.cli import screen  # noqa: PLC0415
-
+def _attach(arguments: Namespace) -> int:
     socket = chosen(arguments)
     if socket is None:
         return 1
@@ -67,20 +62,20 @@ def _attach(arguments: argparse.Namespace) -> int:
     return code
 
 
-def chosen(arguments: argparse.Namespace) -> Path | None:
+def chosen(arguments: Namespace) -> Path | None:
     """The socket of the session that is meant, or None after saying why there is none."""
     _sort(arguments)
     return _find(arguments.name, _kept(arguments))
 
 
-def _sort(arguments: argparse.Namespace) -> None:
+def _sort(arguments: Namespace) -> None:
     """In `--questionnaire S02` the word is meant as the session, if one of this name runs."""
     word = arguments.questionnaire
     if word and not arguments.name and word in {path.stem for path in place.running()}:
         arguments.name, arguments.questionnaire = word, ""
 
 
-def _kept(arguments: argparse.Namespace) -> str:
+def _kept(arguments: Namespace) -> str:
     """The options that a proposal has to repeat: a participant must get no wizard's console."""
     if arguments.questionnaire is not None:
         return f" --questionnaire {arguments.questionnaire}".rstrip()

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-import argparse
 import json
 import os
 import sys
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterable, Iterator, Mapping, Sequence
+from dataclasses import asdict, fields
 from pathlib import Path
 
 from rich.table import Table
@@ -14,12 +15,17 @@ from rich.text import Text
 
 from woz_tui import plugins
 from woz_tui.cli import study_summary
-from woz_tui.cli.engagement_summary import as_json, lines
+from woz_tui.cli.failure import explained
 from woz_tui.console.text_console import TextConsole
-from woz_tui.core.driver import Argument, Driver, Verb
+from woz_tui.core.driver import SPEECH, Argument, Driver, Verb
+from woz_tui.core.engaged import SignShown
 from woz_tui.core.messages import Json
 from woz_tui.experiment import keys
 from woz_tui.experiment.decode import load
+from woz_tui.experiment.effects import ENTERED
+from woz_tui.experiment.engagement import SIGNS, EngagementSettings, Timeouts
+from woz_tui.experiment.engagement_check import signs_given
+from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import (
     Action,
     Call,
@@ -32,12 +38,13 @@ from woz_tui.experiment.shape import (
     Wait,
 )
 from woz_tui.experiment.verbs import engagement_verbs, session_verbs
+from woz_tui.sensing.model import Engagement as Model
 
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, help="experiment file")
     parser.add_argument(
@@ -52,19 +59,14 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
     )
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Print errors to stderr and return 1, or print the keys and return 0."""
-    try:
-        return check(arguments, plugins.installed())
-    except plugins.PluginError as error:
-        print(f"woz check: {error}", file=sys.stderr)
-        return 1
+    return explained(lambda: check(arguments, plugins.installed()), who="woz check")
 
 
-def check(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     try:
         experiment = load(arguments.file, catalogue)
@@ -84,7 +86,7 @@ def check(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) 
     return 0
 
 
-def _print_errors(problems: list[Problem], arguments: argparse.Namespace) -> None:
+def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
     if arguments.format == "json":
         found: Json = {"file": str(arguments.file), "ok": False, "problems": _problems(problems)}
         print(json.dumps(found, indent=2))
@@ -94,7 +96,7 @@ def _print_errors(problems: list[Problem], arguments: argparse.Namespace) -> Non
     print(f"{arguments.file}: {count}", file=sys.stderr)
 
 
-# -- for people ---------------------------------------------------------------------------------
+# -- for people -------------------------------------------------------------------------------
 
 
 def _print(
@@ -115,7 +117,7 @@ def _print(
     if experiment.engagement is not None:
         console.print()
         console.print(Text("engagement", style="bold"))
-        console.print(_engagement_table(experiment, experiment.engagement))
+        console.print(_table(_engagement_lines(experiment, experiment.engagement)))
         console.print()
         console.print(_verbs_table(engagement_verbs(), ()))
     study = [*study_summary.lines(experiment)]
@@ -175,11 +177,6 @@ def _pairs() -> Table:
     table.add_column(no_wrap=True)
     table.add_column(overflow="fold", ratio=1)
     return table
-
-
-def _engagement_table(experiment: Experiment, engagement: Engagement) -> Table:
-    mains = main_arguments(experiment)
-    return _table(lines(experiment, engagement, lambda action: described(action, mains)))
 
 
 def _table(rows: Iterable[tuple[str, str]]) -> Table:
@@ -261,7 +258,7 @@ def _value(value: Json) -> str:
     return f"{value:g}" if isinstance(value, float) else str(value)
 
 
-# -- for programs -------------------------------------------------------------------------------
+# -- for programs -----------------------------------------------------------------------------
 
 
 def _report(
@@ -287,21 +284,17 @@ def _report(
         ],
         "notes": list(keymap.warnings),
         "drivers": [_driver(spec) for spec in experiment.drivers],
-        "engagement": _engagement(experiment, engagement, mains) if engagement else None,
+        "engagement": _engagement(experiment, engagement) if engagement else None,
         "study": study_summary.as_json(experiment),
     }
 
 
+_PROBLEM = ("path", "message", "warning")
+
+
 def _problems(problems: list[Problem]) -> list[Json]:
     return [
-        {
-            "file": problem.place.file,
-            "line": problem.place.line,
-            "column": problem.place.column,
-            "path": problem.path,
-            "message": problem.message,
-            "warning": problem.warning,
-        }
+        {**asdict(problem.place), **{name: getattr(problem, name) for name in _PROBLEM}}
         for problem in problems
     ]
 
@@ -329,11 +322,6 @@ def _driver(spec: DriverSpec) -> Json:
     }
 
 
-def _engagement(experiment: Experiment, engagement: Engagement, mains: Mapping[str, str]) -> Json:
-    told = as_json(experiment, engagement, lambda action: described(action, mains))
-    return {**told, "verbs": [*map(_verb, engagement_verbs())]}
-
-
 def _verb(verb: Verb) -> Json:
     return {
         "name": verb.name,
@@ -351,3 +339,140 @@ def _verb(verb: Verb) -> Json:
             for argument in verb.arguments
         ],
     }
+
+
+# -- the section engagement ------------------------------------------------------------------------
+
+
+def _engagement_lines(experiment: Experiment, engagement: Engagement) -> Iterator[tuple[str, str]]:
+    """What it is about, and the sentence."""
+    settings = engagement.settings
+    yield "engaged", _condition(settings)
+    shown = Model(settings).shown().signs
+    for sign in SIGNS:
+        counted = _filter(shown[sign]) + _rate(settings.sign(sign).rate)
+        yield sign, f"{counted}, {_given(experiment, settings, sign)}"
+    yield "speech", _speech(experiment, settings)
+    limits = [f"{name} {seconds:g} s" for name, seconds in _limits(settings.timeouts)]
+    yield "timeouts", ", ".join(limits) or "none"
+    yield "handshake", _handshake(settings)
+    yield "starts", {"run": "running", "hold": "on hold", "off": "switched off"}[settings.start]
+    for state, doing in _effects(engagement, main_arguments(experiment)):
+        yield f"on {state}", ", beside it ".join(doing)
+
+
+def _engagement(experiment: Experiment, engagement: Engagement) -> Json:
+    """The same for programs."""
+    settings = engagement.settings
+    shown = Model(settings).shown().signs
+    signs: dict[str, Json] = {
+        sign: {
+            "used": sign in settings.signs,
+            "filter": shown[sign].filter,
+            "needed": shown[sign].needed,
+            "places": shown[sign].places,
+            "rate": settings.sign(sign).rate,
+            "sensors": [*_sensors(experiment, settings, sign)],
+            "actions": [*_actions(experiment, sign)],
+        }
+        for sign in SIGNS
+    }
+    return {
+        "start": settings.start,
+        "social_distance": settings.social_distance,
+        "signs": signs,
+        "timeouts": dict(_limits(settings.timeouts)),
+        "handshake": settings.handshake.by,
+        "on_enter": dict(_effects(engagement, main_arguments(experiment))),
+        "verbs": [*map(_verb, engagement_verbs())],
+    }
+
+
+def _condition(settings: EngagementSettings) -> str:
+    words = {
+        "presence": "is there",
+        "gaze": "looks",
+        "distance": f"is within {settings.social_distance:g} m",
+    }
+    return "who " + " and ".join(words[sign] for sign in words if sign in settings.signs)
+
+
+def _filter(shown: SignShown) -> str:
+    match shown.filter:
+        case "joint":
+            return f"joint, from {shown.needed} % on"
+        case "median":
+            return f"median of {shown.places}"
+        case kind:
+            return f"{kind} {shown.needed} of {shown.places}"
+
+
+def _rate(rate: float | None) -> str:
+    return "" if rate is None else f", at most {rate:g} samples a second"
+
+
+def _given(experiment: Experiment, settings: EngagementSettings, sign: str) -> str:
+    """Where a sign comes from: sensors and the wizard's actions."""
+    sensors = [*_sensors(experiment, settings, sign)]
+    actions = [f"{name!r}" for name in _actions(experiment, sign)]
+    parts = ["from " + " and ".join(sensors)] if sensors else []
+    parts += ["by " + ", ".join(actions)] if actions else []
+    return " and ".join(parts) or "nobody gives it"
+
+
+def _sensors(experiment: Experiment, settings: EngagementSettings, sign: str) -> Sequence[str]:
+    return _publishing(experiment, settings.sign(sign).sensor or sign)
+
+
+def _publishing(experiment: Experiment, wanted: str) -> Sequence[str]:
+    """Each reading of this name with its driver."""
+    return [
+        f"{wanted} ({driver})"
+        for driver, names in published_names(experiment.drivers).items()
+        if wanted in names.values()
+    ]
+
+
+def _actions(experiment: Experiment, sign: str) -> Iterator[str]:
+    for panel in experiment.panels:
+        for action in panel.actions:
+            if sign in signs_given(action):
+                yield action.name
+
+
+def _speech(experiment: Experiment, settings: EngagementSettings) -> str:
+    cutting = [spec.name for spec in experiment.drivers if SPEECH in spec.sensors]
+    if cutting:
+        return f"cut by {' and '.join(cutting)}"
+    heard = _publishing(experiment, settings.sound.sensor)
+    if not heard:
+        return "nobody hears it"
+    threshold = settings.sound.threshold
+    loud = f"louder than {threshold:g}" if threshold is not None else "as loud as it has learnt"
+    return f"{' and '.join(heard)}, {loud}, {settings.sound.hang_over:g} s of silence end it"
+
+
+def _limits(timeouts: Timeouts) -> Iterator[tuple[str, float]]:
+    """Those that are on."""
+    for item in fields(timeouts):
+        seconds: float | None = getattr(timeouts, item.name)
+        if seconds:
+            yield item.name, seconds
+
+
+def _handshake(settings: EngagementSettings) -> str:
+    handshake = settings.handshake
+    if handshake.by == "nobody":
+        return "none: who has no name stays without one"
+    if handshake.by == "wizard":
+        return f"led by the wizard, {handshake.seconds:g} s at most"
+    return f"led by the robot, asks {handshake.attempts} times within {handshake.seconds:g} s"
+
+
+def _effects(engagement: Engagement, mains: Mapping[str, str]) -> Iterator[tuple[str, list[str]]]:
+    for state in ENTERED:
+        own = engagement.effects.get(state)
+        doing = [described(own, mains)] if own is not None else []
+        doing += [f"plays {name!r}" for name in engagement.plays.get(state, ())]
+        if doing:
+            yield state, doing

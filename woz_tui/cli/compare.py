@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -20,7 +20,7 @@ SHOWN = 20
 _DIFFERENT, _TROUBLE = 1, 2
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("a", type=Path, metavar="A", help="a session's log")
     parser.add_argument("b", type=Path, metavar="B", help="another one, or a re-run of it")
@@ -31,22 +31,14 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.epilog = "Exit code: 0 if both have done the same in the same order, 1 if not, 2 if they"
     parser.epilog += " cannot be compared."
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Compare; 0 the same, 1 different, 2 not comparable."""
-    done: list[int] = []
-
-    def work() -> int:
-        done.append(_run(arguments))
-        return done[0]
-
-    explained(work)
-    return done[0] if done else _TROUBLE
+    return explained(lambda: _run(arguments), code=_TROUBLE)
 
 
-def _run(arguments: argparse.Namespace) -> int:
+def _run(arguments: Namespace) -> int:
     read_in = _read(arguments.a), _read(arguments.b)
     if read_in[0] is None or read_in[1] is None:
         return _TROUBLE

@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import os
 import sys
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from pathlib import Path, PurePosixPath
 
 from woz_tui import plugins
+from woz_tui.cli.failure import explained
 from woz_tui.core.driver import Driver
 from woz_tui.core.replacing import replace
 from woz_tui.experiment import woz4u
@@ -24,29 +25,27 @@ _HEAD = """{name} of WoZ4U, as `woz convert` wrote it: the same experiment.
 docs/woz4u.md says what became of each of its keys; `woz check` shows the keys of this file."""
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, help="config.yaml of WoZ4U")
     parser.add_argument(
         "-o", "--output", type=Path, help="the file to write (default: standard output)"
     )
     parser.add_argument("--force", action="store_true", help="replace a file that is there")
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Write the file, print warnings to stderr and return 0; or errors, and 1."""
-    try:
-        return convert(arguments, plugins.installed())
-    except (ConvertError, plugins.PluginError) as error:
-        return _told(str(error))
+    return explained(
+        lambda: convert(arguments, plugins.installed()), ConvertError, who="woz convert"
+    )
 
 
 class ConvertError(RuntimeError):
     """Nothing was written; the text says why."""
 
 
-def convert(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+def convert(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     source = _source(arguments.file)
     output: Path | None = arguments.output
@@ -66,7 +65,7 @@ def convert(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]
     for warning in experiment.warnings:
         print(warning, file=sys.stderr)
     if output is None:
-        _print(text)
+        print(text, end="", flush=True)
         return 0
     try:
         replace(output.resolve(), text)  # what was there stays until all of it is on the disk
@@ -74,22 +73,6 @@ def convert(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]
         raise ConvertError(f"{output} cannot be written: {error.strerror or error}") from error
     print(f"{output}: written; woz check {output} shows it", file=sys.stderr)
     return 0
-
-
-def _print(text: str) -> None:
-    try:
-        print(text, end="", flush=True)
-    except UnicodeEncodeError as error:
-        raise ConvertError(f"this terminal cannot show it ({_no_text(error)}); give -o") from error
-    except OSError as error:
-        if isinstance(error, BrokenPipeError):
-            raise
-        raise ConvertError(f"standard output: {error.strerror or error}") from error
-
-
-def _no_text(error: UnicodeEncodeError) -> str:
-    sign = error.object[error.start]
-    return f"there is no U+{ord(sign):04X} in {error.encoding}"
 
 
 def _source(file: Path) -> Source:
@@ -136,7 +119,10 @@ def _move(original: Path, output: Path | None) -> woz4u.Move:
         way = os.path.relpath(original.resolve().parent, output.resolve().parent)
         way.encode()
     except UnicodeEncodeError as error:
-        raise ConvertError(f"{way!r} cannot stand in a file: {_no_text(error)}") from error
+        sign = f"U+{ord(error.object[error.start]):04X}"
+        raise ConvertError(
+            f"{way!r} cannot stand in a file: there is no {sign} in {error.encoding}"
+        ) from error
     except (OSError, RuntimeError, ValueError) as error:
         raise ConvertError(f"{output}: {error}") from error
     return str if way == "." else lambda path: _joined(way, path)

@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 from importlib.resources import files
 from pathlib import Path
 
 from woz_tui.cli import run as run_command
-from woz_tui.cli.keymap import add_keymap
-from woz_tui.cli.options import add_pictures, add_session
+from woz_tui.cli.options import add_keymap, add_pictures, add_session
 
 #: Robots that can be shown: their experiment, and the condition and participant it begins with.
 DEMOS: dict[str, tuple[str, str, str]] = {
@@ -22,7 +21,7 @@ DEMOS: dict[str, tuple[str, str, str]] = {
 }
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
         "--robot",
@@ -36,10 +35,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     add_session(parser)
     add_keymap(parser)
     add_pictures(parser)
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Play a demo experiment that comes with woz-tui."""
     name, condition, participant = DEMOS[arguments.robot]
     experiment = demo_file(name)

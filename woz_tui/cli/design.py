@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +12,8 @@ from rich.table import Table
 from rich.text import Text
 
 from woz_tui import plugins
+from woz_tui.cli.failure import explained
+from woz_tui.cli.numbers import number
 from woz_tui.cli.streams import json_text
 from woz_tui.cli.study_summary import spoken, summary
 from woz_tui.console.text_console import TextConsole
@@ -19,7 +21,7 @@ from woz_tui.core.driver import Driver
 from woz_tui.core.messages import Json
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.orders import block_size, planned, rows
-from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.experiment.shape import Experiment
 from woz_tui.experiment.study import Design
 from woz_tui.session.earlier import Earlier, Found
 from woz_tui.session.proposal import Past, Proposal, Used, propose
@@ -30,12 +32,12 @@ _PAGE = 120
 _NEXT = "next"
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, help="experiment file")
     parser.add_argument(
         "--participants",
-        type=_count,
+        type=number(1, 1000, whole=True),
         metavar="N",
         help="plan for so many that are still to come (default: until every row is used equally)",
     )
@@ -48,29 +50,14 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
     )
-    parser.set_defaults(run=run)
 
 
-def _count(text: str) -> int:
-    count = int(text) if text.isdecimal() else 0
-    if not 1 <= count <= 1000:
-        raise argparse.ArgumentTypeError("expected a whole number from 1 to 1000")
-    return count
-
-
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Print the plan and return 0, or say what is wrong and return 1."""
-    try:
-        return design(arguments, plugins.installed())
-    except plugins.PluginError as error:
-        _complain(str(error))
-    except ExperimentError as error:
-        for problem in error.problems:
-            print(problem, file=sys.stderr)
-    return 1
+    return explained(lambda: design(arguments, plugins.installed()), who="woz design")
 
 
-def design(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+def design(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     experiment = load(arguments.file, catalogue)
     if experiment.study.design is None:
@@ -174,8 +161,8 @@ def _remark(plan: _Plan, past: Past) -> str:
 
 def _coming(plan: _Plan, labels: bool) -> Table:
     table = _table("", "row", "order")
-    for number, proposal in enumerate(plan.coming, 1):
-        table.add_row(str(number), _row(proposal.row), _order(plan, proposal.order, labels))
+    for place, proposal in enumerate(plan.coming, 1):
+        table.add_row(str(place), _row(proposal.row), _order(plan, proposal.order, labels))
     return table
 
 

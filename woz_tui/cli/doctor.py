@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import asyncio
 import os
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator
 from dataclasses import asdict, dataclass
 from datetime import UTC, datetime
@@ -43,7 +43,7 @@ class Section:
     findings: list[Finding]
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
         "experiment", type=Path, nargs="?", help="experiment file (default: only the machine)"
@@ -52,10 +52,9 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--recordings", type=Path, default=Path("recordings"), help="folder of the logs"
     )
     parser.add_argument("--json", action="store_true", help="for programs: one JSON object")
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Show every finding as it comes in; 0 if none is an error, 1 otherwise."""
     console = TextConsole()
     sections = []

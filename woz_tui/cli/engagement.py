@@ -2,19 +2,21 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import functools
 import json
 import os
 import stat
 import sys
-from collections.abc import Callable, Iterator
+from argparse import ArgumentParser, ArgumentTypeError, Namespace, RawDescriptionHelpFormatter
+from collections.abc import Iterator
 from dataclasses import replace
 from fractions import Fraction
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
+from woz_tui.cli.failure import explained
+from woz_tui.cli.numbers import number
 from woz_tui.cli.streams import json_text
 from woz_tui.experiment.engagement import (
     CONDITION,
@@ -66,12 +68,12 @@ class UnreadableError(Exception):
     """A file that is not what it seems to be; the text says why."""
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     from woz_tui.cli import engagement_bench  # noqa: PLC0415
 
     parser.description = _DESCRIPTION
-    parser.formatter_class = argparse.RawDescriptionHelpFormatter
+    parser.formatter_class = RawDescriptionHelpFormatter
     parser.add_argument(
         "file", nargs="?", help="lines of samples, or a session's log; - is standard input"
     )
@@ -87,13 +89,14 @@ def add(parser: argparse.ArgumentParser) -> None:
         help="a session's log: how steady and quick its signs were, by markers `steady` and `now`",
     )  # fmt: skip
     engagement_bench.add_options(parser)
-    parser.set_defaults(run=run)
 
 
-def add_settings(parser: argparse.ArgumentParser) -> None:
+def add_settings(parser: ArgumentParser) -> None:
     """Options that stand above the experiment's settings; for all signs where signs differ."""
     setting = parser.add_argument_group("settings", "above those of the experiment, for all signs")
-    setting.add_argument("--samples", type=_places, metavar="N", help="places of each queue (8)")
+    setting.add_argument(
+        "--samples", type=number(1, 1000, whole=True), metavar="N", help="places of each queue (8)"
+    )
     setting.add_argument(
         "--threshold", type=_share, metavar="X", help="share of the queue that decides (0.5)"
     )
@@ -104,46 +107,36 @@ def add_settings(parser: argparse.ArgumentParser) -> None:
         "--start-up", choices=START_UPS, help="queues that are not full (zero-fill)"
     )
     setting.add_argument(
-        "--stale", type=_bounded(0.05, 60, "s"), metavar="SECONDS",
+        "--stale", type=number(0.05, 60, "s"), metavar="SECONDS",
         help="a sign that is silent for longer is forgotten (1); after 2 s nobody is engaged by it",
     )  # fmt: skip
     setting.add_argument(
-        "--rate", type=_bounded(0.1, 1000, "Hz"), metavar="HZ",
+        "--rate", type=number(0.1, 1000, "Hz"), metavar="HZ",
         help="samples a second: how long a line lasts whose t is missing or goes back (3)",
     )  # fmt: skip
     setting.add_argument(
-        "--social-distance", type=_bounded(0.1, 10, "m"), metavar="M", help="near enough (1.3)"
+        "--social-distance", type=number(0.1, 10, "m"), metavar="M", help="near enough (1.3)"
     )
     setting.add_argument(
         "--signs", type=_signs, metavar="SIGN,...",
         help=f"what the condition of engagement uses ({','.join(CONDITION)})",
     )  # fmt: skip
     setting.add_argument(
-        "--loud", type=_bounded(0, _LOUDEST), metavar="X",
+        "--loud", type=number(0, _LOUDEST), metavar="X",
         help="louder is speech (0.0732, which is 2400 of 32768); above 1: rms is on that scale",
     )  # fmt: skip
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Print a line for each line; 0, 1 for a file that cannot be read, 2 for wrong options."""
-    from woz_tui import plugins  # noqa: PLC0415
-    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
-
     try:
-        return _run(arguments)
+        return explained(lambda: _run(arguments), UnreadableError, who="woz engagement")
     except UsageError as error:
         _tell(str(error))
         return 2
-    except ExperimentError as error:
-        print(*error.problems, sep="\n", file=sys.stderr)
-    except BrokenPipeError:
-        raise
-    except (UnreadableError, plugins.PluginError, OSError) as error:
-        _tell(str(error))
-    return 1
 
 
-def _run(arguments: argparse.Namespace) -> int:
+def _run(arguments: Namespace) -> int:
     _together(arguments)
     settings = settings_of(arguments)
     if arguments.bench:
@@ -163,9 +156,7 @@ def _run(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _log(
-    arguments: argparse.Namespace, settings: EngagementSettings, file: BinaryIO, first: bytes
-) -> int:
+def _log(arguments: Namespace, settings: EngagementSettings, file: BinaryIO, first: bytes) -> int:
     from woz_tui.cli import piped  # noqa: PLC0415
 
     try:
@@ -177,7 +168,7 @@ def _log(
         raise UnreadableError(str(error)) from error
 
 
-def _again(arguments: argparse.Namespace, log: Path, settings: EngagementSettings) -> int:
+def _again(arguments: Namespace, log: Path, settings: EngagementSettings) -> int:
     """Print a log's transitions, or beside those that were recorded; or how trials went."""
     from woz_tui.cli import engagement_log  # noqa: PLC0415
 
@@ -198,7 +189,7 @@ def _again(arguments: argparse.Namespace, log: Path, settings: EngagementSetting
     return 0
 
 
-def _together(arguments: argparse.Namespace) -> None:
+def _together(arguments: Namespace) -> None:
     """Refuse what would be ignored: `UsageError` for options that do not go together."""
     wholes = ("bench", "compare", "trials")
     chosen = [f"--{name}" for name in wholes if getattr(arguments, name)]
@@ -216,7 +207,7 @@ def _together(arguments: argparse.Namespace) -> None:
 # -- settings -----------------------------------------------------------------------------------
 
 
-def settings_of(arguments: argparse.Namespace) -> EngagementSettings:
+def settings_of(arguments: Namespace) -> EngagementSettings:
     """The experiment's settings, or the defaults, with the options above them.
 
     Raises `ExperimentError` for a wrong file and `UsageError` for options that do not go together.
@@ -225,7 +216,7 @@ def settings_of(arguments: argparse.Namespace) -> EngagementSettings:
     return with_options(arguments, settings)
 
 
-def with_options(arguments: argparse.Namespace, settings: EngagementSettings) -> EngagementSettings:
+def with_options(arguments: Namespace, settings: EngagementSettings) -> EngagementSettings:
     """Settings with the options above them; `UsageError` for those that do not go together."""
     numbers = ("samples", "threshold", "filter", "stale")
     others = ("start_up", "rate", "signs", "social_distance")
@@ -256,40 +247,20 @@ def _experiments(file: Path) -> EngagementSettings:
     return engagement.settings
 
 
-def _bounded(low: float, high: float, unit: str = "") -> Callable[[str], float]:
-    """A type of argparse that tells the range, with its unit."""
-
-    def bounded(text: str) -> float:
-        with contextlib.suppress(ValueError):
-            value = float(text)
-            if low <= value <= high:
-                return value
-        raise argparse.ArgumentTypeError(f"{text!r} is not {low:g} to {high:g} {unit}".rstrip())
-
-    return bounded
-
-
-def _places(text: str) -> int:
-    with contextlib.suppress(ValueError):
-        if 1 <= int(text) <= 1000:
-            return int(text)
-    raise argparse.ArgumentTypeError(f"{text!r} is no whole number from 1 to 1000")
-
-
 def _share(text: str) -> float:
     """A decimal from 0 to 1; it is computed with as it stands, so it must be exact as a float."""
-    value = _bounded(0, 1)(text)
+    value = number(0, 1)(text)
     with contextlib.suppress(ValueError):
         if Fraction(text) == Fraction(str(value)):
             return value
-    raise argparse.ArgumentTypeError(f"{text!r} has more than {_DIGITS} digits")
+    raise ArgumentTypeError(f"{text!r} has more than {_DIGITS} digits")
 
 
 def _signs(text: str) -> tuple[str, ...]:
     names = [name.strip() for name in text.split(",")]
     unknown = [name for name in names if name not in CONDITION]
     if unknown or len(set(names)) < len(names):
-        raise argparse.ArgumentTypeError(f"{text!r} is not some of {','.join(CONDITION)}")
+        raise ArgumentTypeError(f"{text!r} is not some of {','.join(CONDITION)}")
     return tuple(name for name in CONDITION if name in names)
 
 

@@ -7,8 +7,8 @@ said. What the robot did then it has done: its sentences stay where they were.
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import Namespace
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -170,7 +170,7 @@ def _keep_quiet(change: Change) -> None:
 
 
 def planned(
-    arguments: argparse.Namespace,
+    arguments: Namespace,
     log: Path,
     settings: EngagementSettings,
     with_options: Callable[[EngagementSettings], EngagementSettings],
@@ -184,7 +184,7 @@ def planned(
     return (None if _tells_settings(log) else _searched(log, settings, of_experiment)), above
 
 
-def _named(arguments: argparse.Namespace) -> dict[str, frozenset[str]]:
+def _named(arguments: Namespace) -> dict[str, frozenset[str]]:
     """Arguments of the wizard's verbs for which an option stands."""
     options = {"filter": "kind", "samples": "samples", "threshold": "threshold"}
     of_filter = {

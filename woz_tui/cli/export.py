@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli.failure import explained
+from woz_tui.export.export import export
+from woz_tui.export.exporter import Options
+from woz_tui.export.sources import ExportError
 
 _MEANINGS = {
     "csv": "tidy tables with a data dictionary",
@@ -17,7 +20,7 @@ _MEANINGS = {
 }
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
         "file", nargs="+", type=Path, metavar="FILE", help="a log, or a folder of logs"
@@ -52,47 +55,39 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="SECONDS",
         help="where in it the session begins; negative: the session began earlier (default: 0)",
     )
-    parser.set_defaults(run=lambda arguments: explained(lambda: _run(arguments)))
 
 
-def _run(arguments: argparse.Namespace) -> int:
-    from woz_tui.export.export import export  # noqa: PLC0415
-    from woz_tui.export.options import Options  # noqa: PLC0415
-    from woz_tui.export.sources import ExportError  # noqa: PLC0415
+def run(arguments: Namespace) -> int:
+    """Write the folder, and say what could not be exported."""
+    return explained(lambda: _run(arguments), ExportError, who="woz export")
 
-    try:
-        if arguments.samples and arguments.to in ("eaf", "textgrid"):
-            raise ExportError(
-                f"--to {arguments.to} has no place for --samples", "use --to csv or bids for them"
-            )
-        options = Options(
-            redact=arguments.redact_text,
-            samples=arguments.samples,
-            sound=not (arguments.no_sound or arguments.redact_text),
-            media=arguments.media,
-            offset=_microseconds(arguments),
+
+def _run(arguments: Namespace) -> int:
+    if arguments.samples and arguments.to in ("eaf", "textgrid"):
+        raise ExportError(
+            f"--to {arguments.to} has no place for --samples", "use --to csv or bids for them"
         )
-        sessions = unread = 0
-        for told in export(
-            arguments.file, arguments.to, arguments.out, options, force=arguments.force
-        ):
-            sessions += 1
-            unread += not told.session.lines
-            print(f"{told.session.name}: {told.events} events, {told.session.duration / 1e6:.1f} s")
-            for sentence in told.session.damage:
-                print(f"woz export: {told.session.name}: damage: {sentence}", file=sys.stderr)
-            for sentence in told.notes:
-                print(f"woz export: {told.session.name}: {sentence}", file=sys.stderr)
-    except ExportError as error:
-        print(f"woz export: {error}", file=sys.stderr)
-        return 1
+    options = Options(
+        redact=arguments.redact_text,
+        samples=arguments.samples,
+        sound=not (arguments.no_sound or arguments.redact_text),
+        media=arguments.media,
+        offset=_microseconds(arguments),
+    )
+    sessions = unread = 0
+    for told in export(arguments.file, arguments.to, arguments.out, options, force=arguments.force):
+        sessions += 1
+        unread += not told.session.lines
+        print(f"{told.session.name}: {told.events} events, {told.session.duration / 1e6:.1f} s")
+        for sentence in told.session.damage:
+            print(f"woz export: {told.session.name}: damage: {sentence}", file=sys.stderr)
+        for sentence in told.notes:
+            print(f"woz export: {told.session.name}: {sentence}", file=sys.stderr)
     print(f"{sessions} session{'' if sessions == 1 else 's'} in {arguments.out}")
     return 1 if unread else 0
 
 
-def _microseconds(arguments: argparse.Namespace) -> int:
-    from woz_tui.export.sources import ExportError  # noqa: PLC0415
-
+def _microseconds(arguments: Namespace) -> int:
     if arguments.offset and arguments.media is None:
         raise ExportError("--offset goes with --media", "name the video with --media")
     if not abs(arguments.offset) < 1e6:

@@ -25,32 +25,48 @@ def os_sentence(error: OSError) -> str:
     return f"{path}: {error.strerror[:1].lower()}{error.strerror[1:]}" + (remedy and f" ({remedy})")
 
 
-def explained(work: Callable[[], int]) -> int:
-    """Do `work` and return its exit code, or 1 after saying on standard error what went wrong."""
+def of_output(error: Exception) -> bool:
+    """Whether what is printed can go nowhere: that is told at the end, for all commands alike."""
+    if not isinstance(error, OSError):
+        return False
+    full = error.errno in (errno.ENOSPC, errno.EIO, errno.EDQUOT) and error.filename is None
+    return (full and not hasattr(error, "__notes__")) or isinstance(error, BrokenPipeError)
+
+
+def explained(
+    work: Callable[[], int], *more: type[Exception], who: str = "woz", code: int = 1
+) -> int:
+    """Do `work` and return its exit code, or `code` after saying on standard error as `who` what
+    went wrong. `more`: errors of the command's own whose texts are for people.
+    """
     try:
         return work()
     except Exception as error:
-        told = _told(error)
+        if of_output(error):
+            raise
+        told = _told(error, who, more)
         if told is None:
             raise
         print(told, *getattr(error, "__notes__", ()), sep="\n", file=sys.stderr)
-    return 1
+    return code
 
 
-def _told(error: Exception) -> str | None:
+def _told(error: Exception, who: str, more: tuple[type[Exception], ...]) -> str | None:
     """The error in sentences; None if it is a mistake of the program."""
     # Here, so that what needs no explanation starts without them.
     from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
     from woz_tui.plugins import PluginError  # noqa: PLC0415
     from woz_tui.session.identity import AskError  # noqa: PLC0415
 
+    if not isinstance(error, (ExperimentError, AskError, PluginError, OSError, *more)):
+        return None
+    if problems := getattr(error, "problems", ()):
+        return "\n".join(map(str, problems))
     match error:
-        case ExperimentError():
-            return "\n".join(map(str, error.problems))
         case AskError():
-            return f"woz: {error.reason}{f' ({error.hint})' if error.hint else ''}"
+            what, remedy = error.reason, error.hint
         case OSError():
-            return f"woz: {os_sentence(error)}"
-        case PluginError():
-            return f"woz: {error}"
-    return None
+            what, remedy = os_sentence(error), ""
+        case _:
+            what, remedy = getattr(error, "what", str(error)), getattr(error, "remedy", "")
+    return f"{who}: {what}{f' ({remedy})' if remedy and remedy not in what else ''}"

@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import argparse
-import contextlib
 import logging
 import sys
+from argparse import SUPPRESS, ArgumentParser, Namespace
 from pathlib import Path
 
 from woz_tui.cli.failure import explained
+from woz_tui.cli.numbers import number
 from woz_tui.cli.options import add_session, identity
 
 LONGEST_WAIT_S = 3600.0
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_session(parser)
@@ -32,7 +32,7 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--rerun-wait",
-        type=_seconds,
+        type=number(0, LONGEST_WAIT_S, "s"),
         default=20.0,
         metavar="SECONDS",
         help="with --rerun: how long the drivers may take to be connected (default 20)",
@@ -49,18 +49,10 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="N",
         help="with --train: how many cues (default: what the file says)",
     )
-    parser.add_argument("--announce", action="store_true", help=argparse.SUPPRESS)
-    parser.set_defaults(run=run)
+    parser.add_argument("--announce", action="store_true", help=SUPPRESS)
 
 
-def _seconds(text: str) -> float:
-    with contextlib.suppress(ValueError):
-        if 0 <= (value := float(text)) <= LONGEST_WAIT_S:
-            return value
-    raise argparse.ArgumentTypeError(f"{text!r} is no time from 0 to {LONGEST_WAIT_S:g} seconds")
-
-
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Serve until the session ends."""
     if arguments.headless and arguments.rerun is None:
         print("woz: --headless goes with --rerun", file=sys.stderr)

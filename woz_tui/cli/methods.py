@@ -2,27 +2,26 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 
 from woz_tui.cli.report import Reading, add_sessions
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     add_sessions(parser)
     parser.add_argument("--markdown", action="store_true", help="with headings")
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Print the sentences; what no log can know, and what could not be read, goes to stderr."""
     from woz_tui.cli import piped  # noqa: PLC0415
 
     return piped.with_logs(arguments, _run, "woz methods")
 
 
-def _run(arguments: argparse.Namespace) -> int:
+def _run(arguments: Namespace) -> int:
     from woz_tui.analysis.methods import BY_HAND, paragraphs  # noqa: PLC0415
     from woz_tui.analysis.session import FIGURES  # noqa: PLC0415
     from woz_tui.analysis.study import Studies  # noqa: PLC0415

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import os
 import select
 import sys
 import termios
 import tty
+from argparse import ArgumentParser, Namespace
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
@@ -20,7 +20,7 @@ from woz_tui.cli.failure import explained
 from woz_tui.console.text_console import TextConsole
 from woz_tui.core.driver import Driver, DriverError
 from woz_tui.core.replacing import replace
-from woz_tui.experiment.given import settings_of
+from woz_tui.experiment.settings import settings_of
 
 #: The driver that knows panels.
 DRIVER = "midi"
@@ -53,7 +53,7 @@ class _Lesson(Protocol):
     def close(self) -> None: ...
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     commands = parser.add_subparsers(title="commands", metavar="COMMAND", required=True)
     learn = commands.add_parser("learn", help="move each control once; writes a map file")
@@ -69,23 +69,18 @@ def add(parser: argparse.ArgumentParser) -> None:
         metavar="MAP",
         help=f"whose targets are asked for: nanokontrol2, thesis or a file (default: {_STANDARD})",
     )
-    learn.set_defaults(run=lambda arguments: explained(lambda: _told(_learn, arguments)))
+    learn.set_defaults(work=_learn)
     show = commands.add_parser("show", help="show what each control sends and does")
     show.add_argument(
         "map", nargs="?", default=_STANDARD, help="nanokontrol2, thesis or a map file"
     )
     show.add_argument("--yaml", action="store_true", help="as a map file, to begin one's own with")
-    show.set_defaults(run=lambda arguments: explained(lambda: _show(arguments)))
+    show.set_defaults(work=_show)
 
 
-def _told(work: Any, arguments: argparse.Namespace) -> int:
-    try:
-        code: int = work(arguments)
-    except DriverError as error:
-        remedy = f" ({error.remedy})" if error.remedy else ""
-        print(f"woz: {error.what}{remedy}", file=sys.stderr)
-        return 1
-    return code
+def run(arguments: Namespace) -> int:
+    """Learn a panel, or show a map."""
+    return explained(lambda: arguments.work(arguments), DriverError)
 
 
 def _panel(catalogue: Mapping[str, type[Driver]]) -> Any:
@@ -98,7 +93,7 @@ def _settings(panel: Any, name: str) -> Any:
     return settings_of(panel.Settings, {"map": name}, Path.cwd())
 
 
-def _show(arguments: argparse.Namespace) -> int:
+def _show(arguments: Namespace) -> int:
     panel = _panel(plugins.installed())
     settings = _settings(panel, arguments.map)
     if arguments.yaml:
@@ -114,7 +109,7 @@ def _show(arguments: argparse.Namespace) -> int:
 # -- learning -----------------------------------------------------------------------------------
 
 
-def _learn(arguments: argparse.Namespace) -> int:
+def _learn(arguments: Namespace) -> int:
     file: Path = arguments.file
     panel = _panel(plugins.installed())
     again = file.exists() and not arguments.like

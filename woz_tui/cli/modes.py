@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
+from argparse import ArgumentParser, Namespace
 
 from rich.table import Table
 
@@ -17,15 +17,14 @@ _PAGE = 120
 _ITSELF = (("breathing", BREATHES), ("blinking", BLINKS))
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument(
         "--markdown", action="store_true", help="as Markdown: the tables of docs/modes.md"
     )
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Print the table."""
     if arguments.markdown:
         print(markdown())

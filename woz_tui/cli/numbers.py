@@ -2,19 +2,26 @@
 
 from __future__ import annotations
 
-import argparse
 import contextlib
+from argparse import ArgumentTypeError
+from collections.abc import Callable
 
 
-def number(text: str, low: float, high: float) -> float:
-    """`text` as a number from `low` to `high`. Raises `ArgumentTypeError` for anything else."""
-    with contextlib.suppress(ValueError):
-        value = float(text)
-        if low <= value <= high:
-            return value
-    raise argparse.ArgumentTypeError(f"{text!r} is no number from {low:g} to {high:g}")
+def number(
+    low: float, high: float, unit: str = "", *, whole: bool = False
+) -> Callable[[str], float]:
+    """A type that takes a number from `low` to `high`, and says so of anything else."""
+
+    def read(text: str) -> float:
+        with contextlib.suppress(ValueError):
+            value = int(text) if whole else float(text)
+            if low <= value <= high:
+                return value
+        kind = "whole number" if whole else "number"
+        raise ArgumentTypeError(f"{text!r} is no {kind} from {low:g} to {high:g} {unit}".rstrip())
+
+    return read
 
 
-def seconds(text: str) -> float:
-    """`text` as a time of at most a day, in seconds."""
-    return number(text, 0.0, 86_400.0)
+#: A time of at most a day.
+seconds = number(0.0, 86_400.0, "s")

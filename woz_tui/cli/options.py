@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
-import argparse
+import os
 import re
-from collections.abc import Iterable
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
+from woz_tui.experiment.builtins import BUILTIN, Builtin
 from woz_tui.host import place
 from woz_tui.session.identity import Identity
 
@@ -14,7 +16,7 @@ from woz_tui.session.identity import Identity
 _SESSION = re.compile(r"_S(\d{1,6})(?:[.-]|$)")
 
 
-def add_session(parser: argparse.ArgumentParser) -> None:
+def add_session(parser: ArgumentParser) -> None:
     """Declare the options that say who takes part and where the log goes."""
     parser.add_argument("--session", default="", help="session code (default: the next free one)")
     parser.add_argument("--participant", default="", help="participant code, never a name")
@@ -33,7 +35,7 @@ def add_session(parser: argparse.ArgumentParser) -> None:
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
 
 
-def add_pictures(parser: argparse.ArgumentParser) -> None:
+def add_pictures(parser: ArgumentParser) -> None:
     """Declare how a camera's pictures are drawn: the same words as `console.camera.ways.WAYS`."""
     parser.add_argument(
         "--pictures",
@@ -43,7 +45,7 @@ def add_pictures(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def identity(arguments: argparse.Namespace) -> Identity:
+def identity(arguments: Namespace) -> Identity:
     """The codes, with the next free session code where none was given."""
     return Identity(
         session=arguments.session or next_session(arguments.recordings, place.running()),
@@ -60,3 +62,33 @@ def next_session(recordings: Path, sockets: Iterable[Path] = ()) -> str:
     names = [*(path.name for path in logs), *(f"_{path.stem}" for path in sockets)]
     numbers = [int(match.group(1)) for name in names if (match := _SESSION.search(name))]
     return f"S{max(numbers, default=0) + 1:02d}"
+
+
+# -- a wizard's own keymap file --------------------------------------------------------------------
+
+
+def add_keymap(parser: ArgumentParser) -> None:
+    """Declare `--keymap`."""
+    parser.add_argument(
+        "--keymap",
+        type=Path,
+        default=None,
+        help="file that moves the console's own keys (default: ~/.config/woz/keymap.yaml)",
+    )
+
+
+def builtins(arguments: Namespace) -> Sequence[Builtin]:
+    """The console's keys, moved as the file says. Raises `ExperimentError` for a wrong file."""
+    file: Path | None = arguments.keymap
+    if file is None:
+        file = _config() / "woz" / "keymap.yaml"
+        if not file.exists():
+            return BUILTIN
+    from woz_tui.experiment.keys import load_keymap  # noqa: PLC0415 - few wizards have a file
+
+    return load_keymap(file)
+
+
+def _config() -> Path:
+    configured = os.environ.get("XDG_CONFIG_HOME", "")
+    return Path(configured) if configured else Path.home() / ".config"

@@ -7,11 +7,11 @@ the other (`cat LOG LOG.samples | ...`).
 
 from __future__ import annotations
 
-import argparse
 import contextlib
 import re
 import sys
 import tempfile
+from argparse import Namespace
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import BinaryIO
@@ -75,9 +75,7 @@ def _write(folder: Path, file: BinaryIO, first: bytes, most: int) -> None:
             part = file.readline(_PART)
 
 
-def with_logs(
-    arguments: argparse.Namespace, work: Callable[[argparse.Namespace], int], who: str
-) -> int:
+def with_logs(arguments: Namespace, work: Callable[[Namespace], int], who: str) -> int:
     """`work` with `arguments`, in whose `logs` a file stands for standard input. The exit code: 1
     if it cannot be kept, 2 if it is named twice or nothing can come from it.
     """
@@ -90,7 +88,7 @@ def with_logs(
     try:
         with kept(sys.stdin.buffer) as path:
             logs = [str(path) if name == NAME else name for name in arguments.logs]
-            return work(argparse.Namespace(**{**vars(arguments), "logs": logs}))
+            return work(Namespace(**{**vars(arguments), "logs": logs}))
     except PipedError as error:
         print(f"{who}: {error}", file=sys.stderr)
         return 1

@@ -6,20 +6,26 @@ a layer with `--inputs LOG --from SECONDS`.
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, ArgumentTypeError, Namespace
 from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from woz_tui import plugins
 from woz_tui.cli import numbers
-
-if TYPE_CHECKING:
-    from woz_tui.cli.rendered import Stage
-    from woz_tui.core.driver import Driver
-    from woz_tui.motion.keyframes import KeyframeMove
-    from woz_tui.motion.puppeteer import Puppeteer
-    from woz_tui.motion.shapes import BodyShape
+from woz_tui.cli.failure import explained
+from woz_tui.cli.inputs import lines_of
+from woz_tui.cli.live_take import Live, keyboard
+from woz_tui.cli.rendered import RenderError, Stage
+from woz_tui.cli.scripted_take import performed
+from woz_tui.core.driver import Driver
+from woz_tui.experiment.report import hint
+from woz_tui.motion.keyframes import KeyframeMove
+from woz_tui.motion.movefile import NAME, NAME_RULE, MoveFileError, read_move
+from woz_tui.motion.movewriter import WriteError, save
+from woz_tui.motion.puppeteer import Puppeteer, blended, muted, without
+from woz_tui.motion.scripted import InputLineError, read_inputs
+from woz_tui.motion.shapes import BodyShape
 
 #: Seconds a script's take goes on after the last input.
 AFTER_S = 1.0
@@ -31,7 +37,7 @@ class RecordError(Exception):
     """It cannot be recorded; the text says why, and what could be done."""
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, help="move file; it is made if it is not there")
     parser.add_argument("name", nargs="?", default="", help="the move (default: the file's name)")
@@ -44,7 +50,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     take.add_argument(
         "--seconds", type=numbers.seconds, help="how long (default: until space is pressed)"
     )
-    take.add_argument("--rate", type=_rate, default=25.0, help="samples a second (default: 25)")
+    take.add_argument(
+        "--rate", type=numbers.number(1, 100), default=25.0, help="samples a second (default: 25)"
+    )
     take.add_argument(
         "--count-in",
         type=numbers.seconds,
@@ -66,56 +74,23 @@ def add(parser: argparse.ArgumentParser) -> None:
     )  # fmt: skip
     layers.add_argument("--drop", metavar="LAYER", action="append", default=[], help="take it out")
     layers.add_argument("--no-take", action="store_true", help="only change layers")
-    parser.set_defaults(run=run)
-
-
-def _rate(text: str) -> float:
-    return numbers.number(text, 1.0, 100.0)
 
 
 def _share(text: str) -> tuple[str, float]:
     layer, _, share = text.rpartition("=")
     if not layer:
-        raise argparse.ArgumentTypeError(f"{text!r} is not LAYER=SHARE, such as head=0.5")
-    return layer, numbers.number(share, 0.0, 1.0)
+        raise ArgumentTypeError(f"{text!r} is not LAYER=SHARE, such as head=0.5")
+    return layer, numbers.number(0, 1)(share)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Record and save; 0, or 1 after saying why nothing was saved."""
-    # Here, so that the other commands start without the engine.
-    from woz_tui import plugins  # noqa: PLC0415
-    from woz_tui.cli.rendered import RenderError  # noqa: PLC0415
-    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
-    from woz_tui.motion.movefile import MoveFileError  # noqa: PLC0415
-    from woz_tui.motion.movewriter import WriteError  # noqa: PLC0415
-    from woz_tui.motion.scripted import InputLineError  # noqa: PLC0415
-
-    try:
-        return record(arguments, plugins.installed())
-    except ExperimentError as error:
-        print(*error.problems, sep="\n", file=sys.stderr)
-    except MoveFileError as error:
-        print(*error.problems, sep="\n", file=sys.stderr)
-        print(
-            f"woz record-move: {arguments.file} is there and is no move that can be read;"
-            " nothing was recorded",
-            file=sys.stderr,
-        )
-    except WriteError as error:
-        remedy = f" ({error.remedy})" if error.remedy else ""
-        print(f"woz record-move: {error.what}{remedy}", file=sys.stderr)
-    except BrokenPipeError:
-        raise
-    except (RecordError, RenderError, InputLineError, plugins.PluginError, OSError) as error:
-        print(f"woz record-move: {error}", file=sys.stderr)
-    return 1
+    errors = (RecordError, RenderError, InputLineError, MoveFileError, WriteError)
+    return explained(lambda: record(arguments, plugins.installed()), *errors, who="woz record-move")
 
 
-def record(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+def record(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
-    from woz_tui.cli.rendered import Stage  # noqa: PLC0415
-    from woz_tui.motion.movewriter import save  # noqa: PLC0415
-
     stage = Stage.of(arguments.robot, catalogue, arguments.body, None)
     shape: BodyShape = stage.spec.settings
     move = _changed(_move(arguments, shape), arguments)
@@ -131,14 +106,18 @@ def record(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]])
     return 0
 
 
-def _move(arguments: argparse.Namespace, shape: BodyShape) -> KeyframeMove:
+def _move(arguments: Namespace, shape: BodyShape) -> KeyframeMove:
     """The move as it is, or a new one."""
-    from woz_tui.motion.keyframes import KeyframeMove  # noqa: PLC0415
-    from woz_tui.motion.movefile import NAME, NAME_RULE, read_move  # noqa: PLC0415
-
     name = arguments.name or arguments.file.stem
     if arguments.file.exists():
-        move = read_move(arguments.file, shape)
+        try:
+            move = read_move(arguments.file, shape)
+        except MoveFileError as error:
+            error.add_note(
+                f"woz record-move: {arguments.file} is there and is no move that can be read;"
+                " nothing was recorded"
+            )
+            raise
         if arguments.name and move.name != arguments.name:
             raise RecordError(f"{arguments.file} holds the move {move.name!r}, not {name!r}")
         return move
@@ -151,10 +130,7 @@ def _move(arguments: argparse.Namespace, shape: BodyShape) -> KeyframeMove:
     return KeyframeMove(name, "", ())
 
 
-def _changed(move: KeyframeMove, arguments: argparse.Namespace) -> KeyframeMove:
-    from woz_tui.experiment.report import hint  # noqa: PLC0415
-    from woz_tui.motion.puppeteer import blended, muted, without  # noqa: PLC0415
-
+def _changed(move: KeyframeMove, arguments: Namespace) -> KeyframeMove:
     known = [layer.name for layer in move.layers]
     shares = [name for name, _ in arguments.share]
     for name in (*arguments.mute, *arguments.unmute, *shares, *arguments.drop):
@@ -192,12 +168,7 @@ def _told(move: KeyframeMove, file: Path) -> str:
 # -- the take -----------------------------------------------------------------------------------
 
 
-def _scripted(arguments: argparse.Namespace, stage: Stage, move: KeyframeMove) -> KeyframeMove:
-    from woz_tui.cli.inputs import lines_of  # noqa: PLC0415
-    from woz_tui.cli.scripted_take import performed  # noqa: PLC0415
-    from woz_tui.motion.puppeteer import Puppeteer  # noqa: PLC0415
-    from woz_tui.motion.scripted import read_inputs  # noqa: PLC0415
-
+def _scripted(arguments: Namespace, stage: Stage, move: KeyframeMove) -> KeyframeMove:
     read = read_inputs(lines_of(arguments.inputs), stage.verbs, stage.body)
     inputs = [stage.translated(one) for one in read]
     settings = stage.spec.settings
@@ -215,10 +186,7 @@ def _scripted(arguments: argparse.Namespace, stage: Stage, move: KeyframeMove) -
     return _finished(puppeteer, arguments)
 
 
-def _live(arguments: argparse.Namespace, shape: BodyShape, move: KeyframeMove) -> KeyframeMove:
-    from woz_tui.cli.live_take import Live, keyboard  # noqa: PLC0415
-    from woz_tui.motion.puppeteer import Puppeteer  # noqa: PLC0415
-
+def _live(arguments: Namespace, shape: BodyShape, move: KeyframeMove) -> KeyframeMove:
     if not sys.stdin.isatty():
         raise RecordError("there is no keyboard here; give the inputs with --inputs")
     puppeteer = Puppeteer(shape, move, arguments.layer, arguments.rate)
@@ -230,7 +198,7 @@ def _live(arguments: argparse.Namespace, shape: BodyShape, move: KeyframeMove) -
     return _finished(puppeteer, arguments)
 
 
-def _finished(puppeteer: Puppeteer, arguments: argparse.Namespace) -> KeyframeMove:
+def _finished(puppeteer: Puppeteer, arguments: Namespace) -> KeyframeMove:
     move = puppeteer.recorded(trim=not arguments.no_trim)
     layer = next(layer for layer in move.layers if layer.name == arguments.layer)
     if layer.length <= 0:

@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-import argparse
 import itertools
+import math
 import shutil
 import sys
-from collections.abc import Iterator, Mapping
+from argparse import ArgumentParser, Namespace
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
+from woz_tui import plugins
 from woz_tui.cli import numbers
-from woz_tui.cli.failure import os_sentence
+from woz_tui.cli.failure import explained
+from woz_tui.cli.inputs import described, lines_of
+from woz_tui.cli.rendered import RenderError, Stage
 from woz_tui.cli.streams import json_text
-
-if TYPE_CHECKING:
-    from woz_tui.core.driver import Driver
-    from woz_tui.motion.rendering import Input
-    from woz_tui.motion.ticks import Tick
+from woz_tui.console.bodies.dots import bit
+from woz_tui.console.text_console import TextConsole
+from woz_tui.core.driver import Driver
+from woz_tui.motion.rendering import Input, Rendering
+from woz_tui.motion.scripted import InputLineError, read_inputs
+from woz_tui.motion.ticks import Tick
 
 #: Rows of cells for each joint's curve.
 CURVE_ROWS = 6
@@ -25,7 +31,7 @@ CURVE_ROWS = 6
 PAGE = 100
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, nargs="?", help="experiment or robot file")
     parser.add_argument("name", nargs="?", help="a move, a mode, idle, or an action of the file")
@@ -33,7 +39,10 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--seconds", type=numbers.seconds, help="how long (default: until it is over)"
     )
     parser.add_argument(
-        "--rate", type=_rate, default=50.0, help="lines a second, 1 to 1000 (default: 50)"
+        "--rate",
+        type=numbers.number(1, 1000),
+        default=50.0,
+        help="lines a second, 1 to 1000 (default: 50)",
     )
     parser.add_argument(
         "--inputs", help="JSON lines of inputs, or a session's log; - is standard input"
@@ -47,44 +56,23 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--seed", type=int, help="of blinks and the like (default: the file's)")
     parser.add_argument("--help-inputs", action="store_true", help="which inputs there are")
-    parser.set_defaults(run=run)
 
 
-def _rate(text: str) -> float:
-    return numbers.number(text, 1.0, 1000.0)
-
-
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Print the lines (or the curves) and return 0; 2 if it cannot be rendered."""
-    # Here, so that the other commands start without the engine.
-    from woz_tui import plugins  # noqa: PLC0415
-    from woz_tui.cli.rendered import RenderError  # noqa: PLC0415
-    from woz_tui.experiment.shape import ExperimentError  # noqa: PLC0415
-    from woz_tui.motion.scripted import InputLineError  # noqa: PLC0415
-
-    try:
-        return render(arguments, plugins.installed())
-    except ExperimentError as error:
-        print(*error.problems, sep="\n", file=sys.stderr)
-    except (RenderError, InputLineError, plugins.PluginError) as error:
-        print(f"woz render: {error}", file=sys.stderr)
-    except BrokenPipeError:
-        raise
-    except OSError as error:
-        print(f"woz render: {os_sentence(error)}", file=sys.stderr)
-    return 2
+    return explained(
+        lambda: render(arguments, plugins.installed()),
+        *(RenderError, InputLineError),
+        who="woz render",
+        code=2,
+    )
 
 
-def render(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
+def render(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     """`run` with the drivers of `catalogue`."""
     if arguments.help_inputs:
-        from woz_tui.cli.inputs import described  # noqa: PLC0415
-
         print(described())
         return 0
-    from woz_tui.cli.rendered import RenderError, Stage  # noqa: PLC0415
-    from woz_tui.motion.rendering import Rendering  # noqa: PLC0415
-
     if arguments.file is None or arguments.name is None:
         raise RenderError("name a file and what is to be rendered: woz render FILE NAME")
     stage = Stage.of(arguments.file, catalogue, arguments.body, arguments.seed)
@@ -103,11 +91,8 @@ def render(arguments: argparse.Namespace, catalogue: Mapping[str, type[Driver]])
     return 0
 
 
-def _inputs(arguments: argparse.Namespace, stage: Any) -> list[Input]:
+def _inputs(arguments: Namespace, stage: Any) -> list[Input]:
     """All of them before the first line is printed: nothing comes out half."""
-    from woz_tui.cli.inputs import lines_of  # noqa: PLC0415
-    from woz_tui.motion.scripted import read_inputs  # noqa: PLC0415
-
     if arguments.inputs is None:
         return []
     complain = (
@@ -141,15 +126,12 @@ def _tell(t: float, text: str) -> None:
     print(f"woz render: at {t:.3f} s: {text}", file=sys.stderr)
 
 
-# -- curves -------------------------------------------------------------------------------------
+# -- curves -----------------------------------------------------------------------------------
 
 _COLOURS = ("cyan", "yellow", "magenta", "green", "blue", "red")
 
 
 def _plot(ticks: Iterator[Tick], limits: Mapping[str, tuple[float, float]], name: str) -> None:
-    from woz_tui.cli.plot import Curve, chart, time_axis  # noqa: PLC0415
-    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
-
     values: dict[str, list[float]] = {joint: [] for joint in limits}
     length = 0.0
     for tick in ticks:
@@ -163,3 +145,87 @@ def _plot(ticks: Iterator[Tick], limits: Mapping[str, tuple[float, float]], name
         for text in chart(Curve(joint, values[joint], low, high), width, CURVE_ROWS):
             console.print(text, style=colour, no_wrap=True, crop=False, overflow="ignore")
     print(*time_axis(length, width), sep="\n")
+
+
+#: A cell of braille without a dot.
+_BLANK = 0x2800
+#: Cells left of a curve.
+_AXIS = 7
+
+
+@dataclass(frozen=True, slots=True)
+class Curve:
+    """Values over evenly spaced times, drawn between `low` and `high`."""
+
+    name: str
+    values: Sequence[float]
+    low: float
+    high: float
+    unit: str = "°"
+
+
+def chart(curve: Curve, width: int, height: int) -> list[str]:
+    """Lines of text, `width` cells wide, with the limits and the name beside the curve."""
+    cells = max(8, width - _AXIS - 1)
+    grid = [[_BLANK] * cells for _ in range(height)]
+    span = curve.high - curve.low
+    rows = height * 4 - 1
+    if span > 0 and curve.values:
+        before: int | None = None
+        for column in range(cells * 2):
+            row = _row(_at(curve.values, column / (cells * 2 - 1)), curve, rows)
+            for each in _between(before, row):
+                grid[each // 4][column // 2] |= bit(column % 2, each % 4)
+            before = row
+    labels = [""] * height
+    labels[-1] = f"{curve.low:g}{curve.unit}"
+    labels[0] = f"{curve.high:g}{curve.unit}"
+    lines = [
+        f"{label:>{_AXIS}}┤{''.join(map(chr, cells_))}"
+        for label, cells_ in zip(labels, grid, strict=True)
+    ]
+    return [f"{'':{_AXIS}} {curve.name}", *lines]
+
+
+def time_axis(seconds: float, width: int) -> list[str]:
+    """A line of ticks and a line of seconds below the curves; ticks stand at round times."""
+    cells = max(8, width - _AXIS - 1)
+    times = _round_times(seconds, max(1, min(10, cells // 12)))
+    places = [round(time / seconds * (cells - 1)) if seconds > 0 else 0 for time in times]
+    ruler = "".join("┬" if place in places else "─" for place in range(cells))
+    labels = [" "] * (cells + 8)
+    for place, time in zip(places, times, strict=True):
+        text = f"{time:g}" + ("s" if time == times[-1] else "")
+        start = max(0, min(place - len(text) // 2, cells - len(text)))
+        labels[start : start + len(text)] = text
+    return [f"{'':{_AXIS}}└{ruler}", f"{'':{_AXIS}} {''.join(labels).rstrip()}"]
+
+
+def _round_times(seconds: float, most: int) -> list[float]:
+    """0 and up to `most` multiples of 1, 2 or 5 times a power of ten, none beyond `seconds`."""
+    if not seconds > 0:
+        return [0.0]
+    power = math.floor(math.log10(seconds / most))
+    step, digits = next(
+        (factor * 10.0**exponent, max(0, -exponent))
+        for exponent in (power, power + 1)
+        for factor in (1, 2, 5)
+        if seconds / (factor * 10.0**exponent) <= most
+    )
+    return [round(index * step, digits) for index in range(math.floor(seconds / step + 1e-9) + 1)]
+
+
+def _at(values: Sequence[float], share: float) -> float:
+    return values[min(len(values) - 1, round(share * (len(values) - 1)))]
+
+
+def _row(value: float, curve: Curve, rows: int) -> int:
+    share = (value - curve.low) / (curve.high - curve.low)
+    return rows - min(rows, max(0, math.floor(share * rows + 0.5)))
+
+
+def _between(before: int | None, row: int) -> range:
+    """Dots of one column, joined to those of the column before."""
+    if before is None or before == row:
+        return range(row, row + 1)
+    return range(row, before) if before > row else range(before + 1, row + 1)

@@ -10,7 +10,7 @@ from typing import Any
 from woz_tui.core.driver import Driver, Rejected
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.report import hint, listed
-from woz_tui.experiment.robotfile import is_robot, load_robot
+from woz_tui.experiment.robot import is_robot, load_robot
 from woz_tui.experiment.shape import Action, DriverSpec, Experiment, Together
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import BRIEF

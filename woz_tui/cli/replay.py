@@ -59,7 +59,6 @@ def add(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--experiment", type=Path, default=None, metavar="FILE", help="where its experiment is now"
     )
-    parser.set_defaults(run=run)
 
 
 def _speed(text: str) -> float:

@@ -35,7 +35,6 @@ def add(parser: argparse.ArgumentParser) -> None:
         "--verify", action="store_true", help="check every number and checksum; reads the samples"
     )
     parser.add_argument("--all", action="store_true", help="tables without a limit of rows")
-    parser.set_defaults(run=run)
 
 
 def add_sessions(parser: argparse.ArgumentParser) -> None:
@@ -48,7 +47,7 @@ def add_sessions(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument(
         "--window",
-        type=lambda text: number(text, 0.1, 600.0),
+        type=number(0.1, 600),
         default=_WINDOW,
         metavar="SECONDS",
         help=f"an answer to a cue comes within this time (default: {_WINDOW:g})",

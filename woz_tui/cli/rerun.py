@@ -13,9 +13,9 @@ from pathlib import Path
 from woz_tui.cli import rerun_table as table
 from woz_tui.cli.failure import explained
 from woz_tui.cli.launch import Launch, host_arguments
-from woz_tui.cli.opening import open_both
 from woz_tui.cli.options import next_session
 from woz_tui.cli.replay_changed import changed, redactor_of, wrong
+from woz_tui.cli.screen import open_both
 from woz_tui.experiment.shape import Experiment, ExperimentError
 from woz_tui.replay.plan import Plan
 from woz_tui.session.redactor import Redactor

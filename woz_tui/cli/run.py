@@ -2,36 +2,33 @@
 
 from __future__ import annotations
 
-import argparse
 import signal
 import sys
+from argparse import ArgumentParser, Namespace
 from pathlib import Path
 
+from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
-from woz_tui.cli.keymap import add_keymap, builtins
 from woz_tui.cli.launch import RobotProcess, host_arguments
-from woz_tui.cli.opening import open_both
-from woz_tui.cli.options import add_pictures, add_session, identity
+from woz_tui.cli.options import add_keymap, add_pictures, add_session, builtins, identity
+from woz_tui.cli.screen import open_both
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, help="experiment file")
     add_session(parser)
     add_keymap(parser)
     add_pictures(parser)
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Start both, leave when the console is left; the robot process may go on."""
     return play(arguments, arguments.experiment)
 
 
-def play(arguments: argparse.Namespace, experiment: Path) -> int:
+def play(arguments: Namespace, experiment: Path) -> int:
     """A session on `experiment`; the exit code."""
-    from woz_tui.cli import screen  # noqa: PLC0415
-
     refused = screen.refusal()
     if refused:
         print(f"woz: {refused}", file=sys.stderr)
@@ -39,9 +36,7 @@ def play(arguments: argparse.Namespace, experiment: Path) -> int:
     return explained(lambda: _play(arguments, experiment))
 
 
-def _play(arguments: argparse.Namespace, experiment: Path) -> int:
-    from woz_tui.cli import screen  # noqa: PLC0415
-
+def _play(arguments: Namespace, experiment: Path) -> int:
     own_keys = builtins(arguments)
     command = _host_command(arguments, experiment)
     opened = open_both(
@@ -61,7 +56,7 @@ def _play(arguments: argparse.Namespace, experiment: Path) -> int:
     return opened.code
 
 
-def _host_command(arguments: argparse.Namespace, experiment: Path) -> list[str]:
+def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
     who = identity(arguments)
     return host_arguments(
         experiment,

@@ -2,19 +2,20 @@
 
 from __future__ import annotations
 
-import argparse
 import sys
+from argparse import ArgumentParser, Namespace
 from collections.abc import Mapping
 from typing import Any
 
 from woz_tui import plugins
+from woz_tui.cli.failure import explained
 from woz_tui.cli.streams import json_text
 from woz_tui.core.driver import Driver
 from woz_tui.experiment.schema import experiment_schema, included_schema, robot_schema
 from woz_tui.motion.moveschema import move_schema
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     kind = parser.add_mutually_exclusive_group()
     kind.add_argument(
@@ -22,21 +23,19 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     kind.add_argument("--move", action="store_true", help="of move files")
     kind.add_argument("--midi", action="store_true", help="of maps of MIDI panels")
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Print the schema for the drivers that are installed; what is left out is said on stderr."""
-    try:
-        schema = _schema(arguments)
-    except plugins.PluginError as error:
-        _tell(str(error))
-        return 1
-    print(json_text(schema, indent=2))
+    return explained(lambda: _print(arguments), who="woz schema")
+
+
+def _print(arguments: Namespace) -> int:
+    print(json_text(_schema(arguments), indent=2))
     return 0
 
 
-def _schema(arguments: argparse.Namespace) -> dict[str, Any]:
+def _schema(arguments: Namespace) -> dict[str, Any]:
     if arguments.move:
         return move_schema()
     catalogue = plugins.installed()

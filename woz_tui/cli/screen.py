@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from woz_tui.cli.launch import Launch, LaunchError
+from woz_tui.cli.launch import Launch, LaunchError, RobotProcess
 from woz_tui.experiment.builtins import BUILTIN, Builtin
 
 if TYPE_CHECKING:
@@ -149,3 +149,42 @@ def _restart(
             in_app(news, f"the robot process did not start: {error}", "bad")
 
     return lambda: threading.Thread(target=start, daemon=True).start()
+
+
+#: Without a console the robot process would wait for one for a long time.
+ENDED = "woz: the console did not open, so the robot process was ended"
+
+
+@dataclass(frozen=True, slots=True)
+class Opened:
+    """How the console was left (ended, detached, lost, failed), its exit code, and what ran."""
+
+    left: str
+    code: int
+    robot: RobotProcess
+    launch: Launch
+
+
+def open_both(command: list[str], options: Callable[[Path], ScreenOptions]) -> Opened | None:
+    """Start `woz host` with `command` and a console on its socket with `options`; returns when the
+    console is left. None: the robot process did not start, and its words were printed.
+
+    A robot process whose console does not open is ended.
+    """
+    launch = Launch(command)
+    try:
+        load_modules()
+        robot = launch.wait()
+        console = make_console(options(robot.socket))
+    except LaunchError as error:
+        print(error, file=sys.stderr)
+        return None
+    except BaseException as error:
+        launch.abandon()
+        error.add_note(ENDED)
+        raise
+    left, code = run_console(console)
+    if left == "failed":
+        launch.abandon()
+        print(ENDED, file=sys.stderr)
+    return Opened(left, code, robot, launch)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
-from dataclasses import asdict
 
 import msgspec
 
@@ -42,7 +41,10 @@ def lines(experiment: Experiment) -> Iterator[tuple[str, str]]:
     if study.shaping is not None:
         first, last = study.shaping.floor, study.shaping.floor + study.shaping.jitter
         span = f"{first:g} s" if first == last else f"{first:g} to {last:g} s"
-        yield "shaping", f"answers come no sooner than {span} after {_and(study.shaping.cues)}"
+        yield (
+            "shaping",
+            f"answers come no sooner than {span} after {' and '.join(study.shaping.cues)}",
+        )
     if study.perception.hide:
         yield "hidden", ", ".join(study.perception.hide)
     if study.perception.blur:
@@ -58,20 +60,11 @@ def as_json(experiment: Experiment) -> dict[str, Json]:
     for now in ("assigned", "planned", "trial", "running", "on_break", "due"):
         del told[now]
     told["preflight"] = [*study.preflight]
-    told["training"] = _plain(asdict(study.training))
+    told["training"] = msgspec.to_builtins(study.training)
     if study.design is not None:
         told["orders"] = [[*order] for order in rows(study.design, experiment.conditions)]
         told["planned"] = planned(study.design, experiment.conditions)
     return told
-
-
-def _plain(value: object) -> Json:
-    """Tuples as lists."""
-    if isinstance(value, dict):
-        return {str(name): _plain(each) for name, each in value.items()}
-    if isinstance(value, list | tuple):
-        return [_plain(each) for each in value]
-    return value if isinstance(value, str | int | float) else None
 
 
 def summary(design: Design, conditions: int) -> str:
@@ -99,13 +92,13 @@ def _questionnaire(questionnaire: Questionnaire) -> str:
     scales = dict.fromkeys(f"{i.low} to {i.high}" for i in questionnaire.items if not i.text)
     texts = sum(item.text for item in questionnaire.items)
     parts = [f"{_WHENS[questionnaire.when]}: {_times(len(questionnaire.items), 'item')}"]
-    parts += [f"scales {_and(tuple(scales))}"] if scales else []
+    parts += [f"scales {' and '.join(scales)}"] if scales else []
     parts += [f"{texts} in words"] if texts else []
     return ", ".join(parts)
 
 
 def _training(training: Training) -> str:
-    cues = ", ".join(f"{cue.sort}: {_or(cue.answers)}" for cue in training.cues)
+    cues = ", ".join(f"{cue.sort}: {' or '.join(cue.answers)}" for cue in training.cues)
     count = _times(training.count, "cue")
     made = cues or "made from the actions"
     return f"{count}, answered within {training.window:g} s ({made})"
@@ -113,11 +106,3 @@ def _training(training: Training) -> str:
 
 def _times(count: int, what: str) -> str:
     return f"{count} {what}{'' if count == 1 else 's'}"
-
-
-def _and(words: tuple[str, ...]) -> str:
-    return " and ".join(words)
-
-
-def _or(words: tuple[str, ...]) -> str:
-    return " or ".join(words)

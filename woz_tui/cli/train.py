@@ -2,33 +2,36 @@
 
 from __future__ import annotations
 
-import argparse
 import random
 import sys
+from argparse import ArgumentParser, Namespace
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
+from rich.table import Table
+
+from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
-from woz_tui.cli.keymap import add_keymap, builtins
+from woz_tui.cli.launch import host_arguments
 from woz_tui.cli.numbers import number
-from woz_tui.cli.opening import open_both
+from woz_tui.cli.options import add_keymap, builtins, next_session
+from woz_tui.cli.screen import ScreenOptions, open_both
+from woz_tui.console.text_console import TextConsole
 from woz_tui.host import place
-
-if TYPE_CHECKING:
-    from woz_tui.training.history import Score
+from woz_tui.session.identity import check_code
+from woz_tui.training.history import Score, history, score_of
 
 #: Beside the recordings of sessions with participants, never among them.
 FOLDER = Path("recordings/training")
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("experiment", type=Path, nargs="?", help="experiment file")
     parser.add_argument("--wizard", default="", help="the wizard's code, under which scores count")
     parser.add_argument(
         "--count",
-        type=lambda text: round(number(text, 1, 1000)),
+        type=number(1, 1000, whole=True),
         default=None,
         metavar="N",
         help="how many cues (default: what the file says, or 20)",
@@ -44,10 +47,9 @@ def add(parser: argparse.ArgumentParser) -> None:
     )
     parser.add_argument("--name", default="", help="name of the socket (default: the session code)")
     add_keymap(parser)
-    parser.set_defaults(run=run)
 
 
-def run(arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
     """Train, or show the scores."""
     if arguments.history:
         return explained(lambda: _history(arguments))
@@ -58,10 +60,8 @@ def run(arguments: argparse.Namespace) -> int:
     return explained(lambda: _train(arguments))
 
 
-def _wrong(arguments: argparse.Namespace) -> str:
+def _wrong(arguments: Namespace) -> str:
     """Why no training can begin; empty if one can."""
-    from woz_tui.cli import screen  # noqa: PLC0415
-
     if arguments.experiment is None:
         return "which experiment? woz train EXPERIMENT --wizard W1"
     if not arguments.wizard:
@@ -69,9 +69,7 @@ def _wrong(arguments: argparse.Namespace) -> str:
     return screen.refusal()
 
 
-def _history(arguments: argparse.Namespace) -> int:
-    from woz_tui.training.history import history  # noqa: PLC0415
-
+def _history(arguments: Namespace) -> int:
     scores = history(arguments.recordings, arguments.wizard)
     if not scores:
         whose = f" of {arguments.wizard}" if arguments.wizard else ""
@@ -81,10 +79,7 @@ def _history(arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _train(arguments: argparse.Namespace) -> int:
-    from woz_tui.cli.screen import ScreenOptions  # noqa: PLC0415
-    from woz_tui.session.identity import check_code  # noqa: PLC0415
-
+def _train(arguments: Namespace) -> int:
     check_code(arguments.wizard, "wizard")
     own_keys = builtins(arguments)
     opened = open_both(
@@ -97,10 +92,7 @@ def _train(arguments: argparse.Namespace) -> int:
     return _farewell(arguments, opened.robot.log)
 
 
-def _host_command(arguments: argparse.Namespace) -> list[str]:
-    from woz_tui.cli.launch import host_arguments  # noqa: PLC0415
-    from woz_tui.cli.options import next_session  # noqa: PLC0415
-
+def _host_command(arguments: Namespace) -> list[str]:
     session = next_session(arguments.recordings, place.running())
     words = host_arguments(
         arguments.experiment,
@@ -119,9 +111,7 @@ def _host_command(arguments: argparse.Namespace) -> list[str]:
     return words
 
 
-def _farewell(arguments: argparse.Namespace, log: Path) -> int:
-    from woz_tui.training.history import history, score_of  # noqa: PLC0415
-
+def _farewell(arguments: Namespace, log: Path) -> int:
     score = score_of(log)
     if score is None:
         print(f"No cue was given. Log: {log}")
@@ -136,10 +126,6 @@ _FIGURES = 73
 
 
 def _print(scores: Sequence[Score]) -> None:
-    from rich.table import Table  # noqa: PLC0415
-
-    from woz_tui.console.text_console import TextConsole  # noqa: PLC0415
-
     console = TextConsole()
     table = Table(box=None, pad_edge=False, padding=(0, 1, 0, 0), header_style="bold")
     table.add_column("wizard", no_wrap=True, min_width=6)

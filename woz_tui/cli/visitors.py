@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-import argparse
 import difflib
 import sys
+from argparse import SUPPRESS, ArgumentParser, Namespace
 from collections.abc import Callable
 from pathlib import Path
 
@@ -29,20 +29,20 @@ from woz_tui.sensing.people import (
 #: Columns of a page that goes into a file or a pipe.
 _PAGE = 120
 _STORE_OPTIONS = ("file", "experiment", "recordings", "json")
-_Command = Callable[[Visitors, argparse.Namespace], int]
+_Command = Callable[[Visitors, Namespace], int]
 
 
-def add(parser: argparse.ArgumentParser) -> None:
+def add(parser: ArgumentParser) -> None:
     """Declare the command's options. Without a command it lists everybody."""
     _which_store(parser, file=None, experiment=None, recordings=Path("recordings"), json=False)
-    parser.set_defaults(run=lambda arguments: explained(lambda: _told(_list, arguments)))
-    where = argparse.ArgumentParser(add_help=False)
+    parser.set_defaults(does=_list)
+    where = ArgumentParser(add_help=False)
     _which_store(where)
     commands = parser.add_subparsers(title="commands", metavar="COMMAND")
 
-    def command(name: str, summary: str, does: _Command) -> argparse.ArgumentParser:
+    def command(name: str, summary: str, does: _Command) -> ArgumentParser:
         one = commands.add_parser(name, help=summary, description=summary, parents=[where])
-        one.set_defaults(run=lambda arguments: explained(lambda: _told(does, arguments)))
+        one.set_defaults(does=does)
         return one
 
     command("list", "everybody who has a name", _list)
@@ -65,10 +65,10 @@ def add(parser: argparse.ArgumentParser) -> None:
     forget.add_argument("--yes", action="store_true", help="do not ask")
 
 
-def _which_store(parser: argparse.ArgumentParser, **defaults: object) -> None:
+def _which_store(parser: ArgumentParser, **defaults: object) -> None:
     """Options that stand before or after the command; only the former have `defaults`."""
     # A default after the command would take the place of what was given before it.
-    default = {name: defaults.get(name, argparse.SUPPRESS) for name in _STORE_OPTIONS}
+    default = {name: defaults.get(name, SUPPRESS) for name in _STORE_OPTIONS}
     where = parser.add_argument_group("which store")
     file = where.add_mutually_exclusive_group()
     file.add_argument(
@@ -93,8 +93,14 @@ def _which_store(parser: argparse.ArgumentParser, **defaults: object) -> None:
     )
 
 
-def _told(does: _Command, arguments: argparse.Namespace) -> int:
+def run(arguments: Namespace) -> int:
+    """Do what the command says."""
+    return explained(lambda: _done(arguments))
+
+
+def _done(arguments: Namespace) -> int:
     try:
+        does: _Command = arguments.does
         return does(Visitors(_path(arguments)), arguments)
     except VisitorsError as error:
         # What could not be written is gone when this process ends.
@@ -103,7 +109,7 @@ def _told(does: _Command, arguments: argparse.Namespace) -> int:
         return 1
 
 
-def _path(arguments: argparse.Namespace) -> Path:
+def _path(arguments: Namespace) -> Path:
     if arguments.file is not None:
         file: Path = arguments.file
         return file
@@ -121,7 +127,7 @@ def _path(arguments: argparse.Namespace) -> Path:
 # -- the commands -------------------------------------------------------------------------------
 
 
-def _list(store: Visitors, arguments: argparse.Namespace) -> int:
+def _list(store: Visitors, arguments: Namespace) -> int:
     everybody = store.everybody()
     if arguments.json:
         visitors: list[Json] = [_fields(visitor) for visitor in everybody]
@@ -134,12 +140,12 @@ def _list(store: Visitors, arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _show(store: Visitors, arguments: argparse.Namespace) -> int:
+def _show(store: Visitors, arguments: Namespace) -> int:
     _report(store.called(arguments.name) or _wanted(store, arguments.name), arguments)
     return 0
 
 
-def _add(store: Visitors, arguments: argparse.Namespace) -> int:
+def _add(store: Visitors, arguments: Namespace) -> int:
     visitor = store.add(
         arguments.name,
         on=None,
@@ -151,7 +157,7 @@ def _add(store: Visitors, arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _rename(store: Visitors, arguments: argparse.Namespace) -> int:
+def _rename(store: Visitors, arguments: Namespace) -> int:
     before = _wanted(store, arguments.name)
     after = store.rename(before.name, arguments.new)
     if arguments.json:
@@ -161,7 +167,7 @@ def _rename(store: Visitors, arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _profile(store: Visitors, arguments: argparse.Namespace) -> int:
+def _profile(store: Visitors, arguments: Namespace) -> int:
     given = (arguments.age_group, arguments.address, arguments.label)
     if given == (None, None, None):
         raise RefusedError("nothing to change", "give --age-group, --address or --label")
@@ -186,7 +192,7 @@ def _profile(store: Visitors, arguments: argparse.Namespace) -> int:
     return 0
 
 
-def _forget(store: Visitors, arguments: argparse.Namespace) -> int:
+def _forget(store: Visitors, arguments: Namespace) -> int:
     if bool(arguments.name) == arguments.all:
         raise RefusedError("whom?", "name visitors, or give --all and no name")
     names = arguments.name
@@ -238,7 +244,7 @@ def _wanted(store: Visitors, name: str) -> Visitor:
     raise RefusedError(f"{store.path}: there is no visitor {shown(name)}", remedy)
 
 
-def _report(visitor: Visitor, arguments: argparse.Namespace) -> None:
+def _report(visitor: Visitor, arguments: Namespace) -> None:
     if arguments.json:
         _print_json(_fields(visitor))
         return

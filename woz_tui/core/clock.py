@@ -13,15 +13,12 @@ class Clock(Protocol):
 
     def now_us(self) -> int:
         """Whole microseconds on a clock that never goes back; its zero is arbitrary."""
-        ...
 
     def boot_us(self) -> int:
         """The same for all processes of one boot of the machine, whose sleep counts too."""
-        ...
 
     def wall(self) -> datetime:
         """The wall clock, in UTC."""
-        ...
 
 
 class RealClock:

@@ -102,26 +102,21 @@ class Job(Protocol):
     @property
     def command(self) -> str:
         """The command's id."""
-        ...
 
     @property
     def verb(self) -> str:
         """Which verb."""
-        ...
 
     @property
     def args(self) -> Mapping[str, Any]:
         """Checked arguments, defaults filled in: of the types that the verb's arguments have."""
-        ...
 
     @property
     def source(self) -> str:
         """Whose hand it came from: key, script, palette, midi, program, engagement, replay."""
-        ...
 
     def expects(self, seconds: float) -> None:
         """Say that it will take `seconds` more from now; the console counts down."""
-        ...
 
 
 class Health(enum.Enum):
@@ -158,12 +153,10 @@ class Outlet(Protocol):
     @property
     def clock(self) -> Clock:
         """The session's clock."""
-        ...
 
     @property
     def folder(self) -> Path:
         """The experiment file's folder: relative paths start there."""
-        ...
 
     @property
     def media(self) -> Path:
@@ -172,11 +165,9 @@ class Outlet(Protocol):
         Whoever writes the first of them makes it. It moves with the log when a disk is full, so
         ask each time; `<media.name>/<file>` is what a message says.
         """
-        ...
 
     def t(self, clock_us: int) -> int:
         """A time of `clock` in microseconds on the axis of the messages' `t`."""
-        ...
 
     def reading(
         self,
@@ -188,19 +179,15 @@ class Outlet(Protocol):
         raw: float | None = None,
     ) -> None:
         """A sensor's value; non-finite numbers become null and are marked."""
-        ...
 
     def sensor(self, sensor: str, state: str, why: str = "") -> None:
         """A sensor's state moved (ok, stale, silent, speaking, quiet ...)."""
-        ...
 
     def health(self, health: Health, detail: str = "", remedy: str = "") -> None:
         """The driver's own state moved; saying the same again is free."""
-        ...
 
     def mode(self, mode: str, why: str = "") -> None:
         """The robot's mode (normal, demo ...) is now `mode`; saying the same again is free."""
-        ...
 
     def notice(
         self, level: str, text: str, remedy: str = "", *, tells: tuple[str, ...] = ()
@@ -209,27 +196,22 @@ class Outlet(Protocol):
         quotes what was asked for, and each sensor whose values it tells (`loudness`): it is not
         shown to a wizard from whom that is kept.
         """
-        ...
 
     def show(self, shown: Shown) -> None:
         """What there is to be seen now: a face, a body's settings, knobs. Say it on a change."""
-        ...
 
     def tell(self, speech: Speech) -> None:
         """What somebody says: where it begins and ends, and its text. Never left out."""
-        ...
 
     def feed(self, topic: str, of: str = "") -> Feed:
         """A latest value shared with other drivers of the same robot: your own feed `topic`, or
         that of the driver `of`.
         """
-        ...
 
     def ask(self, ask: Ask, done: Callable[[bool, str], None] | None = None) -> None:
         """Ask the session, as the wizard's keys do. `done` is called in the event loop, once:
         whether it was carried out (or an action begun), and why not.
         """
-        ...
 
 
 @dataclass(frozen=True, slots=True)

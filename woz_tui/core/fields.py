@@ -69,6 +69,11 @@ class OneOf:
 
 
 @dataclass(frozen=True, slots=True)
+class Unique:
+    """A list in which nothing stands twice."""
+
+
+@dataclass(frozen=True, slots=True)
 class Pattern:
     """A text that matches `regex` as a whole; `meaning` says so in words."""
 

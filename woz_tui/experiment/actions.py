@@ -12,10 +12,12 @@ from woz_tui.experiment.nodes import Items, Scalar
 from woz_tui.experiment.shape import Action, Panel, Step, Wait
 from woz_tui.experiment.spot import (
     Spot,
+    is_set,
     missing,
-    read_flag,
+    read_filled,
     read_seconds,
     read_text,
+    read_texts,
     read_word,
 )
 from woz_tui.experiment.verbs import WAIT
@@ -74,19 +76,18 @@ class PanelReader:
         return [panel for entry in entries or () if (panel := self._panel(entry)) is not None]
 
     def _panel(self, spot: Spot) -> Panel | None:
-        table = spot.table("a panel, such as {title: Speech, actions: [...]}")
+        example = "a panel, such as {title: Speech, actions: [...]}"
+        table = spot.fields(PANEL_FIELDS, "a panel has", example)
         if table is None:
             return None
         title_spot = missing(table, "title", spot)
         title = read_text(title_spot) if title_spot is not None else None
-        locked = _flag(table, "locked")
-        covers = _covers(table.get("covers"))
+        locked = is_set(table.get("locked"))
+        listed = "a list of verbs, such as [drive, nudge]"
+        covers = tuple(verb for _, verb in read_texts(table.get("covers"), listed, "a verb"))
         empty = bool(covers) and "actions" not in table
         actions_spot = None if empty else missing(table, "actions", spot)
         actions = self._actions(actions_spot, title or "") if actions_spot is not None else []
-        for name, entry in table.items():
-            if name not in PANEL_FIELDS:
-                entry.unknown(PANEL_FIELDS, "a panel has")
         return Panel(title or "", tuple(actions), spot.place, locked, covers)
 
     def _actions(self, spot: Spot, panel: str) -> list[Action]:
@@ -103,8 +104,8 @@ class PanelReader:
         if table is None:
             return None
         fields = {name: table.pop(name) for name in ACTION_FIELDS if name in table}
-        label = _text(fields, "label")
-        name = _text(fields, "name")
+        label = read_filled(fields.get("label"))
+        name = read_filled(fields.get("name"))
         if label is None and name is None and not {"label", "name"} & fields.keys():
             missing({}, "label", spot, "what stands on the button")
         when_busy = fields.get("when_busy")
@@ -118,8 +119,8 @@ class PanelReader:
                 steps=tuple(self._steps(spot, fields, table)),
                 place=spot.place,
                 when_busy=(when_busy and read_word(when_busy, WHEN_BUSY)) or WHEN_BUSY[0],
-                help=_text(fields, "help") or "",
-                locked=_flag(fields, "locked"),
+                help=read_filled(fields.get("help")) or "",
+                locked=is_set(fields.get("locked")),
             ),
         )
 
@@ -158,28 +159,6 @@ class PanelReader:
         return [
             step for entry in entries or () if (step := self._reader.step(entry, on)) is not None
         ]
-
-
-def _text(fields: dict[str, Spot], name: str) -> str | None:
-    spot = fields.get(name)
-    if spot is None:
-        return None
-    text = read_text(spot)
-    if text is not None and not text.strip():
-        spot.error("nothing but blanks")
-    return text
-
-
-def _covers(spot: Spot | None) -> tuple[str, ...]:
-    """Verbs that the panel's lock reaches; whether somebody offers them is looked at later."""
-    entries = spot.list("a list of verbs, such as [drive, nudge]") if spot is not None else None
-    found = [read_text(entry, "a verb") for entry in entries or ()]
-    return tuple(verb for verb in found if verb is not None)
-
-
-def _flag(fields: dict[str, Spot], name: str) -> bool:
-    spot = fields.get(name)
-    return bool(spot is not None and read_flag(spot))
 
 
 def titles(spot: Spot | None) -> list[str]:

@@ -11,6 +11,7 @@ from collections.abc import Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.core.driver import Argument, Ask, Verb
+from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment.remarks import SECRET, tells
 from woz_tui.experiment.report import Report, join, quoted
@@ -36,17 +37,13 @@ def check_asks(
     known = _Known(robots, own, actions)
     for asking in robots.asking:
         for path, ask in asking.asks:
-            if tells(_verb(ask, asking, known), ask.args):
+            offers = _offers(ask, asking, known) if ask.what == "verb" else ()
+            if tells(offers[0].verb if len(offers) == 1 else None, ask.args):
                 full, place, _ = _where(asking, path, report)
                 report.error(place, full, SECRET)
-            for message in _wrong(ask, asking, known, report):
+            for message in _wrong(ask, offers, known, report):
                 full, place, written = _where(asking, path, report)
                 (report.error if written else report.warning)(place, full, message)
-
-
-def _verb(ask: Ask, asking: Asking, known: _Known) -> Verb | None:
-    offers = _offers(ask, asking, known) if ask.what == "verb" else ()
-    return offers[0].verb if len(offers) == 1 else None
 
 
 def _where(asking: Asking, path: str, report: Report) -> tuple[str, Place, bool]:
@@ -61,19 +58,14 @@ def _where(asking: Asking, path: str, report: Report) -> tuple[str, Place, bool]
     return full, report.place(full, asking.file), False
 
 
-def _wrong(ask: Ask, asking: Asking, known: _Known, report: Report) -> Iterator[str]:
+def _wrong(ask: Ask, offers: Sequence[Offer], known: _Known, report: Report) -> Iterator[str]:
     if ask.what == "action" and ask.name not in known.actions:
         near = report.hint(ask.name, known.actions, or_list="actions are")
         yield f"there is no action {quoted(ask.name)}{near}"
     if ask.what != "verb":
         return
-    offers = _offers(ask, asking, known)
     if len(offers) == 1:
-        for name, value in ask.args.items():
-            yield from _argument(offers[0].verb, name, value, report)
-        for argument in offers[0].verb.arguments:
-            if argument.required and argument.name not in ask.args:
-                yield f"{ask.name} needs {argument.name!r}"
+        yield from _arguments(offers[0].verb, ask.args, report)
     elif offers:
         who = " and ".join(offer.driver for offer in offers)
         yield f"{ask.name!r} is offered by {who}; name one of them with on"
@@ -81,6 +73,19 @@ def _wrong(ask: Ask, asking: Asking, known: _Known, report: Report) -> Iterator[
         verbs = [*known.robots.offers, *known.own]
         whom = f"{ask.on!r} does not offer" if ask.on else "nobody offers"
         yield f"{whom} {ask.name!r}{report.hint(ask.name, verbs)}"
+
+
+def _arguments(verb: Verb, args: Mapping[str, Json], report: Report) -> Iterator[str]:
+    takes = {argument.name: argument for argument in verb.arguments}
+    for name, value in args.items():
+        if name in takes:
+            yield from _value(takes[name], value, report)
+        else:
+            near = report.hint(name, takes, or_list="it takes")
+            yield f"{verb.name} has no argument {name!r}{near}"
+    for name, argument in takes.items():
+        if argument.required and name not in args:
+            yield f"{verb.name} needs {name!r}"
 
 
 def _offers(ask: Ask, asking: Asking, known: _Known) -> Sequence[Offer]:
@@ -97,15 +102,6 @@ def _offers(ask: Ask, asking: Asking, known: _Known) -> Sequence[Offer]:
     return [one for one in offers if one.driver == on or one.driver.startswith(f"{on}.")]
 
 
-def _argument(verb: Verb, name: str, value: Json, report: Report) -> Iterator[str]:
-    takes = {argument.name: argument for argument in verb.arguments}
-    argument = takes.get(name)
-    if argument is None:
-        yield f"{verb.name} has no argument {name!r}{report.hint(name, takes, or_list='it takes')}"
-        return
-    yield from _value(argument, value, report)
-
-
 def _value(argument: Argument, value: Json, report: Report) -> Iterator[str]:
     if argument.choices and value not in argument.choices:
         near = report.hint(str(value), argument.choices, or_list="there are")
@@ -113,11 +109,7 @@ def _value(argument: Argument, value: Json, report: Report) -> Iterator[str]:
     numeric = argument.kind in ("number", "whole", "seconds")
     if numeric and (isinstance(value, bool) or not isinstance(value, int | float)):
         yield f"{argument.name} must be a number, not {quoted(str(value))}"
-    elif isinstance(value, int | float) and _outside(argument, value):
+    elif isinstance(value, int | float) and not (argument.range or Range()).contains(value):
         yield f"{argument.name} must be {argument.range}, not {value:g}"
     if argument.kind == "flag" and not isinstance(value, bool):
         yield f"{argument.name} must be true or false, not {quoted(str(value))}"
-
-
-def _outside(argument: Argument, value: float) -> bool:
-    return argument.range is not None and not argument.range.contains(value)

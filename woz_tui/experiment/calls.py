@@ -6,20 +6,39 @@ Arguments stand beside the verb (`play: nod, speed: 0.5`) or under it (`play: {m
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.core.driver import Argument
+from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
-from woz_tui.experiment.arguments import Setting, read_argument
+from woz_tui.experiment import template
 from woz_tui.experiment.nodes import Items, Scalar, Table
 from woz_tui.experiment.remarks import Looker
 from woz_tui.experiment.report import join, listed, quoted
 from woz_tui.experiment.robot import Offer, Robots
 from woz_tui.experiment.sensed import nonsense, without_a_sign
+from woz_tui.experiment.settings import resolved
 from woz_tui.experiment.shape import Call, Together
-from woz_tui.experiment.spot import Spot, read_text
+from woz_tui.experiment.spot import (
+    Spot,
+    read_flag,
+    read_number,
+    read_seconds,
+    read_text,
+    read_whole,
+    read_word,
+)
 from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, WAIT
+
+#: Nothing in an experiment takes longer than a day.
+_LONGEST = Range(0.0, 86_400.0, "s")
+_FIGURES: Mapping[str, Callable[[Spot, Range | None], Json]] = {
+    "number": read_number,
+    "whole": read_whole,
+    "flag": lambda spot, _: read_flag(spot),
+    "seconds": lambda spot, allowed: read_seconds(spot, allowed or _LONGEST),
+}
 
 
 @dataclass(frozen=True, slots=True)
@@ -248,7 +267,7 @@ class _Arguments:
     """The arguments of one verb, from under it and from beside it."""
 
     def __init__(self, vocabulary: Vocabulary, offer: Offer, spot: Spot) -> None:
-        self._setting = Setting(vocabulary.variables, offer.joints)
+        self._variables = vocabulary.variables
         self._looker = vocabulary.looker
         self._offer = offer
         self._verb = offer.verb
@@ -268,7 +287,7 @@ class _Arguments:
         whole = True
         for argument in self._verb.arguments:
             if argument.name in given and not self._misplaced(given[argument.name]):
-                args[argument.name] = read_argument(given[argument.name], argument, self._setting)
+                args[argument.name] = self._value(given[argument.name], argument)
             elif argument.required and argument.name not in given:
                 what = f" ({argument.summary})" if argument.summary else ""
                 spot, absent = self._spot, join(self._spot.path, argument.name)
@@ -315,3 +334,66 @@ class _Arguments:
         for entry in entries.values():
             entry.unknown(self._known, f"{self._verb.name} takes")
         return given
+
+    # -- from a node to the value that a driver is given ------------------------------------------
+
+    def _value(self, spot: Spot, argument: Argument) -> Json:
+        """The checked value; None if it is wrong (and reported)."""
+        allowed = argument.range
+        match argument.kind:
+            case "text" | "choice" if argument.choices:
+                return read_word(spot, argument.choices)
+            case "text" | "choice" | "file" as kind:
+                return self._text(spot, file=kind == "file")
+            case "joints":
+                table = spot.table("joint names with degrees, such as {pan: 20}")
+                return None if table is None else self._angles(spot, table, allowed)
+            case "poses":
+                entries = spot.list("a list of poses, such as [{pan: 20, seconds: 1}]")
+                if entries == []:
+                    spot.error("no pose stands here")
+                return None if entries is None else [self._pose(each, allowed) for each in entries]
+        if argument.kind in _FIGURES:
+            return _FIGURES[argument.kind](spot, allowed)
+        spot.error(f"the driver names an unknown kind of argument: {argument.kind!r}")
+        return None
+
+    def _text(self, spot: Spot, *, file: bool) -> Json:
+        text = read_text(spot, "a file" if file else "text")
+        if text is None or (file and "://" in text):
+            return text
+        template.check(spot, text, self._variables)
+        if file:
+            # Only looked for: it stays as written, so that no home folder gets into the log.
+            resolved(spot, text, must_exist=not template.names(text))
+        return text
+
+    def _angles(self, spot: Spot, table: Mapping[str, Spot], allowed: Range | None) -> Json:
+        if not table:
+            spot.error("no joint is named here")
+        joints = self._offer.joints
+        angles: dict[str, Json] = {}
+        for name, entry in table.items():
+            if joints is not None and name not in joints:
+                near = entry.report.hint(name, joints, or_list="the joints are")
+                entry.error(f"there is no joint {name!r}{near}")
+            else:
+                angles[name] = read_number(entry, allowed if joints is None else joints[name])
+        return angles
+
+    def _pose(self, spot: Spot, allowed: Range | None) -> Json:
+        """`{joints: {pan: 20}, seconds: 1}`, or shorter `{pan: 20, seconds: 1}`."""
+        table = spot.table("a pose, such as {pan: 20, seconds: 1}")
+        if table is None:
+            return None
+        seconds, nested = table.pop("seconds", None), table.get("joints")
+        angles = table
+        if nested is not None and isinstance(nested.node, Table):
+            angles = dict(nested.entries())
+            for name, entry in table.items():
+                if name != "joints":
+                    entry.unknown(("joints", "seconds"), "a pose has")
+        pose = {"joints": self._angles(spot, angles, allowed)}
+        if seconds is not None:
+            pose["seconds"] = read_seconds(seconds, _LONGEST)
+        return pose

@@ -11,7 +11,6 @@ import re
 from collections.abc import Iterable, Mapping
 from dataclasses import replace
 from pathlib import Path
-from typing import Any, TypeVar
 
 from woz_tui.core.driver import Driver, Verb
 from woz_tui.experiment import check, pattern, template, woz4u
@@ -22,20 +21,26 @@ from woz_tui.experiment.calls import Vocabulary
 from woz_tui.experiment.effects import EngagementReader
 from woz_tui.experiment.engagement_check import check_engagement
 from woz_tui.experiment.layouts import LAYOUTS
-from woz_tui.experiment.nodes import Table, described, tree
+from woz_tui.experiment.nodes import Table
 from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.remarks import Looker
 from woz_tui.experiment.report import Report, quoted
 from woz_tui.experiment.robot import Offer, RobotReader, Robots
 from woz_tui.experiment.sensors import published_names
-from woz_tui.experiment.settings import BAD, read_settings
-from woz_tui.experiment.shape import Experiment, Place, SessionSettings, Steps
-from woz_tui.experiment.source import Source, SourceError, read
-from woz_tui.experiment.spot import Spot, missing, read_text, read_word
-from woz_tui.experiment.studied import SECTIONS, Around, read_study
+from woz_tui.experiment.settings import read_section
+from woz_tui.experiment.shape import Experiment, SessionSettings, Steps
+from woz_tui.experiment.source import Source
+from woz_tui.experiment.spot import (
+    Spot,
+    document,
+    missing,
+    read_text,
+    read_texts,
+    read_word,
+    source_of,
+)
+from woz_tui.experiment.study_sections import SECTIONS, Around, read_study
 from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, session_verbs
-
-S = TypeVar("S", SessionSettings, Steps)
 
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
@@ -51,35 +56,19 @@ def load(path: Path, catalogue: Mapping[str, type[Driver]]) -> Experiment:
     sorted by place. Nothing else is raised, whatever the files hold.
     """
     report = Report()
-    report.file(str(path))
-    root, sources = _root(path, report)
-    if root is not None and isinstance(root.node, Table) and woz4u.recognised(root.node, TOP_LEVEL):
-        made = woz4u.opened(sources[0], TOP_LEVEL)
+    source = source_of(path, report)
+    wanted = "title, robot and panels, such as title: Museum guide"
+    root = None if source is None else document(source, report, wanted)
+    if source and root and isinstance(root.node, Table) and woz4u.recognised(root.node, TOP_LEVEL):
+        made = woz4u.opened(source, TOP_LEVEL)
         root, report = made.root, made.report
     else:
         report.fail()
-    assert root is not None  # `fail` has raised otherwise
-    experiment = _Decoder(path, catalogue, report, sources).read(root)
+    assert source is not None  # `fail` has raised otherwise
+    assert root is not None
+    experiment = _Decoder(path, catalogue, report, [source]).read(root)
     report.fail()
     return experiment
-
-
-def _root(path: Path, report: Report) -> tuple[Spot | None, list[Source]]:
-    start = Place(str(path), 1, 1)
-    try:
-        source = read(path, str(path))
-    except SourceError as error:
-        report.error(Place(str(path), error.line, error.column), "file", error.message)
-        return None, []
-    broken = len(report.errors)
-    node = tree(source, report)
-    if isinstance(node, Table):
-        return Spot(node, "", start, report), [source]
-    if len(report.errors) == broken:
-        said = "nothing" if node is None else described(node)
-        wanted = "expected title, robot and panels, such as title: Museum guide"
-        report.error(start, "file", f"{wanted}, not {said}")
-    return None, []
 
 
 class _Decoder:
@@ -96,13 +85,10 @@ class _Decoder:
         self._robots = RobotReader(catalogue, path.parent, report, sources)
 
     def read(self, root: Spot) -> Experiment:
-        table = dict(root.entries())
-        for name, entry in table.items():
-            if name not in TOP_LEVEL:
-                entry.unknown(TOP_LEVEL, "an experiment has")
+        table = root.fields(TOP_LEVEL, "an experiment has", "a mapping") or {}
         title = missing(table, "title", root)
         robots = self._robots.read(root, table)
-        conditions = _words(table.get("conditions"))
+        conditions = tuple(name for _, name in read_texts(table.get("conditions"), once=True))
         section = table.get("engagement")
         filled = (*template.BUILT_IN, *((template.VISITOR,) if section is not None else ()))
         variables = read_variables(table.get("variables"), filled, conditions)
@@ -134,14 +120,14 @@ class _Decoder:
             sha256=hashlib.sha256(b"".join(source.data for source in self._sources)).hexdigest(),
             drivers=tuple(robots.drivers),
             panels=read,
-            script=_words(table.get("script"), once=False),
+            script=tuple(name for _, name in read_texts(table.get("script"))),
             participant_pattern=_pattern(table.get("participants")),
             conditions=conditions,
             variables=variables.always,
             by_condition=variables.by_condition,
             keyboard=layout,
-            session=_section(table.get("session"), SessionSettings),
-            steps=_section(table.get("steps"), Steps),
+            session=read_section(table.get("session"), SessionSettings) or SessionSettings(),
+            steps=read_section(table.get("steps"), Steps) or Steps(),
             profiles=read_profiles(table.get("profiles"), known),
             engagement=engagement,
             study=read_study(table, around),
@@ -164,21 +150,6 @@ def _own(session: Iterable[Verb], engagement: Spot | None) -> dict[str, Offer]:
     return own
 
 
-def _words(spot: Spot | None, *, once: bool = True) -> tuple[str, ...]:
-    """A list of texts; `once`: none of them twice."""
-    entries = spot.list() if spot is not None else None
-    words: list[str] = []
-    seen = set()
-    for entry in entries or ():
-        word = read_text(entry)
-        if word is not None and once and word in seen:
-            entry.error(f"{quoted(word)} stands here twice")
-        elif word is not None:
-            words.append(word)
-            seen.add(word)
-    return tuple(words)
-
-
 def _published(robots: Robots) -> set[str] | None:
     """Names of all sensors; None where a driver is missing, because its settings are not right."""
     if robots.incomplete:
@@ -188,27 +159,20 @@ def _published(robots: Robots) -> set[str] | None:
 
 def _pattern(spot: Spot | None) -> str:
     default = str(Experiment.__dataclass_fields__["participant_pattern"].default)
-    table = spot.table("a mapping, such as {pattern: 'P\\d\\d'}") if spot is not None else None
-    for name, entry in (table or {}).items():
-        if name != "pattern":
-            entry.unknown(("pattern",), "participants have")
-            continue
-        text = read_text(entry, "a regular expression")
-        try:
-            re.compile(text or "")
-        except (re.error, OverflowError, RecursionError) as error:
-            entry.error(f"{quoted(text or '')} is no regular expression: {error}")
-        else:
-            if text and pattern.is_slow(text):
-                entry.warning(
-                    f"some codes cannot be compared with {quoted(text)} within"
-                    f" {pattern.LIMIT_S * 1000:.0f} ms, and are refused; {pattern.SIMPLER}"
-                )
-            return text or default
-    return default
-
-
-def _section(spot: Spot | None, shape: type[S]) -> S:
-    """A section of settings that all have defaults."""
-    settings: Any = read_settings(spot, shape) if spot is not None else BAD
-    return settings if isinstance(settings, shape) else shape()
+    example = "a mapping, such as {pattern: 'P\\d\\d'}"
+    table = spot.fields(("pattern",), "participants have", example) if spot is not None else None
+    entry = (table or {}).get("pattern")
+    text = read_text(entry, "a regular expression") if entry is not None else None
+    if entry is None or not text:
+        return default
+    try:
+        re.compile(text)
+    except (re.error, OverflowError, RecursionError) as error:
+        entry.error(f"{quoted(text)} is no regular expression: {error}")
+        return default
+    if pattern.is_slow(text):
+        entry.warning(
+            f"some codes cannot be compared with {quoted(text)} within"
+            f" {pattern.LIMIT_S * 1000:.0f} ms, and are refused; {pattern.SIMPLER}"
+        )
+    return text

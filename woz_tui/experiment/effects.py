@@ -18,11 +18,11 @@ from woz_tui.experiment import template
 from woz_tui.experiment.actions import StepReader
 from woz_tui.experiment.calls import Vocabulary
 from woz_tui.experiment.engagement import STATES, STOPPED, EngagementSettings, HandshakeSettings
-from woz_tui.experiment.nodes import Items, Scalar
+from woz_tui.experiment.nodes import Items, Scalar, Table
 from woz_tui.experiment.report import quoted
 from woz_tui.experiment.settings import BAD, fields_of, note, read_settings, split
 from woz_tui.experiment.shape import Action, Call, Engagement, Step, Together, Wait
-from woz_tui.experiment.spot import Spot, read_text, without
+from woz_tui.experiment.spot import Spot, read_text
 from woz_tui.experiment.verbs import ENGAGEMENT
 
 #: What the section has beside its settings.
@@ -124,15 +124,17 @@ class EngagementReader:
 def _only_verbs(spot: Spot) -> Spot | None:
     """Without what only actions of panels have, which is reported; None if that is all."""
     strange = {name: entry for name, entry in spot.entries() if name in _OF_ACTIONS}
-    verbs = spot
     for name, entry in strange.items():
         entry.error(
             "steps stand in a list right under the state: [{say: Hello}, {wait: 0.5}]"
             if name == "steps"
             else "belongs to actions of panels; put one there and name it here"
         )
-        verbs = without(verbs, name)
-    return None if strange and not [*verbs.entries()] else verbs
+    if not strange or not isinstance(spot.node, Table):
+        return spot
+    kept = {name: node for name, node in spot.node.entries.items() if name not in strange}
+    node = Table(spot.node.place, kept, spot.node.keys)
+    return Spot(node, spot.path, spot.place, spot.report) if kept else None
 
 
 def _effect(state: str, steps: tuple[Step, ...], spot: Spot) -> Action:

@@ -50,8 +50,7 @@ def _names(engagement: Engagement, drafts: Sequence[Drafted], report: Report) ->
                 for name in ("name", "label", "")
                 if report.knows(path := join(draft.path, name), draft.action.place.file) or not name
             )
-            report.error(
-                report.place(path),
+            report.error_at(
                 path,
                 f"{quoted(draft.action.name)} is what {SECTION}.on_enter calls its own action;"
                 " choose another name",
@@ -63,14 +62,13 @@ def _confirmation(settings: EngagementSettings, report: Report) -> None:
     if "name" not in template.names(settings.handshake.confirm):
         path = f"{SECTION}.handshake.confirm"
         said = "does not repeat what was understood; put {name} into it, as in '{name}, right?'"
-        report.warning(report.place(path), path, said)
+        report.warning_at(path, said)
 
 
 def _verbs(robots: Robots, report: Report) -> None:
     for name in ENGAGEMENT_VERBS:
         for offer in robots.offers.get(name, ()):
-            report.warning(
-                report.place(SECTION),
+            report.warning_at(
                 SECTION,
                 f"{offer.driver} offers {name!r} too; in actions it means the engagement model's",
             )
@@ -86,10 +84,10 @@ def _sensors(settings: EngagementSettings, published: list[str], report: Report)
         other = next((part for part, used in names.items() if used == name), part)
         if name != default[part] and name not in published:
             near = report.hint(name, published, or_list="sensors are")
-            report.error(report.place(path), path, f"there is no sensor {quoted(name)}{near}")
+            report.error_at(path, f"there is no sensor {quoted(name)}{near}")
         elif other != part and name in published:
             said = f"{quoted(name)} gives {other} already"
-            report.error(report.place(path), path, said)
+            report.error_at(path, said)
 
 
 def _signs(
@@ -104,8 +102,7 @@ def _signs(
     ]
     if missing:
         rest = ", ".join(sign for sign in settings.signs if sign not in missing)
-        report.warning(
-            report.place(path),
+        report.warning_at(
             path,
             f"nobody gives {' and '.join(missing)}, so nobody is ever engaged; let the wizard do it"
             f" with an action such as {{key: ..., label: ..., toggle: {missing[0]}}}"
@@ -123,8 +120,7 @@ def _choices(settings: EngagementSettings, published: list[str], report: Report)
         several = _several(name, published)
         if several and name not in published:
             path = f"{SECTION}.{part}"
-            report.warning(
-                report.place(path),
+            report.warning_at(
                 path,
                 f"{' and '.join(several)} give {name}; say which one counts:"
                 f" {part}: {{sensor: {several[0]}}}",
@@ -140,16 +136,16 @@ def _handshake(
         return
     if "say" not in robots.offers:
         said = "the robot cannot ask anybody: no driver offers 'say'; lead it yourself, by: wizard"
-        report.warning(report.place(path), path, said)
+        report.warning_at(path, said)
     elif not _given_as(SPEECH_TEXT, published):
         said = (
             "nobody hears the answer: no driver gives speech as text (a microphone's transcribe,"
             " a pepper's recognition); type the name with visitor, or lead it yourself, by: wizard"
         )
-        report.warning(report.place(path), path, said)
+        report.warning_at(path, said)
     elif _given_as("identity", published) and LEARN_FACE not in robots.offers:
         said = f"nobody is recognised when they come back: no driver offers {quoted(LEARN_FACE)}"
-        report.warning(report.place(path), path, said)
+        report.warning_at(path, said)
 
 
 def _given_as(name: str, published: list[str]) -> bool:

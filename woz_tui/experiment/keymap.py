@@ -19,12 +19,17 @@ from __future__ import annotations
 import hashlib
 import string
 from collections.abc import Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from pathlib import Path
 from typing import Protocol
 
 from woz_tui.experiment.builtins import BUILTIN, Builtin
-from woz_tui.experiment.chords import FUNCTION_KEYS, parsed
+from woz_tui.experiment.chords import FUNCTION_KEYS, KeyNameError, normal, parsed
 from woz_tui.experiment.layouts import layout_of
+from woz_tui.experiment.nodes import Scalar, tree
+from woz_tui.experiment.report import Report, quoted
+from woz_tui.experiment.shape import Place
+from woz_tui.experiment.spot import Spot, read_text, source_of
 from woz_tui.experiment.terminals import NOBODYS, STOPS, Reach, Terminal, Verdict, is_stop, reach
 
 #: Keys that may stand in for others: they arrive on every terminal and belong to experiments.
@@ -116,10 +121,18 @@ class _Assignment:
                 self._place(action, nobodys=nobodys)
         for item in builtins:
             if item.id not in self._builtins:
-                self._builtins[item.id] = self._builtin_reserve(item)
+                self._why[item.id] = self._why.get(item.id) or f"{item.chord} is taken"
+                self._builtins[item.id] = self._reserve(
+                    item.id, item.chord, item.description, item.reserves
+                )
         for action in keyed.values():
             if action.name not in self._actions:
-                self._actions[action.name] = self._reserve(action)
+                given = self._reserve(action.name, action.key, action.label, _candidates(action))
+                self._actions[action.name] = given
+                if not given.press:
+                    self._warnings.append(
+                        f"no key is left for {action.label!r} ({action.key}: {given.why})"
+                    )
         for action in actions:
             self._actions.setdefault(action.name, Assigned(action.name, "", ""))
         return self._result(actions)
@@ -203,29 +216,16 @@ class _Assignment:
         if " " in arrives:
             self._firsts.setdefault(arrives.split(" ", maxsplit=1)[0], repr(owner))
 
-    def _builtin_reserve(self, item: Builtin) -> Assigned:
-        why = self._why.get(item.id, "") or f"{item.chord} is taken"
-        for chord in item.reserves:
-            found = reach(chord, self._terminal, self._layout)
-            if self._free(found):
-                self._own(found.arrives, item.description)
-                return Assigned(
-                    item.id, item.chord, chord, found.arrives, found.data, reserve=True, why=why
-                )
-        return Assigned(item.id, item.chord, "", why=why)
-
-    def _reserve(self, action: Keyed) -> Assigned:
-        why = self._why.get(action.name, "")
-        for chord in _candidates(action):
+    def _reserve(self, name: str, wanted: str, owner: str, candidates: Iterable[str]) -> Assigned:
+        """The first candidate that arrives, is free and no part of a stop."""
+        why = self._why.get(name, "")
+        for chord in candidates:
             found = reach(chord, self._terminal, self._layout)
             if found.why or not self._free(found) or is_stop(chord, self._layout):
                 continue
-            self._own(found.arrives, action.label)
-            return Assigned(
-                action.name, action.key, chord, found.arrives, found.data, reserve=True, why=why
-            )
-        self._warnings.append(f"no key is left for {action.label!r} ({action.key}: {why})")
-        return Assigned(action.name, action.key, "", why=why)
+            self._own(found.arrives, owner)
+            return Assigned(name, wanted, chord, found.arrives, found.data, reserve=True, why=why)
+        return Assigned(name, wanted, "", why=why)
 
 
 def _harmless(chord: str, found: Reach) -> bool:
@@ -255,6 +255,45 @@ def _draw(name: str, chord: str) -> bytes:
     return hashlib.sha256(f"{name}\0{chord}".encode("utf-8", "replace")).digest()
 
 
+class FileKeys:
+    """The keys that actions of a file have, in their normal form, each with who plays on it."""
+
+    def __init__(self, layout: str) -> None:
+        self._layout = layout
+        self._builtin = {item.chord: item.description for item in BUILTIN if not item.yields}
+        self._played: dict[str, str] = {}
+        self._begun: dict[str, tuple[str, str]] = {}
+
+    def forbidden(self, key: str) -> str:
+        """Why no action can have this key; empty: one can."""
+        first, _, second = key.partition(" ")
+        if is_stop(key, self._layout):
+            where = "" if {first, second} & set(STOPS) else " on some terminals"
+            return f"{key!r} means stop{where}"
+        own = self._builtin.get(first)
+        return "" if own is None else f"{first!r} is the console's own key ({own})"
+
+    def taken(self, key: str) -> str:
+        """Whose key it is already, in words; empty: nobody's."""
+        first, _, second = key.partition(" ")
+        if key in self._played:
+            return f"{key!r} already plays {self._played[key]}"
+        if second and first in self._played:
+            return f"{key!r} can never be finished: {first!r} plays {self._played[first]}"
+        if not second and key in self._begun:
+            whole, who = self._begun[key]
+            return f"{key!r} begins {whole!r}, which plays {who}"
+        return ""
+
+    def take(self, key: str, label: str, place: Place) -> None:
+        """This action has it."""
+        who = f"{quoted(label)} (line {place.line})"
+        self._played[key] = who
+        first, _, second = key.partition(" ")
+        if second:
+            self._begun.setdefault(first, (key, who))
+
+
 def typeable(chord: str, layout: str) -> bool:
     """Whether the keyboard has every character of the chord."""
     keyboard = layout_of(layout)
@@ -262,3 +301,68 @@ def typeable(chord: str, layout: str) -> bool:
         press.named or keyboard.gives(press.base)
         for press in (parsed(part) for part in chord.split(" "))
     )
+
+
+# -- a wizard's own keymap -------------------------------------------------------------------------
+
+
+def load_keymap(path: Path, layout: str = "us") -> tuple[Builtin, ...]:
+    """The console's keys with this file's changes (`say: ctrl+g`, ids and keys as `woz check` lists
+    them). Raises `ExperimentError` with every problem.
+
+    The stop cannot be moved, and nothing can be put on its bytes.
+    """
+    report = Report()
+    moved = _read(path, layout, report)
+    result = tuple(replace(item, chord=moved.get(item.id, item.chord)) for item in BUILTIN)
+    _no_two_alike(result, moved, report)
+    report.fail()
+    return result
+
+
+def _read(path: Path, layout: str, report: Report) -> dict[str, str]:
+    source = source_of(path, report)
+    root = tree(source, report) if source is not None else None
+    if root is None or (isinstance(root, Scalar) and root.nothing):
+        return {}
+    start = Place(str(path), 1, 1)
+    table = Spot(root, "", start, report).table("a mapping of ids to keys") or {}
+    known = {item.id: item for item in BUILTIN}
+    moved: dict[str, str] = {}
+    for name, spot in table.items():
+        if name not in known:
+            spot.unknown(known, "known are")
+        elif not known[name].movable:
+            spot.error("the stop stays where it is")
+        elif (chord := _chord(spot, layout)) is not None:
+            moved[name] = chord
+    return moved
+
+
+def _chord(spot: Spot, layout: str) -> str | None:
+    text = read_text(spot, "a key")
+    if text is None:
+        return None
+    try:
+        chord = normal(text, layout)
+    except KeyNameError as error:
+        spot.error(str(error))
+        return None
+    if is_stop(chord, layout):
+        spot.error(f"{quoted(text)} means stop, and nothing else")
+        return None
+    if " " in chord:
+        spot.error("one key only, not two after each other")
+        return None
+    return chord
+
+
+def _no_two_alike(builtins: tuple[Builtin, ...], moved: dict[str, str], report: Report) -> None:
+    for item in builtins:
+        if item.id not in moved:
+            continue
+        for other in builtins:
+            yields = other.yields and other.id not in moved
+            if other.id != item.id and other.chord == item.chord and not yields:
+                report.error_at(item.id, f"{item.chord!r} already means {other.description!r}")
+                break

@@ -8,8 +8,7 @@ from __future__ import annotations
 
 from woz_tui.experiment.builtins import BUILTIN, Builtin, builtin
 from woz_tui.experiment.chords import KeyNameError, normal
-from woz_tui.experiment.keymap import Assigned, KeyMap, key_map
-from woz_tui.experiment.keymap_file import load_keymap
+from woz_tui.experiment.keymap import Assigned, KeyMap, key_map, load_keymap
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.terminals import (
     KITTY,

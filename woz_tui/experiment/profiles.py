@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from woz_tui.core.driver import Verb
 from woz_tui.experiment.report import quoted
 from woz_tui.experiment.shape import Panel, Profile
-from woz_tui.experiment.spot import Spot, read_flag, read_text
+from woz_tui.experiment.spot import Spot, is_set, read_texts
 
 #: What a profile may say.
 FIELDS = ("panels", "actions", "controls", "verbs", "hide")
@@ -60,15 +60,11 @@ def read_profiles(spot: Spot | None, known: Known) -> dict[str, Profile]:
 
 
 def _profile(name: str, spot: Spot, known: Known) -> Profile | None:
-    table = spot.table("a mapping, such as {panels: [Speech]}")
+    table = spot.fields(FIELDS, "a profile has", "a mapping, such as {panels: [Speech]}")
     if table is None:
         return None
     if not name.strip():
         spot.error("a profile needs a name")
-    for field, entry in table.items():
-        if field not in FIELDS:
-            entry.unknown(FIELDS, "a profile has")
-    hide = table.get("hide")
 
     def names(field: str, there: Sequence[str], what: Callable[[str], str]) -> frozenset[str]:
         surely = known.complete or field in ("panels", "actions")
@@ -80,7 +76,7 @@ def _profile(name: str, spot: Spot, known: Known) -> Profile | None:
         actions=names("actions", known.actions, lambda n: f"there is no action {n}"),
         controls=names("controls", known.controls, lambda n: f"no body has a control {n}"),
         verbs=names("verbs", known.verbs, lambda n: f"no driver offers {n}"),
-        hide=bool(hide is not None and read_flag(hide)),
+        hide=is_set(table.get("hide")),
     )
     if not any(field in table for field in FIELDS[:-1]):
         spot.error(f"allows nothing; name some of {', '.join(FIELDS[:-1])}")
@@ -91,11 +87,7 @@ def _names(
     spot: Spot | None, there: Sequence[str], unknown: Callable[[str], str] | None
 ) -> Iterable[str]:
     """A list of names; those that are not `there` are `unknown`, if that can be said."""
-    entries = spot.list("a list of names") if spot is not None else None
-    for entry in entries or ():
-        name = read_text(entry)
-        if name is None:
-            continue
+    for entry, name in read_texts(spot, "a list of names"):
         if unknown is not None and name not in there:
             near = entry.report.hint(name, there, or_list="there are")
             entry.error(f"{unknown(quoted(name))}{near}")

@@ -58,11 +58,19 @@ class Report:
 
     def error(self, place: Place, path: str, message: str) -> None:
         """One more reason why the file cannot be used."""
-        self._add_error(place, path, message)
+        self._add(place, path, message)
+
+    def error_at(self, path: str, message: str, file: str | None = None) -> None:
+        """`error` where `path` stands."""
+        self.error(self.place(path, file), path, message)
+
+    def warning_at(self, path: str, message: str) -> None:
+        """`warning` where `path` stands."""
+        self.warning(self.place(path), path, message)
 
     def missing(self, place: Place, path: str, message: str, absent: str) -> None:
         """Like `error`; not shown if `absent`, the path of what is missing, is there misspelt."""
-        self._missing[self._add_error(place, path, message)] = (place.file, absent)
+        self._missing[self._add(place, path, message)] = (place.file, absent)
 
     def misspelt(self, file: str, path: str) -> None:
         """`path` is there after all under a name near to its own, which is reported as such."""
@@ -70,8 +78,7 @@ class Report:
 
     def warning(self, place: Place, path: str, message: str) -> None:
         """Something that works but is probably not meant."""
-        problem = Problem(place, _shown(path) or "file", _shown(message), warning=True)
-        self._add(problem)
+        self._add(place, path, message, warning=True)
 
     def says(self, place: Place, message: str) -> bool:
         """Whether just this has been said of what stands there, by whatever name."""
@@ -128,14 +135,16 @@ class Report:
         if errors:
             raise ExperimentError(errors)
 
-    def _add_error(self, place: Place, path: str, message: str) -> Problem:
-        problem = Problem(place, _shown(path) or "file", _shown(message))
-        self._add(problem)
+    def _add(self, place: Place, path: str, message: str, *, warning: bool = False) -> Problem:
+        name = _shown(self._named(place, path)) or "file"
+        problem = Problem(place, name, _shown(message), warning)
+        self._problems.setdefault(problem)
+        self._said.add((place, problem.message))
         return problem
 
-    def _add(self, problem: Problem) -> None:
-        self._problems.setdefault(problem)
-        self._said.add((problem.place, problem.message))
+    def _named(self, place: Place, path: str) -> str:
+        """What stands there by the name that the file itself has for it."""
+        return path
 
     def _sorted(self, *, warning: bool) -> list[Problem]:
         def rank(problem: Problem) -> tuple[int, int, int, str]:

@@ -10,12 +10,19 @@ from pathlib import Path
 
 from woz_tui.core.driver import Ask, Driver, Finding, Verb, Written
 from woz_tui.core.fields import Range, Sibling
-from woz_tui.experiment.nodes import Node, Table, described, tree
+from woz_tui.experiment.nodes import Node, Table, tree
 from woz_tui.experiment.report import Report, join, quoted
 from woz_tui.experiment.settings import BAD, noted, read_settings
-from woz_tui.experiment.shape import DriverSpec, Place
+from woz_tui.experiment.shape import DriverSpec
 from woz_tui.experiment.source import Source, SourceError, read
-from woz_tui.experiment.spot import Spot, missing, read_text, without
+from woz_tui.experiment.spot import (
+    Spot,
+    document,
+    missing,
+    named_source,
+    read_text,
+    source_of,
+)
 from woz_tui.experiment.verbs import PERFORMERS, SESSION
 
 #: A robot that needs no hardware and no file: one driver of the same type, called `robot`.
@@ -131,30 +138,18 @@ class RobotReader:
             self._file(spot, text, prefix)
 
     def _file(self, spot: Spot, text: str, prefix: str) -> None:
-        try:
-            path = self._base / Path(text).expanduser()
-            source = read(path, str(path))
-        except SourceError as error:
-            if (error.line, error.column) == (1, 1):
-                spot.error(f"{quoted(text)}: {error.message}{self._file_hint(text)}")
-            else:
-                place = Place(str(path), error.line, error.column)
-                self._report.error(place, "file", error.message)
+        source = named_source(spot, text, self._base, lambda: self._file_hint(text))
+        if source is None:
             return
-        except RuntimeError as error:  # expanduser without a home
-            spot.error(f"{quoted(text)}: {error}")
-            return
-        self._report.file(source.name)
+        self._opened(source)
+        root = document(source, self._report, "a mapping with drivers")
+        if root is not None:
+            self._drivers(root, prefix)
+
+    def _opened(self, source: Source) -> None:
+        """A file that belongs to the experiment from now on."""
         if all(known.path != source.path for known in self._sources):
             self._sources.append(source)
-        broken = len(self._report.errors)
-        root = tree(source, self._report)
-        start = Place(source.name, 1, 1)
-        if isinstance(root, Table):
-            self._drivers(Spot(root, "", start, self._report), prefix)
-        elif len(self._report.errors) == broken:
-            said = "nothing" if root is None else described(root)
-            self._report.error(start, "file", f"expected a mapping with drivers, not {said}")
 
     def _file_hint(self, text: str) -> str:
         """Robot files that lie about, for a misspelt name."""
@@ -174,16 +169,12 @@ class RobotReader:
 
     def _drivers(self, spot: Spot, prefix: str) -> None:
         """`{name: ..., drivers: {head: {type: ..., settings}, ...}}`."""
-        table = spot.table("a mapping with drivers")
+        table = spot.fields(("name", "drivers"), "a robot has", "a mapping with drivers")
         if table is None:
             return
-        name = table.pop("name", None)
-        if name is not None:
-            read_text(name)
+        if "name" in table:
+            read_text(table["name"])
         drivers = missing(table, "drivers", spot, "drivers: {head: {type: ...}}")
-        table.pop("drivers", None)
-        for entry in table.values():
-            entry.unknown(("name", "drivers"), "a robot has")
         before = len(self._robots.drivers)
         entries = drivers.table("a mapping of drivers by name") if drivers is not None else None
         if drivers is not None and entries is not None and not entries:
@@ -200,12 +191,11 @@ class RobotReader:
         others = [driver for driver in known if driver != own]
         for setting, name in noted(spec.settings, Sibling):
             if name not in others:
-                full = join(path, setting)
                 near = self._report.hint(name, others, or_list="there are")
-                self._report.error(
-                    self._report.place(full, spec.place.file),
-                    full,
+                self._report.error_at(
+                    join(path, setting),
                     f"this robot has no other driver called {quoted(name)}{near}",
+                    spec.place.file,
                 )
 
     def _typed_driver(self, spot: Spot, name: str) -> None:
@@ -215,7 +205,7 @@ class RobotReader:
         kind = None if kind_spot is None else read_text(kind_spot, "the driver's type")
         if kind_spot is not None and kind is not None:
             if kind in self._catalogue:
-                self._driver(without(spot, "type"), name, kind)
+                self._driver(spot, name, kind)
             else:
                 near = self._report.hint(kind, self._catalogue, or_list="installed are")
                 kind_spot.error(f"there is no driver of type {quoted(kind)}{near}")
@@ -232,10 +222,9 @@ class RobotReader:
         except Exception as error:  # noqa: BLE001 - a plug-in that cannot be imported
             spot.error(str(error) or type(error).__name__)
             return
-        settings = read_settings(spot, driver.Settings)
+        settings = read_settings(spot, driver.Settings, others=("type",))
         for source in self._report.included:
-            if all(known.path != source.path for known in self._sources):
-                self._sources.append(source)
+            self._opened(source)
         if settings is BAD:
             self._robots.incomplete = True
             return
@@ -271,3 +260,35 @@ def _named(spot: Spot, name: str) -> bool:
         spot.error(_NAME_RULE)
         return False
     return True
+
+
+# -- a robot file by itself ------------------------------------------------------------------------
+
+
+def is_robot(path: Path) -> bool:
+    """Whether a file is a robot's (a mapping with `drivers`) and not an experiment.
+
+    What cannot be read is neither; whoever loads it then says what is wrong with it.
+    """
+    try:
+        source = read(path, str(path))
+    except SourceError:
+        return False
+    node = tree(source, Report())
+    return isinstance(node, Table) and "drivers" in node.entries and "panels" not in node.entries
+
+
+def load_robot(path: Path, catalogue: Mapping[str, type[Driver]]) -> tuple[DriverSpec, ...]:
+    """The drivers of a robot file, named as the file names them.
+
+    Raises `ExperimentError` with every problem of the file, sorted by place, and nothing else.
+    """
+    report = Report()
+    source = source_of(path, report)
+    root = None if source is None else document(source, report, "a mapping with drivers")
+    report.fail()
+    assert source is not None  # `fail` has raised otherwise
+    assert root is not None
+    robots = RobotReader(catalogue, path.parent, report, [source]).read_file(root)
+    report.fail()
+    return tuple(robots.drivers)

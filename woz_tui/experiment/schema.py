@@ -9,34 +9,223 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+import enum
+import pathlib
 import types
 import typing
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Any
+from typing import Any, Literal
 
 from woz_tui.core import fields
 from woz_tui.core.driver import Argument, Driver, Verb
+from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import WHEN_BUSY
 from woz_tui.experiment.effects import ENTERED, ON_ENTER
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.experiment.robot import SIMULATED
-from woz_tui.experiment.schema_parts import (
-    FLAG,
-    NUMBER,
-    SECONDS,
-    TEXT,
-    Schema,
-    bounds,
-    either,
-    mapping,
-)
-from woz_tui.experiment.schema_settings import required, settings_schema
-from woz_tui.experiment.schema_study import BY_CONDITION, study_properties
 from woz_tui.experiment.settings import fields_of, note, split
 from woz_tui.experiment.shape import SessionSettings, Steps
+from woz_tui.experiment.study import SORTS, Design, Perception, Shaping, Training
+from woz_tui.experiment.study_sections import CODE, WHENS
 from woz_tui.experiment.verbs import WAIT, engagement_verbs, session_verbs
+
+Schema = dict[str, Any]
+
+TEXT: Schema = {"type": ["string", "number", "boolean"]}
+FLAG: Schema = {"enum": [True, False, "yes", "no", "on", "off"]}
+NUMBER: Schema = {"type": "number"}
+SECONDS: Schema = {
+    "oneOf": [
+        {"type": "number", "minimum": 0},
+        {"type": "string", "pattern": r"^\s*[0-9.]+([eE][-+]?[0-9]+)?\s*(ms|s|sec|min|h)?\s*$"},
+    ]
+}
+
+
+def bounds(allowed: fields.Range | None) -> Schema:
+    """`minimum` and `maximum`, as far as there are any."""
+    if allowed is None:
+        return {}
+    bounds = {"minimum": allowed.low, "maximum": allowed.high}
+    return {name: value for name, value in bounds.items() if value is not None}
+
+
+def mapping(properties: Schema, required: Iterable[str] = ()) -> Schema:
+    """An object with these properties and no others."""
+    schema: Schema = {
+        "type": "object",
+        "properties": properties,
+        "additionalProperties": False,
+    }
+    names = list(required)
+    return {**schema, "required": names} if names else schema
+
+
+def either(schemas: Sequence[Schema]) -> Schema:
+    """Any of these; descriptions are left out."""
+    different: list[Schema] = []
+    for schema in schemas:
+        plain: Json = {name: value for name, value in schema.items() if name != "description"}
+        if plain not in different and isinstance(plain, dict):
+            different.append(plain)
+    return different[0] if len(different) == 1 else {"anyOf": different}
+
+
+def settings_schema(shape: type) -> Schema:
+    """The schema of a dataclass of settings, as files give them."""
+    properties = {}
+    for item in fields_of(shape):
+        schema = _type(item.annotation)
+        if item.doc:
+            schema = {**schema, "description": item.doc}
+        default = item.default
+        if isinstance(default, str | int | float | bool) and default != "":
+            schema = {**schema, "default": default}
+        properties[item.name] = schema
+    return mapping(properties, required=required(shape))
+
+
+def required(shape: type) -> tuple[str, ...]:
+    """The names of settings that may not be left out."""
+    return tuple(item.name for item in fields_of(shape) if item.required)
+
+
+def _type(annotation: Any, notes: tuple[Any, ...] = ()) -> Schema:
+    bare, own = split(annotation)
+    notes = (*own, *notes)
+    origin = typing.get_origin(bare) or bare
+    if origin in (typing.Union, types.UnionType):
+        return either([_type(kind, notes) for kind in typing.get_args(bare)])
+    if origin is Literal:
+        return {"enum": [str(word) for word in typing.get_args(bare)]}
+    if origin in (tuple, list, Sequence):
+        inner = typing.get_args(bare) or (Any,)
+        return {"type": "array", "items": either([_type(k, notes) for k in inner if k is not ...])}
+    if origin in (dict, Mapping):
+        inner = typing.get_args(bare) or (str, Any)
+        return {"type": "object", "additionalProperties": _type(inner[1], notes)}
+    if dataclasses.is_dataclass(origin) and isinstance(origin, type):
+        return settings_schema(origin)
+    return _simple(bare, notes)
+
+
+def _simple(bare: Any, notes: tuple[Any, ...]) -> Schema:
+    if isinstance(bare, type) and issubclass(bare, enum.Enum):
+        return {"enum": [str(member.value) for member in bare]}
+    if (one_of := note(notes, fields.OneOf)) is not None and bare is str:
+        return {"enum": list(one_of.choices)}
+    if note(notes, fields.Seconds) is not None and bare is float:
+        return SECONDS
+    if bare in (int, float) and bare is not bool:
+        kind = "integer" if bare is int else "number"
+        return {"type": kind, **bounds(note(notes, fields.Range))}
+    if isinstance(bare, type) and issubclass(bare, pathlib.Path):
+        return {"type": "string"}
+    return {bool: FLAG, str: TEXT, type(None): {"type": "null"}}.get(bare, {})
+
+
+_ONE_OR_MORE: Schema = {"oneOf": [TEXT, {"type": "array", "items": TEXT, "minItems": 1}]}
+_NAME: Schema = {
+    "type": "string",
+    "pattern": f"^{CODE.pattern}$",
+    "description": "name in logs and tables (default: made from the words)",
+}
+#: A text for each condition, by its name.
+BY_CONDITION: Schema = {"type": "object", "additionalProperties": TEXT, "minProperties": 1}
+
+
+def study_properties() -> Schema:
+    """The sections by name."""
+    return {
+        "design": _design(),
+        "questionnaires": {
+            "type": "array",
+            "items": _questionnaire(),
+            "description": "what the participant is asked",
+        },
+        "preflight": {
+            "type": "array",
+            "items": TEXT,
+            "uniqueItems": True,
+            "description": "what a human sees to before the first participant",
+        },
+        "shaping": {
+            **settings_schema(Shaping),
+            "description": "how soon the robot may answer a cue",
+        },
+        "perception": {
+            **settings_schema(Perception),
+            "description": "what the wizard does not get to see",
+        },
+        "training": _training(),
+    }
+
+
+def _design() -> Schema:
+    schema = settings_schema(Design)
+    schema["description"] = "who gets which condition, in which order"
+    # Who gets one condition gets it from a shuffled block, unless the file says otherwise.
+    schema["properties"]["order"].pop("default")
+    schema["properties"]["blind"] = {
+        "anyOf": [FLAG, BY_CONDITION],
+        "description": "what the wizard is told instead of each condition; true: letters",
+    }
+    return schema
+
+
+def _scale() -> Schema:
+    ends = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
+    return {
+        **mapping({"low": {"type": "integer"}, "high": {"type": "integer"}, "ends": ends}),
+        "description": "whole numbers from low to high, and what the ends are called",
+    }
+
+
+def _questionnaire() -> Schema:
+    item = mapping(
+        {
+            "name": _NAME,
+            "question": TEXT,
+            "scale": _scale(),
+            "text": {**FLAG, "description": "a free text instead of a scale"},
+            "optional": {**FLAG, "description": "may be left out"},
+        },
+        required=("question",),
+    )
+    schema = mapping(
+        {
+            "name": _NAME,
+            "title": {**TEXT, "description": "what stands above it"},
+            "when": {
+                "enum": list(WHENS),
+                "description": "at the end, after each trial or condition, or by hand alone",
+            },
+            "introduction": TEXT,
+            "scale": _scale(),
+            "items": {"type": "array", "items": {"oneOf": [TEXT, item]}, "minItems": 1},
+        },
+        required=("items",),
+    )
+    return {**schema, "anyOf": [{"required": ["title"]}, {"required": ["name"]}]}
+
+
+def _training() -> Schema:
+    cue = mapping(
+        {
+            "cue": {"enum": list(SORTS), "description": "what the visitor does"},
+            "says": {**_ONE_OR_MORE, "description": "what the visitor says; one of several"},
+            "answers": {**_ONE_OR_MORE, "description": "names of the actions that are right"},
+            "window": {**SECONDS, "description": "seconds in which the answer must come"},
+        },
+        required=("cue", "answers"),
+    )
+    schema = settings_schema(Training)
+    schema["description"] = "what `woz train` does"
+    schema["properties"]["cues"] = {"type": "array", "items": cue, "minItems": 1}
+    return schema
+
 
 _DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _JOINTS: Schema = {"type": "object", "additionalProperties": NUMBER, "minProperties": 1}

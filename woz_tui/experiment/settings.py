@@ -16,17 +16,19 @@ import re
 import types
 import typing
 from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
 from typing import Annotated, Any, Final, Literal, TypeVar
 
 from woz_tui.core import fields
-from woz_tui.experiment.include import include
 from woz_tui.experiment.nodes import Items, Node, Scalar, Table, described
 from woz_tui.experiment.report import Report, join
-from woz_tui.experiment.shape import Problem
+from woz_tui.experiment.shape import Place, Problem
 from woz_tui.experiment.source import Source
 from woz_tui.experiment.spot import (
     Spot,
+    document,
     missing,
+    named_source,
     read_flag,
     read_number,
     read_seconds,
@@ -112,6 +114,8 @@ def read_settings(spot: Spot, shape: type, others: Sequence[str] = ()) -> Any:
     values: dict[str, Any] = {}
     whole = True
     for item in fields_of(shape):
+        if item.name in others:
+            continue
         entry = table.pop(item.name, None)
         if entry is None:
             if item.required:
@@ -123,10 +127,16 @@ def read_settings(spot: Spot, shape: type, others: Sequence[str] = ()) -> Any:
         values[item.attribute] = value
     for name, entry in table.items():
         if name not in others:
-            known = [*(item.name for item in fields_of(shape)), *others]
+            known = dict.fromkeys([*(item.name for item in fields_of(shape)), *others])
             entry.unknown(known, "settings here are")
             whole = False
     return _made(spot, shape, values) if whole else BAD
+
+
+def read_section(spot: Spot | None, shape: type[N], others: Sequence[str] = ()) -> N | None:
+    """A section that is nothing but settings; None if it is not there or wrong."""
+    made: Any = BAD if spot is None else read_settings(spot, shape, others)
+    return None if made is BAD else made
 
 
 def _made(spot: Spot, shape: type, values: dict[str, Any]) -> Any:
@@ -157,12 +167,10 @@ class Included(typing.Protocol):
     @property
     def problems(self) -> Sequence[Problem]:
         """Errors and warnings."""
-        ...
 
     @property
     def sources(self) -> Sequence[Source]:
         """Every file that was read."""
-        ...
 
 
 def _taken(report: Report, included: Included) -> bool:
@@ -288,7 +296,17 @@ def _sequence(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
     values = [read(entry, kind, notes) for entry, kind in zip(entries, kinds, strict=True)]
     if any(value is BAD for value in values):
         return BAD
+    if note(notes, fields.Unique) is not None and not _different(entries, values):
+        return BAD
     return values if (typing.get_origin(bare) or bare) is list else tuple(values)
+
+
+def _different(entries: Sequence[Spot], values: Sequence[Any]) -> bool:
+    """Whether no value stands twice; what does is reported."""
+    twice = [entry for at, entry in enumerate(entries) if values[at] in values[:at]]
+    for entry in twice:
+        entry.error(f"{described(entry.node)} stands here twice")
+    return not twice
 
 
 def _mapping(spot: Spot, bare: Any, notes: tuple[Any, ...]) -> Any:
@@ -386,3 +404,39 @@ def _guess(text: str) -> Any:
     if re.fullmatch(r"[-+]?(\d+\.\d*|\.\d+|\d+)([eE][-+]?\d{1,2})?", text):
         return float(text)
     return text
+
+
+def include(spot: Spot, words: Sequence[str] = ()) -> Spot | None:
+    """The root of the file whose path stands at `spot`, or None after saying what is wrong.
+
+    `words` could have stood there too; a misspelt one is no file.
+    """
+    text = read_text(spot, " or ".join(("a file", *words)))
+    if text is None:
+        return None
+    report = spot.report
+    source = named_source(
+        spot,
+        text,
+        pathlib.Path(spot.place.file).absolute().parent,
+        lambda: report.hint(text, words, or_list="without a file there are"),
+    )
+    if source is None:
+        return None
+    report.included.append(source)
+    return document(source, report, "a mapping")
+
+
+def settings_of(shape: type, values: Mapping[str, str], base: Path) -> Any:
+    """An instance of `shape` with the settings `values` as text; relative paths start at `base`.
+
+    Raises `ExperimentError` with every problem, also with those of files that are named.
+    """
+    report = Report()
+    place = Place(str(base / "command line"), 1, 1)
+    report.file(place.file)
+    keys = {name: Scalar(place, name, plain=True) for name in values}
+    entries = {name: Scalar(place, text, plain=True) for name, text in values.items()}
+    made = read_settings(Spot(Table(place, dict(entries), keys), "", place, report), shape)
+    report.fail()
+    return made

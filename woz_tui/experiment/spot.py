@@ -7,13 +7,15 @@ finds the other errors too.
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass
+from pathlib import Path
 
 from woz_tui.core.fields import Range
-from woz_tui.experiment.nodes import Items, Node, Scalar, Table, described
+from woz_tui.experiment.nodes import Items, Node, Scalar, Table, described, tree
 from woz_tui.experiment.report import Report, join, quoted
 from woz_tui.experiment.shape import Place
+from woz_tui.experiment.source import Source, SourceError, read
 
 _NUMBER = re.compile(r"[-+]?(\d{1,30}(\.\d{0,60})?|\.\d{1,60})([eE][-+]?\d{1,3})?")
 _WHOLE = re.compile(r"[-+]?\d{1,18}")
@@ -69,6 +71,14 @@ class Spot:
             return None
         return dict(self.entries())
 
+    def fields(self, known: Collection[str], what: str, expected: str) -> dict[str, Spot] | None:
+        """The mapping's entries by name; those that are not `known` are reported."""
+        table = self.table(expected)
+        for name, entry in (table or {}).items():
+            if name not in known:
+                entry.unknown(known, what)
+        return table
+
     def list(self, expected: str = "a list") -> list[Spot] | None:
         """The list's entries."""
         if not isinstance(self.node, Items):
@@ -107,6 +117,31 @@ def read_text(spot: Spot, expected: str = "text") -> str | None:
     return spot.node.text
 
 
+def read_filled(spot: Spot | None, expected: str = "text") -> str | None:
+    """Text that is more than blanks, if it is there; blanks are reported, and come back."""
+    text = read_text(spot, expected) if spot is not None else None
+    if spot is not None and text is not None and not text.strip():
+        spot.error("nothing but blanks")
+    return text
+
+
+def read_texts(
+    spot: Spot | None, expected: str = "a list", each: str = "text", *, once: bool = False
+) -> list[tuple[Spot, str]]:
+    """A list's texts with where they stand; `once`: none of them twice."""
+    entries = spot.list(expected) if spot is not None else None
+    found: dict[str, Spot] = {}
+    texts: list[tuple[Spot, str]] = []
+    for entry in entries or ():
+        text = read_text(entry, each)
+        if text is not None and once and text in found:
+            entry.error(f"{quoted(text)} stands here twice")
+        elif text is not None:
+            texts.append((entry, text))
+            found[text] = entry
+    return texts
+
+
 def read_word(spot: Spot, choices: Iterable[str], expected: str = "one of") -> str | None:
     """One of `choices`."""
     words = tuple(choices)
@@ -116,6 +151,11 @@ def read_word(spot: Spot, choices: Iterable[str], expected: str = "one of") -> s
         return text
     spot.error(f"{quoted(text)} is not known{spot.report.hint(text, words, or_list='it can be')}")
     return None
+
+
+def is_set(spot: Spot | None) -> bool:
+    """Whether a flag is there, and true."""
+    return bool(spot is not None and read_flag(spot))
 
 
 def read_flag(spot: Spot) -> bool | None:
@@ -182,10 +222,43 @@ def missing(table: Mapping[str, Spot], name: str, parent: Spot, why: str = "") -
     return spot
 
 
-def without(spot: Spot, name: str) -> Spot:
-    """The same mapping without one entry."""
-    if not isinstance(spot.node, Table):
-        return spot
-    entries = {key: value for key, value in spot.node.entries.items() if key != name}
-    node = Table(spot.node.place, entries, spot.node.keys)
-    return Spot(node, spot.path, spot.place, spot.report)
+def document(source: Source, report: Report, expected: str) -> Spot | None:
+    """The root of a file that holds a mapping; None after saying what it holds instead."""
+    report.file(source.name)
+    start = Place(source.name, 1, 1)
+    broken = len(report.errors)
+    node = tree(source, report)
+    if isinstance(node, Table):
+        return Spot(node, "", start, report)
+    if len(report.errors) == broken:
+        found = "nothing" if node is None else described(node)
+        report.error(start, "file", f"expected {expected}, not {found}")
+    return None
+
+
+def source_of(path: Path, report: Report) -> Source | None:
+    """A file that was named on a command line, or None after saying why it cannot be read."""
+    report.file(str(path))
+    try:
+        return read(path, str(path))
+    except SourceError as error:
+        report.error(Place(str(path), error.line, error.column), "file", error.message)
+    return None
+
+
+def named_source(spot: Spot, text: str, base: Path, meant: Callable[[], str]) -> Source | None:
+    """The file that `text` names at `spot`, seen from `base`, or None after saying what is wrong;
+    `meant` is asked for a hint where it is not there.
+    """
+    try:
+        path = base / Path(text).expanduser()
+        return read(path, str(path))
+    except SourceError as error:
+        if (error.line, error.column) == (1, 1):
+            spot.error(f"{quoted(text)}: {error.message}{meant()}")
+        else:
+            place = Place(str(path), error.line, error.column)
+            spot.report.error(place, "file", error.message)
+    except (RuntimeError, ValueError) as error:  # expanduser without a home, a NUL
+        spot.error(f"{quoted(text)}: {error}")
+    return None

@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Annotated
 
-from woz_tui.core.fields import Doc, OneOf, Range, Seconds
+from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Unique
 
 ORDERS = ("latin-square", "blocks", "fixed")
 #: What a cue is, to which a robot's answer may come too soon.
@@ -87,15 +87,21 @@ class Shaping:
         float, Seconds(0, 60), Doc("seconds from the cue to the robot's act, at least")
     ] = 0.0
     jitter: Annotated[float, Seconds(0, 60), Doc("up to so many seconds more, at random")] = 0.0
-    cues: Annotated[tuple[str, ...], OneOf(CUES), Doc("speech, engagement, marker")] = ("speech",)
+    cues: Annotated[tuple[str, ...], OneOf(CUES), Unique(), Doc("speech, engagement, marker")] = (
+        "speech",
+    )
 
 
 @dataclass(frozen=True, slots=True)
 class Perception:
     """What the wizard does not get to see, so as to know no more than the robot could."""
 
-    hide: Annotated[tuple[str, ...], OneOf(PERCEIVED), Doc("what is not shown at all")] = ()
-    blur: Annotated[tuple[str, ...], OneOf(BLURRED), Doc("what is shown, but not legibly")] = ()
+    hide: Annotated[
+        tuple[str, ...], OneOf(PERCEIVED), Unique(), Doc("what is not shown at all")
+    ] = ()
+    blur: Annotated[
+        tuple[str, ...], OneOf(BLURRED), Unique(), Doc("what is shown, but not legibly")
+    ] = ()
 
 
 @dataclass(frozen=True, slots=True)

@@ -6,25 +6,23 @@ https://bids-specification.readthedocs.io.
 
 from __future__ import annotations
 
+import gzip
+import json
+from collections.abc import Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import PurePath
-from typing import Any
+from typing import Any, get_args
 
 from woz_tui import __version__
-from woz_tui.export.bids_files import (
-    bids_cell,
-    write_answers,
-    write_events,
-    write_json,
-    write_table,
-)
-from woz_tui.export.bids_physio import write_physio
-from woz_tui.export.course import Session
-from woz_tui.export.folder import README, Folder
-from woz_tui.export.options import Options, Told
-from woz_tui.export.readme import readme
+from woz_tui.core.cleaning import cell, one_line
+from woz_tui.core.messages import AnyMessage, Reading
+from woz_tui.export.course import Answer, Event, Session
+from woz_tui.export.exporter import Exporter, Options, Told
+from woz_tui.export.folder import Folder
 from woz_tui.export.sources import Source
+from woz_tui.export.tables import ANSWERS, EVENTS, Cell, Column, Table
 from woz_tui.export.text import letters
+from woz_tui.record.log import Damage
 
 VERSION = "1.11.1"
 _ABOUT = """## Files
@@ -51,12 +49,13 @@ class _Run:
         return f"{self.place}/beh/{self.stem}" + (f"_run-{number}" if number else "")
 
 
-class BidsExporter:
+class BidsExporter(Exporter):
     """One dataset for all sessions."""
 
+    about = _ABOUT
+
     def __init__(self, folder: Folder, options: Options) -> None:
-        self._folder = folder
-        self._options = options
+        super().__init__(folder, options)
         #: A participant's code, or the name of a log without one -> the label of `sub-`.
         self._labels: dict[str, str] = {}
         self._conditions: dict[str, list[str]] = {}
@@ -132,7 +131,7 @@ class BidsExporter:
             write_table(self._folder, name, ["filename", "acq_time"], rows)
         self._participants()
         write_json(self._folder, "dataset_description.json", self._description())
-        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
+        super().finish(told)
 
     def _named(self, run: _Run, number: int, *, alone: bool) -> None:
         """A run that is the only one needs no number."""
@@ -159,9 +158,6 @@ class BidsExporter:
             "DatasetType": "raw",
             "GeneratedBy": [{"Name": "woz-tui", "Version": __version__}],
         }
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 def _task(session: Session) -> str:
@@ -191,3 +187,205 @@ def _common(session: Session) -> dict[str, Any]:
             "Redacted": session.redacted,
         },
     }
+
+
+# -- files -----------------------------------------------------------------------------------------
+
+
+#: What stands where there is no value.
+NONE = "n/a"
+_KINDS = {
+    "action": "an action of the robot that was asked for, from the request to its end",
+    "command": "one verb sent to one driver, from the request to its end",
+    "engagement": "a state of the engagement machine",
+    "speech": "a sentence of the visitor",
+    "trial": "a trial",
+    "break": "a break between trials",
+    "stop": "the emergency stop, from its being pressed to its release; of driving alone, to its "
+    "confirmation",
+    "questionnaire": "a questionnaire was put to the participant",
+    "difference": "a robot's setting was other than asked for; the text is what it had and what "
+    "was wanted",
+    "conflict": "settings of a robot that worked against each other, or against the wizard",
+    "marker": "a moment that the wizard marked",
+    "note": "a sentence that the wizard typed",
+    "mistake": "the wizard labelled an action a mistake",
+}
+_MOMENTS = {
+    str(kind.__struct_config__.tag): (kind.__doc__ or "").strip().partition("\n\n")[0]
+    for kind in get_args(AnyMessage)
+}
+#: BIDS has its own names for these, and wants the first three first.
+_RENAMED = {"onset_s": "onset", "duration_s": "duration", "kind": "trial_type"}
+_OF_EVENTS = (
+    *("onset_s", "duration_s", "kind", "label", "panel", "action", "verb", "driver", "source"),
+    *("outcome", "latency_s", "mistake", "condition", "trial", "text", "run", "seq"),
+)
+_OF_ANSWERS = (
+    *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "answered_s"),
+    *("onset_s", "condition", "trial", "question"),
+)
+
+
+def write_events(
+    folder: Folder, stem: str, session: Session, events: Iterable[Event], common: Mapping[str, Any]
+) -> None:
+    """`<stem>_events.tsv` and its sidecar."""
+    events = list(events)
+    columns = _columns(EVENTS, _OF_EVENTS)
+    rows = (
+        [bids_cell(_event_cell(session, event, of), text=of.type == "string") for of in columns]
+        for event in events
+    )
+    names = [_RENAMED.get(column.name, column.name) for column in columns]
+    write_table(folder, f"{stem}_events.tsv", names, rows)
+    meanings: dict[str, Any] = {
+        name: _meaning(column) for name, column in zip(names, columns, strict=True)
+    }
+    del meanings["onset"], meanings["duration"]  # BIDS' own
+    meanings["trial_type"] = {
+        "Description": "What happened; of moments, the kind of the log's line.",
+        "Levels": {kind: _level(kind) for kind in dict.fromkeys(each.kind for each in events)},
+    }
+    write_json(folder, f"{stem}_events.json", {**common, **meanings})
+
+
+def write_answers(
+    folder: Folder,
+    stem: str,
+    session: Session,
+    answers: Iterable[Answer],
+    common: Mapping[str, Any],
+) -> None:
+    """`<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
+    columns = _columns(ANSWERS, _OF_ANSWERS)
+    rows = (
+        [bids_cell(of.cell(session, answer), text=of.type == "string") for of in columns]
+        for answer in answers
+    )
+    write_table(folder, f"{stem}_beh.tsv", [column.name for column in columns], rows)
+    meanings = {column.name: _meaning(column) for column in columns}
+    write_json(folder, f"{stem}_beh.json", {**common, **meanings})
+
+
+def write_table(
+    folder: Folder, name: str, columns: Iterable[str], rows: Iterable[Iterable[str]]
+) -> None:
+    """A file of tab-separated cells with a row of names."""
+    with folder.text(name) as file:
+        file.write("\t".join(columns) + "\n")
+        for row in rows:
+            file.write("\t".join(row) + "\n")
+
+
+def write_json(folder: Folder, name: str, content: Mapping[str, Any]) -> None:
+    """A JSON file."""
+    folder.write(name, json.dumps(content, indent=2, ensure_ascii=False) + "\n")
+
+
+def _columns(table: Table[Any], names: Iterable[str]) -> list[Column[Any]]:
+    of_table = {column.name: column for column in table.columns}
+    return [of_table[name] for name in names]
+
+
+def _level(kind: str) -> str:
+    """What a kind of event is; of moments, what the log's format says of the line."""
+    return _KINDS.get(kind) or _MOMENTS.get(
+        kind, "a line of the log that this version does not know"
+    )
+
+
+def _event_cell(session: Session, event: Event, column: Column[Any]) -> Cell:
+    if column.name == "duration_s" and event.end is None:
+        return 0  # as BIDS has it of moments
+    return column.cell(session, event)
+
+
+def _meaning(column: Column[Any]) -> dict[str, str]:
+    units = {"Units": column.unit} if column.unit else {}
+    return {"Description": column.meaning, **units}
+
+
+def bids_cell(value: Cell, *, text: bool = True) -> str:
+    """A value as BIDS has it: no quoting, and nothing begins or ends in a blank."""
+    return cell(one_line(value).strip() if isinstance(value, str) else value, text=text) or NONE
+
+
+# -- values of sensors -----------------------------------------------------------------------------
+
+
+RATE_HZ = 50
+_STEP_US = 1_000_000 // RATE_HZ
+#: A damaged time may lie years ahead; nobody pauses a session for so long.
+_LONGEST_GAP_US = 3600 * 1_000_000
+#: Rows are written for so long, however near to each other such times lie.
+_LONGEST_US = 48 * _LONGEST_GAP_US
+
+
+def write_physio(folder: Folder, stem: str, source: Source, common: Mapping[str, Any]) -> list[str]:
+    """`<stem>_physio.tsv.gz` and its sidecar, read in two passes so that memory stays flat.
+
+    Sensors have each their own rate and pauses; BIDS wants one rate and columns without names. So
+    every row has each sensor's latest value at that time. The CSV export has the exact samples.
+
+    Returns what could not be written, in sentences.
+    """
+    units = _units(source)
+    if not units:
+        return ["no sensor's values are in the log"]
+    sensors = sorted(units)
+    resampled = _Resampled(sensors)
+    with (
+        folder.binary(f"{stem}_physio.tsv.gz") as file,
+        gzip.GzipFile("", "wb", fileobj=file, mtime=0) as table,
+    ):
+        for row in resampled.rows(source):
+            table.write(row)
+    described = {
+        sensor: {
+            "Description": f"{sensor}: the latest value at each time",
+            **({"Units": units[sensor]} if units[sensor] else {}),
+        }
+        for sensor in sensors
+    }
+    rates = {"SamplingFrequency": RATE_HZ, "StartTime": 0, "PhysioType": "generic"}
+    write_json(folder, f"{stem}_physio.json", {**common, **rates, "Columns": sensors, **described})
+    return resampled.notes
+
+
+def _units(source: Source) -> dict[str, str]:
+    """Unit of each sensor that has numbers."""
+    units: dict[str, str] = {}
+    for reading in source.samples(Damage()):
+        if reading.value is not None:
+            units[reading.sensor] = reading.unit or units.get(reading.sensor, "")
+    return units
+
+
+class _Resampled:
+    def __init__(self, sensors: list[str]) -> None:
+        self._latest = dict.fromkeys(sensors, NONE)
+        self.notes: list[str] = []
+
+    def rows(self, source: Source) -> Iterator[bytes]:
+        due, last = 0, 0
+        for reading in source.samples(Damage()):
+            if reading.t - last > _LONGEST_GAP_US:
+                self.notes.append("values after a gap of more than an hour were left out")
+                break
+            if reading.t > _LONGEST_US:
+                self.notes.append("values after the second day were left out")
+                break
+            last = max(last, reading.t)
+            while due < reading.t:
+                yield self._row()
+                due += _STEP_US
+            self._take(reading)
+        yield self._row()
+
+    def _take(self, reading: Reading) -> None:
+        if reading.sensor in self._latest:
+            self._latest[reading.sensor] = NONE if reading.value is None else repr(reading.value)
+
+    def _row(self) -> bytes:
+        return ("\t".join(self._latest.values()) + "\n").encode()

@@ -14,7 +14,16 @@ OPEN = "open"
 
 
 @dataclass(slots=True, kw_only=True)
-class Event:
+class Owned:
+    """Something that belongs to a participant, a condition and a trial; trial None: to none."""
+
+    participant: str = ""
+    condition: str = ""
+    trial: int | None = None
+
+
+@dataclass(slots=True, kw_only=True)
+class Event(Owned):
     """Something that happened at a moment, or lasted.
 
     Attributes:
@@ -26,7 +35,6 @@ class Event:
             of the line (marker, note, mistake, sensor.changed ...).
         label: What of its kind it is: an action's name, a state, a trial's number.
         text: What was said, typed or recognised.
-        participant, condition, trial: To whom and what it belongs; trial None: to none.
         outcome: How it ended; `open`: the log ended first.
         latency: For actions and commands, from the request to the driver's start.
         acted: When the driver started, for commands.
@@ -42,9 +50,6 @@ class Event:
     end: int | None = None
     label: str = ""
     text: str = ""
-    participant: str = ""
-    condition: str = ""
-    trial: int | None = None
     panel: str = ""
     action: str = ""
     verb: str = ""
@@ -68,7 +73,7 @@ class Event:
 
 
 @dataclass(slots=True, kw_only=True)
-class Answer:
+class Answer(Owned):
     """The last answer to an item in one round of a questionnaire; `at` is when it was given.
 
     `value` on the scale from `low` to `high`, or `text`; `took` microseconds from its being shown.
@@ -80,9 +85,6 @@ class Answer:
     round: int
     item: str
     question: str
-    participant: str = ""
-    condition: str = ""
-    trial: int | None = None
     value: float | None = None
     text: str = ""
     low: float | None = None
@@ -92,7 +94,7 @@ class Answer:
 
 
 @dataclass(slots=True, kw_only=True)
-class Setting:
+class Setting(Owned):
     """A robot's setting `name` from a change of it, or of whose time it is, to the next one.
 
     `differs` is None while it is unknown: the robot is lost, or does not tell it any more. `wanted`
@@ -108,9 +110,11 @@ class Setting:
     wanted: Json = None
     differs: bool | None = None
     changed: bool = True
-    participant: str = ""
-    condition: str = ""
-    trial: int | None = None
+
+    @property
+    def duration(self) -> int:
+        """How long it held."""
+        return self.end - self.begin
 
 
 @dataclass(frozen=True, slots=True)

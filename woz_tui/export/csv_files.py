@@ -9,13 +9,14 @@ from contextlib import ExitStack
 from functools import lru_cache
 from typing import Any, TextIO
 
+import msgspec
+
 from woz_tui import __version__
 from woz_tui.core.cleaning import cell
 from woz_tui.core.messages import Reading
 from woz_tui.export.course import Session
-from woz_tui.export.folder import README, Folder
-from woz_tui.export.options import Options, Told
-from woz_tui.export.readme import readme
+from woz_tui.export.exporter import Exporter, Options, Told
+from woz_tui.export.folder import Folder
 from woz_tui.export.redaction import PLACEHOLDER
 from woz_tui.export.sources import Source, nameless
 from woz_tui.export.tables import (
@@ -48,12 +49,13 @@ The column `log` ties them together. CSV as in RFC 4180: UTF-8, commas, a dot in
 the end of a row. An empty cell: there is no such value. {_GUARDED}"""
 
 
-class CsvExporter:
+class CsvExporter(Exporter):
     """All sessions in the same tables."""
 
+    about = _ABOUT
+
     def __init__(self, folder: Folder, options: Options) -> None:
-        self._folder = folder
-        self._options = options
+        super().__init__(folder, options)
         self._files = ExitStack()
         self._tables: list[Table[Any]] = [EVENTS, ENGAGEMENT, ANSWERS, SETTINGS, SESSIONS]
         if options.samples:
@@ -70,24 +72,24 @@ class CsvExporter:
         self._writers["engagement"].write(session, session.engagement)
         self._writers["questionnaires"].write(session, session.answers)
         self._writers["settings"].write(session, session.settings)
-        self._writers["sessions"].write(session, [None])
+        self._writers["sessions"].write(session, [session])
         if not self._options.samples:
             return []
         damage = Damage()
         self._writers["samples"].write(session, self._samples(source, damage))
         return (nameless(damage) if self._options.redact else damage).sentences()
 
-    def _samples(self, source: Source, damage: Damage) -> Iterable[tuple[Reading, str]]:
+    def _samples(self, source: Source, damage: Damage) -> Iterable[Reading]:
         for reading in source.samples(damage):
-            text = PLACEHOLDER if reading.text and self._options.redact else reading.text
-            yield reading, text
+            private = reading.text and self._options.redact
+            yield msgspec.structs.replace(reading, text=PLACEHOLDER) if private else reading
 
     def finish(self, told: list[Told]) -> None:
         """The data dictionary and the README."""
         self._files.close()
         package = json.dumps(_package(self._tables, told), indent=2, ensure_ascii=False)
         self._folder.write("datapackage.json", package + "\n")
-        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
+        super().finish(told)
 
     def close(self) -> None:
         """Whatever happened: close the files."""

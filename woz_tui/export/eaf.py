@@ -16,9 +16,7 @@ from urllib.parse import quote
 from woz_tui import __version__
 from woz_tui.core.cleaning import one_line, visible
 from woz_tui.export.course import Session
-from woz_tui.export.folder import README, Folder
-from woz_tui.export.options import Options, Told
-from woz_tui.export.readme import readme
+from woz_tui.export.exporter import Exporter
 from woz_tui.export.sound import write_sound
 from woz_tui.export.sources import Source
 from woz_tui.export.text import seconds
@@ -57,12 +55,10 @@ is on a tier `...-2`. Nothing is shorter than 40 ms: moments and shorter things 
 that."""
 
 
-class EafExporter:
+class EafExporter(Exporter):
     """One file a session."""
 
-    def __init__(self, folder: Folder, options: Options) -> None:
-        self._folder = folder
-        self._options = options
+    about = _ABOUT
 
     def add(self, session: Session, source: Source) -> list[str]:
         """One session, with its sound."""
@@ -92,13 +88,6 @@ class EafExporter:
             notes += problems
             media += [Medium(name)] if length else []
         return media
-
-    def finish(self, told: list[Told]) -> None:
-        """The README."""
-        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 @dataclass(frozen=True, slots=True)

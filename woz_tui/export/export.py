@@ -10,9 +10,9 @@ from woz_tui.export.bids import BidsExporter
 from woz_tui.export.course import Session
 from woz_tui.export.csv_files import CsvExporter
 from woz_tui.export.eaf import EafExporter
+from woz_tui.export.exporter import Exporter, Options, Told
 from woz_tui.export.folder import Folder, new_folder
 from woz_tui.export.jsonl import JsonlExporter
-from woz_tui.export.options import Exporter, Options, Told
 from woz_tui.export.sources import ExportError, Names, Source, found, read
 from woz_tui.export.textgrid import TextGridExporter
 

@@ -11,16 +11,17 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from woz_tui.analysis.rows import worded
 from woz_tui.core import messages as m
-from woz_tui.export.course import OPEN, Answer, Clip, Event, Session
-from woz_tui.export.moments import NO_EVENTS, details, moment
-from woz_tui.export.settings import settings_of
+from woz_tui.export.course import OPEN, Answer, Clip, Event, Owned, Session, Setting
 from woz_tui.record.log import Line
+from woz_tui.timeline import episodes
 from woz_tui.timeline.context import Context, Span
 from woz_tui.timeline.episodes import (
     Action,
     Break,
     Command,
+    Conflict,
     Episode,
     ModelState,
     Moment,
@@ -32,6 +33,72 @@ from woz_tui.timeline.episodes import (
 )
 from woz_tui.timeline.state import LONGEST
 from woz_tui.timeline.timeline import Timeline
+
+#: Kinds of line that are no events by themselves: about the log, parts of something longer (see
+#: `settings`), or state that is told so often that it belongs to the samples.
+NO_EVENTS = frozenset(
+    {
+        *("session.start", "session.end", "clock", "checkpoint", "segment", "recorder.state"),
+        *("experiment.files", "session.plan", "engagement.settings"),
+        *("sample", "engagement.shown", "face.shown", "body.changed", "controls.moved"),
+        "settings.shown",
+    }
+)
+#: Kind -> the field that becomes the label and the one that becomes the text.
+_LABEL_AND_TEXT: Mapping[str, tuple[str, str]] = {
+    "marker": ("", "text"),
+    "note": ("", "text"),
+    "mistake": ("action", "text"),
+    "notice": ("level", "text"),
+    "sensor.changed": ("state", "why"),
+    "mode.changed": ("now", "why"),
+    "visitor.changed": ("what", ""),
+    "driver.connecting": ("driver", "detail"),
+    "driver.connected": ("driver", "detail"),
+    "driver.lost": ("driver", "detail"),
+    "driver.faulted": ("driver", "detail"),
+    "lane.faulted": ("lane", ""),
+    "lane.recovered": ("lane", ""),
+    "panel.locked": ("panel", ""),
+    "profile.changed": ("profile", ""),
+    "console.attached": ("role", ""),
+    "console.lost": ("role", "why"),
+    "condition.assigned": ("method", "why"),
+    "preflight.checked": ("level", "detail"),
+    "action.held": ("sort", ""),
+    "cue.given": ("sort", "text"),
+    "cue.answered": ("judged", ""),
+    "rerun.started": ("original_session", ""),
+    "rerun.skipped": ("original_command", "reason"),
+    "rerun.ended": ("reason", ""),
+}
+#: Fields that have a column of their own in every event.
+COLUMNS = ("panel", "action", "verb", "driver", "source", "key", "outcome", "reason", "run")
+_ENVELOPE = frozenset({"seq", "t", "ts", "kind"})
+
+
+def moment(seq: int, t: int, kind: str, fields: Mapping[str, Any]) -> Event:
+    """A line as an event without a duration. What has no column is among its details."""
+    label, text = _LABEL_AND_TEXT.get(kind, ("", ""))
+    event = Event(seq=seq, begin=t, kind=kind, label=_text(fields, label), text=_text(fields, text))
+    used = {label, text} if label not in COLUMNS else {text}
+    for name in (*COLUMNS, "command"):
+        if isinstance(fields.get(name), str):
+            setattr(event, name, fields[name])
+            used.add(name)
+    event.details = details(fields, used)
+    return event
+
+
+def details(fields: Mapping[str, Any], used: set[str]) -> dict[str, Any]:
+    """The fields of a line that are not `used` elsewhere."""
+    return {name: value for name, value in fields.items() if name not in used | _ENVELOPE}
+
+
+def _text(fields: Mapping[str, Any], name: str) -> str:
+    value = fields.get(name, "")
+    return value if isinstance(value, str) else ""
+
 
 _SAY = "say"
 #: Lines that begin or end an event, or belong to one; alone they are moments. Any other line is a
@@ -225,16 +292,13 @@ class Extractor:
                 scales[name, str(item.get("name", ""))] = item
             for answer in asked.answers.values():
                 scale = scales.get((name, answer.item), {})
-                yield Answer(
+                given = Answer(
                     seq=answer.seq,
                     at=answer.t,
                     questionnaire=name,
                     round=rounds[name],
                     item=answer.item,
                     question=self._text(answer, "question"),
-                    participant=asked.context.participant,
-                    condition=asked.context.condition,
-                    trial=asked.trial,
                     value=None if answer.skipped else answer.value,
                     text="" if answer.skipped else self._text(answer, "text"),
                     low=_number(scale.get("low")),
@@ -242,6 +306,9 @@ class Extractor:
                     took=answer.answered_us if answer.answered_us >= 0 else None,
                     skipped=answer.skipped,
                 )
+                _belongs(given, asked.context)
+                given.trial = asked.trial
+                yield given
 
 
 #: What becomes an event, and how.
@@ -258,9 +325,9 @@ _EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
 }
 
 
-def _belongs(event: Event, context: Context) -> None:
-    event.participant, event.condition = context.participant, context.condition
-    event.trial = context.trial
+def _belongs(row: Owned, context: Context) -> None:
+    row.participant, row.condition = context.participant, context.condition
+    row.trial = context.trial
 
 
 def _by_context(event: Event, parts: Sequence[Span]) -> Iterator[Event]:
@@ -273,3 +340,77 @@ def _by_context(event: Event, parts: Sequence[Span]) -> Iterator[Event]:
 
 def _number(value: object) -> float | None:
     return value if isinstance(value, int | float) and not isinstance(value, bool) else None
+
+
+# -- robots' settings ------------------------------------------------------------------------------
+
+
+#: The outcome of a difference that was not seen to end, because its robot was lost.
+LOST = "lost"
+#: An episode, one of its parts, all of them.
+_Piece = tuple[episodes.Setting | Conflict, Span, tuple[Span, ...]]
+
+
+def settings_of(timeline: Timeline) -> tuple[list[Setting], list[Event]]:
+    """Rows of all settings, and events of those that differed and of conflicts: one for each part
+    of an episode, by time.
+    """
+    pieces = [
+        (each, part, parts)
+        for each in timeline.episodes
+        if isinstance(each, episodes.Setting | Conflict)
+        for parts in [timeline.parts(each)]
+        for part in parts
+    ]
+    shown = timeline.state.robots.shown.values()
+    places = {(line.driver, name): at for line in shown for at, name in enumerate(line.values)}
+
+    def order(piece: _Piece) -> tuple[int, ...]:
+        """By time; of one moment as the driver lists them."""
+        each, part, _ = piece
+        return part.begin, each.seq, part.end, places.get((each.driver, each.label), len(places))
+
+    pieces.sort(key=order)
+    rows = [
+        _row(each, part, changed=part is parts[0])
+        for each, part, parts in pieces
+        if isinstance(each, episodes.Setting)
+    ]
+    events = [
+        _setting_event(each, part, last=part is parts[-1])
+        for each, part, parts in pieces
+        if isinstance(each, Conflict) or each.differs
+    ]
+    return rows, events
+
+
+def _row(each: episodes.Setting, part: Span, *, changed: bool) -> Setting:
+    row = Setting(
+        seq=each.seq,
+        begin=part.begin,
+        end=part.end,
+        driver=each.driver,
+        name=each.name,
+        value=each.value,
+        wanted=each.wanted,
+        differs=each.differs,
+        changed=changed,
+    )
+    _belongs(row, part.context)
+    return row
+
+
+def _setting_event(each: episodes.Setting | Conflict, part: Span, *, last: bool) -> Event:
+    event = Event(seq=each.seq, begin=part.begin, end=part.end, kind="conflict", driver=each.driver)
+    _belongs(event, part.context)
+    if last and each.cut:
+        event.outcome = OPEN
+    if isinstance(each, Conflict):
+        event.text = each.sentence
+        return event
+    if last and each.outcome == Outcome.LOST:
+        event.outcome = LOST
+    event.kind, event.label = "difference", each.name
+    event.text = f"{worded(each.value)}, wanted {worded(each.wanted)}"
+    event.details = {"value": each.value, "wanted": each.wanted}
+    return event

@@ -10,9 +10,7 @@ import msgspec
 
 from woz_tui.core.messages import Reading
 from woz_tui.export.course import Session
-from woz_tui.export.folder import README, Folder
-from woz_tui.export.options import Options, Told
-from woz_tui.export.readme import readme
+from woz_tui.export.exporter import Exporter
 from woz_tui.export.sources import Source, redacted_line
 from woz_tui.record.log import Damage, Line
 
@@ -26,12 +24,10 @@ together. The sums (SHA-256) in `checkpoint` and `session.end` were computed ane
 this copy is whole, and nothing of the log from which it was made."""
 
 
-class JsonlExporter:
+class JsonlExporter(Exporter):
     """Two files a session."""
 
-    def __init__(self, folder: Folder, options: Options) -> None:
-        self._folder = folder
-        self._options = options
+    about = _ABOUT
 
     def add(self, session: Session, source: Source) -> list[str]:
         """One session. It is read again: what is no event is copied too."""
@@ -42,13 +38,6 @@ class JsonlExporter:
             for line in source.everything(Damage()):
                 copy.take(line)
         return []
-
-    def finish(self, told: list[Told]) -> None:
-        """The README."""
-        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 def _wordless(line: Line) -> bool:

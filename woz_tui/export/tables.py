@@ -43,10 +43,6 @@ class Table(Generic[Row]):
     columns: tuple[Column[Row], ...]
     key: tuple[str, ...] = ()
 
-    def cells(self, session: Session, row: Row) -> list[Cell]:
-        """One row."""
-        return [column.cell(session, row) for column in self.columns]
-
 
 def _s(us: int | None) -> Cell:
     return None if us is None else seconds(us)
@@ -64,17 +60,51 @@ def _json(value: Mapping[str, object]) -> Cell:
     return json.dumps(plain, ensure_ascii=False, allow_nan=False)
 
 
-def _log(session: Session, _: object) -> Cell:
-    return session.name
+def _plain(type_: str, name: str, meaning: str, of: str = "") -> Column[Any]:
+    """An attribute of the row as it is: the one called `of`, by default as the column."""
+    return Column(name, type_, meaning, lambda _, row: getattr(row, of or name))
 
 
-_WHOSE: tuple[Column[Any], ...] = (
-    Column("log", "string", "name of the session's log, its own in this export", _log),
-    Column("session", "string", "the session's code", lambda s, _: s.code or None),
-    Column("participant", "string", "the participant's code", lambda _, e: e.participant or None),
-    Column("condition", "string", "the condition at this time", lambda _, e: e.condition or None),
-    Column("trial", "integer", "number of the trial; empty: in none", lambda _, e: e.trial),
+def _text(name: str, meaning: str, of: str = "") -> Column[Any]:
+    """An attribute that is a text; there is no value where it is empty."""
+    return Column(name, "string", meaning, lambda _, row: getattr(row, of or name) or None)
+
+
+def _time(name: str, meaning: str, of: str) -> Column[Any]:
+    """An attribute in microseconds, in seconds."""
+    return Column(name, "number", meaning, lambda _, row: _s(getattr(row, of)), "s")
+
+
+def _detail(name: str, meaning: str) -> Column[Event]:
+    """A text among the details of an event."""
+
+    def cell(_: Session, event: Event) -> Cell:
+        value = event.details.get(name)
+        return value if isinstance(value, str) and value else None
+
+    return Column(name, "string", meaning, cell)
+
+
+def _start(type_: str, name: str, meaning: str) -> Column[Session]:
+    """What the first line of a session's log says."""
+    return Column(name, type_, meaning, lambda s, _: getattr(s.start, name, None))
+
+
+_LOG: Column[Any] = Column(
+    "log", "string", "name of the session's log, its own in this export", lambda s, _: s.name
 )
+_SESSION: Column[Any] = Column(
+    "session", "string", "the session's code", lambda s, _: s.code or None
+)
+_WHOSE: tuple[Column[Any], ...] = (
+    _LOG,
+    _SESSION,
+    _text("participant", "the participant's code"),
+    _text("condition", "the condition at this time"),
+    _plain("integer", "trial", "number of the trial; empty: in none"),
+)
+_ONSET = _time("onset_s", "beginning, from the session's start", "begin")
+_SEQ = _plain("integer", "seq", "number of the line in the log")
 
 
 EVENTS: Table[Event] = Table(
@@ -83,13 +113,7 @@ EVENTS: Table[Event] = Table(
     "sentence of the visitor, a trial, a marker and so on, by time.",
     (
         *_WHOSE,
-        Column(
-            "onset_s",
-            "number",
-            "beginning, from the session's start",
-            lambda _, e: _s(e.begin),
-            "s",
-        ),
+        _ONSET,
         Column(
             "duration_s",
             "number",
@@ -97,47 +121,34 @@ EVENTS: Table[Event] = Table(
             lambda _, e: _s(e.duration) if e.end is not None else None,
             "s",
         ),
-        Column(
+        _text(
             "kind",
-            "string",
             "action, command, engagement, speech (the visitor's), trial, break, stop, "
             "questionnaire; difference: a robot's setting was other than asked for; conflict: of "
             "settings; of moments, the kind of the log's line: marker, note, sensor.changed ...",
-            lambda _, e: e.kind,
         ),
-        Column(
+        _text(
             "label",
-            "string",
             "which one of its kind: the action's name, the command's verb, the state, the trial, "
             "the setting",
-            lambda _, e: e.label or None,
         ),
-        Column("panel", "string", "title of the action's panel", lambda _, e: e.panel or None),
-        Column("action", "string", "name of the action", lambda _, e: e.action or None),
-        Column("verb", "string", "what a command does: say, play ...", lambda _, e: e.verb or None),
-        Column("driver", "string", "name of the driver", lambda _, e: e.driver or None),
-        Column(
-            "source",
-            "string",
-            "who asked: key, script, palette, midi, program, engagement, replay",
-            lambda _, e: e.source or None,
-        ),
-        Column("key", "string", "the key that was pressed", lambda _, e: e.key or None),
-        Column(
+        _text("panel", "title of the action's panel"),
+        _text("action", "name of the action"),
+        _text("verb", "what a command does: say, play ..."),
+        _text("driver", "name of the driver"),
+        _text("source", "who asked: key, script, palette, midi, program, engagement, replay"),
+        _text("key", "the key that was pressed"),
+        _text(
             "outcome",
-            "string",
             "of actions and commands: done, failed, stopped, refused, timed_out, superseded; of "
             "states the transition that led to them; of settings and speech lost: its driver was "
             "lost; open: the log ended first",
-            lambda _, e: e.outcome or None,
         ),
-        Column(
+        _time(
             "latency_s",
-            "number",
             "of actions and commands: from the request to the driver's start; of actions, to that "
             "of their first command to a driver",
-            lambda _, e: _s(e.latency),
-            "s",
+            "latency",
         ),
         Column(
             "mistake",
@@ -145,24 +156,20 @@ EVENTS: Table[Event] = Table(
             "of actions: the wizard labelled it a mistake",
             lambda _, e: e.mistake if e.kind == "action" else None,
         ),
-        Column(
+        _text(
             "text",
-            "string",
             "said, typed or recognised; of a difference what the robot had and what was wanted",
-            lambda _, e: e.text or None,
         ),
-        Column("reason", "string", "why it ended so, in words", lambda _, e: e.reason or None),
-        Column(
-            "run", "string", "ties an action, its commands and mistakes", lambda _, e: e.run or None
-        ),
-        Column("command", "string", "id of the command", lambda _, e: e.command or None),
+        _text("reason", "why it ended so, in words"),
+        _text("run", "ties an action, its commands and mistakes"),
+        _text("command", "id of the command"),
         Column(
             "details",
             "string",
             "what else the log says, a JSON object",
             lambda _, e: _json(e.details),
         ),
-        Column("seq", "integer", "number of the line in the log", lambda _, e: e.seq),
+        _SEQ,
     ),
 )
 
@@ -173,41 +180,32 @@ ENGAGEMENT: Table[Event] = Table(
     "the machine is off it is in no state.",
     (
         *_WHOSE,
-        Column(
-            "onset_s",
-            "number",
-            "beginning, from the session's start",
-            lambda _, e: _s(e.begin),
-            "s",
-        ),
-        Column("duration_s", "number", "length", lambda _, e: _s(e.duration), "s"),
-        Column("state", "string", "the state", lambda _, e: e.label),
+        _ONSET,
+        _time("duration_s", "length", "duration"),
+        _text("state", "the state", "label"),
         Column(
             "entered_by",
             "string",
             "name of the transition that led to it; empty: the machine began there",
             lambda _, e: e.outcome if e.outcome not in ("", OPEN) else None,
         ),
-        Column(
+        _detail(
             "left_by",
-            "string",
             "name of the transition that ended it; empty: the log ended first, or the machine was "
             "switched off",
-            lambda _, e: _of(e, "left_by"),
         ),
-        Column("visitor", "string", "code of who was known", lambda _, e: _of(e, "visitor")),
+        _detail("visitor", "code of who was known"),
         Column(
             "forced",
             "boolean",
             "the wizard led to it, or decided a verdict on which it rests",
             lambda _, e: bool(e.details.get("forced")),
         ),
-        Column("why", "string", "why it was entered, in words", lambda _, e: e.text or None),
-        Column(
-            "changed",
+        _text("why", "why it was entered, in words", "text"),
+        _plain(
             "boolean",
+            "changed",
             "the state changed; false: only participant, condition or trial did",
-            lambda _, e: e.changed,
         ),
     ),
 )
@@ -217,38 +215,17 @@ ANSWERS: Table[Answer] = Table(
     "The last answer to each item in each round of a questionnaire.",
     (
         *_WHOSE,
-        Column(
-            "questionnaire", "string", "name of the questionnaire", lambda _, a: a.questionnaire
-        ),
-        Column(
-            "round",
-            "integer",
-            "how often it was put before in this session, plus 1",
-            lambda _, a: a.round,
-        ),
-        Column("item", "string", "name of the item", lambda _, a: a.item),
-        Column("value", "number", "the answer on the item's scale", lambda _, a: a.value),
-        Column("low", "number", "lower end of the scale", lambda _, a: a.low),
-        Column("high", "number", "upper end of the scale", lambda _, a: a.high),
-        Column(
-            "text", "string", "the answer to an item without a scale", lambda _, a: a.text or None
-        ),
-        Column("skipped", "boolean", "left out on purpose", lambda _, a: a.skipped),
-        Column(
-            "answered_s",
-            "number",
-            "from its being shown to the answer",
-            lambda _, a: _s(a.took),
-            "s",
-        ),
-        Column(
-            "onset_s",
-            "number",
-            "when it was answered, from the session's start",
-            lambda _, a: _s(a.at),
-            "s",
-        ),
-        Column("question", "string", "the item's words", lambda _, a: a.question or None),
+        _text("questionnaire", "name of the questionnaire"),
+        _plain("integer", "round", "how often it was put before in this session, plus 1"),
+        _text("item", "name of the item"),
+        _plain("number", "value", "the answer on the item's scale"),
+        _plain("number", "low", "lower end of the scale"),
+        _plain("number", "high", "upper end of the scale"),
+        _text("text", "the answer to an item without a scale"),
+        _plain("boolean", "skipped", "left out on purpose"),
+        _time("answered_s", "from its being shown to the answer", "took"),
+        _time("onset_s", "when it was answered, from the session's start", "at"),
+        _text("question", "the item's words"),
     ),
     key=("log", "questionnaire", "round", "item"),
 )
@@ -260,22 +237,10 @@ SETTINGS: Table[Setting] = Table(
     "Only robots that tell their settings are in it.",
     (
         *_WHOSE,
-        Column(
-            "onset_s",
-            "number",
-            "when it was read so, from the session's start",
-            lambda _, each: _s(each.begin),
-            "s",
-        ),
-        Column(
-            "duration_s",
-            "number",
-            "until the next row of this setting, or the session's end",
-            lambda _, each: _s(each.end - each.begin),
-            "s",
-        ),
-        Column("driver", "string", "name of the driver", lambda _, each: each.driver or None),
-        Column("setting", "string", "name of the setting", lambda _, each: each.name),
+        _time("onset_s", "when it was read so, from the session's start", "begin"),
+        _time("duration_s", "until the next row of this setting, or the session's end", "duration"),
+        _text("driver", "name of the driver"),
+        _text("setting", "name of the setting", "name"),
         Column(
             "value",
             "string",
@@ -289,43 +254,41 @@ SETTINGS: Table[Setting] = Table(
             "what was asked for, by the robot file or a command, where it differs",
             lambda _, each: _value(each.wanted) if each.differs else None,
         ),
-        Column(
+        _plain(
+            "boolean",
             "differs",
-            "boolean",
             "it was other than asked for; empty: unknown, since the robot was lost or did not tell",
-            lambda _, each: each.differs,
         ),
-        Column(
-            "changed",
+        _plain(
             "boolean",
+            "changed",
             "the setting changed; false: only participant, condition or trial did",
-            lambda _, each: each.changed,
         ),
-        Column("seq", "integer", "number of the line in the log", lambda _, each: each.seq),
+        _SEQ,
     ),
 )
 
-SAMPLES: Table[tuple[Reading, str]] = Table(
+SAMPLES: Table[Reading] = Table(
     "samples",
     "Every value of every sensor, by time.",
     (
-        Column("log", "string", "name of the session's log, its own in this export", _log),
-        Column("t_s", "number", "time, from the session's start", lambda _, r: _s(r[0].t), "s"),
-        Column("sensor", "string", "the quantity that is sensed", lambda _, r: r[0].sensor),
-        Column("value", "number", "its value, in `unit`", lambda _, r: r[0].value),
-        Column("unit", "string", "unit of `value`", lambda _, r: r[0].unit or None),
-        Column("text", "string", "what is not a number: an identity", lambda _, r: r[1] or None),
-        Column("driver", "string", "name of the driver", lambda _, r: r[0].driver or None),
-        Column("raw", "number", "what the device said, in its unit", lambda _, r: r[0].raw),
+        _LOG,
+        _time("t_s", "time, from the session's start", "t"),
+        _text("sensor", "the quantity that is sensed"),
+        _plain("number", "value", "its value, in `unit`"),
+        _text("unit", "unit of `value`"),
+        _text("text", "what is not a number: an identity"),
+        _text("driver", "name of the driver"),
+        _plain("number", "raw", "what the device said, in its unit"),
     ),
 )
 
-SESSIONS: Table[None] = Table(
+SESSIONS: Table[Session] = Table(
     "sessions",
     "The sessions of this export.",
     (
-        Column("log", "string", "name of the session's log, its own in this export", _log),
-        Column("session", "string", "the session's code", lambda s, _: s.code or None),
+        _LOG,
+        _SESSION,
         Column(
             "participants",
             "string",
@@ -338,53 +301,33 @@ SESSIONS: Table[None] = Table(
             "all conditions in order, a JSON list",
             lambda s, _: json.dumps(conditions_of(s), ensure_ascii=False),
         ),
-        Column("wizard", "string", "the wizard's code", lambda s, _: s.wizard or None),
-        Column("experiment", "string", "the experiment file", lambda s, _: _start(s, "experiment")),
-        Column(
-            "experiment_sha256",
-            "string",
-            "SHA-256 of the experiment file, hexadecimal",
-            lambda s, _: _start(s, "experiment_sha256"),
-        ),
+        _text("wizard", "the wizard's code"),
+        _start("string", "experiment", "the experiment file"),
+        _start("string", "experiment_sha256", "SHA-256 of the experiment file, hexadecimal"),
         Column(
             "software",
             "string",
             "the program that recorded it",
             lambda s, _: " ".join(s.start.software.values()) if s.start else None,
         ),
-        Column(
-            "schema",
-            "integer",
-            "version of the log's format",
-            lambda s, _: s.start.schema if s.start else None,
-        ),
-        Column(
-            "seed",
-            "integer",
-            "seed of everything random",
-            lambda s, _: s.start.seed if s.start else None,
-        ),
+        _start("integer", "schema", "version of the log's format"),
+        _start("integer", "seed", "seed of everything random"),
         Column(
             "started",
             "datetime",
             "wall clock (UTC) at 0 of onset_s; empty: unknown, or dates were taken out",
             lambda s, _: s.started.isoformat() if s.started else None,
         ),
-        Column("duration_s", "number", "time of the last line", lambda s, _: _s(s.duration), "s"),
-        Column(
-            "end",
-            "string",
-            "why it ended; empty: the log has no end",
-            lambda s, _: s.end_reason or None,
-        ),
-        Column("lines", "integer", "lines in the log, samples not counted", lambda s, _: s.lines),
+        _time("duration_s", "time of the last line", "duration"),
+        _text("end", "why it ended; empty: the log has no end", "end_reason"),
+        _plain("integer", "lines", "lines in the log, samples not counted"),
         Column(
             "damage",
             "string",
             "what is wrong with the log; empty: nothing",
             lambda s, _: "; ".join(s.damage) or None,
         ),
-        Column("redacted", "boolean", "texts and dates were taken out", lambda s, _: s.redacted),
+        _plain("boolean", "redacted", "texts and dates were taken out"),
     ),
     key=("log",),
 )
@@ -395,13 +338,3 @@ def conditions_of(session: Session) -> list[str]:
     first = session.start.condition if session.start else ""
     conditions = dict.fromkeys([first, *(event.condition for event in session.events)])
     return [condition for condition in conditions if condition]
-
-
-def _of(event: Event, name: str) -> Cell:
-    value = event.details.get(name)
-    return value if isinstance(value, str) and value else None
-
-
-def _start(session: Session, name: str) -> Cell:
-    value = getattr(session.start, name, None)
-    return value if isinstance(value, str) and value else None

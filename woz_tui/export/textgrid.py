@@ -9,9 +9,7 @@ from collections.abc import Iterator
 
 from woz_tui.core.cleaning import one_line
 from woz_tui.export.course import Session
-from woz_tui.export.folder import README, Folder
-from woz_tui.export.options import Options, Told
-from woz_tui.export.readme import readme
+from woz_tui.export.exporter import Exporter
 from woz_tui.export.sound import write_sound
 from woz_tui.export.sources import Source
 from woz_tui.export.text import seconds
@@ -34,12 +32,10 @@ the session). What overlaps is on a tier `...-2`. Intervals shorter than 1 ms we
 that. Line ends and tabs in texts are shown as ␊ and ␉."""
 
 
-class TextGridExporter:
+class TextGridExporter(Exporter):
     """One file a session."""
 
-    def __init__(self, folder: Folder, options: Options) -> None:
-        self._folder = folder
-        self._options = options
+    about = _ABOUT
 
     def add(self, session: Session, source: Source) -> list[str]:
         """One session, with its sound."""
@@ -51,13 +47,6 @@ class TextGridExporter:
         with self._folder.text(f"{session.name}.TextGrid") as file:
             file.writelines(f"{line}\n" for line in _lines(tiers, end))
         return notes
-
-    def finish(self, told: list[Told]) -> None:
-        """The README, which has what a TextGrid has no place for."""
-        self._folder.write(README, readme(told, [_ABOUT], redacted=self._options.redact))
-
-    def close(self) -> None:
-        """Nothing is open."""
 
 
 def for_praat(session: Session) -> list[Tier]:

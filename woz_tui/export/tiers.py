@@ -38,6 +38,10 @@ _SETTINGS = frozenset(
 )
 
 
+def _of(*kinds: str) -> Callable[[Event], bool]:
+    return lambda event: event.kind in kinds
+
+
 def _spoken(event: Event) -> bool:
     return event.kind == "command" and event.verb == "say" and event.acted is not None
 
@@ -47,23 +51,23 @@ _Sorts = Sequence[tuple[str, bool, Callable[[Event], bool]]]
 #: Tiers in this order, whether they hold points, and what goes onto them. Those of the panels, with
 #: the actions, come after the robot's speech.
 _BEFORE: _Sorts = (
-    ("trials", False, lambda event: event.kind == "trial"),
-    ("breaks", False, lambda event: event.kind == "break"),
-    ("engagement", False, lambda event: event.kind == "engagement"),
-    ("visitor speech", False, lambda event: event.kind == "speech"),
+    ("trials", False, _of("trial")),
+    ("breaks", False, _of("break")),
+    ("engagement", False, _of("engagement")),
+    ("visitor speech", False, _of("speech")),
     ("robot speech", False, _spoken),
 )
 _AFTER: _Sorts = (
-    ("stops", False, lambda event: event.kind == "stop"),
-    ("questionnaires", False, lambda event: event.kind == "questionnaire"),
-    ("markers", True, lambda event: event.kind == "marker"),
-    ("notes", True, lambda event: event.kind == "note"),
-    ("mistakes", True, lambda event: event.kind == "mistake"),
-    ("cues", True, lambda event: event.kind in ("cue.given", "cue.answered")),
+    ("stops", False, _of("stop")),
+    ("questionnaires", False, _of("questionnaire")),
+    ("markers", True, _of("marker")),
+    ("notes", True, _of("note")),
+    ("mistakes", True, _of("mistake")),
+    ("cues", True, _of("cue.given", "cue.answered")),
     ("drivers", True, lambda event: event.kind.startswith(("driver.", "lane."))),
-    ("settings", True, lambda event: event.kind in _SETTINGS),
-    ("settings that differ", False, lambda event: event.kind == "difference"),
-    ("conflicts", False, lambda event: event.kind == "conflict"),
+    ("settings", True, _of(*_SETTINGS)),
+    ("settings that differ", False, _of("difference")),
+    ("conflicts", False, _of("conflict")),
 )
 #: Where actions without a panel are.
 NO_PANEL = "actions"

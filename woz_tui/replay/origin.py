@@ -15,8 +15,8 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Driver
 from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.decode import load
-from woz_tui.experiment.design import BLIND
 from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.experiment.study_sections import BLIND
 from woz_tui.replay.studied import last_blind
 from woz_tui.session.beginning import name_beside, without_home
 

@@ -12,7 +12,7 @@ from woz_drivers.midi.learning import Lesson
 from woz_drivers.midi.maps import BUILT_IN, Mapped, PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui.experiment.given import settings_of
+from woz_tui.experiment.settings import settings_of
 
 PANEL = PanelMap(
     title="a panel",

@@ -16,8 +16,8 @@ from woz_drivers.midi.settings import MidiSettings
 from woz_tui import plugins
 from woz_tui.core.driver import Ask
 from woz_tui.experiment.decode import load
-from woz_tui.experiment.given import settings_of
 from woz_tui.experiment.schema import included_schema
+from woz_tui.experiment.settings import settings_of
 from woz_tui.experiment.shape import Experiment, ExperimentError
 
 ROOT = Path(__file__).parents[3]

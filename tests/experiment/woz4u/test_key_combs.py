@@ -72,19 +72,19 @@ def test_keys_as_they_are_written(tmp_path: Path, comb: str, key: str) -> None:
 @pytest.mark.parametrize(
     ("comb", "why"),
     [
-        ('["ctrl", "3"]', "ctrl+3 means stop on some terminals"),
-        ('["ctrl", "alt", 3]', "ctrl+alt+3 means stop on some terminals"),
-        ("[escape]", "escape means stop"),
-        ("[ctrl, c]", "ctrl+c means stop"),
-        ("[q, esc]", "q escape means stop"),
-        ("[space]", "space is the console's own key (play the script's next line)"),
-        ('[" "]', "space is the console's own key (play the script's next line)"),
-        ('["/"]', "/ is the console's own key (type something to say)"),
-        ("[shift, 8]", "* is the console's own key (trials, breaks, questionnaires)"),
-        ("[ArrowUp]", "up is the console's own key (head up)"),
-        ("[alt, left]", "alt+left is the console's own key (turn left)"),
-        ("[enter, a]", "enter is the console's own key (what has failed; marks it as seen)"),
-        ("[ctrl, r]", "ctrl+r is the console's own key (release the stop)"),
+        ('["ctrl", "3"]', "'ctrl+3' means stop on some terminals"),
+        ('["ctrl", "alt", 3]', "'ctrl+alt+3' means stop on some terminals"),
+        ("[escape]", "'escape' means stop"),
+        ("[ctrl, c]", "'ctrl+c' means stop"),
+        ("[q, esc]", "'q escape' means stop"),
+        ("[space]", "'space' is the console's own key (play the script's next line)"),
+        ('[" "]', "'space' is the console's own key (play the script's next line)"),
+        ('["/"]', "'/' is the console's own key (type something to say)"),
+        ("[shift, 8]", "'*' is the console's own key (trials, breaks, questionnaires)"),
+        ("[ArrowUp]", "'up' is the console's own key (head up)"),
+        ("[alt, left]", "'alt+left' is the console's own key (turn left)"),
+        ("[enter, a]", "'enter' is the console's own key (what has failed; marks it as seen)"),
+        ("[ctrl, r]", "'ctrl+r' is the console's own key (release the stop)"),
         ('["ctrl", "aw"]', "'ctrl+aw' is not a key"),
         ("[meta, k]", "meta never reaches a terminal, the desktop keeps it"),
         ("[Command, k]", "command never reaches a terminal, the desktop keeps it"),
@@ -107,11 +107,11 @@ def test_a_key_that_cannot_be_had_is_another_one(tmp_path: Path, comb: str, why:
 @pytest.mark.parametrize(
     ("first", "second", "why"),
     [
-        ('["ctrl", "1"]', "[1, CTRL]", "ctrl+1 already plays 'Item 1' (line 3)"),
-        ("[c]", "[c, r]", "c r can never be finished, as c plays 'Item 1' (line 3)"),
-        ("[c, r]", "[c]", "c begins the keys of 'Item 1' (line 3)"),
-        ("[c, r]", "[c, r]", "c r already plays 'Item 1' (line 3)"),
-        ('["!"]', "[shift, 1]", "! already plays 'Item 1' (line 3)"),
+        ('["ctrl", "1"]', "[1, CTRL]", "'ctrl+1' already plays 'Item 1' (line 3)"),
+        ("[c]", "[c, r]", "'c r' can never be finished: 'c' plays 'Item 1' (line 3)"),
+        ("[c, r]", "[c]", "'c' begins 'c r', which plays 'Item 1' (line 3)"),
+        ("[c, r]", "[c, r]", "'c r' already plays 'Item 1' (line 3)"),
+        ('["!"]', "[shift, 1]", "'!' already plays 'Item 1' (line 3)"),
     ],
 )
 def test_the_later_of_two_gets_another_key(
@@ -183,7 +183,7 @@ def test_the_keyboard_may_stand_in_the_file(tmp_path: Path) -> None:
     assert [*keys(read(tmp_path, text)).values()] == ["&", "ctrl+shift+7"]
     assert keys(read(tmp_path, f"{text}keyboard: de\n"))["Item 2"] == "ctrl+shift+7"
     assert messages(tmp_path, f"{text}keyboard: de\n") == [
-        "warning: gestures[0].key_comb: / is the console's own key (type something to say); i"
+        "warning: gestures[0].key_comb: '/' is the console's own key (type something to say); i"
         " plays 'Item 1' instead"
     ]
 

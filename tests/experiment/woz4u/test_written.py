@@ -8,7 +8,7 @@ import pytest
 import yaml
 
 from tests.experiment.woz4u.reading import converted, read
-from woz_tui.experiment.nodes import Node, Table, tree
+from woz_tui.experiment.nodes import Items, Node, Table, tree
 from woz_tui.experiment.report import Report
 from woz_tui.experiment.shape import Place
 from woz_tui.experiment.source import Source
@@ -29,8 +29,8 @@ TEXTS = [
 def test_text_is_read_as_text_by_every_reader_of_yaml(text: str) -> None:
     table = made.table(
         [
-            ("alone", HERE, made.said(text, HERE)),
-            ("many", HERE, made.listed([made.said(text, HERE), made.said("b", HERE)], HERE)),
+            ("alone", HERE, made.node(text, HERE)),
+            ("many", HERE, Items(HERE, [made.node(text, HERE), made.node("b", HERE)])),
             ("deep", HERE, nested(text)),
         ],
         HERE,
@@ -47,7 +47,7 @@ def test_text_is_read_as_text_by_every_reader_of_yaml(text: str) -> None:
 
 def nested(text: str) -> Node:
     """The text in mappings deep enough to stand on one line."""
-    node: Node = made.said(text, HERE)
+    node: Node = made.node(text, HERE)
     for name in "fedc":
         node = made.table([(name, HERE, node)], HERE)
     return node
@@ -56,10 +56,10 @@ def nested(text: str) -> Node:
 def test_numbers_and_flags_are_numbers_and_flags() -> None:
     table = made.table(
         [
-            ("whole", HERE, made.figure(20.0, HERE)),
-            ("part", HERE, made.figure(0.15, HERE)),
-            ("small", HERE, made.figure(0.0000004, HERE)),
-            ("on", HERE, made.flag(True, HERE)),
+            ("whole", HERE, made.node(20.0, HERE)),
+            ("part", HERE, made.node(0.15, HERE)),
+            ("small", HERE, made.node(0.0000004, HERE)),
+            ("on", HERE, made.node(True, HERE)),
         ],
         HERE,
     )
@@ -91,7 +91,7 @@ panels:
   - title: Gestures
     covers: [play]
     actions:
-      - {key: w, label: Wave, help: waves, play: a/Hey_1}  # escape means stop
+      - {key: w, label: Wave, help: waves, play: a/Hey_1}  # 'escape' means stop
 
   - title: Movement
 """

@@ -17,8 +17,7 @@ from woz_tui.experiment.source import Source
 from woz_tui.experiment.spot import Spot
 from woz_tui.experiment.woz4u.buttons import Move
 from woz_tui.experiment.woz4u.known import recognised
-from woz_tui.experiment.woz4u.own_names import OwnNames
-from woz_tui.experiment.woz4u.translate import translated
+from woz_tui.experiment.woz4u.translate import OwnNames, translated
 
 __all__ = ["Move", "Opened", "opened", "recognised"]
 

@@ -32,7 +32,7 @@ class Button:
     place: Place
     does: list[made.Entry]
     title_place: Place
-    help: Scalar | None = None
+    help: str = ""
     help_place: Place | None = None
     comb: Spot | None = None
     key: str = ""
@@ -41,16 +41,15 @@ class Button:
 
     def node(self) -> Table:
         """The action as our own format has it."""
-        entries: list[made.Entry] = []
-        if self.key:
-            where = self.comb.place if self.comb is not None else self.place
-            entries.append(("key", where, made.said(self.key, where)))
-        entries.append(("label", self.title_place, made.said(self.title, self.title_place)))
-        if self.name:
-            entries.append(("name", self.title_place, made.said(self.name, self.title_place)))
-        if self.help is not None and self.help_place is not None:
-            entries.append(("help", self.help_place, self.help))
-        return made.table([*entries, *self.does], self.place)
+        where = self.comb.place if self.comb is not None else self.place
+        texts = (
+            ("key", self.key, where),
+            ("label", self.title, self.title_place),
+            ("name", self.name, self.title_place),
+            ("help", self.help, self.help_place or self.place),
+        )
+        said = [made.entry(*each) for each in texts if each[1]]
+        return made.table([*said, *self.does], self.place)
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,8 +59,8 @@ class Item:
     spot: Spot
     fields: Mapping[str, Spot] = field(default_factory=dict)
 
-    def needed(self, name: str, otherwise: str) -> Spot | None:
-        """A field without which the item does nothing: None, after saying so."""
+    def needed(self, name: str, otherwise: str) -> tuple[Spot, str] | None:
+        """A field without which the item does nothing, and its text; None, after saying so."""
         found = self.fields.get(name)
         if found is None or values.empty(found):
             where = self.spot if found is None else found
@@ -70,27 +69,29 @@ class Item:
         if not isinstance(found.node, Scalar):
             found.wrong("text")
             return None
-        return found
+        return found, values.text(found) or ""
 
     def button(self, fallback: str, *does: made.Entry) -> Button:
         """Its button; `fallback` is the label if it has no title."""
-        title = self.fields.get("title")
-        typed = values.text(title, f"its button is called {fallback!r}")
-        label = one_line(decoded(title, typed)) if title is not None and typed else ""
+        title, tip = self.fields.get("title"), self.fields.get("tooltip")
+        label = _words(title, f"its button is called {fallback!r}")
         if not label and (title is None or values.empty(title)):
             self.spot.warning(f"without 'title' its button is called {fallback!r}")
-        tip = self.fields.get("tooltip")
-        hint = values.text(tip)
-        hint = one_line(decoded(tip, hint)) if tip is not None and hint else ""
         return Button(
             title=label or one_line(fallback) or fallback,
             place=self.spot.place,
             does=[*does],
-            title_place=title.place if title is not None else self.spot.place,
-            help=made.said(hint, tip.place) if tip is not None and hint else None,
+            title_place=(title or self.spot).place,
+            help=_words(tip, values.LEFT_OUT),
             help_place=tip.place if tip is not None else None,
             comb=self.fields.get("key_comb"),
         )
+
+
+def _words(spot: Spot | None, otherwise: str) -> str:
+    """What stands on the page, in plain characters; empty if it is not there."""
+    typed = values.text(spot, otherwise)
+    return one_line(decoded(spot, typed)) if spot is not None and typed else ""
 
 
 def entries(table: Mapping[str, Spot], section: str, example: str) -> Iterator[Item]:
@@ -114,19 +115,17 @@ def speech(table: Mapping[str, Spot], move: Move) -> list[Button]:
     buttons = []
     example = "{title: Hello, string: 'Hello!', key_comb: [h]}"
     for number, item in enumerate(entries(table, "animated_speech", example), 1):
-        spot = item.needed("string", "there is nothing to say")
-        typed = values.text(spot)
-        if spot is None or typed is None:
+        found = item.needed("string", "there is nothing to say")
+        if found is None:
             continue
+        spot, typed = found
+        verb, words, fallback = "say", typed, f"Speech {number}"
         if _names_file(spot, typed):
-            path = move(typed.strip().replace("\\", "/"))
-            does = ("read", spot.place, made.said(literal(path), spot.place))
-            fallback = PurePosixPath(path).stem or f"Speech {number}"
+            verb, words = "read", move(typed.strip().replace("\\", "/"))
+            fallback = PurePosixPath(words).stem or fallback
         else:
             words = decoded(spot, typed)
-            does = ("say", spot.place, made.said(literal(words), spot.place))
-            fallback = f"Speech {number}"
-        buttons.append(item.button(fallback, does))
+        buttons.append(item.button(fallback, made.entry(verb, literal(words), spot.place)))
     return buttons
 
 
@@ -146,13 +145,10 @@ def gestures(table: Mapping[str, Spot]) -> list[Button]:
     buttons = []
     example = "{title: Hello, gesture: animations/Stand/Gestures/Hey_1}"
     for item in entries(table, "gestures", example):
-        spot = item.needed("gesture", "there is nothing to play")
-        typed = values.text(spot)
-        if spot is None or typed is None:
-            continue
-        path = typed.strip()
-        does = ("play", spot.place, made.said(literal(path), spot.place))
-        buttons.append(item.button(PurePosixPath(path).name or path, does))
+        if found := item.needed("gesture", "there is nothing to play"):
+            path = found[1].strip()
+            does = made.entry("play", literal(path), found[0].place)
+            buttons.append(item.button(PurePosixPath(path).name or path, does))
     return buttons
 
 
@@ -160,16 +156,16 @@ def sounds(table: Mapping[str, Spot], volume: Scalar | None) -> list[Button]:
     """`audio_files`: sound files on the robot, as loud as its speech."""
     buttons = []
     for item in entries(table, "audio_files", "{title: Bell, location: /home/nao/bell.wav}"):
-        spot = item.needed("location", "there is nothing to play")
-        typed = values.text(spot)
-        if spot is None or typed is None:
+        found = item.needed("location", "there is nothing to play")
+        if found is None:
             continue
-        path = typed.strip()
-        node: Node = made.said(literal(path), spot.place)
+        place, path = found[0].place, found[1].strip()
+        file: str | Table = literal(path)
         if volume is not None:
-            inner = [("file", spot.place, node), ("volume", volume.place, volume)]
-            node = made.table(inner, spot.place)
-        buttons.append(item.button(PurePosixPath(path).stem or path, ("sound", spot.place, node)))
+            louder = ("volume", volume.place, volume)
+            file = made.table([made.entry("file", file, place), louder], place)
+        does = made.entry("sound", file, place)
+        buttons.append(item.button(PurePosixPath(path).stem or path, does))
     return buttons
 
 
@@ -178,7 +174,7 @@ class Shown:
     """What `tablet_items` come to: buttons, and what is shown when nothing else is."""
 
     buttons: list[Button]
-    default: Scalar | None
+    default: Node | None
 
 
 def tablet(table: Mapping[str, Spot], move: Move) -> Shown:
@@ -186,19 +182,19 @@ def tablet(table: Mapping[str, Spot], move: Move) -> Shown:
     root = tablet_root(table, move)
     shown = Shown([], None)
     for item in entries(table, "tablet_items", "{title: Map, file_name: map.png}"):
-        spot = item.needed("file_name", "there is nothing to show")
-        typed = values.text(spot)
-        if spot is None or typed is None:
+        found = item.needed("file_name", "there is nothing to show")
+        if found is None:
             continue
-        path = _shown_path(typed.strip(), root, move)
+        spot = found[0]
+        path = _shown_path(found[1].strip(), root, move)
         if "://" not in path:
             resolved(spot, path, must_exist=True)
-        does = ("screen", spot.place, made.said(literal(path), spot.place))
+        does = made.entry("screen", literal(path), spot.place)
         shown.buttons.append(item.button(PurePosixPath(path).stem or path, does))
         mark = item.fields.get("is_default_img")
         if values.flag(mark) and mark is not None:
             if shown.default is None:
-                shown = Shown(shown.buttons, made.said(path, mark.place))
+                shown = Shown(shown.buttons, made.node(path, mark.place))
             else:
                 mark.warning("an item above is the default already; that one is shown")
     return shown

@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from woz_tui.core.fields import Range
-from woz_tui.experiment.nodes import Node, Scalar
+from woz_tui.experiment.nodes import Node
 from woz_tui.experiment.shape import Place
 from woz_tui.experiment.spot import Spot
 from woz_tui.experiment.woz4u import made, values
@@ -33,7 +33,7 @@ class Colours:
     """All of them, and the one that the eyes have on connect."""
 
     each: Sequence[Colour]
-    default: Scalar | None = None
+    default: Node | None = None
 
     @property
     def buttons(self) -> list[Button]:
@@ -44,22 +44,22 @@ class Colours:
 def colours(table: Mapping[str, Spot]) -> Colours:
     """`colors`: each fades the eyes to it. Of several defaults the last one stays, as there."""
     each: list[Colour] = []
-    default: Scalar | None = None
+    default: Node | None = None
     for item in entries(table, "colors", "{title: Red, red: 1.0, green: 0, blue: 0}"):
         code = _code(item)
         place = next(
             (item.fields[name].place for name in _CHANNELS if name in item.fields), item.spot.place
         )
         does = (
-            ("eyes", place, made.said(code, place)),
-            ("seconds", place, made.figure(_FADE_S, place)),
+            made.entry("eyes", code, place),
+            made.entry("seconds", _FADE_S, place),
         )
         each.append(Colour(item.button(code, *does), code))
         mark = item.fields.get("is_default")
         if values.flag(mark) and mark is not None:
             if default is not None:
                 mark.warning("a colour above is the default, too; the eyes come to this one")
-            default = made.said(code, mark.place)
+            default = made.node(code, mark.place)
     return Colours(each, default)
 
 
@@ -127,9 +127,9 @@ def _animation(
 def _playing(
     place: Place, kind: str, spot: Spot | None, duration: float | None, colour: str | None
 ) -> list[made.Entry]:
-    entries: list[tuple[str, Place, Node]] = [("eyes_animation", place, made.said(kind, place))]
+    entries = [made.entry("eyes_animation", kind, place)]
     if duration is not None and spot is not None:
-        entries.append(("seconds", spot.place, made.figure(duration, spot.place)))
+        entries.append(made.entry("seconds", duration, spot.place))
     if colour is not None:
-        entries.append(("color", place, made.said(colour, place)))
+        entries.append(made.entry("color", colour, place))
     return entries

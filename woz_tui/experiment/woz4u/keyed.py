@@ -12,14 +12,12 @@ import unicodedata
 from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 
-from woz_tui.experiment.builtins import BUILTIN
 from woz_tui.experiment.chords import FUNCTION_KEYS, KeyNameError, normal
-from woz_tui.experiment.nodes import Scalar
+from woz_tui.experiment.keymap import FileKeys
+from woz_tui.experiment.nodes import Items, Node, Scalar, described
 from woz_tui.experiment.report import quoted
 from woz_tui.experiment.shape import Place
 from woz_tui.experiment.spot import Spot
-from woz_tui.experiment.terminals import STOPS, is_stop
-from woz_tui.experiment.woz4u.combs import comb
 
 _LETTERS = frozenset(string.ascii_lowercase + string.digits)
 #: Every keyboard has them.
@@ -51,74 +49,34 @@ class Wish:
 def grant(wishes: Iterable[Wish], layout: str) -> None:
     """Give every wish its key, and a warning to each that does not get the one it wished for."""
     ordered = sorted(wishes, key=lambda wish: (wish.place.line, wish.place.column))
-    board = _Board(layout)
-    left = [wish for wish in ordered if not board.granted(wish)]
+    keys = FileKeys(layout)
+    left = [wish for wish in ordered if not _granted(wish, keys, layout)]
     for wish in left:
-        wish.key = board.reserve(wish)
+        free = (k for k in _liked(wish.title) if not keys.forbidden(k) and not keys.taken(k))
+        wish.key = next(free, "")
+        if wish.key:
+            keys.take(wish.key, wish.title, wish.place)
         instead = f"{wish.key} plays {quoted(wish.title)} instead"
         nothing = f"no key is left for {quoted(wish.title)}; find it by typing, with :"
         wish.comb.warning(f"{wish.why}; {instead if wish.key else nothing}")
 
 
-class _Board:
-    """The keys that are taken, in their normal form."""
-
-    def __init__(self, layout: str) -> None:
-        self._layout = layout
-        self._builtin = {item.chord: item.description for item in BUILTIN if not item.yields}
-        self._played: dict[str, Wish] = {}
-        self._begun: dict[str, Wish] = {}
-
-    def granted(self, wish: Wish) -> bool:
-        """Whether the wish has got its key, or wishes for none."""
-        try:
-            written = comb(wish.comb.node)
-            if not written:
-                return True
-            key = normal(written, self._layout)
-        except KeyNameError as error:
-            wish.why = str(error)
-            return False
-        wish.why = self._taken(key)
-        if wish.why:
-            return False
-        self._take(wish, key)
-        wish.key = written
-        return True
-
-    def reserve(self, wish: Wish) -> str:
-        """A key for a wish that could not be granted; empty if none is left."""
-        for key in _liked(wish.title):
-            if not self._taken(key):
-                self._take(wish, key)
-                return key
-        return ""
-
-    def _take(self, wish: Wish, key: str) -> None:
-        self._played[key] = wish
-        first, _, second = key.partition(" ")
-        if second:
-            self._begun.setdefault(first, wish)
-
-    def _taken(self, key: str) -> str:
-        """Why a key cannot be had; empty if it can."""
-        first, _, second = key.partition(" ")
-        if is_stop(key, self._layout):
-            where = "" if {first, second} & set(STOPS) else " on some terminals"
-            return f"{key} means stop{where}"
-        if first in self._builtin:
-            return f"{first} is the console's own key ({self._builtin[first]})"
-        if (other := self._played.get(key)) is not None:
-            return f"{key} already plays {_shown(other)}"
-        if second and (other := self._played.get(first)) is not None:
-            return f"{key} can never be finished, as {first} plays {_shown(other)}"
-        if not second and (other := self._begun.get(key)) is not None:
-            return f"{key} begins the keys of {_shown(other)}"
-        return ""
-
-
-def _shown(wish: Wish) -> str:
-    return f"{quoted(wish.title)} (line {wish.place.line})"
+def _granted(wish: Wish, keys: FileKeys, layout: str) -> bool:
+    """Whether the wish has got its key, or wishes for none."""
+    try:
+        written = comb(wish.comb.node)
+        if not written:
+            return True
+        key = normal(written, layout)
+    except KeyNameError as error:
+        wish.why = str(error)
+        return False
+    wish.why = keys.forbidden(key) or keys.taken(key)
+    if wish.why:
+        return False
+    keys.take(key, wish.title, wish.place)
+    wish.key = written
+    return True
 
 
 def _liked(title: str) -> Iterator[str]:
@@ -132,3 +90,84 @@ def layout_of(spot: Spot | None, known: Sequence[str]) -> str:
     if spot is not None and isinstance(spot.node, Scalar):
         return spot.node.text if spot.node.text in known else "us"
     return "us"
+
+
+# -- what a key_comb asks for ----------------------------------------------------------------------
+
+
+_MODIFIERS = {
+    **dict.fromkeys(("ctrl", "control", "mod", "ctl", "strg"), "ctrl"),
+    **dict.fromkeys(("alt", "option", "opt"), "alt"),
+    "shift": "shift",
+}
+#: Held down, these belong to the desktop; our own `meta` is another one, that of old terminals.
+_DESKTOP = ("meta", "command", "cmd", "super", "win", "windows", "os", "hyper", "fn", "altgr")
+_ORDER = ("ctrl", "alt", "shift")
+
+
+def comb(node: Node) -> str:
+    """The key as our own files write it: `ctrl+shift+1`, `c r`; empty if there is none.
+
+    `["ctrl", "shift", 1]` is a chord; modifiers may stand anywhere in it. Two keys are a sequence
+    (`["c", "r"]`), each with the modifiers in front of it. The names are Mousetrap's, the library
+    that the program binds keys with, and browsers'.
+
+    Raises `KeyNameError` for what cannot be pressed on a terminal at all. Whether the key's name is
+    known is for `chords.normal` to say.
+    """
+    held: list[str] = []
+    presses: list[tuple[list[str], str]] = []
+    for token in _tokens(node):
+        if token in _DESKTOP:
+            raise KeyNameError(f"{token} never reaches a terminal, the desktop keeps it")
+        if token in _MODIFIERS:
+            held.append(_MODIFIERS[token])
+        else:
+            presses.append((held, token))
+            held = []
+    if presses and held:
+        presses[-1][0].extend(held)
+    elif held:
+        raise KeyNameError(f"{' and '.join(held[:3])} alone are no key")
+    if len(presses) > 2:
+        raise KeyNameError(f"{len(presses)} keys one after the other are too many, two is the most")
+    return " ".join(_chord(*press) for press in presses)
+
+
+def _chord(held: list[str], key: str) -> str:
+    return "+".join([*(name for name in _ORDER if name in held), key])
+
+
+def _tokens(node: Node) -> Iterator[str]:
+    """Every key and modifier, in their order, names in lower case."""
+    if isinstance(node, Items):
+        for entry in node.nodes:
+            if not isinstance(entry, Scalar):
+                raise KeyNameError(f"expected a key, not {described(entry)}")
+            yield from _tokens(entry)
+    elif isinstance(node, Scalar):
+        if not node.null:
+            yield from _split(node.text)
+    else:
+        raise KeyNameError(f"expected a list of keys such as [ctrl, 1], not {described(node)}")
+
+
+def _split(text: str) -> Iterator[str]:
+    """Mousetrap's own spelling, too: `ctrl+1`, `g i`."""
+    if text == " ":
+        yield "space"
+        return
+    for part in text.split():
+        pieces = ["+"] if part == "+" else part.replace("++", "+plus").split("+")
+        for piece in filter(None, pieces):
+            yield _named(piece)
+
+
+def _named(piece: str) -> str:
+    if len(piece) == 1:
+        return "plus" if piece == "+" else piece
+    if len(piece) > 20:
+        raise KeyNameError(f"{quoted(piece)} is not a key")
+    if piece.isdecimal() and int(piece) < 10:  # YAML takes 01 for a number, too
+        return str(int(piece))
+    return piece.lower()

@@ -4,37 +4,36 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 
-from woz_tui.experiment.nodes import Items, Node, Scalar, Table
+from woz_tui.experiment.nodes import Node, Scalar, Table
 from woz_tui.experiment.shape import Place
 
 #: The entry of a mapping: its name, the place of its name, its value.
 Entry = tuple[str, Place, Node]
+#: What a node is made of; a node stands for itself.
+Value = str | float | bool | Node
 
 
-def said(text: str, place: Place) -> Scalar:
-    """Text that is text, whatever it looks like."""
-    return Scalar(place, text, plain=False)
+def node(value: Value, place: Place) -> Node:
+    """A value as a node: text that is text whatever it looks like, a number with six digits."""
+    match value:
+        case bool():
+            return Scalar(place, "true" if value else "false", plain=True)
+        case float():
+            return Scalar(place, f"{value:.6g}", plain=True)
+        case str():
+            return Scalar(place, value, plain=False)
+    return value
 
 
-def figure(value: float, place: Place) -> Scalar:
-    """A number, with six digits."""
-    return Scalar(place, f"{value:.6g}", plain=True)
-
-
-def flag(value: bool, place: Place) -> Scalar:
-    """True or false."""
-    return Scalar(place, "true" if value else "false", plain=True)
-
-
-def listed(nodes: Iterable[Node], place: Place) -> Items:
-    """A list."""
-    return Items(place, [*nodes])
+def entry(name: str, value: Value, place: Place) -> Entry:
+    """An entry whose name and value have the same place."""
+    return name, place, node(value, place)
 
 
 def table(entries: Iterable[Entry], place: Place) -> Table:
     """A mapping."""
     made = Table(place)
-    for name, where, node in entries:
-        made.entries[name] = node
+    for name, where, value in entries:
+        made.entries[name] = value
         made.keys[name] = Scalar(where, name, plain=True)
     return made

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.experiment.nodes import Node, Scalar, Table
+from woz_tui.experiment.nodes import Items, Node, Scalar, Table
 from woz_tui.experiment.shape import Place
 from woz_tui.experiment.spot import Spot
 from woz_tui.experiment.woz4u import made, values
@@ -45,14 +45,14 @@ class Panel:
     def node(self) -> Table:
         """The panel as our own format has it."""
         where = self.place
-        entries: list[tuple[str, Place, Node]] = [("title", where, made.said(self.title, where))]
+        entries = [made.entry("title", self.title, where)]
         if self.locked:
-            entries.append(("locked", where, made.flag(True, where)))
-        covered = [made.said(verb, where) for verb in _COVERS[self.lock]]
-        entries.append(("covers", where, made.listed(covered, where)))
+            entries.append(made.entry("locked", True, where))
+        covered = [made.node(verb, where) for verb in _COVERS[self.lock]]
+        entries.append(("covers", where, Items(where, covered)))
         if self.buttons:
-            actions = [button.node() for button in self.buttons]
-            entries.append(("actions", where, made.listed(actions, where)))
+            actions: list[Node] = [button.node() for button in self.buttons]
+            entries.append(("actions", where, Items(where, actions)))
         return made.table(entries, where)
 
 
@@ -81,13 +81,11 @@ def name_apart(panels: Sequence[Panel]) -> None:
 def movement(place: Place) -> list[Button]:
     """What the page's movement section does beside the arrow keys, and more of its kind."""
     return [
-        _plain("Wake up", place, "the motors on", torque=made.flag(True, place)),
-        _plain(
-            "Rest", place, "the resting position, the motors off", torque=made.flag(False, place)
-        ),
-        _plain("Stand", place, "the neutral stand", posture=made.said("Stand", place)),
-        _plain("StandInit", place, "ready to go", posture=made.said("StandInit", place)),
-        _plain("Home", place, "every joint back to the stand", home=made.figure(1.0, place)),
+        _plain("Wake up", place, "the motors on", torque=True),
+        _plain("Rest", place, "the resting position, the motors off", torque=False),
+        _plain("Stand", place, "the neutral stand", posture="Stand"),
+        _plain("StandInit", place, "ready to go", posture="StandInit"),
+        _plain("Home", place, "every joint back to the stand", home=1.0),
         _plain("Look ahead", place, "", gaze=_angles(place)),
     ]
 
@@ -95,10 +93,7 @@ def movement(place: Place) -> list[Button]:
 def autonomy(place: Place) -> list[Button]:
     """The robot's states and engagement modes; all its settings are on the console's own page."""
     return [
-        *(
-            _plain(word.capitalize(), place, "autonomous life", autonomy=made.said(word, place))
-            for word in STATES
-        ),
+        *(_plain(word.capitalize(), place, "autonomous life", autonomy=word) for word in STATES),
         *(
             _plain(mode, place, "engagement", autonomy=_engagement(mode, place))
             for mode in ENGAGEMENT_MODES
@@ -122,20 +117,19 @@ def speaking(figures: Mapping[str, Scalar]) -> list[Button]:
 
 def default_picture(place: Place) -> Button:
     """The page's button that clears the tablet."""
-    return _plain("Default picture", place, "or Pepper's own", tablet=made.said("default", place))
+    return _plain("Default picture", place, "or Pepper's own", tablet="default")
 
 
-def _plain(title: str, place: Place, hint: str, **does: Node) -> Button:
+def _plain(title: str, place: Place, hint: str, **does: made.Value) -> Button:
     """A button of ours, without a key."""
-    entries = [(verb, place, node) for verb, node in does.items()]
-    tip = made.said(hint, place) if hint else None
-    return Button(title, place, entries, place, help=tip, help_place=place)
+    entries = [made.entry(verb, value, place) for verb, value in does.items()]
+    return Button(title, place, entries, place, help=hint)
 
 
 def _angles(place: Place) -> Table:
-    zero = [(name, place, made.figure(0.0, place)) for name in ("yaw", "pitch")]
+    zero = [made.entry(name, 0.0, place) for name in ("yaw", "pitch")]
     return made.table(zero, place)
 
 
 def _engagement(mode: str, place: Place) -> Table:
-    return made.table([("engagement", place, made.said(mode, place))], place)
+    return made.table([made.entry("engagement", mode, place)], place)

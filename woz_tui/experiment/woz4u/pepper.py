@@ -57,8 +57,8 @@ Figures = Mapping[str, Scalar]
 def robot(
     root: Spot,
     speech: Figures,
-    shown: tuple[str, Scalar | None],
-    eyes: Scalar | None,
+    shown: tuple[str, Node | None],
+    eyes: Node | None,
     move: Move,
 ) -> Table:
     """`{name: pepper, drivers: {pepper: {type: pepper, ...}}}`.
@@ -68,7 +68,7 @@ def robot(
     """
     table, start = dict(root.entries()), root.place
     settings: list[made.Entry] = [
-        ("type", start, made.said("pepper", start)),
+        made.entry("type", "pepper", start),
         ("robots", *_robots(table.get("pepper_ips"), root.place, root.report)),
     ]
     autonomy = _autonomy(table.get("autonomous_life_config"))
@@ -84,8 +84,7 @@ def robot(
     settings += _folder(table.get("audio_save_dir"), "recordings", str)
     pepper = made.table(settings, start)
     drivers = made.table([("pepper", start, pepper)], start)
-    name = made.said("pepper", start)
-    return made.table([("name", start, name), ("drivers", start, drivers)], start)
+    return made.table([made.entry("name", "pepper", start), ("drivers", start, drivers)], start)
 
 
 def _robots(spot: Spot | None, start: Place, report: Report) -> tuple[Place, Items]:
@@ -100,15 +99,15 @@ def _robots(spot: Spot | None, start: Place, report: Report) -> tuple[Place, Ite
             if address in found:
                 entry.warning(f"{quoted(address)} stands here twice")
             elif address:
-                found[address] = made.said(address, entry.place)
+                found[address] = made.node(address, entry.place)
     place = start if spot is None else spot.place
     if not found:
         where = f"pepper_ips: [{SIMULATED}]"
         if not (spot is not None and isinstance(spot.node, Table)):  # that is an error already
             message = f"no robot is named; a simulated one is played ({where})"
             report.warning(place, "pepper_ips", message)
-        found[SIMULATED] = made.said(SIMULATED, place)
-    return place, made.listed(found.values(), place)
+        found[SIMULATED] = made.node(SIMULATED, place)
+    return place, Items(place, [*found.values()])
 
 
 def _address(entry: Spot) -> str:
@@ -128,25 +127,20 @@ def _autonomy(spot: Spot | None) -> Table | None:
     warn_unknown(fields, AUTONOMY)
     entries: list[made.Entry] = []
     for name, entry in fields.items():
-        node = _life(name, entry)
-        if node is not None:
-            entries.append((node[0], entry.place, node[1]))
+        found = _life(name, entry)
+        if found is not None and found[1] is not None:
+            entries.append(made.entry(found[0], found[1], entry.place))
     return made.table(entries, spot.place) if entries else None
 
 
-def _life(name: str, spot: Spot) -> tuple[str, Scalar] | None:
-    """The driver's name and the value of one setting; None if it is left as it is."""
+def _life(name: str, spot: Spot) -> tuple[str, str | float | bool | None] | None:
+    """The driver's name and the value of one setting (None: left as it is); None: there is none."""
     if name in _WORDS:
         ours, choices = _WORDS[name]
-        word = values.word(spot, choices, _AS_IT_IS)
-        return None if word is None else (ours, made.said(word, spot.place))
+        return ours, values.word(spot, choices, _AS_IT_IS)
     if name in _DISTANCES:
-        metres = values.number(spot, _METRES, _AS_IT_IS)
-        return None if metres is None else (_DISTANCES[name], made.figure(metres, spot.place))
-    if name in _FLAGS:
-        on = values.flag(spot, _AS_IT_IS)
-        return None if on is None else (_FLAGS[name], made.flag(on, spot.place))
-    return None
+        return _DISTANCES[name], values.number(spot, _METRES, _AS_IT_IS)
+    return (_FLAGS[name], values.flag(spot, _AS_IT_IS)) if name in _FLAGS else None
 
 
 def voice(table: Mapping[str, Spot]) -> dict[str, Scalar]:
@@ -160,7 +154,7 @@ def voice(table: Mapping[str, Spot]) -> dict[str, Scalar]:
         if ours == "pitch" and 0.0 < value < 1.0:
             spot.warning(f"{value:g} is no pitch: it is 0, or from 1 to 4; {_AS_IT_IS}")
             continue
-        found[ours] = made.figure(value, spot.place)
+        found[ours] = Scalar(spot.place, f"{value:.6g}", plain=True)
     return found
 
 
@@ -171,15 +165,15 @@ def steps(table: Mapping[str, Spot], start: Place) -> Table:
         spot = table.get(name)
         value = values.number(spot, allowed, "the usual step is taken")
         if spot is not None and value is not None:
-            entries.append((ours, spot.place, made.figure(value * factor, spot.place)))
-    return made.table([*entries, ("hip", start, made.figure(_HIP_DEGREES, start))], start)
+            entries.append(made.entry(ours, value * factor, spot.place))
+    return made.table([*entries, made.entry("hip", _HIP_DEGREES, start)], start)
 
 
-def _tablet(table: Mapping[str, Spot], root: str, default: Scalar | None) -> list[made.Entry]:
+def _tablet(table: Mapping[str, Spot], root: str, default: Node | None) -> list[made.Entry]:
     spot = table.get("tablet_root_location")
     entries: list[made.Entry] = []
     if spot is not None and root:
-        entries.append(("root", spot.place, made.said(root, spot.place)))
+        entries.append(made.entry("root", root, spot.place))
     if default is not None:
         entries.append(("default", default.place, default))
     if not entries:
@@ -192,4 +186,4 @@ def _folder(spot: Spot | None, ours: str, move: Move) -> list[made.Entry]:
     typed = values.text(spot)
     if spot is None or typed is None:
         return []
-    return [(ours, spot.place, made.said(move(typed.strip()), spot.place))]
+    return [made.entry(ours, move(typed.strip()), spot.place)]

@@ -7,7 +7,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from woz_tui.experiment.layouts import LAYOUTS
-from woz_tui.experiment.nodes import Node, Table
+from woz_tui.experiment.nodes import Items, Node, Table
+from woz_tui.experiment.report import Report
 from woz_tui.experiment.shape import Place
 from woz_tui.experiment.spot import Spot
 from woz_tui.experiment.woz4u import eyes, made, panels, pepper
@@ -24,6 +25,34 @@ from woz_tui.experiment.woz4u.keyed import Wish, grant, layout_of
 from woz_tui.experiment.woz4u.known import OLDER, TOP_LEVEL
 from woz_tui.experiment.woz4u.panels import Panel
 from woz_tui.experiment.woz4u.texts import one_line
+
+
+class OwnNames(Report):
+    """A report that learns names while the original is read, and uses them from `done` on: whoever
+    wrote `animated_speech[2].string` is not told of `panels[0].actions[2].say`.
+    """
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._names: dict[Place, str] = {}
+        self._reading = True
+
+    def done(self) -> None:
+        """The original has been read; what comes now has paths of our own format."""
+        self._reading = False
+
+    def put(self, path: str, place: Place) -> None:
+        """Remember where `path` stands. An entry of a list has its first key's place: the entry
+        comes first and names it. The file's first place is also that of whatever comes from nowhere
+        in it, and so names nothing.
+        """
+        super().put(path, place)
+        if self._reading and (place.line, place.column) != (1, 1):
+            self._names.setdefault(place, path)
+
+    def _named(self, place: Place, path: str) -> str:
+        return path if self._reading else self._names.get(place, path)
+
 
 #: What the translation writes itself, and so is not taken over from the file.
 _MADE = ("robot", "robots", "steps", "panels")
@@ -61,14 +90,14 @@ def translated(root: Spot, own: Collection[str], move: Move) -> Translation:
     sections["robot"] = (start, robot)
     sections["steps"] = (start, pepper.steps(table, start))
     nodes = [(panel, panel.node()) for panel in found if panel.shown]
-    sections["panels"] = (start, made.listed([node for _, node in nodes], start))
+    sections["panels"] = (start, Items(start, [node for _, node in nodes]))
     made_table = made.table([(name, *entry) for name, entry in sections.items()], start)
     return Translation(made_table, _remarks(made_table, nodes))
 
 
 def _title(start: Place) -> Node:
     name = one_line(Path(start.file).name) or "config"  # a name may hold bytes that are no text
-    return made.said(f"WoZ4U: {name}", start)
+    return made.node(f"WoZ4U: {name}", start)
 
 
 def _unknown(table: Mapping[str, Spot], own: Collection[str]) -> None:

@@ -1,0 +1,95 @@
+"""What every exporter is given and tells, and the README that each of them writes."""
+
+from __future__ import annotations
+
+import abc
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import ClassVar
+
+from woz_tui import __version__
+from woz_tui.core.cleaning import one_line
+from woz_tui.export.course import Session
+from woz_tui.export.folder import README, SIGN, Folder
+from woz_tui.export.sources import Source
+from woz_tui.export.text import seconds
+
+_TIMES = (
+    "All times are in seconds since the beginning of the session, on a clock that never jumps. "
+    "People stand here under the codes that the experimenters gave them."
+)
+_REDACTED = (
+    "What people said, typed or wrote was replaced by `[redacted]`; dates and sound were left out. "
+    "Codes, the labels of the experiment file, numbers and times are as they were."
+)
+_UNREDACTED = (
+    "Texts are as they were logged: notes, markers, sentences spoken and recognised, free answers. "
+    "They are personal data if somebody said or typed a name."
+)
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Options:
+    """How to export.
+
+    Attributes:
+        redact: Take out texts, dates and sound.
+        samples: The values of the sensors too.
+        sound: Write what was recorded of the visitor, as one file for each session.
+        media: A video or sound of the session to open it with.
+        offset: The session's beginning in `media`, microseconds; negative: it began before.
+    """
+
+    redact: bool = False
+    samples: bool = False
+    sound: bool = True
+    media: Path | None = None
+    offset: int = 0
+
+
+@dataclass(slots=True)
+class Told:
+    """What is worth knowing of the export of one session; `notes` are sentences."""
+
+    session: Session
+    notes: list[str] = field(default_factory=list)
+    participants: list[str] = field(default_factory=list)
+    events: int = 0
+
+
+class Exporter(abc.ABC):
+    """Writes sessions in one format into a folder."""
+
+    #: What the README says of the format's own files, in Markdown.
+    about: ClassVar[str]
+
+    def __init__(self, folder: Folder, options: Options) -> None:
+        self._folder = folder
+        self._options = options
+
+    @abc.abstractmethod
+    def add(self, session: Session, source: Source) -> list[str]:
+        """One session. What could not be exported of it, in sentences."""
+
+    def finish(self, told: list[Told]) -> None:
+        """Whatever comes after the last session: the README."""
+        parts = [
+            f"{SIGN} {__version__}",
+            _TIMES,
+            _REDACTED if self._options.redact else _UNREDACTED,
+            self.about,
+            "## Sessions",
+            "\n".join(_session(each) for each in told),
+        ]
+        self._folder.write(README, "\n\n".join(parts) + "\n")
+
+    def close(self) -> None:  # noqa: B027 - most have nothing open
+        """Close what is open; also after an error."""
+
+
+def _session(told: Told) -> str:
+    session = told.session
+    who = ", ".join(told.participants) or "no participant's code"
+    head = f"- {session.name}: {who}, {seconds(session.duration)} s, {session.lines} lines"
+    damage = [f"damage: {one_line(each)}" for each in session.damage] or ["the log is whole"]
+    return "\n".join([head, *(f"  - {line}" for line in [*damage, *map(one_line, told.notes)])])

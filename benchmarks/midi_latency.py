@@ -28,7 +28,7 @@ from typing import Any, ClassVar
 from benchmarks.figures import Spread, machine, percentile, table, verdict
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, Outlet, PassiveDriver
+from woz_tui.core.driver import Driver, DriverContext, PassiveDriver
 from woz_tui.experiment.decode import load
 from woz_tui.motion.setpoints import SETPOINTS, Setpoints
 from woz_tui.plugins import installed
@@ -77,9 +77,9 @@ class Eye(PassiveDriver):
     summary = "notes setpoints"
     seen: ClassVar[list[tuple[int, Mapping[str, float]]]] = []
 
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
-        self._feed = outlet.feed(SETPOINTS, of="body")
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._feed = context.feed(SETPOINTS, of="body")
         self._over = threading.Event()
         self._thread = threading.Thread(target=self._look, daemon=True)
 

@@ -21,7 +21,7 @@ from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, Outlet
+from woz_tui.core.driver import Driver, DriverContext
 from woz_tui.core.requests import PROTOCOL, Welcome
 from woz_tui.core.settings import Settings as WelcomeSettings
 from woz_tui.experiment.decode import load
@@ -58,8 +58,8 @@ class _LoopPace(Pace):
 class _Robot(SimulatedRobot):
     """The simulated robot on the loop's time."""
 
-    def __init__(self, name: str, settings: Settings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet, pace=_LoopPace())
+    def __init__(self, name: str, settings: Settings, context: DriverContext) -> None:
+        super().__init__(name, settings, context, pace=_LoopPace())
 
 
 def catalogue() -> dict[str, type[Driver]]:

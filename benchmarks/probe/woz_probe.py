@@ -16,7 +16,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Annotated, Any, ClassVar
 
-from woz_tui.core.driver import Argument, Health, Job, Outlet, PassiveDriver, Scope, Verb
+from woz_tui.core.driver import Argument, DriverContext, Health, Job, PassiveDriver, Scope, Verb
 from woz_tui.core.fields import Doc
 from woz_tui.core.messages import Json
 from woz_tui.motion.setpoints import SEEN, Seen
@@ -40,8 +40,8 @@ class Probe(PassiveDriver):
     Settings: ClassVar[type] = ProbeSettings
     summary = "writes down when it is called"
 
-    def __init__(self, name: str, settings: ProbeSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: ProbeSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._journal = os.open(settings.journal, os.O_WRONLY | os.O_CREAT | os.O_APPEND, 0o600)
         self._task: asyncio.Task[None] | None = None
 
@@ -55,7 +55,7 @@ class Probe(PassiveDriver):
         os.write(self._journal, f"{time.monotonic_ns()} {what}\n".encode())
 
     async def open(self) -> None:
-        self.outlet.health(Health.CONNECTED, "probe")
+        self.context.health(Health.CONNECTED, "probe")
         if self.settings.load:
             self._task = asyncio.create_task(self._busy())
 
@@ -65,14 +65,14 @@ class Probe(PassiveDriver):
         count = 0
         while True:
             phase = count / READINGS_HZ
-            self.outlet.reading("distance", 1.5 + math.sin(phase), unit="m")
-            self.outlet.reading("loudness", abs(math.sin(5 * phase)) / 10)
-            self.outlet.reading("presence", float(count % 3 > 0))
-            self.outlet.reading("gaze", float(count % 2))
-            self.outlet.reading("joint.pan", 90 * math.sin(phase), unit="deg")
-            self.outlet.reading("joint.tilt", 30 * math.cos(phase), unit="deg")
+            self.context.reading("distance", 1.5 + math.sin(phase), unit="m")
+            self.context.reading("loudness", abs(math.sin(5 * phase)) / 10)
+            self.context.reading("presence", float(count % 3 > 0))
+            self.context.reading("gaze", float(count % 2))
+            self.context.reading("joint.pan", 90 * math.sin(phase), unit="deg")
+            self.context.reading("joint.tilt", 30 * math.cos(phase), unit="deg")
             for line in range(LINES_EACH):
-                self.outlet.notice("info", f"line {count}.{line}")
+                self.context.notice("info", f"line {count}.{line}")
             count += 1
             due += 1 / READINGS_HZ
             await asyncio.sleep(max(0.0, due - loop.time()))
@@ -101,8 +101,8 @@ class Eye(Probe):
     Settings: ClassVar[type] = EyeSettings
     summary = "claims to see something"
 
-    def __init__(self, name: str, settings: EyeSettings, outlet: Outlet) -> None:
-        self._outlet = outlet
+    def __init__(self, name: str, settings: EyeSettings, context: DriverContext) -> None:
+        self._context = context
         self._task: asyncio.Task[None] | None = None
 
     @classmethod
@@ -110,11 +110,11 @@ class Eye(Probe):
         return ()
 
     async def open(self) -> None:
-        self._outlet.health(Health.CONNECTED, "sees")
+        self._context.health(Health.CONNECTED, "sees")
         self._task = asyncio.create_task(self._look())
 
     async def _look(self) -> None:
-        loop, feed, frame = asyncio.get_running_loop(), self._outlet.feed(SEEN), 0
+        loop, feed, frame = asyncio.get_running_loop(), self._context.feed(SEEN), 0
         due = loop.time()
         while True:
             frame += 1

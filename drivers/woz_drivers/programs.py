@@ -45,7 +45,7 @@ PACKAGES: Mapping[str, str] = {
 _PLACEHOLDER = re.compile(r"\{([a-z_]+)\}")
 
 
-class ProgramMissing(DriverError):  # noqa: N818 - as `Lost` and `Rejected` in the core
+class ProgramMissing(DriverError):  # noqa: N818 - as `DeviceLostError` and `RejectedError` in the core
     """A command's program is not on this machine; `remedy` names the package if it is known."""
 
 

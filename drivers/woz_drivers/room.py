@@ -7,7 +7,7 @@ import statistics
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
-from woz_tui.core.driver import Argument, DriverError, Outlet, Verb
+from woz_tui.core.driver import Argument, DriverContext, DriverError, Verb
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -79,7 +79,7 @@ class Lesson:
         """Louder than that is speech."""
         return self.room.threshold(self.k)
 
-    def tell(self, outlet: Outlet, was: float) -> dict[str, Json]:
+    def tell(self, context: DriverContext, was: float) -> dict[str, Json]:
         """Publish the threshold and say what to think of it; returns the same for the log.
 
         Raises `DriverError`, and publishes nothing, if there was no sound at all.
@@ -90,8 +90,8 @@ class Lesson:
                 f"{self.driver} hears only zeros: the threshold stays",
                 "switch the microphone on, or choose another device",
             )
-        outlet.reading(THRESHOLD, threshold)
-        outlet.notice(
+        context.reading(THRESHOLD, threshold)
+        context.notice(
             "info",
             f"speech is now louder than {threshold:.4f}"
             f" (room {room.mean:.4f} + {self.k:g} x {room.sd:.4f})",
@@ -99,7 +99,7 @@ class Lesson:
             tells=("loudness",),
         )
         if room.restless:
-            outlet.notice(
+            context.notice(
                 "warning",
                 f"it was not quiet while it listened: {room.loudest:.4f} at the loudest",
                 f"play {NAME} once more while nobody speaks",

@@ -18,7 +18,7 @@ from pathlib import Path
 
 import serial
 
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 #: A missing or occupied port is tried again this often, in seconds.
 POLL_S = 0.5
@@ -88,12 +88,12 @@ class SerialLine:
         self._detach()
 
     def write(self, data: bytes) -> None:
-        """Send `data`, in order, without waiting. Raises `Lost` if the port is not open or the
-        device has stopped reading.
+        """Send `data`, in order, without waiting. Raises `DeviceLostError` if the port is not open
+        or the device has stopped reading.
         """
         self._need_port()
         if len(self._unsent) + len(data) > MAX_UNSENT:
-            raise Lost(
+            raise DeviceLostError(
                 f"{self.port} takes no more data: {len(self._unsent)} bytes are waiting",
                 "check the flow control and whether the device's firmware runs",
             )
@@ -105,8 +105,8 @@ class SerialLine:
         if self._serial is not None:
             return
         if self._trouble is None:
-            raise Lost(f"{self.port} is not open yet")
-        raise Lost(self._trouble.what, self._trouble.remedy)
+            raise DeviceLostError(f"{self.port} is not open yet")
+        raise DeviceLostError(self._trouble.what, self._trouble.remedy)
 
     # -- opening and losing --------------------------------------------------------------------
 

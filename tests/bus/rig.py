@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from tests.fakes.virtual_time import LoopClock
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, DriverError, Job, Rejected, Scope, StopReport, Verb
+from woz_tui.core.driver import Argument, DriverError, Job, RejectedError, Scope, StopReport, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import Command, Json
 
@@ -49,7 +49,7 @@ class Scripted:
             case "fail":
                 raise DriverError("no", "try harder")
             case "reject":
-                raise Rejected("nonsense")
+                raise RejectedError("nonsense")
             case "crash":
                 raise ZeroDivisionError("oops")
             case "exit":

@@ -11,7 +11,7 @@ from tests.fakes.virtual_time import run_virtual
 from woz_tui.bus.bus import Bus
 from woz_tui.bus.lane import BRIEF_CAPACITY
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, StopReport, Verb
+from woz_tui.core.driver import Argument, DeviceLostError, DriverError, Job, StopReport, Verb
 from woz_tui.core.messages import Command, Json
 
 
@@ -329,7 +329,7 @@ def test_a_driver_that_is_found_while_others_confirm_was_not_reached() -> None:
 
 def test_a_driver_whose_stop_finds_its_hardware_gone_is_not_reached() -> None:
     async def scenario(rig: Rig) -> None:
-        rig.base.stop_raises = Lost("port gone")
+        rig.base.stop_raises = DeviceLostError("port gone")
         rig.bus.stop("key")
         await asyncio.sleep(1)
 

@@ -30,7 +30,7 @@ class Ears:
         heard = Heard(self._folder, clock)
         made = MicrophoneSettings(**settings)
         assert made.problems() == []
-        microphone = Microphone(name, made, heard.outlet)
+        microphone = Microphone(name, made, heard.context)
         self._stack.push_async_callback(microphone.close)
         await microphone.open()
         return microphone, heard

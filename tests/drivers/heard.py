@@ -1,4 +1,4 @@
-"""What a driver tells its session, collected by the session's own hub and outlet."""
+"""What a driver tells its session, collected by the session's own hub and context."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from typing import TypeVar
 from woz_tui.core.clock import Clock, RealClock
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import AnyMessage, Json, Message, Reading, SensorChanged
-from woz_tui.session.outlet import DriverOutlet
+from woz_tui.session.driver_context import SessionDriverContext
 
 #: Far longer than anything takes; only a failure waits for it.
 PATIENCE_S = 40.0
@@ -20,7 +20,7 @@ M = TypeVar("M", bound=Message)
 
 
 class Heard:
-    """A hub with an outlet for one driver called `it`, and everything that was published."""
+    """A hub with a context for one driver called `it`, and everything that was published."""
 
     def __init__(self, folder: Path, clock: Clock | None = None) -> None:
         self.clock = clock or RealClock()
@@ -28,7 +28,7 @@ class Heard:
         self._news = asyncio.Event()
         hub = Hub(self.clock, lambda message, line: None)
         hub.listen(self._take)
-        self.outlet = DriverOutlet("it", hub, self.clock, folder)
+        self.context = SessionDriverContext("it", hub, self.clock, folder)
 
     def _take(self, message: AnyMessage) -> None:
         self.messages.append(message)

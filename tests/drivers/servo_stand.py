@@ -101,7 +101,7 @@ async def stand(
     with ServoBus(ids, folder / "servos", model=model) as bus:
         prepare(bus)
         heard = Heard(folder)
-        driver = DynamixelServos("head", head(bus.link, **changes), heard.outlet)
+        driver = DynamixelServos("head", head(bus.link, **changes), heard.context)
         await driver.open()
         it = Stand(driver, bus, heard)
         try:

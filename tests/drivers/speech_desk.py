@@ -48,7 +48,7 @@ class Desk:
 
     async def open(self, **changes: Any) -> Speech:
         """A driver that has found its programs."""
-        driver = Speech("it", self.settings(**changes), self.heard.outlet)
+        driver = Speech("it", self.settings(**changes), self.heard.context)
         self.drivers.append(driver)
         await driver.open()
         await self.heard.first(DriverConnected)

@@ -26,7 +26,7 @@ from tests.drivers.heard import PATIENCE_S, Heard, until
 from tests.drivers.servo_stand import PATIENT_MS, head, stand
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.driver import DriverError, RejectedError
 from woz_tui.core.messages import Notice
 
 SPEED = 60.0
@@ -58,7 +58,7 @@ async def test_a_brownout_in_a_move_leaves_a_protocol_1_joint_limp(tmp_path: Pat
         await it.ticks(5)
         assert not servo.torque and servo.position == fallen
         assert servo.driven <= SPEED + ROUNDING
-        with pytest.raises(Rejected, match="torque of pan is off"):
+        with pytest.raises(RejectedError, match="torque of pan is off"):
             await it.do("pose", joints={"pan": 0.0})
 
         await it.do("torque", on=True)
@@ -146,7 +146,7 @@ async def moving(folder: Path, protocol: int) -> AsyncIterator[Moving]:
     """Servos that are switched on and on their way to 60 and -50 degrees."""
     values = head(folder / "servos", joints=JOINTS, protocol=protocol)
     port = CountingPort(values.port, values.baud, values.reply_timeout)
-    chain = Chain(Wire(port, protocol), values, Heard(folder).outlet)
+    chain = Chain(Wire(port, protocol), values, Heard(folder).context)
     bus = ServoBus(MODELS[protocol], folder / "servos")
     it = Moving(bus, port, chain)
     bus.clock = lambda: it.now

@@ -107,7 +107,7 @@ async def test_no_port_and_bad_settings(tmp_path: Path) -> None:
 async def test_port_of_a_running_session(tmp_path: Path) -> None:
     with ServoBus([11, 12, 13], tmp_path / "servos") as bus:
         heard = Heard(tmp_path)
-        driver = DynamixelServos("head", head(bus.link), heard.outlet)
+        driver = DynamixelServos("head", head(bus.link), heard.context)
         await driver.open()
         await heard.until(lambda: bool(heard.values("joint.pan")))
         (busy,) = await examined(bus.link)

@@ -15,7 +15,7 @@ from tests.drivers.servo_stand import HEAD, SILENT_MS, head, stand
 from tests.fakes.servo_codec import PING
 from tests.fakes.servo_motor import OVERLOAD
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost, Notice
 
 pytestmark = pytest.mark.real_clock
@@ -29,13 +29,13 @@ async def test_cable_pulled_in_a_move_and_put_back(tmp_path: Path) -> None:
         running = it.begin("pose", joints={"pan": 80.0}, seconds=3.0)
         await until(lambda: it.bus.servo(11).position > 2100)
         it.bus.pull()
-        with pytest.raises(Lost, match="broke"):
+        with pytest.raises(DeviceLostError, match="broke"):
             await running
         lost = await it.heard.first(DriverLost)
         assert "check cable" in lost.remedy
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.do("home")
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.driver.stop(Scope.ALL)
         # The servos heard nothing any more and stopped by themselves.
         await until(lambda: it.bus.servo(11).bites == 1)
@@ -71,7 +71,7 @@ async def test_torque_setting_holds_only_the_first_time(tmp_path: Path) -> None:
 async def test_port_that_comes_late_is_found(tmp_path: Path) -> None:
     heard = Heard(tmp_path)
     link = tmp_path / "servos"
-    driver = DynamixelServos("head", head(link), heard.outlet)
+    driver = DynamixelServos("head", head(link), heard.context)
     await driver.open()
     lost = await heard.first(DriverLost)
     assert lost.detail == f"{link} is not there"
@@ -85,7 +85,7 @@ async def test_port_that_comes_late_is_found(tmp_path: Path) -> None:
 async def test_port_in_use_names_the_other_program(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
         heard = Heard(tmp_path)
-        other = DynamixelServos("other", head(it.bus.link), heard.outlet)
+        other = DynamixelServos("other", head(it.bus.link), heard.context)
         await other.open()
         lost = await heard.first(DriverLost)
         assert "in use by" in lost.detail
@@ -103,7 +103,7 @@ async def test_stop_without_a_line_is_confirmed_only_if_nothing_held(tmp_path: P
         await it.do("torque", on=True)
         it.bus.pull()
         await it.heard.first(DriverLost, after=1)
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.driver.stop(Scope.ALL)
 
 
@@ -209,7 +209,7 @@ async def test_overload_is_named_and_a_reboot_clears_it(tmp_path: Path) -> None:
         sent = await running
         assert "lost its torque (overload)" in str(sent["left_out"])
         assert it.bus.servo(11).goal == 2048 + round(80 / (360 / 4096))
-        with pytest.raises(Rejected, match="torque of tilt is off"):
+        with pytest.raises(RejectedError, match="torque of tilt is off"):
             await it.do("pose", joints={"tilt": 0.0})
 
         assert await it.do("reboot") == {"joints": ["tilt"]}
@@ -222,7 +222,7 @@ async def test_overload_is_named_and_a_reboot_clears_it(tmp_path: Path) -> None:
 
 async def test_reboot_without_an_alarm_needs_a_name(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
-        with pytest.raises(Rejected, match="no servo reports an alarm"):
+        with pytest.raises(RejectedError, match="no servo reports an alarm"):
             await it.do("reboot")
         assert await it.do("reboot", joint="pan") == {"joints": ["pan"]}
 

@@ -17,7 +17,7 @@ from woz_drivers.dynamixel import DynamixelServos, Joint, Settings
 from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import Stand, head, stand
 from tests.fakes.servos import ServoBus
-from woz_tui.core.driver import Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, DriverLost
 from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
 
@@ -40,11 +40,11 @@ def placed(bus: ServoBus) -> None:
 def say(it: Stand, joints: Mapping[str, object], age: float = -LATER_S) -> None:
     """What the body says, `age` seconds ago."""
     t_us = round((time.monotonic() - age) * 1e6)
-    it.heard.outlet.feed(SETPOINTS, of="body").put(Setpoints(t_us, joints))  # type: ignore[arg-type]
+    it.heard.context.feed(SETPOINTS, of="body").put(Setpoints(t_us, joints))  # type: ignore[arg-type]
 
 
 def present(it: Stand) -> Present | None:
-    value = it.heard.outlet.feed(PRESENT).latest().value
+    value = it.heard.context.feed(PRESENT).latest().value
     return value if isinstance(value, Present) else None
 
 
@@ -193,7 +193,7 @@ async def test_a_joint_is_told_in_the_degrees_of_its_body(tmp_path: Path) -> Non
     async with stand(tmp_path, prepare=placed, follows="body") as it:
         await until(lambda: bool(it.heard.values("joint.pan")))
         assert it.heard.values("joint.pan")[-1] == pytest.approx((1700 - 2048) * COUNT, abs=0.01)
-        body = it.heard.outlet.feed(SETPOINTS, of="body")
+        body = it.heard.context.feed(SETPOINTS, of="body")
         body.put(Setpoints(round(time.monotonic() * 1e6), {"pan": 5.0}, {"pan": 5.0}))
         before = len(it.heard.values("joint.pan"))
         await until(lambda: len(it.heard.values("joint.pan")) > before + 1)
@@ -206,7 +206,7 @@ async def test_only_torque_and_reboot_are_left_to_ask_for(tmp_path: Path) -> Non
         settings = it.driver.settings
         assert [verb.name for verb in it.driver.verbs(settings)] == ["torque", "reboot"]
         assert not [name for name in it.driver.sensors(settings) if name.startswith("setpoint")]
-        with pytest.raises(Rejected, match="follow 'body'"):
+        with pytest.raises(RejectedError, match="follow 'body'"):
             await it.driver.perform(Ordered("pose", {"joints": {"pan": 3.0}, "seconds": 1.0}))
         await it.heard.until(lambda: bool(it.heard.values("joint.pan")))
         assert it.heard.values("setpoint.pan") == []
@@ -239,7 +239,7 @@ async def test_the_torque_stays_until_the_body_is_at_rest(tmp_path: Path) -> Non
 async def test_the_torque_stays_while_the_body_is_on_a_slow_way_to_rest(tmp_path: Path) -> None:
     joints = {"pan": Joint(id=11, min=-90, max=90, speed=SPEED)}
     async with stand(tmp_path, ids=(11,), joints=joints, follows="body", torque=True) as it:
-        body = it.heard.outlet.feed(SETPOINTS, of="body")
+        body = it.heard.context.feed(SETPOINTS, of="body")
         later = round((time.monotonic() + LATER_S) * 1e6)
         body.put(Setpoints(later, {"pan": 0.0}, at_rest=False))
         await until(lambda: it.bus.servo(11).torque)
@@ -258,7 +258,7 @@ async def test_without_a_line_a_follower_is_lost_like_any_servo(tmp_path: Path) 
         say(it, {"pan": 5.0})
         it.bus.pull()
         await it.heard.first(DriverLost)
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.driver.perform(Ordered("torque", {"on": True}))
         await it.driver.stop(Scope.ALL)  # limp joints: nothing to stop
 

@@ -14,7 +14,7 @@ from tests.drivers.heard import Ordered, until
 from tests.drivers.servo_stand import stand
 from tests.fakes.servos import ServoBus
 from woz_tui.core.arguments import ArgumentError
-from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
 from woz_tui.core.messages import Json
 
 GOAL, TORQUE, WATCHDOG, PROFILE_VELOCITY = 116, 64, 98, 112
@@ -134,7 +134,7 @@ async def test_nonsense_is_rejected_and_moves_nothing(
     poses = {"left": {"pan": 9.0}}
     async with stand(tmp_path, pan="pan", tilt="tilt", torque=True, poses=poses) as it:
         await until(lambda: it.bus.servo(11).torque)
-        with pytest.raises((Rejected, ArgumentError)):
+        with pytest.raises((RejectedError, ArgumentError)):
             await it.driver.perform(it.ordered(verb, args))
         await it.ticks(3)
         assert set(it.bus.goals(11)) == {2048}
@@ -142,7 +142,7 @@ async def test_nonsense_is_rejected_and_moves_nothing(
 
 async def test_a_limp_joint_is_refused_with_a_remedy(tmp_path: Path) -> None:
     async with stand(tmp_path) as it:
-        with pytest.raises(Rejected, match="torque of pan is off") as refused:
+        with pytest.raises(RejectedError, match="torque of pan is off") as refused:
             await it.do("pose", joints={"pan": 10.0})
         assert "torque: on" in refused.value.remedy
 
@@ -259,7 +259,7 @@ async def test_close_rests_unless_the_robot_was_stopped(tmp_path: Path) -> None:
             moved = it.bus.servo(12).position > 2100
             assert moved is not stopped
             assert not it.bus.servo(12).torque
-            with pytest.raises(Lost):
+            with pytest.raises(DeviceLostError):
                 await it.do("home")
 
 
@@ -292,5 +292,5 @@ async def test_protocol_1_moves_and_never_writes_a_goal_while_limp(tmp_path: Pat
         assert it.bus.goals(2)[-1] == 512 - round(10 / (300 / 1024))
         await it.heard.until(lambda: bool(it.heard.values("temperature.tilt")))
         assert it.heard.values("voltage.pan")[0] == pytest.approx(12.0)
-        with pytest.raises(Rejected, match="cannot be restarted"):
+        with pytest.raises(RejectedError, match="cannot be restarted"):
             await it.do("reboot")

@@ -12,7 +12,7 @@ from serial.serialutil import Timeout
 from woz_drivers.dynamixel import port as module
 from woz_drivers.dynamixel.port import ServoPort
 
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 
 @pytest.fixture
@@ -62,12 +62,12 @@ def test_a_line_that_takes_nothing_more_is_broken(
 ) -> None:
     monkeypatch.setattr(module, "STUCK_MS", 1.0)
     port, _ = line
-    with pytest.raises(Lost, match="takes nothing more"):
+    with pytest.raises(DeviceLostError, match="takes nothing more"):
         port.writePort([0] * 100_000)
 
 
 def test_a_line_whose_other_end_is_gone_is_broken(line: tuple[ServoPort, int]) -> None:
     port, _ = line
     port.closePort()
-    with pytest.raises(Lost, match="broke"):
+    with pytest.raises(DeviceLostError, match="broke"):
         port.writePort([0])

@@ -27,12 +27,12 @@ def module() -> ModuleType:
 
 def test_the_lamp_follows_the_face_and_is_left_alone_while_stopped() -> None:
     mood = module()
-    outlet = RecordingContext()
-    outlet.outcome = (False, "no driver 'lamp' offers 'glow'")
-    state = outlet.feeds.feed("body", "state")
+    context = RecordingContext()
+    context.outcome = (False, "no driver 'lamp' offers 'glow'")
+    state = context.feeds.feed("body", "state")
 
     async def scenario() -> None:
-        driver = mood.Mood("mood", mood.MoodSettings(follows="body", lamp="lamp"), outlet)
+        driver = mood.Mood("mood", mood.MoodSettings(follows="body", lamp="lamp"), context)
         await driver.open()
         for emotion in ("happy", "happy", "sad"):
             state.put(SimpleNamespace(emotion=emotion))
@@ -40,12 +40,12 @@ def test_the_lamp_follows_the_face_and_is_left_alone_while_stopped() -> None:
         await driver.stop(Scope.ALL)
         state.put(SimpleNamespace(emotion="angry"))
         await asyncio.sleep(1)
-        assert len(outlet.asks) == 2
+        assert len(context.asks) == 2
         await driver.resume()
         await asyncio.sleep(1)
         await driver.close()
 
     run_virtual(scenario())
-    assert [ask.args["color"] for ask in outlet.asks] == ["#ffd000", "#0040ff", "#ff0000"]
-    assert {(ask.what, ask.name, ask.on) for ask in outlet.asks} == {("verb", "glow", "lamp")}
-    assert "no driver 'lamp' offers 'glow'" in outlet.notices[0][1]
+    assert [ask.args["color"] for ask in context.asks] == ["#ffd000", "#0040ff", "#ff0000"]
+    assert {(ask.what, ask.name, ask.on) for ask in context.asks} == {("verb", "glow", "lamp")}
+    assert "no driver 'lamp' offers 'glow'" in context.notices[0][1]

@@ -18,7 +18,7 @@ from woz_drivers.led_face.wire import HERE, Packet
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.led_face import Board, PluggedFace
 from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import Driver, Finding, Lost, Probe, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, Driver, Finding, Probe, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost, Notice
 from woz_tui.motion.face import FaceState, draw
 from woz_tui.motion.frames import Frame
@@ -42,7 +42,7 @@ class Stand:
 
     def show(self, frame: Frame, brightness: float = 1.0) -> None:
         """The body draws a face."""
-        self.heard.outlet.feed(FACE, of="body").put(Lit(frame, brightness))
+        self.heard.context.feed(FACE, of="body").put(Lit(frame, brightness))
 
     async def until(self, holds: Callable[[], bool]) -> None:
         """Let time pass until it holds; the driver has a turn for each bit of it."""
@@ -70,7 +70,7 @@ async def begin(tmp_path: Path) -> AsyncIterator[Begin]:
         heard = Heard(tmp_path, clock)
         face = PluggedFace(tmp_path / "face", board)
         made = LedFaceSettings(port=str(face.port), **{"follows": "body", **settings})
-        stand = Stand(LedFace("it", made, heard.outlet), face, heard, clock)
+        stand = Stand(LedFace("it", made, heard.context), face, heard, clock)
         stands.append(stand)
         await stand.driver.open()
         return stand
@@ -119,7 +119,7 @@ async def test_unplugged_and_put_back(begin: Begin) -> None:
     lost = await stand.heard.first(DriverLost)
     assert "was lost" in lost.detail
     assert lost.remedy
-    with pytest.raises(Lost):
+    with pytest.raises(DeviceLostError):
         await stand.driver.perform(Ordered("pattern", {"picture": "all", "seconds": 5}))
     stand.show(SAD)
     stand.face.board = Board()
@@ -153,7 +153,7 @@ async def test_a_face_of_another_size_is_named_with_a_remedy(begin: Begin) -> No
     fault = await stand.heard.first(DriverFaulted)
     assert "wired as 16 x 24 lights, and the settings say 24 x 16" in fault.detail
     assert "rotate" in fault.remedy
-    with pytest.raises(Lost, match="16 x 24"):
+    with pytest.raises(DeviceLostError, match="16 x 24"):
         await stand.driver.perform(Ordered("pattern", {"picture": "all", "seconds": 5}))
 
 
@@ -202,7 +202,7 @@ async def test_a_pattern_ends_by_itself(begin: Begin) -> None:
     await stand.heard.first(DriverConnected)
     sent = await stand.driver.perform(Ordered("pattern", {"picture": "rows", "seconds": 0.1}))
     assert sent == {"picture": "rows", "seconds": 0.1}
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         await stand.driver.perform(Ordered("say", {"text": "hello"}))
 
 

@@ -17,7 +17,7 @@ from woz_tui.core.hub import Hub
 from woz_tui.core.messages import AnyMessage, FaceShown
 from woz_tui.motion.inputs import EMOTIONS
 from woz_tui.motion.shapes import FaceShape, JointShape, Personality
-from woz_tui.session.outlet import DriverOutlet
+from woz_tui.session.driver_context import SessionDriverContext
 
 
 @pytest.mark.cpp
@@ -40,12 +40,12 @@ async def test_console_and_lights_show_the_same_picture(tmp_path: Path) -> None:
             face=FaceShape(),
             personality=Personality(blink_rate=0),
         ),
-        DriverOutlet("body", hub, clock, tmp_path, feeds=feeds),
+        SessionDriverContext("body", hub, clock, tmp_path, feeds=feeds),
     )
     face = LedFace(
         "lights",
         LedFaceSettings(port=str(lights.port), follows="body"),
-        DriverOutlet("lights", hub, clock, tmp_path, feeds=feeds),
+        SessionDriverContext("lights", hub, clock, tmp_path, feeds=feeds),
     )
     await body.open()
     await face.open()

@@ -21,7 +21,7 @@ from tests.fakes.offspring import offspring
 from tests.fakes.piped_command import PipedCommand
 from tests.fakes.sound import RATE, square
 from woz_tui.core.clock import ManualClock, RealClock
-from woz_tui.core.driver import DriverError, Finding, Lost, Probe, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, Finding, Probe, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, DriverLost, Notice
 
 Begin = Callable[..., Any]
@@ -156,14 +156,14 @@ async def test_a_muted_microphone_teaches_nothing(begin: Begin, pipe: PipedComma
 
 async def test_learning_ends_with_the_command(begin: Begin, pipe: PipedCommand) -> None:
     microphone, heard = await begin(pipe.command)
-    with pytest.raises(Lost, match="delivers no sound"):
+    with pytest.raises(DeviceLostError, match="delivers no sound"):
         await microphone.perform(Ordered("listen_room", {"seconds": 1.0}))
     await until(pipe.connected)
     pipe.send(square(0.1, 0.05))
     await heard.state("loudness", "speaking")
     _, performing = await learning(microphone, 1.0)
     pipe.unplug()
-    with pytest.raises(Lost, match="cat ended"):
+    with pytest.raises(DeviceLostError, match="cat ended"):
         await performing
 
 
@@ -258,7 +258,7 @@ async def test_it_knows_no_other_verb(begin: Begin, pipe: PipedCommand) -> None:
     deaf, hears = MicrophoneSettings(), MicrophoneSettings(transcribe="whisper {file}")
     assert Microphone.sensors(deaf) == ("loudness", "loudness.threshold", "speech")
     assert Microphone.sensors(hears) == (*Microphone.sensors(deaf), "speech.text")
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         await microphone.perform(Ordered("say", {"text": "x"}))
     await microphone.stop(Scope.ALL)
     await microphone.rest()

@@ -58,7 +58,7 @@ def utterance(before: int = 10, loud: int = 5, after: int = 10) -> bytes:
 
 def kept(heard: Heard, ended: SpeechEnded) -> bytes:
     """The samples in a segment's file, read by somebody else's code."""
-    with wave.open(str(heard.outlet.folder / ended.file)) as file:
+    with wave.open(str(heard.context.folder / ended.file)) as file:
         shape = (file.getnchannels(), file.getsampwidth(), file.getframerate())
         assert shape == (1, 2, RATE)
         frames: bytes = file.readframes(file.getnframes())
@@ -78,7 +78,7 @@ async def test_a_segment_has_its_pre_roll_and_its_hang_over(
     assert ended.ended - ended.began == (3 + 5 + 5) * 20_000
     assert ended.loudest == pytest.approx(0.502, rel=1e-3)
     assert (ended.file, ended.detail) == ("", "")
-    assert not (heard.outlet.media).exists(), "nothing is kept unless it is asked for"
+    assert not (heard.context.media).exists(), "nothing is kept unless it is asked for"
 
 
 async def test_the_file_holds_the_segment_sample_by_sample(
@@ -89,7 +89,7 @@ async def test_the_file_holds_the_segment_sample_by_sample(
     pipe.send(data)
     ended = await heard.first(SpeechEnded)
     assert ended.file == "session.media/ears-0001.wav"
-    path = heard.outlet.folder / ended.file
+    path = heard.context.folder / ended.file
     assert kept(heard, ended) == data[(10 - 3) * BLOCK : (10 + 5 + 5) * BLOCK]
     assert path.stat().st_mode & 0o777 == 0o600
     assert path.parent.stat().st_mode & 0o777 == 0o700
@@ -233,19 +233,19 @@ async def test_a_folder_that_is_none_costs_the_file_and_nothing_else(
     begin: Begin, pipe: PipedCommand
 ) -> None:
     _, heard = await begin(pipe, segments=True)
-    heard.outlet.media.write_text("in the way")
+    heard.context.media.write_text("in the way")
     pipe.send(utterance() + utterance())
     second = await heard.first(SpeechEnded, after=1)
     assert second.file == ""
     assert second.detail.startswith("not kept: ")
     assert second.ended - second.began == 13 * 20_000
     assert [notice.level for notice in heard.all(Notice)] == ["warning"]
-    heard.outlet.media.unlink()
+    heard.context.media.unlink()
     pipe.send(utterance())
     third = await heard.first(SpeechEnded, after=2)
     assert third.file == "session.media/ears-0003.wav"
-    heard.outlet.media.rename(heard.outlet.folder / "elsewhere")
-    heard.outlet.media.write_text("in the way again")
+    heard.context.media.rename(heard.context.folder / "elsewhere")
+    heard.context.media.write_text("in the way again")
     pipe.send(utterance())
     await heard.first(SpeechEnded, after=3)
     said = [notice.text for notice in heard.all(Notice) if "not kept" in notice.text]
@@ -255,31 +255,31 @@ async def test_a_folder_that_is_none_costs_the_file_and_nothing_else(
 async def test_a_full_disk_is_said_once(begin: Begin, pipe: PipedCommand, tmp_path: Path) -> None:
     """Every byte for the part file goes to /dev/full."""
     _, heard = await begin(pipe, segments=True)
-    heard.outlet.media.mkdir()
+    heard.context.media.mkdir()
     for number in (1, 2):
-        (heard.outlet.media / f".ears-{number:04d}.wav.part").symlink_to("/dev/full")
+        (heard.context.media / f".ears-{number:04d}.wav.part").symlink_to("/dev/full")
     pipe.send(utterance() + utterance())
     second = await heard.first(SpeechEnded, after=1)
     assert second.detail == "not kept: No space left on device"
     assert len(heard.all(Notice)) == 1
-    assert list(heard.outlet.media.iterdir()) == []
+    assert list(heard.context.media.iterdir()) == []
 
 
 async def test_a_file_that_is_there_already_is_left_alone(begin: Begin, pipe: PipedCommand) -> None:
     _, heard = await begin(pipe, segments=True)
-    heard.outlet.media.mkdir()
-    (heard.outlet.media / "ears-0001.wav").write_bytes(b"older")
+    heard.context.media.mkdir()
+    (heard.context.media / "ears-0001.wav").write_bytes(b"older")
     pipe.send(utterance())
     ended = await heard.first(SpeechEnded)
     assert "already" in ended.detail
-    assert (heard.outlet.media / "ears-0001.wav").read_bytes() == b"older"
+    assert (heard.context.media / "ears-0001.wav").read_bytes() == b"older"
 
 
 async def test_a_disk_that_hangs_holds_up_nobody(begin: Begin, pipe: PipedCommand) -> None:
     """The part file is a pipe that nobody reads: opening it never returns."""
     _, heard = await begin(pipe, segments=True)
-    heard.outlet.media.mkdir()
-    stuck = heard.outlet.media / ".ears-0001.wav.part"
+    heard.context.media.mkdir()
+    stuck = heard.context.media / ".ears-0001.wav.part"
     os.mkfifo(stuck)
     pipe.send(utterance() + utterance())
     second = await heard.first(SpeechEnded, after=1)
@@ -320,7 +320,7 @@ async def test_a_file_and_its_name_outlive_a_power_cut(
     _, heard = await begin(pipe, segments=True)
     pipe.send(utterance())
     ended = await heard.first(SpeechEnded)
-    path = heard.outlet.folder / ended.file
+    path = heard.context.folder / ended.file
     wanted = {path.stat().st_ino, path.parent.stat().st_ino}
     await until(lambda: wanted <= disk.synced.keys())
     assert {disk.synced[inode] for inode in wanted} == {"speech file"}

@@ -17,7 +17,7 @@ from woz_drivers.rangefinder.distance_filter import DistanceFilter, Gates
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.rangefinder import PluggedSensor, a02, maxbotix, tfmini
 from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import Driver, Probe, Rejected, Scope
+from woz_tui.core.driver import Driver, Probe, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, DriverLost, Reading
 
 GATES = Gates(nearest=0.02, farthest=10.0, floor=None, ceiling=None, jump=0.5, confirm=3, median=3)
@@ -43,7 +43,7 @@ async def begin(tmp_path: Path, clock: ManualClock, sensor: PluggedSensor) -> As
     async def started(**settings: Any) -> Heard:
         heard = Heard(tmp_path, clock)
         made = RangefinderSettings(port=str(sensor.port), **{"framing": "tfmini", **settings})
-        driver: Driver = Rangefinder("it", made, heard.outlet)
+        driver: Driver = Rangefinder("it", made, heard.context)
         drivers.append(driver)
         await driver.open()
         return heard
@@ -135,9 +135,9 @@ async def test_the_floor_is_published_as_itself(begin: Begin, sensor: PluggedSen
 
 async def test_it_has_no_verbs(tmp_path: Path, sensor: PluggedSensor) -> None:
     heard = Heard(tmp_path)
-    driver = Rangefinder("it", RangefinderSettings(port=str(sensor.port)), heard.outlet)
+    driver = Rangefinder("it", RangefinderSettings(port=str(sensor.port)), heard.context)
     assert Rangefinder.verbs(None) == ()
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         await driver.perform(Ordered("say"))
     await driver.stop(Scope.ALL)
     await driver.rest()

@@ -43,8 +43,8 @@ async def test_a_system_without_another_thread_is_told_and_frees_the_writer(
 
 
 async def test_a_segment_that_cannot_be_read_costs_only_its_own_text(tmp_path: Path) -> None:
-    outlet = RecordingContext(tmp_path)
-    transcriber = Transcriber("ear", ("echo", "hello"), 30.0, outlet)
+    context = RecordingContext(tmp_path)
+    transcriber = Transcriber("ear", ("echo", "hello"), 30.0, context)
     transcriber.start()
     loop = asyncio.get_running_loop()
     for number, trouble in ((1, ValueError("no such sound")), (2, None)):
@@ -54,9 +54,9 @@ async def test_a_segment_that_cannot_be_read_costs_only_its_own_text(tmp_path: P
         else:
             file.set_exception(trouble)
         transcriber.add(Heard(number, file, 0))
-    await until(lambda: len(outlet.told) == 2)
+    await until(lambda: len(context.told) == 2)
     await transcriber.close()
-    texts = [told for told in outlet.told if isinstance(told, SpeechText)]
+    texts = [told for told in context.told if isinstance(told, SpeechText)]
     assert [(told.text, told.detail) for told in texts] == [
         ("", "ValueError: no such sound"),
         ("hello", ""),

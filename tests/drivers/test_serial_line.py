@@ -16,7 +16,7 @@ from woz_drivers.serial_line import SerialLine, Trouble, explain, present_ports,
 
 from tests.drivers.heard import PATIENCE_S, until
 from tests.fakes.rangefinder import PluggedSensor
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 
 class Watched:
@@ -128,18 +128,18 @@ async def test_a_device_that_never_reads_is_an_error_and_not_a_heap_of_memory(
     sensor = PluggedSensor(tmp_path / "port")
     watched.line.start()
     assert await watched.next() == "open"
-    with pytest.raises(Lost, match="takes no more data"):
+    with pytest.raises(DeviceLostError, match="takes no more data"):
         for _ in range(1000):
             watched.line.write(bytes(1000))
     sensor.unplug()
 
 
 async def test_writing_to_a_missing_port_is_lost_with_the_remedy(watched: Watched) -> None:
-    with pytest.raises(Lost, match="not open yet"):
+    with pytest.raises(DeviceLostError, match="not open yet"):
         watched.line.write(b"x")
     watched.line.start()
     await watched.trouble()
-    with pytest.raises(Lost, match="is not there") as raised:
+    with pytest.raises(DeviceLostError, match="is not there") as raised:
         watched.line.write(b"x")
     assert raised.value.remedy
 
@@ -151,7 +151,7 @@ async def test_writing_to_a_line_that_has_just_broken_is_lost(
     watched.line.start()
     assert await watched.next() == "open"
     sensor.unplug()
-    with pytest.raises(Lost, match="was lost") as raised:
+    with pytest.raises(DeviceLostError, match="was lost") as raised:
         watched.line.write(b"x")
     assert raised.value.remedy
 

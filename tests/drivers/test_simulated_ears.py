@@ -14,7 +14,7 @@ from woz_drivers.simulated.verbs import offered
 from woz_drivers.simulated.visitor import Visitor
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
 from woz_tui.core.messages import Json, Reading, SpeechEnded, SpeechStarted
 
 VISITED = Settings(visitor=True, seed=7)
@@ -29,11 +29,11 @@ async def it(tmp_path: Path) -> AsyncIterator[Rig]:
 
 
 def levels(it: Rig) -> list[Reading]:
-    return it.outlet.of("loudness")
+    return it.context.of("loudness")
 
 
 def thresholds(it: Rig) -> list[float | None]:
-    return [reading.value for reading in it.outlet.of(room.THRESHOLD)]
+    return [reading.value for reading in it.context.of(room.THRESHOLD)]
 
 
 def number(sent: Json) -> float:
@@ -59,7 +59,7 @@ async def test_a_quiet_room_is_learnt_from_its_own_loudness(it: Rig) -> None:
     assert sent["loudest"] == max(heard)
     assert abs(number(sent["mean"]) - ROOM_NOISE) < ROOM_SPREAD
     assert thresholds(it) == [THRESHOLD, sent["threshold"]]
-    assert [level for level, _, _ in it.outlet.notices] == ["info"]
+    assert [level for level, _, _ in it.context.notices] == ["info"]
 
 
 async def test_the_same_seed_teaches_the_same(tmp_path: Path) -> None:
@@ -80,10 +80,10 @@ async def test_ten_seconds_are_usual(it: Rig) -> None:
 
 
 async def test_whoever_speaks_meanwhile_is_told_to_be_quiet(it: Rig) -> None:
-    while not it.outlet.told:
+    while not it.context.told:
         await it.pace.advance(0.1)
     sent = await it.do(room.NAME, seconds=3.0)
-    level, text, remedy = it.outlet.notices[-1]
+    level, text, remedy = it.context.notices[-1]
     assert (level, "not quiet" in text) == ("warning", True)
     assert "once more" in remedy
     assert number(sent["threshold"]) > 3 * THRESHOLD
@@ -91,12 +91,12 @@ async def test_whoever_speaks_meanwhile_is_told_to_be_quiet(it: Rig) -> None:
 
 async def test_what_was_learnt_decides_what_is_speech(it: Rig) -> None:
     """Learnt from a voice the threshold lies above every voice; learnt anew it is as it was."""
-    while not it.outlet.told:
+    while not it.context.told:
         await it.pace.advance(0.1)
     await it.do(room.NAME, seconds=3.0)
     await it.pace.advance(60.0)
-    assert [type(one) for one in it.outlet.told[:2]] == [SpeechStarted, SpeechEnded]
-    few = sum(isinstance(one, SpeechStarted) for one in it.outlet.told)
+    assert [type(one) for one in it.context.told[:2]] == [SpeechStarted, SpeechEnded]
+    few = sum(isinstance(one, SpeechStarted) for one in it.context.told)
     as_usual = Visitor(7)
     as_usual.step(it.pace.now())
     assert few < sum(one.what == "started" for one in as_usual.speech())
@@ -113,14 +113,14 @@ def test_visits_do_not_hang_on_what_is_taken_for_speech() -> None:
 
 async def test_a_muted_microphone_teaches_nothing(it: Rig) -> None:
     await it.do("fault", kind="silent", part="loudness", seconds=30.0)
-    with pytest.raises(Lost, match="delivers no sound"):
+    with pytest.raises(DeviceLostError, match="delivers no sound"):
         await it.do(room.NAME, seconds=1.0)
     assert thresholds(it) == [THRESHOLD]
 
 
 async def test_samples_that_are_no_numbers_do_not_count(it: Rig) -> None:
     await it.do("fault", kind="nan", part="loudness", seconds=0.5)
-    with pytest.raises(Lost, match="delivers no sound"):
+    with pytest.raises(DeviceLostError, match="delivers no sound"):
         await it.do(room.NAME, seconds=1.0)
 
 
@@ -129,7 +129,7 @@ async def test_a_cable_pulled_meanwhile_ends_it(it: Rig) -> None:
     await it.pace.advance(1.0)
     await it.do("fault", kind="disconnect", seconds=3.0)
     await it.pace.advance(0.2)
-    with pytest.raises(Lost, match="unplugged"):
+    with pytest.raises(DeviceLostError, match="unplugged"):
         await learning
     assert thresholds(it) == [THRESHOLD]
 
@@ -146,5 +146,5 @@ async def test_the_stop_ends_it_and_it_can_be_done_again(it: Rig) -> None:
 
 async def test_without_a_visitor_there_is_no_microphone(tmp_path: Path) -> None:
     async with rig(tmp_path) as alone:
-        with pytest.raises(Rejected, match="does not know"):
+        with pytest.raises(RejectedError, match="does not know"):
             await alone.do(room.NAME)

@@ -10,7 +10,7 @@ import pytest
 from woz_drivers.simulated import ScheduledFault, Settings, SimulatedRobot
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import DriverError, Health, Lost, Probe, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, Health, Probe, RejectedError, Scope
 from woz_tui.core.messages import Json
 from woz_tui.testing import PlainJob
 
@@ -30,12 +30,12 @@ async def test_the_stop_freezes_joints_and_base_at_once(it: Rig) -> None:
     await it.pace.advance(0.7)
     await it.robot.stop(Scope.ALL)
     await it.pace.advance(0.2)
-    still = {name: it.outlet.latest(name) for name in ("joint.pan", "base.x")}
+    still = {name: it.context.latest(name) for name in ("joint.pan", "base.x")}
     for task in (dance, drive):
         with pytest.raises(DriverError, match="cut short"):
             task.result()
     await it.pace.advance(5.0)
-    assert {name: it.outlet.latest(name) for name in still} == still
+    assert {name: it.context.latest(name) for name in still} == still
     assert 0 < still["base.x"] < 0.3
 
 
@@ -48,7 +48,7 @@ async def test_a_drive_stop_leaves_speech_and_gestures_alone(it: Rig) -> None:
     assert nod.result()["move"] == "nod"
     with pytest.raises(DriverError):
         drive.result()
-    assert it.outlet.latest("base.x") < 0.2
+    assert it.context.latest("base.x") < 0.2
 
 
 @pytest.mark.parametrize(("verb", "sensor"), [("play", "joint.pan"), ("drive", "base.x")])
@@ -59,9 +59,9 @@ async def test_a_cancelled_motion_stands_still(it: Rig, verb: str, sensor: str) 
     task.cancel()
     await it.pace.advance(0.2)
     assert task.cancelled()
-    stopped = it.outlet.latest(sensor)
+    stopped = it.context.latest(sensor)
     await it.pace.advance(2.0)
-    assert it.outlet.latest(sensor) == stopped != 0
+    assert it.context.latest(sensor) == stopped != 0
 
 
 async def test_rest_takes_the_home_pose(it: Rig) -> None:
@@ -69,7 +69,7 @@ async def test_rest_takes_the_home_pose(it: Rig) -> None:
     resting = asyncio.create_task(it.robot.rest())
     await it.pace.advance(3.0)
     assert resting.done()
-    assert it.outlet.latest("joint.pan") == pytest.approx(0, abs=0.1)
+    assert it.context.latest("joint.pan") == pytest.approx(0, abs=0.1)
 
 
 # -- break-downs ----------------------------------------------------------------------------------
@@ -81,13 +81,13 @@ async def test_unplugged_it_is_lost_and_comes_back(it: Rig) -> None:
     await it.do("fault", kind="disconnect", seconds=3.0)
     assert it.health() is Health.LOST
     await it.pace.advance(0.2)
-    with pytest.raises(Lost):
+    with pytest.raises(DeviceLostError):
         running.result()
-    with pytest.raises(Lost):
+    with pytest.raises(DeviceLostError):
         await it.do("say", text="Is anybody there?")
-    before = len(it.outlet.readings)
+    before = len(it.context.readings)
     await it.pace.advance(2.0)
-    assert len(it.outlet.readings) == before
+    assert len(it.context.readings) == before
     await it.pace.advance(1.0)
     assert it.health() is Health.CONNECTED
     await it.do("say", text="Here I am.")
@@ -95,8 +95,8 @@ async def test_unplugged_it_is_lost_and_comes_back(it: Rig) -> None:
 
 async def test_a_lost_part_leaves_the_others_alone(it: Rig) -> None:
     await it.do("fault", kind="disconnect", seconds=3.0, part="voice")
-    assert it.outlet.healths[-1][:2] == (Health.FAULTED, "voice does not answer")
-    with pytest.raises(Lost):
+    assert it.context.healths[-1][:2] == (Health.FAULTED, "voice does not answer")
+    with pytest.raises(DeviceLostError):
         await it.do("say", text="Hello")
     await it.do("play", move="nod")
     report = await it.robot.stop(Scope.ALL)
@@ -125,7 +125,7 @@ async def test_the_next_command_fails_and_only_that(it: Rig) -> None:
 
 async def test_refusals_end_by_themselves_or_by_clear(it: Rig) -> None:
     await it.do("fault", kind="refuse", seconds=100.0)
-    with pytest.raises(Rejected, match="as asked for"):
+    with pytest.raises(RejectedError, match="as asked for"):
         await it.do("play", move="nod")
     await it.do("fault", kind="clear")
     await it.do("play", move="nod")
@@ -151,14 +151,14 @@ async def test_a_deaf_robot_freezes_but_confirms_late(it: Rig) -> None:
     stopping = asyncio.create_task(it.robot.stop(Scope.ALL))
     await it.pace.advance(1.0)
     assert not stopping.done()
-    assert it.outlet.latest("base.x") < 0.2
+    assert it.context.latest("base.x") < 0.2
     await it.pace.advance(1.0)
     assert stopping.done()
 
 
 async def test_a_hot_motor_shows_and_everything_goes_on(it: Rig) -> None:
     await it.do("fault", kind="overheat", seconds=2.0, part="tilt")
-    assert it.outlet.healths[-1] == (Health.FAULTED, "tilt is too hot", "let it rest")
+    assert it.context.healths[-1] == (Health.FAULTED, "tilt is too hot", "let it rest")
     await it.do("play", move="nod")
     await it.pace.advance(2.0)
     assert it.health() is Health.CONNECTED
@@ -168,22 +168,22 @@ async def test_sensors_break_in_three_ways(tmp_path: Path) -> None:
     async with rig(tmp_path, Settings(visitor=True)) as it:
         await it.pace.advance(1.0)
         await it.do("fault", kind="stuck", seconds=5.0, part="loudness")
-        stuck = it.outlet.latest("loudness")
+        stuck = it.context.latest("loudness")
         await it.do("fault", kind="nan", seconds=5.0, part="distance")
         await it.do("fault", kind="silent", seconds=5.0, part="presence")
-        it.outlet.readings.clear()
+        it.context.readings.clear()
         await it.pace.advance(4.5)
-        assert {reading.value for reading in it.outlet.of("loudness")} == {stuck}
-        assert all(reading.bad == ["value"] for reading in it.outlet.of("distance"))
-        assert not it.outlet.of("presence")
-        assert it.outlet.of("gaze")
+        assert {reading.value for reading in it.context.of("loudness")} == {stuck}
+        assert all(reading.bad == ["value"] for reading in it.context.of("distance"))
+        assert not it.context.of("presence")
+        assert it.context.of("gaze")
 
 
 async def test_scheduled_faults_come_by_themselves(tmp_path: Path) -> None:
     planned = Settings(faults=(ScheduledFault("disconnect", after=2.0, seconds=1.0),))
     async with rig(tmp_path, planned) as it:
         await it.pace.advance(4.0)
-    assert [health for health, _, _ in it.outlet.healths] == [
+    assert [health for health, _, _ in it.context.healths] == [
         Health.CONNECTING,
         Health.CONNECTED,
         Health.LOST,
@@ -202,7 +202,7 @@ async def test_a_planned_fault_of_a_part_that_is_not_there_is_found() -> None:
 
 async def test_it_may_take_a_while_to_be_found(tmp_path: Path) -> None:
     async with rig(tmp_path, Settings(connect_after=2.0)) as it:
-        with pytest.raises(Lost, match="being looked for"):
+        with pytest.raises(DeviceLostError, match="being looked for"):
             await it.do("say", text="Hello")
         await it.pace.advance(2.1)
         assert it.health() is Health.CONNECTED

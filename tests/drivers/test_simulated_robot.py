@@ -16,7 +16,7 @@ from woz_drivers.simulated.speech import utterance
 from woz_drivers.simulated.verbs import MOVES
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.testing import PlainJob, RecordingContext
 
@@ -28,14 +28,14 @@ async def it(tmp_path: Path) -> AsyncIterator[Rig]:
 
 
 async def test_it_works_in_real_time(tmp_path: Path) -> None:
-    outlet = RecordingContext(tmp_path)
-    robot = SimulatedRobot("robot", Settings(speed=100), outlet)
+    context = RecordingContext(tmp_path)
+    robot = SimulatedRobot("robot", Settings(speed=100), context)
     await robot.open()
     dance: dict[str, Json] = {"move": "dance", "speed": 1.0, "amplitude": 1.0}
     sent = await asyncio.wait_for(robot.perform(PlainJob("play", dance)), 20)
     await robot.close()
     assert sent["move"] == "dance"
-    assert max(abs(reading.value or 0) for reading in outlet.of("setpoint.pan")) <= 90
+    assert max(abs(reading.value or 0) for reading in context.of("setpoint.pan")) <= 90
 
 
 async def test_speaking_takes_time_by_its_length_and_says_so(it: Rig) -> None:
@@ -76,17 +76,17 @@ def test_a_text_of_tags_that_are_never_closed_is_looked_through_quickly(begun: s
 
 async def test_every_move_moves_and_ends_where_it_began(it: Rig) -> None:
     for name in MOVES:
-        it.outlet.readings.clear()
+        it.context.readings.clear()
         await it.do("play", move=name)
         await it.pace.advance(0.2)
         angles = [
             reading.value or 0.0
             for joint in ("pan", "tilt", "hip")
-            for reading in it.outlet.of(f"joint.{joint}")
+            for reading in it.context.of(f"joint.{joint}")
         ]
         assert max(map(abs, angles)) > 3, name
         assert all(
-            abs(it.outlet.latest(f"joint.{joint}")) < 0.1 for joint in ("pan", "tilt", "hip")
+            abs(it.context.latest(f"joint.{joint}")) < 0.1 for joint in ("pan", "tilt", "hip")
         )
 
 
@@ -95,7 +95,7 @@ async def test_amplitude_and_speed_change_a_move(it: Rig) -> None:
     task = asyncio.create_task(it.perform(job))
     await it.pace.advance(3.0)
     assert task.result()["seconds"] == 0.6
-    peak = max(reading.value or 0 for reading in it.outlet.of("setpoint.tilt"))
+    peak = max(reading.value or 0 for reading in it.context.of("setpoint.tilt"))
     assert 5 < peak <= 9
 
 
@@ -127,25 +127,25 @@ async def test_gaze_ends_at_once_and_the_head_follows(it: Rig) -> None:
     await it.pace.settle()
     assert task.result() == {"yaw": 45.0, "pitch": 40.0}
     await it.pace.advance(1.0)
-    assert it.outlet.latest("joint.pan") == pytest.approx(45, abs=0.1)
+    assert it.context.latest("joint.pan") == pytest.approx(45, abs=0.1)
     assert await it.do("gaze", pitch=5.0) == {"pitch": 5.0}
     await it.pace.advance(1.0)
-    assert it.outlet.latest("joint.pan") == pytest.approx(45, abs=0.1)
+    assert it.context.latest("joint.pan") == pytest.approx(45, abs=0.1)
 
 
 async def test_nudges_add_up_from_where_the_head_is_going(it: Rig) -> None:
     for _ in range(3):
         await it.do("nudge", yaw=5.0)
     await it.pace.advance(1.0)
-    assert it.outlet.latest("joint.pan") == pytest.approx(15, abs=0.1)
+    assert it.context.latest("joint.pan") == pytest.approx(15, abs=0.1)
     assert await it.do("hip", pitch=5.0) == {"pitch": 5.0}
-    with pytest.raises(Rejected, match="no joint for roll"):
+    with pytest.raises(RejectedError, match="no joint for roll"):
         await it.do("hip", roll=5.0)
 
 
 async def test_limp_motors_refuse_to_move(it: Rig) -> None:
     await it.do("torque", on=False)
-    with pytest.raises(Rejected, match="limp") as caught:
+    with pytest.raises(RejectedError, match="limp") as caught:
         await it.do("play", move="nod")
     assert "torque: on" in caught.value.remedy
     await it.do("torque", on=True)
@@ -155,10 +155,10 @@ async def test_limp_motors_refuse_to_move(it: Rig) -> None:
 async def test_driving_takes_time_by_the_way_and_moves_the_base(it: Rig) -> None:
     task = it.begin("drive", x=0.6, turn=45.0)
     await it.pace.advance(1.0)
-    assert it.outlet.latest("base.x") == pytest.approx(0.3, abs=0.04)
+    assert it.context.latest("base.x") == pytest.approx(0.3, abs=0.04)
     await it.pace.advance(1.1)
     assert task.result()["way"] == pytest.approx(0.6)
-    assert it.outlet.latest("base.heading") == pytest.approx(45)
+    assert it.context.latest("base.heading") == pytest.approx(45)
 
 
 async def test_sound_lasts_as_long_as_its_file(it: Rig, tmp_path: Path) -> None:
@@ -218,27 +218,27 @@ async def test_face_volume_and_mode(it: Rig) -> None:
 async def test_nonsense_is_refused_with_a_remedy(
     it: Rig, verb: str, args: dict[str, Json], what: str, remedy: str
 ) -> None:
-    with pytest.raises(Rejected) as caught:
+    with pytest.raises(RejectedError) as caught:
         await it.do(verb, **args)
     assert caught.value.what.startswith(what)
     assert caught.value.remedy.startswith(remedy)
 
 
 async def test_a_missing_file_is_refused(it: Rig) -> None:
-    with pytest.raises(Rejected, match="there is no file"):
+    with pytest.raises(RejectedError, match="there is no file"):
         await it.do("screen", file="nowhere.png")
 
 
 async def test_readings_come_fast_while_it_moves_and_slowly_while_it_stands(it: Rig) -> None:
     await it.pace.advance(5.0)
-    it.outlet.readings.clear()
+    it.context.readings.clear()
     await it.pace.advance(10.0)
-    assert len(it.outlet.of("joint.pan")) == 10
-    it.outlet.readings.clear()
+    assert len(it.context.of("joint.pan")) == 10
+    it.context.readings.clear()
     it.begin("pose", joints={"pan": 60}, seconds=4.0)
     await it.pace.advance(4.0)
-    assert 39 <= len(it.outlet.of("joint.pan")) <= 41
-    assert set(SimulatedRobot.sensors(Settings())) == {r.sensor for r in it.outlet.readings}
+    assert 39 <= len(it.context.of("joint.pan")) <= 41
+    assert set(SimulatedRobot.sensors(Settings())) == {r.sensor for r in it.context.readings}
 
 
 # -- shape and visitor ----------------------------------------------------------------------------
@@ -263,7 +263,7 @@ async def visits(tmp_path: Path, speech: Callable[[Rig], Awaitable[Any]]) -> lis
         await it.pace.advance(14.0)
         await speech(it)
         await it.pace.advance(5.0)
-        return [(r.sensor, r.value, r.text) for r in it.outlet.readings]
+        return [(r.sensor, r.value, r.text) for r in it.context.readings]
 
 
 async def test_the_same_seed_and_the_same_wizard_give_the_same_readings(tmp_path: Path) -> None:
@@ -288,8 +288,8 @@ async def test_time_lapse_runs_everything_faster(tmp_path: Path) -> None:
         await it.pace.advance(0.6)
         assert task.done()
         await it.pace.advance(2.0)
-        assert max(reading.value or 0 for reading in it.outlet.of("presence")) == 1
-        assert len(it.outlet.of("distance")) <= 28
+        assert max(reading.value or 0 for reading in it.context.of("presence")) == 1
+        assert len(it.context.of("distance")) <= 28
 
 
 def test_a_voice_alone_leaves_the_body_to_another_driver() -> None:

@@ -48,10 +48,10 @@ def test_a_picture_has_its_size_wherever_they_stand(
 async def test_it_looks_while_somebody_watches(tmp_path: Path) -> None:
     clock = ManualClock()
     heard = Heard(tmp_path, clock)
-    sight, feed = Sight(heard.outlet), heard.outlet.feed(PICTURE)
+    sight, feed = Sight(heard.context), heard.context.feed(PICTURE)
     sight.look(None)
     assert feed.latest().serial == 0
-    heard.outlet.feed(WATCHED).put(Watched(1_000_000, 320, 5.0))
+    heard.context.feed(WATCHED).put(Watched(1_000_000, 320, 5.0))
     for _ in range(20):
         sight.look(None)
         clock.advance(0.1)

@@ -18,7 +18,7 @@ from woz_drivers.simulated.verbs import offered, sensors
 from woz_drivers.simulated.visitor import PEOPLE, STRANGERS, Phase, Visitor
 
 from tests.fakes.simulated_rig import Rig, rig
-from woz_tui.core.driver import SPEECH, DriverError, Rejected
+from woz_tui.core.driver import SPEECH, DriverError, RejectedError
 from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
 
 VISITED = Settings(visitor=True, seed=7)
@@ -217,7 +217,7 @@ def test_speech_and_faces_are_there_with_a_visitor_only() -> None:
 async def test_speech_goes_out_as_messages_with_times_of_the_log(it: Rig) -> None:
     for _ in range(40):
         await it.pace.advance(1.0)
-    told = it.outlet.told
+    told = it.context.told
     assert [type(one) for one in told[:3]] == [SpeechStarted, SpeechEnded, SpeechText]
     started, ended, text = told[:3]
     assert isinstance(started, SpeechStarted)
@@ -227,16 +227,16 @@ async def test_speech_goes_out_as_messages_with_times_of_the_log(it: Rig) -> Non
     assert 1_800_000 < ended.ended - ended.began < 6_000_000
     assert (ended.file, ended.detail) == ("", "")
     assert text.took_us == UNDERSTOOD_AFTER * 100_000
-    states = [state for sensor, state, _ in it.outlet.states if sensor == "loudness"]
+    states = [state for sensor, state, _ in it.context.states if sensor == "loudness"]
     assert [state for state, _ in groupby(states)][:3] == ["quiet", "speaking", "quiet"]
 
 
 async def test_an_unplugged_microphone_ends_the_segment_and_says_why(it: Rig) -> None:
-    while not it.outlet.told:
+    while not it.context.told:
         await it.pace.advance(0.1)
     await it.do("fault", kind="disconnect", seconds=3.0)
     await it.pace.advance(8.0)
-    started, ended, *rest = it.outlet.told
+    started, ended, *rest = it.context.told
     assert isinstance(started, SpeechStarted)
     assert isinstance(ended, SpeechEnded)
     assert ended.detail == "the sound broke off: unplugged on purpose"
@@ -251,16 +251,16 @@ async def test_a_face_is_learnt_by_a_verb(it: Rig) -> None:
         await it.pace.advance(0.5)
     assert (await it.do("learn_face", name=" V9 ")) == {"name": "V9"}
     await it.pace.advance(4.0)
-    assert "V9" in {reading.text for reading in it.outlet.of("identity")}
+    assert "V9" in {reading.text for reading in it.context.of("identity")}
 
 
 async def test_a_face_without_a_name_or_with_somebody_elses_is_refused(it: Rig) -> None:
     for _ in range(20):
         await it.pace.advance(0.5)
-    with pytest.raises(Rejected, match="needs a name"):
+    with pytest.raises(RejectedError, match="needs a name"):
         await it.do("learn_face", name="  ")
-    with pytest.raises(Rejected, match="somebody else"):
+    with pytest.raises(RejectedError, match="somebody else"):
         await it.do("learn_face", name="V1")  # V2 stands there
-    with pytest.raises(Rejected, match="does not know"):
-        async with rig(it.outlet.folder) as alone:
+    with pytest.raises(RejectedError, match="does not know"):
+        async with rig(it.context.folder) as alone:
             await alone.do("learn_face", name="V9")

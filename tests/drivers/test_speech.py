@@ -18,7 +18,7 @@ from woz_drivers.wav import parse
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.speech_desk import Desk, desk_in, say
-from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.driver import DriverError, RejectedError
 from woz_tui.core.messages import Notice
 
 
@@ -106,7 +106,7 @@ async def test_texts_that_would_break_a_line_or_a_program(desk: Desk) -> None:
     assert sent["text"] == "one two three four"
     assert desk.told("synthesise")[0]["text"] == "one two three four\n"
     for nothing in ("", " \n", "\0"):
-        with pytest.raises(Rejected, match="nothing to say"):
+        with pytest.raises(RejectedError, match="nothing to say"):
             await driver.perform(say(nothing))
     with pytest.raises(DriverError, match="cannot be started"):  # not on stdin: too long
         await (await desk.open(synthesise=desk.command("synthesise", "--text", "{text}"))).perform(
@@ -118,7 +118,7 @@ async def test_texts_that_would_break_a_line_or_a_program(desk: Desk) -> None:
 def test_what_is_spoken_is_one_line_that_can_be_encoded(text: str) -> None:
     try:
         clean = spoken(text)
-    except Rejected:
+    except RejectedError:
         return
     assert clean.encode()
     assert clean.isprintable() or all(ord(c) >= 32 and ord(c) not in range(127, 160) for c in clean)
@@ -133,10 +133,10 @@ async def test_sound_files(desk: Desk) -> None:
     assert sent["file"] == "sounds/beep.wav"
     assert sent["seconds"] == 0.05
     assert desk.told("play")[0]["wav"] == str(desk.folder / "sounds/beep.wav")
-    with pytest.raises(Rejected, match="cannot be read"):
+    with pytest.raises(RejectedError, match="cannot be read"):
         await driver.perform(Ordered("sound", {"file": "nothing.wav"}))
     (desk.folder / "song.mp3").write_bytes(b"ID3" + bytes(100))
-    with pytest.raises(Rejected, match="no WAV file") as raised:
+    with pytest.raises(RejectedError, match="no WAV file") as raised:
         await driver.perform(Ordered("sound", {"file": "song.mp3"}))
     assert raised.value.remedy.startswith("convert it: ffmpeg")
 

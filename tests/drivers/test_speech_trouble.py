@@ -16,7 +16,7 @@ from woz_drivers.speech.settings import SpeechSettings
 
 from tests.drivers.heard import Ordered, until
 from tests.drivers.speech_desk import Desk, desk_in, say
-from woz_tui.core.driver import DriverError, Lost, Probe, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, Probe, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, DriverFaulted, DriverLost
 
 
@@ -118,7 +118,7 @@ async def test_missing_programs(
     here = tmp_path / "bin"
     here.mkdir()
     settings = SpeechSettings(cache=str(tmp_path / "c"), recordings={"Hello": "hello.wav"})
-    driver = Speech("it", settings, desk.heard.outlet)
+    driver = Speech("it", settings, desk.heard.context)
     desk.drivers.append(driver)
     monkeypatch.setenv("PATH", str(here))
     await driver.open()
@@ -127,7 +127,7 @@ async def test_missing_programs(
         "aplay is not installed on this machine",
         "sudo apt install alsa-utils",
     )
-    with pytest.raises(Lost, match="aplay"):
+    with pytest.raises(DeviceLostError, match="aplay"):
         await driver.perform(say("Hello"))
     (here / "aplay").write_text("#!/bin/sh\nexit 0\n")
     (here / "aplay").chmod(0o700)
@@ -136,7 +136,7 @@ async def test_missing_programs(
     assert (await driver.perform(say("Hello")))["source"] == "recording"
     with pytest.raises(DriverError, match="espeak-ng is not installed"):
         await driver.perform(say("Something else"))
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         await driver.perform(Ordered("dance"))
 
 

@@ -82,7 +82,7 @@ async def test_what_the_program_says_becomes_a_line_after_the_end_of_the_segment
     await until(lambda: not any(scratch.rglob("*.wav")))
     await microphone.close()
     assert names(scratch) == []
-    assert not heard.outlet.media.exists()
+    assert not heard.context.media.exists()
 
 
 async def test_a_kept_file_stays_where_it_is(begin: Begin, pipe: PipedCommand) -> None:
@@ -90,7 +90,7 @@ async def test_a_kept_file_stays_where_it_is(begin: Begin, pipe: PipedCommand) -
     pipe.send(SPOKEN)
     text = await heard.first(SpeechText)
     assert text.text == "it-0001.wav"
-    assert (heard.outlet.folder / heard.all(SpeechEnded)[0].file).exists()
+    assert (heard.context.folder / heard.all(SpeechEnded)[0].file).exists()
 
 
 async def test_nothing_understood_is_an_empty_text_and_no_trouble(

@@ -13,7 +13,7 @@ from woz_drivers.simulated import Settings, SimulatedRobot
 from tests.fakes.manual_pace import ManualPace
 from woz_tui.core.arguments import ArgumentError, checked
 from woz_tui.core.clock import ManualClock
-from woz_tui.core.driver import Health, Rejected
+from woz_tui.core.driver import Health, RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.testing import PlainJob, RecordingContext
 
@@ -24,7 +24,7 @@ class Rig:
 
     robot: SimulatedRobot
     pace: ManualPace
-    outlet: RecordingContext
+    context: RecordingContext
 
     def begin(self, verb: str, **args: Json) -> asyncio.Task[Mapping[str, Json]]:
         return asyncio.create_task(self.perform(PlainJob(verb, args)))
@@ -35,11 +35,11 @@ class Rig:
             try:
                 job.args = checked(verbs[job.verb], job.args)
             except ArgumentError as error:
-                raise Rejected(str(error)) from None
+                raise RejectedError(str(error)) from None
         return await self.robot.perform(job)
 
     def health(self) -> Health:
-        return self.outlet.healths[-1][0]
+        return self.context.healths[-1][0]
 
     async def do(self, verb: str, **args: Json) -> Mapping[str, Json]:
         """Perform, letting time pass until it has ended; a minute is enough for all of them."""
@@ -57,11 +57,11 @@ class Rig:
 async def rig(folder: Path, settings: Settings | None = None) -> AsyncIterator[Rig]:
     clock = ManualClock()
     pace = ManualPace(clock)
-    outlet = RecordingContext(folder, clock)
-    robot = SimulatedRobot("robot", settings or Settings(), outlet, pace=pace)
+    context = RecordingContext(folder, clock)
+    robot = SimulatedRobot("robot", settings or Settings(), context, pace=pace)
     await robot.open()
     await pace.settle()
     try:
-        yield Rig(robot, pace, outlet)
+        yield Rig(robot, pace, context)
     finally:
         await robot.close()

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
 
-from woz_tui.core.driver import Argument, Health, Job, Outlet, PassiveDriver, Verb
+from woz_tui.core.driver import Argument, DriverContext, Health, Job, PassiveDriver, Verb
 from woz_tui.core.fields import Doc
 from woz_tui.core.messages import Json
 
@@ -40,9 +40,9 @@ class Rude(PassiveDriver):
     Settings = RudeSettings
     summary = "for tests"
 
-    def __init__(self, name: str, settings: RudeSettings, outlet: Outlet) -> None:
+    def __init__(self, name: str, settings: RudeSettings, context: DriverContext) -> None:
         self._rudeness = settings.rudeness
-        super().__init__(name, settings, outlet)
+        super().__init__(name, settings, context)
         if self._rudeness == "greets":
             sys.stdout.write("Hello from the community of a library!\n{}\n42\n")
         if self._rudeness == "raises":
@@ -55,14 +55,14 @@ class Rude(PassiveDriver):
         return (Verb("say", "", (Argument("text", "text", required=True),), lane="voice"),)
 
     async def open(self) -> None:
-        self.outlet.health(Health.CONNECTED, "rude")
+        self.context.health(Health.CONNECTED, "rude")
         if self._rudeness == "talks on":
             threading.Thread(target=self._talk, daemon=True).start()
 
     def _talk(self) -> None:
         while True:
-            self.outlet.reading("loudness", time.monotonic())
-            self.outlet.notice("info", "still here")
+            self.context.reading("loudness", time.monotonic())
+            self.context.notice("info", "still here")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         while self._rudeness == "deaf":

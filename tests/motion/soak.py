@@ -19,7 +19,7 @@ import psutil
 from tests.motion.bodies import BODIES
 from tests.motion.hostile import Hostile
 from tests.motion.watch import Watch
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.ticks import Tick
@@ -100,7 +100,7 @@ class Soak:
             try:
                 self.engine.apply(*hostile.input())
                 self._taken += 1
-            except Rejected:
+            except RejectedError:
                 self._refused += 1
         if hostile.often(INPUTS):
             self.engine.see(hostile.seen())

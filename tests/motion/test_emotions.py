@@ -8,7 +8,7 @@ import pytest
 from hypothesis import example, given
 from hypothesis import strategies as st
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.motion.emotions import DIRECTIONS, SECTORS, emotion_at, of_affect, to_affect
 from woz_tui.motion.inputs import EMOTIONS
 
@@ -105,7 +105,7 @@ def test_a_border_belongs_to_what_begins_there() -> None:
 @pytest.mark.parametrize("wrong", [math.nan, math.inf, -math.inf])
 def test_what_is_no_number_is_refused(wrong: float) -> None:
     for mood in ((wrong, 0.0), (0.0, wrong)):
-        with pytest.raises(Rejected, match="no place on the circle"):
+        with pytest.raises(RejectedError, match="no place on the circle"):
             of_affect(*mood)
 
 

@@ -7,7 +7,7 @@ import math
 import pytest
 
 from tests.motion.bodies import NODDER, STILL, Rig
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.motion.emotions import to_affect
 from woz_tui.motion.face import CRASH_S
 from woz_tui.motion.inputs import EMOTIONS
@@ -111,7 +111,7 @@ def test_brightness_and_gaze() -> None:
     assert rig.tick().brightness == 0.2
     assert rig.last.face != middle
     for args in ({"x": 1.5}, {"y": math.nan}, {"x": "left"}):
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             rig.engine.apply("look", args)
     assert rig.engine.eyes == (1.0, -1.0)
     assert STILL.face is not None

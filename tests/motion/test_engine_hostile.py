@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from tests.motion.bodies import BODIES, EYEPI, Rig
 from tests.motion.hostile import ABSURD, ARGUMENTS, VERBS, Hostile
 from tests.motion.watch import Watch
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand, Mode
@@ -27,7 +27,7 @@ def applied(engine: Engine, verb: Any, args: Any, hand: Hand, *, look: bool = Tr
     before = (engine.values(), engine.state()) if look else None
     try:
         engine.apply(verb, args, hand)
-    except Rejected as refusal:
+    except RejectedError as refusal:
         assert "failed inside" not in refusal.what
         assert before is None or (engine.values(), engine.state()) == before
         return False
@@ -73,7 +73,7 @@ def test_freeze_restart_and_resume_between_everything() -> None:
     tick = engine.tick(0.0)
     watch = Watch(EYEPI, tick)
     for count in range(6000):
-        with contextlib.suppress(Rejected):
+        with contextlib.suppress(RejectedError):
             engine.apply(*hostile.input())
         if hostile.often(0.01):
             engine.freeze("stop")

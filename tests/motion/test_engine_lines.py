@@ -10,7 +10,7 @@ from dataclasses import replace
 import pytest
 
 from tests.motion.bodies import CALM, DT, EYEPI, FIVE, STILL, Rig, moves_safely
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion.kinematics import Chain
 from woz_tui.motion.shapes import BodyShape
@@ -136,7 +136,7 @@ def test_the_line_of_sight_passes_the_target(shape: BodyShape) -> None:
 def test_a_gaze_at_the_head_itself_is_refused() -> None:
     rig = Rig()
     x, y, z = Chain(STILL).ray(rig.last.joints)[0]
-    with pytest.raises(Rejected, match=r"^gaze: \(.*\) m is at the head itself"):
+    with pytest.raises(RejectedError, match=r"^gaze: \(.*\) m is at the head itself"):
         rig.do("gaze", x=x, y=y, z=z)
     rig.run(0.1)
     assert rig.last.joints == {"pitch": 0, "middle": 45, "top": 28.65}
@@ -154,7 +154,7 @@ def test_a_gaze_at_nothing_is_refused_and_changes_nothing() -> None:
         {"yaw": "left"},
         {"pitch": 120},
     ):
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             rig.engine.apply("gaze", args)
     rig.run(0.2)
     assert (rig.engine.values(), rig.engine.state()) == here

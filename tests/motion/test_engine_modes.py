@@ -10,7 +10,7 @@ from collections.abc import Callable
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely, reach
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.inputs import CONTROL_KINDS, CONTROLS, EMOTIONS, KINDS
@@ -115,7 +115,7 @@ def test_what_does_not_count_changes_nothing(kind: Kind, mode: Mode, hand: Hand)
             verb, args = any_input(kind, chance)
             try:
                 answer = rig.do(verb, hand, **args)
-            except Rejected as refusal:
+            except RejectedError as refusal:
                 refused += 1
                 assert mode.value in refusal.what
             else:
@@ -159,7 +159,7 @@ def test_every_verb_and_control_has_its_row() -> None:
     assert rows == set(TABLE)
     assert set(CONTROL_KINDS) == set(CONTROLS)
     for verb in KINDS:
-        with contextlib.suppress(Rejected):
+        with contextlib.suppress(RejectedError):
             rig.do(verb)
 
 
@@ -246,7 +246,7 @@ def test_no_change_of_mode_jumps_or_loses_the_stop(first: Mode, second: Mode, fl
     enter(rig, first)
     ticks += rig.run(0.5)
     if second is not Mode.NORMAL and first is not Mode.NORMAL:
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             enter(rig, second)
         assert rig.tick().mode is first
         ticks.append(rig.last)
@@ -284,7 +284,7 @@ def test_the_later_hand_wins_and_the_stop_ends_what_a_program_began() -> None:
     assert [(e.token, e.why) for e in rig.tick().ended] == [(third.token, "stopped")]
     rig.do("mode", Hand.WIZARD, mode="demo")
     rig.run(0.2)
-    with pytest.raises(Rejected, match="demo"):
+    with pytest.raises(RejectedError, match="demo"):
         rig.do("play", Hand.PROGRAM, move="nod")
-    with pytest.raises(Rejected, match="demo"):
+    with pytest.raises(RejectedError, match="demo"):
         rig.do("control", Hand.PROGRAM, control="pitch", value=0.9)

@@ -8,7 +8,7 @@ from dataclasses import replace
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, FIVE, STILL, Rig, column, moves_safely
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.modes import Mode
@@ -131,7 +131,7 @@ def test_the_stop_ends_a_move_and_the_pose_comes_back() -> None:
 )
 def test_what_cannot_be_played_is_refused(wrong: dict[str, Json]) -> None:
     rig = Rig()
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         rig.engine.apply("play", {"move": "nod", **wrong})
     assert rig.tick().move == ""
 
@@ -249,7 +249,7 @@ def test_the_demo_plays_by_itself_and_twice_the_same(shape: BodyShape) -> None:
 
 def test_without_a_demo_the_mode_is_refused() -> None:
     rig = Rig(moves={"lift": Lifted()})
-    with pytest.raises(Rejected, match="no demo"):
+    with pytest.raises(RejectedError, match="no demo"):
         rig.do("mode", mode="demo")
     assert rig.tick().mode is Mode.NORMAL
 

@@ -9,7 +9,7 @@ from dataclasses import asdict
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely, reach
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion.builtin import BUILT_IN
 from woz_tui.motion.controls import TRAITS
@@ -153,9 +153,9 @@ def test_a_trait_out_of_its_range_is_refused(trait: str) -> None:
     low, high = reach(trait)
     wrongs: list[Json] = [low - 1.0, high + 1.0, math.nan, "much", [], True]
     for wrong in wrongs:
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             engine.apply("personality", {"tempo": 1.5, trait: wrong, "name": "upbeat"})
-    with pytest.raises(Rejected, match="must be one of"):
+    with pytest.raises(RejectedError, match="must be one of"):
         engine.apply("personality", {"name": "angelic"})
     assert engine.values() == before
 
@@ -189,7 +189,7 @@ def test_every_control_reads_back_where_it_was_put(control: str) -> None:
         {"value": "up"},
     ]
     for wrong in wrongs:
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             rig.engine.apply("control", {"control": control, **wrong})
     assert rig.engine.state().controls[control] == 1.0
 

@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 
 from tests.motion.bodies import DT, EYEPI, STILL, Rig, column, moves_safely
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion import engine as engines
 from woz_tui.motion.modes import Mode
@@ -31,7 +31,7 @@ def test_a_frozen_body_stands_still_in_every_mode(mode: Mode) -> None:
     assert {tuple(tick.joints.items()) for tick in ticks} == {tuple(before.joints.items())}
     assert len({tick.face for tick in ticks}) == 1
     assert rig.last.mode is Mode.NORMAL
-    with pytest.raises(Rejected, match="stands still"):
+    with pytest.raises(RejectedError, match="stands still"):
         rig.do("home")
     rig.engine.resume()
     after = [rig.last, *rig.run(3.0)]
@@ -182,5 +182,5 @@ def test_a_body_without_a_face_has_no_picture() -> None:
     rig = Rig(replace(STILL, face=None))
     rig.do("play", move="dance")
     assert {tick.face for tick in rig.run(1.0)} == {None}
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         rig.do("emotion", emotion="sad")

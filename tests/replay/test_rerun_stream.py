@@ -14,7 +14,7 @@ from tests.fakes.virtual_time import LoopClock, run_virtual
 from tests.replay.again import KEY, NOWHERE
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, Outlet
+from woz_tui.core.driver import Driver, DriverContext
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Call
 from woz_tui.plugins import installed
@@ -49,8 +49,8 @@ class LoopPace(Pace):
 
 
 class VirtualRobot(SimulatedRobot):
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet, pace=LoopPace())
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context, pace=LoopPace())
 
 
 async def staged(

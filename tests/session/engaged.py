@@ -147,14 +147,14 @@ class Room:
             if identity is not None:
                 known = identity != "Unknown"
                 name = identity if known else ""
-                self.robot.outlet.reading("identity", 0.9 if known else 0.0, text=name)
+                self.robot.context.reading("identity", 0.9 if known else 0.0, text=name)
             self.sense(presence=presence, gaze=gaze, distance=distance)
             await asyncio.sleep(PERIOD)
 
     def sense(self, **values: float | None) -> None:
         """One sample of each sensor named."""
         for sensor, value in values.items():
-            self.robot.outlet.reading(sensor, value)
+            self.robot.context.reading(sensor, value)
 
     def tell(self, verb: str, **args: Json) -> str:
         """A verb by itself, as from the console."""

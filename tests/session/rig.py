@@ -11,7 +11,16 @@ from typing import Any
 from tests.fakes.virtual_time import LoopClock
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Argument, Driver, DriverError, Health, Job, Outlet, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    Driver,
+    DriverContext,
+    DriverError,
+    Health,
+    Job,
+    Scope,
+    Verb,
+)
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import (
@@ -44,8 +53,8 @@ class Puppet(Driver):
     Settings = Nothing
     summary = "for tests"
 
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self.calls: list[tuple[str, dict[str, Json]]] = []
 
     @classmethod
@@ -67,7 +76,7 @@ class Puppet(Driver):
     async def open(self) -> None:
         if self.name == "broken":
             raise OSError("no such device")
-        self.outlet.health(Health.CONNECTED, "a puppet")
+        self.context.health(Health.CONNECTED, "a puppet")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         self.calls.append((job.verb, dict(job.args)))

@@ -58,7 +58,7 @@ class Ear:
 
 def from_a_thread(stage: Stage, ask: Ask, ear: Ear, driver: str = "robot") -> None:
     """Ask as a driver's own thread does, and wait until it has asked."""
-    thread = threading.Thread(target=stage.puppet(driver).outlet.ask, args=(ask, ear))
+    thread = threading.Thread(target=stage.puppet(driver).context.ask, args=(ask, ear))
     thread.start()
     thread.join()
 
@@ -262,13 +262,13 @@ def test_a_driver_that_does_not_move_by_itself_needs_no_resume(tmp_path: Path) -
 @pytest.mark.toolkit("U1")
 def test_drivers_of_one_robot_share_feeds_and_those_of_two_do_not(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        outlet = {name: stage.puppet(name).outlet for name in stage.session.drivers}
-        feed = outlet["joy.servos"].feed("setpoints", of="body")
+        context = {name: stage.puppet(name).context for name in stage.session.drivers}
+        feed = context["joy.servos"].feed("setpoints", of="body")
         assert feed.latest().serial == 0
-        outlet["joy.body"].feed("setpoints").put({"pan": 10.0})
-        outlet["grim.body"].feed("setpoints").put({"pan": -10.0})
+        context["joy.body"].feed("setpoints").put({"pan": 10.0})
+        context["grim.body"].feed("setpoints").put({"pan": -10.0})
         assert (feed.latest().serial, feed.latest().value) == (1, {"pan": 10.0})
-        assert outlet["joy.body"].feed("face").latest().value is None
+        assert context["joy.body"].feed("face").latest().value is None
 
     on_stage(tmp_path, scenario, "joy.body", "joy.servos", "grim.body")
 
@@ -291,12 +291,12 @@ def test_many_threads_may_write_a_feed_and_every_value_is_counted() -> None:
 @pytest.mark.toolkit("F1")
 def test_what_a_driver_shows_bears_its_name_and_stands_in_the_welcome(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
-        outlet = stage.puppet().outlet
+        context = stage.puppet().context
         face = FaceShown(width=8, rows="00 ff", emotion="happy", intensity=1.0)
-        outlet.show(face)
-        outlet.show(m.ControlsMoved(values={"pitch": 1}))
-        outlet.show(m.ControlsMoved(values={"tempo": 2}, waiting=["tempo"]))
-        outlet.show(m.BodyChanged(values={"mode": "normal"}))
+        context.show(face)
+        context.show(m.ControlsMoved(values={"pitch": 1}))
+        context.show(m.ControlsMoved(values={"tempo": 2}, waiting=["tempo"]))
+        context.show(m.BodyChanged(values={"mode": "normal"}))
 
     stage = on_stage(tmp_path, scenario)
     held = {

@@ -349,7 +349,7 @@ def test_a_panel_of_one_of_two_robots_may_tell_the_model(tmp_path: Path) -> None
     async def scenario(room: Room) -> None:
         driver = room.session.drivers["left.robot"]
         assert isinstance(driver, Guide)
-        driver.outlet.ask(Ask("verb", "toggle", {"sign": "presence"}, source="midi"))
+        driver.context.ask(Ask("verb", "toggle", {"sign": "presence"}, source="midi"))
         await asyncio.sleep(0.5)
 
     room = in_room(tmp_path, scenario, two)

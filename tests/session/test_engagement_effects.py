@@ -256,10 +256,10 @@ def test_a_robot_that_connects_shows_how_things_stand(tmp_path: Path) -> None:
         room.tell("force", to="RobotThinks")
         await asyncio.sleep(1)
         room.robot.calls.clear()
-        room.robot.outlet.health(Health.LOST, "the cable")
+        room.robot.context.health(Health.LOST, "the cable")
         await asyncio.sleep(1)
         assert room.robot.calls == []
-        room.robot.outlet.health(Health.CONNECTED, "a puppet")
+        room.robot.context.health(Health.CONNECTED, "a puppet")
         await asyncio.sleep(1)
         assert [verb for verb, _ in room.robot.calls] == ["eyes", "screen"]
         assert room.robot.calls[0] == ("eyes", {"color": "white"})

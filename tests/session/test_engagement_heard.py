@@ -18,7 +18,7 @@ from tests.session.engaged import WIZARD, Guide
 from woz_tui.cli.engagement_log import recounted
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Driver, Job, Outlet
+from woz_tui.core.driver import Driver, DriverContext, Job
 from woz_tui.core.messages import Json
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
@@ -55,8 +55,8 @@ panels:
 class Host(Guide):
     """A robot that senses nothing, and speaks until it is told that it has."""
 
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self.said = asyncio.Event()
 
     @classmethod

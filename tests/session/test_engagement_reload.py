@@ -74,7 +74,7 @@ def test_a_model_that_comes_later_knows_who_cuts_speech(tmp_path: Path) -> None:
     experiment = guided(tmp_path)
 
     async def scenario(room: Room) -> None:
-        room.robot.outlet.sensor(SPEECH, "ready")
+        room.robot.context.sensor(SPEECH, "ready")
         await asyncio.sleep(1)
         reload(room, experiment)
         room.stands_there()
@@ -106,7 +106,7 @@ def test_a_model_that_is_off_shows_nothing_and_shows_all_once_it_runs(tmp_path: 
         room.session.stop("key")
         await asyncio.sleep(1)
         room.session.release("key")
-        room.robot.outlet.health(Health.CONNECTED, "once more")
+        room.robot.context.health(Health.CONNECTED, "once more")
         await asyncio.sleep(1)
         assert eyes(room) == []
         room.tell("engagement", run="run")

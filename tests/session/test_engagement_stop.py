@@ -43,8 +43,8 @@ async def nobody_nearly_there(room: Room) -> None:
 
 
 async def no_cable(room: Room) -> None:
-    room.robot.outlet.health(Health.LOST, "the cable")
-    room.robot.outlet.health(Health.CONNECTED, "a puppet")
+    room.robot.context.health(Health.LOST, "the cable")
+    room.robot.context.health(Health.CONNECTED, "a puppet")
     await asyncio.sleep(1)
 
 

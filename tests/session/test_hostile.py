@@ -33,7 +33,7 @@ class Hostile(Puppet):
                 try:
                     await asyncio.Event().wait()
                 except asyncio.CancelledError:
-                    if self.outlet.clock.now_us() > 60_000_000:
+                    if self.context.clock.now_us() > 60_000_000:
                         raise
 
     async def open(self) -> None:

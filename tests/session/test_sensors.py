@@ -33,9 +33,9 @@ def test_two_robots_do_not_overwrite_each_other(tmp_path: Path) -> None:
         stage = Stage(tmp_path, ("left.robot", "right.robot"))
         await stage.session.open()
         for name in ("left.robot", "right.robot"):
-            outlet = stage.puppet(name).outlet
-            outlet.reading("distance", 1.0)
-            outlet.sensor("distance", "stale")
+            context = stage.puppet(name).context
+            context.reading("distance", 1.0)
+            context.sensor("distance", "stale")
         held = stage.session.state.messages()
         await stage.session.close("test")
         return [

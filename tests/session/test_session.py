@@ -11,7 +11,7 @@ import pytest
 from tests.fakes.virtual_time import run_virtual
 from tests.session.rig import Puppet, Stage
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Finding, Job, Lost, Scope
+from woz_tui.core.driver import DeviceLostError, Finding, Job, Scope
 from woz_tui.experiment import template
 from woz_tui.experiment.shape import Place, Problem
 from woz_tui.session.identity import AskError, Identity, check_participant
@@ -301,7 +301,7 @@ def test_a_driver_that_has_closed_confirms_no_stop(tmp_path: Path) -> None:
 def test_a_driver_that_cannot_rest_says_why_in_its_own_words(tmp_path: Path) -> None:
     class Gone(Puppet):
         async def rest(self) -> None:
-            raise Lost("the cable is out")
+            raise DeviceLostError("the cable is out")
 
     async def go() -> Stage:
         stage = Stage(tmp_path, catalogue={"puppet": Gone})

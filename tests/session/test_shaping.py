@@ -248,8 +248,8 @@ def test_a_driver_hears_that_what_it_asked_for_never_began(play: Play) -> None:
 
     async def scene(stage: Stage) -> None:
         spoken(stage)
-        outlet = stage.puppet().outlet
-        outlet.ask(Ask("verb", "say", {"text": "held"}), lambda *how: told.append(how))
+        context = stage.puppet().context
+        context.ask(Ask("verb", "say", {"text": "held"}), lambda *how: told.append(how))
         await asyncio.sleep(0.1)
         assert stage.kinds(m.ActionHeld) == ["ActionHeld"]
         stage.session.stop("key")

@@ -12,13 +12,13 @@ import pytest
 
 from woz_tui.core.driver import (
     Argument,
+    DeviceLostError,
     Driver,
     Finding,
     Health,
     Job,
-    Lost,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     Verb,
     Written,
@@ -50,8 +50,8 @@ class Right(Driver):
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         if self.closed:
-            raise Lost("closed")
-        raise Rejected(f"unknown verb {job.verb}")
+            raise DeviceLostError("closed")
+        raise RejectedError(f"unknown verb {job.verb}")
 
     async def stop(self, scope: Scope) -> None:
         return
@@ -118,7 +118,7 @@ async def test_wrong_verbs_are_found(verbs: tuple[Verb, ...], complaint: str) ->
 class Talkative(Right):
     async def open(self) -> None:
         await super().open()
-        self.outlet.reading("warmth", 1.0)
+        self.context.reading("warmth", 1.0)
 
 
 class Mute(Right):
@@ -162,7 +162,7 @@ class Careless(Right):
 class Restless(Right):
     async def close(self) -> None:
         await super().close()
-        asyncio.get_running_loop().call_later(0.05, self.outlet.reading, "warmth", 1.0)
+        asyncio.get_running_loop().call_later(0.05, self.context.reading, "warmth", 1.0)
 
     @classmethod
     def sensors(cls, settings: Any) -> tuple[str, ...]:
@@ -278,23 +278,23 @@ class Spinner(Driver):
         return (Verb("spin", "turn round"),)
 
     async def open(self) -> None:
-        self.outlet.health(Health.CONNECTING)
+        self.context.health(Health.CONNECTING)
         if self.settings.cable is not None:
             self.settings.cable.listeners.append(self.told)
             self.told(Health.CONNECTED)
 
     def told(self, health: Health) -> None:
         if not self.closed:
-            self.outlet.health(health)
+            self.context.health(health)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         cable = self.settings.cable
         if job.verb != "spin":
-            raise Rejected(f"it cannot {job.verb}")
+            raise RejectedError(f"it cannot {job.verb}")
         if self.closed or cable is None or cable.out.is_set():
-            raise Lost("it is not there")
+            raise DeviceLostError("it is not there")
         await self.spin(cable)
-        raise Lost("the cable was pulled")
+        raise DeviceLostError("the cable was pulled")
 
     async def spin(self, cable: Cable) -> None:
         await cable.out.wait()
@@ -383,7 +383,7 @@ class GivesUp(Spinner):
         (WaitsForTheCommand, r"stop\(ALL\) in the middle of a command: took more than 0.5 s"),
         (Deaf, "a command that is stopped: goes on for more than 0.5 s"),
         (Swallowing, "a command that is stopped: raised nothing"),
-        (OneStopOnly, "perform after a stop: ended at once and raised Lost"),
+        (OneStopOnly, "perform after a stop: ended at once and raised DeviceLostError"),
         (Optimistic, "an unplugged device: health is not LOST"),
         (Waiting, "an unplugged device: perform goes on"),
         (GivesUp, "a device that is back: is not CONNECTED"),

@@ -17,7 +17,7 @@ import msgspec
 from woz_tui.bus.guard import guarded
 from woz_tui.bus.lane import Lane, Ticket
 from woz_tui.core.arguments import ArgumentError, checked
-from woz_tui.core.driver import Lost, Performer, Scope, StopReport, Verb
+from woz_tui.core.driver import DeviceLostError, Performer, Scope, StopReport, Verb
 from woz_tui.core.hiding import hidden
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
@@ -326,7 +326,7 @@ def _shown(verb: Verb | None, command: Command) -> Command:
 
 def _lost(stop: Stop) -> bool:
     """Whether the driver found its hardware gone."""
-    return stop.done() and not stop.cancelled() and isinstance(stop.exception(), Lost)
+    return stop.done() and not stop.cancelled() and isinstance(stop.exception(), DeviceLostError)
 
 
 def _told(stop: Stop) -> StopReport | None:

@@ -19,7 +19,7 @@ import msgspec
 
 from woz_tui.bus.guard import guarded
 from woz_tui.core import wire
-from woz_tui.core.driver import DriverError, Performer, Rejected, Verb
+from woz_tui.core.driver import DriverError, Performer, RejectedError, Verb
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
     Command,
@@ -375,7 +375,7 @@ def _outcome(
             latency_us=started_us - ticket.requested_us,
             duration_us=now_us - started_us,
         )
-    if isinstance(error, Rejected):
+    if isinstance(error, RejectedError):
         return Refused(
             command=command, driver=driver, code="args", reason=error.what, remedy=error.remedy
         )

@@ -14,7 +14,7 @@ from collections.abc import Callable, Iterator, Mapping
 
 from woz_tui.cli.streams import beneath
 from woz_tui.core.cleaning import clean
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.motion.puppeteer import Puppeteer
 from woz_tui.motion.shapes import BodyShape
 from woz_tui.motion.ticks import Tick
@@ -154,7 +154,7 @@ class Live:
 
     def _press(self, key: bytes) -> None:
         """Keys that mean nothing, and inputs that make no sense now, do nothing."""
-        with contextlib.suppress(Rejected):
+        with contextlib.suppress(RejectedError):
             if key in EMOTIONS:
                 self._puppeteer.apply("emotion", {"emotion": EMOTIONS[key], "intensity": 1.0})
             elif key in EYES:

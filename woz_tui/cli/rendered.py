@@ -7,7 +7,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
-from woz_tui.core.driver import Driver, Rejected
+from woz_tui.core.driver import Driver, RejectedError
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.report import hint, listed
 from woz_tui.experiment.robot import is_robot, load_robot
@@ -84,7 +84,7 @@ class Stage:
         """An input as the engine knows it: names of poses are the driver's own affair."""
         try:
             verb, args = self.driver.translated(self.spec.settings, one.verb, one.args)
-        except Rejected:
+        except RejectedError:
             return one  # the engine will say what is wrong with it, at its time
         return replace(one, verb=verb, args=args)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import deque
 from collections.abc import Callable, Sequence
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.puppeteer import Puppeteer
 from woz_tui.motion.rendering import BEYOND_VERBS, FREEZE, RESUME, STOP, Input
@@ -56,6 +56,6 @@ def _apply(puppeteer: Puppeteer, one: Input, tell: Callable[[str], None]) -> Non
             puppeteer.apply("mode", {"mode": Mode.NORMAL.value})
         elif one.verb not in BEYOND_VERBS:
             puppeteer.apply(one.verb, one.args)
-    except Rejected as refused:
+    except RejectedError as refused:
         remedy = f" ({refused.remedy})" if refused.remedy else ""
         tell(f"{one.place}: {one.verb} refused: {refused.what}{remedy}")

@@ -2,7 +2,7 @@
 
 A driver is a subclass of `Driver`, or of `PassiveDriver` if nothing that it does needs a stop. It
 is made once a session, opened, asked to perform, and closed; everything it finds out goes through
-its `Outlet`. `drivers/README.md` builds one step by step, `woz_tui.testing` tests it.
+its `DriverContext`. `drivers/README.md` builds one step by step, `woz_tui.testing` tests it.
 """
 
 from __future__ import annotations
@@ -41,11 +41,11 @@ class DriverError(Exception):
         self.remedy = remedy
 
 
-class Lost(DriverError):  # noqa: N818 - drivers read `raise Lost("head")`
+class DeviceLostError(DriverError):
     """The hardware is not there (any more); the driver keeps looking for it by itself."""
 
 
-class Rejected(DriverError):  # noqa: N818 - as above
+class RejectedError(DriverError):
     """The command makes no sense to this driver: refused, nothing was sent."""
 
 
@@ -147,7 +147,7 @@ class Ask:
     when_busy: str = ""
 
 
-class Outlet(Protocol):
+class DriverContext(Protocol):
     """Everything a driver may tell. Safe to call from any thread."""
 
     @property
@@ -275,8 +275,8 @@ class Performer(Protocol):
         re-raise within 0.25 s; a lane that takes longer is faulted.
 
         Raises:
-            Rejected: The command makes no sense; nothing was sent.
-            Lost: The hardware is not there, or went away meanwhile.
+            RejectedError: The command makes no sense; nothing was sent.
+            DeviceLostError: The hardware is not there, or went away meanwhile.
             DriverError: It was tried and did not work.
         """
 
@@ -307,11 +307,11 @@ class Driver(Performer):
     #: What it is, in one line.
     summary: ClassVar[str]
 
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
         """Keep what it is made with; hardware is opened in `open`."""
         self.name = name
         self.settings = settings
-        self.outlet = outlet
+        self.context = context
 
     # -- what it offers ----------------------------------------------------------------------------
 
@@ -335,8 +335,8 @@ class Driver(Performer):
 
     @classmethod
     def asks(cls, settings: Any) -> Iterable[tuple[str, Ask]]:
-        """What its settings have it ask of the session (`Outlet.ask`): pairs of a setting's path
-        and the request. `woz check` finds those that nobody could carry out.
+        """What its settings have it ask of the session (`DriverContext.ask`): pairs of a setting's
+        path and the request. `woz check` finds those that nobody could carry out.
         """
         return ()
 
@@ -365,9 +365,10 @@ class Driver(Performer):
 
     async def open(self) -> None:
         """Begin to look for the hardware, once at the start; return at once. Missing hardware is no
-        error: say so through `Outlet.health` and keep looking. By itself it is connected at once.
+        error: say so through `DriverContext.health` and keep looking. By itself it is connected at
+        once.
         """
-        self.outlet.health(Health.CONNECTED)
+        self.context.health(Health.CONNECTED)
 
     async def prepare(self, utterances: list[str]) -> None:
         """Make ready what will probably be said, so that it is heard at once at its key; a task of
@@ -401,8 +402,8 @@ class PassiveDriver(Driver):
     """A driver that only senses or shows: nothing moves or sounds, so a stop has nothing to do."""
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
-        """It offers no verbs. Raises `Rejected`."""
-        raise Rejected(f"{self.name} cannot {job.verb}: {type(self).summary}")
+        """It offers no verbs. Raises `RejectedError`."""
+        raise RejectedError(f"{self.name} cannot {job.verb}: {type(self).summary}")
 
     async def stop(self, scope: Scope) -> StopReport | None:
         """There is nothing to stop."""

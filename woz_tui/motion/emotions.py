@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 
 NEUTRAL = "neutral"
 
@@ -42,10 +42,10 @@ def of_affect(valence: float, arousal: float) -> tuple[str, float]:
     """The emotion (never friendly or crash) and its intensity, 0..1, of a mood.
 
     Both are clamped to -1..1; the corners of that square have intensity 1 as the circle has.
-    Raises `Rejected` for numbers that are not finite.
+    Raises `RejectedError` for numbers that are not finite.
     """
     if not (math.isfinite(valence) and math.isfinite(arousal)):
-        raise Rejected(
+        raise RejectedError(
             f"valence {valence} and arousal {arousal} are no place on the circle of moods",
             "give numbers from -1 to 1",
         )

@@ -10,7 +10,7 @@ from collections.abc import Mapping
 from dataclasses import replace
 
 from woz_tui.core.arguments import ArgumentError, checked
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion.face import FaceState, draw, prepare
 from woz_tui.motion.frames import Frame, blank
@@ -74,15 +74,15 @@ class Engine(Orders):
     def apply(self, verb: str, args: Mapping[str, Json], hand: Hand = Hand.WIZARD) -> Answer:
         """Do what somebody wants, from the next tick on.
 
-        Raises `Rejected`, and nothing else, if that makes no sense or does not count now; then
+        Raises `RejectedError`, and nothing else, if that makes no sense or does not count now; then
         nothing has changed.
         """
         try:
             return self._apply(verb, args, hand)
-        except Rejected:
+        except RejectedError:
             raise
         except Exception as error:
-            raise Rejected(f"{verb!r} failed inside: {error!r}") from error
+            raise RejectedError(f"{verb!r} failed inside: {error!r}") from error
 
     def learn(self, moves: Mapping[str, Move]) -> None:
         """Play these moves from now on; one under way goes on as it began."""
@@ -96,7 +96,9 @@ class Engine(Orders):
         else:
             kind = Kind.STOP if read.get("mode") == Mode.NORMAL.value else KINDS[verb]
         if self._frozen:
-            raise Rejected(f"the robot stands still ({self._frozen})", "release the stop first")
+            raise RejectedError(
+                f"the robot stands still ({self._frozen})", "release the stop first"
+            )
         mode = self._steering.mode
         if counts(kind, mode, hand):
             return self._acts[verb](read)
@@ -104,7 +106,7 @@ class Engine(Orders):
             answer = self._acts[verb](read)
             return Answer({**answer.sent, "waits": Mode.NORMAL.value})
         what = "a change of mode" if kind is Kind.MODE else kind.value
-        raise Rejected(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
+        raise RejectedError(f"the mode {mode.value} ignores {what}", "mode: normal ends it")
 
     def _checked(self, verb: object, args: object) -> Args:
         """The arguments as the verb has them. Of angles, those that make no sense are left out by
@@ -112,9 +114,9 @@ class Engine(Orders):
         """
         found = self._verbs.get(verb) if isinstance(verb, str) else None
         if found is None:
-            raise Rejected(f"this body cannot {verb!r}", f"it can {', '.join(self._verbs)}")
+            raise RejectedError(f"this body cannot {verb!r}", f"it can {', '.join(self._verbs)}")
         if not isinstance(args, Mapping):
-            raise Rejected(f"{found.name}: arguments are names and values, not {args!r}")
+            raise RejectedError(f"{found.name}: arguments are names and values, not {args!r}")
         given, angles = dict(args), {}
         if verb in ("pose", "joints"):
             found = replace(found, arguments=found.arguments[1:])
@@ -125,7 +127,7 @@ class Engine(Orders):
         try:
             return {**angles, **checked(found, given)}
         except ArgumentError as error:
-            raise Rejected(str(error)) from None
+            raise RejectedError(str(error)) from None
 
     def see(self, seen: Seen | None) -> None:
         """What the camera saw last."""

@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion.controls import FACE
 from woz_tui.motion.facework import FaceWork
@@ -58,9 +58,9 @@ class Angles:
 
 
 def angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> Angles:
-    """What can be used of a mapping joint -> degrees; `Rejected` if that is nothing."""
+    """What can be used of a mapping joint -> degrees; `RejectedError` if that is nothing."""
     if not isinstance(value, Mapping) or not value:
-        raise Rejected(f"{path} must name joints and degrees, not {repr(value)[:60]}")
+        raise RejectedError(f"{path} must name joints and degrees, not {repr(value)[:60]}")
     taken = Angles({})
     for name, wish in value.items():
         shape = shapes.get(name) if isinstance(name, str) else None
@@ -75,7 +75,7 @@ def angles(path: str, value: object, shapes: Mapping[str, JointShape]) -> Angles
                 taken.clamped[name] = angle
     if not taken.joints:
         reasons = "; ".join(f"{name}: {why}" for name, why in list(taken.left_out.items())[:3])
-        raise Rejected(f"{path} moves nothing ({reasons})", f"joints are {', '.join(shapes)}")
+        raise RejectedError(f"{path} moves nothing ({reasons})", f"joints are {', '.join(shapes)}")
     return taken
 
 
@@ -145,7 +145,9 @@ class Orders:
             for pose in args["poses"][: MOST_POSES + 1]
         ]
         if len(poses) > MOST_POSES or max(seconds for _, seconds in poses) > LONGEST_S:
-            raise Rejected("poses: too many, or too slow", f"{MOST_POSES} of {LONGEST_S:g} s each")
+            raise RejectedError(
+                "poses: too many, or too slow", f"{MOST_POSES} of {LONGEST_S:g} s each"
+            )
         return self._go("poses", poses, args)
 
     def _home(self, args: Args) -> Answer:
@@ -155,7 +157,7 @@ class Orders:
     def _gaze(self, args: Args) -> Answer:
         point = [args[name] for name in ("x", "y", "z") if name in args]
         if bool(point) == ("yaw" in args or "pitch" in args) or len(point) not in (0, 3):
-            raise Rejected(
+            raise RejectedError(
                 "gaze looks either at a point or in a direction",
                 "give x, y and z, or yaw and pitch",
             )
@@ -164,7 +166,7 @@ class Orders:
             try:
                 aim = self._chain.aim_at((point[0], point[1], point[2]), pose)
             except ValueError as error:
-                raise Rejected(f"gaze: {error}") from None
+                raise RejectedError(f"gaze: {error}") from None
         else:
             yaw, pitch = direction(self._chain, pose)
             down = args.get("pitch", -pitch)
@@ -218,7 +220,7 @@ class Orders:
     def _control(self, args: Args) -> Answer:
         name = args["control"]
         if ("value" in args) == ("by" in args):
-            raise Rejected("control needs either a value or by how much", "both are 0 to 1")
+            raise RejectedError("control needs either a value or by how much", "both are 0 to 1")
         wish = args["value"] if "value" in args else self._places()[name] + args["by"]
         place = min(1.0, max(0.0, wish))
         sent: dict[str, Json] = {"control": name, "value": round(place, 4)}
@@ -273,7 +275,7 @@ class Orders:
             return Saccade(self._chain, self._shape, pose, self._face.eyes)
         move = self._moves.get(DEMO)
         if move is None:
-            raise Rejected("there is no demo", f"it is the move called {DEMO!r}")
+            raise RejectedError("there is no demo", f"it is the move called {DEMO!r}")
         return Playing(move, self._shape, 1.0, 1.0, 0, own_pace=True)
 
     # -- face and ways --------------------------------------------------------------------------

@@ -231,7 +231,7 @@ class Puppeteer:
         return float(tempo) if self._move.beats and isinstance(tempo, int | float) else 1.0
 
     def apply(self, verb: str, args: Mapping[str, Json]) -> Answer:
-        """An input of the hand. Raises `Rejected`."""
+        """An input of the hand. Raises `RejectedError`."""
         answer = self.engine.apply(verb, args)
         control = args.get("control") if verb == "control" else None
         if verb in ("emotion", "affect") or control in _MOODY:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
-from woz_tui.core.driver import Driver, Rejected
+from woz_tui.core.driver import Driver, RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.modes import Hand, Mode
@@ -43,7 +43,7 @@ class RenderedDriver(Driver):
     def translated(
         cls, settings: Any, verb: str, args: Mapping[str, Json]
     ) -> tuple[str, Mapping[str, Json]]:
-        """A command as the engine knows it. Raises `Rejected`."""
+        """A command as the engine knows it. Raises `RejectedError`."""
         return verb, args
 
 
@@ -187,7 +187,7 @@ class Rendering:
                 if answer.token:
                     self._running.add(answer.token)
                 return answer.token
-        except Rejected as refused:
+        except RejectedError as refused:
             remedy = f" ({refused.remedy})" if refused.remedy else ""
             self._say(one, now, f" refused: {refused.what}{remedy}")
         return 0
@@ -241,14 +241,16 @@ class Rendering:
 
 
 def _place(seen: Mapping[str, Json], name: str) -> float | None:
-    """A number of what was seen; None if there is none. Raises `Rejected` for anything else."""
+    """A number of what was seen; None if there is none. Raises `RejectedError` for
+    anything else.
+    """
     value = seen.get(name)
     if value is None:
         return None
     place = number(value)
     if place is None or abs(place) > 1.0:
         low = "0" if name == "size" else "-1"
-        raise Rejected(f"{name} must be {low} to 1, or null, not {value!r}")
+        raise RejectedError(f"{name} must be {low} to 1, or null, not {value!r}")
     return place
 
 

@@ -12,7 +12,7 @@ from woz_tui.core.hub import Hub
 from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import Experiment
 from woz_tui.plugins import PluginError
-from woz_tui.session.outlet import Asked, DriverOutlet
+from woz_tui.session.driver_context import Asked, SessionDriverContext
 
 
 def make_drivers(
@@ -25,14 +25,14 @@ def make_drivers(
     asked: Asked,
     media: Callable[[], Path],
 ) -> dict[str, Driver]:
-    """Every driver by its name, each with an outlet of its own.
+    """Every driver by its name, each with a context of its own.
 
     `asked` carries out what drivers ask for, `media` is the folder for sound and pictures. Raises
     `PluginError` if one cannot be made.
     """
     names, drivers = published_names(experiment.drivers), dict[str, Driver]()
     for spec in experiment.drivers:
-        outlet = DriverOutlet(
+        context = SessionDriverContext(
             spec.name,
             hub,
             clock,
@@ -43,7 +43,7 @@ def make_drivers(
             media=media,
         )
         try:
-            drivers[spec.name] = catalogue[spec.type](spec.name, spec.settings, outlet)
+            drivers[spec.name] = catalogue[spec.type](spec.name, spec.settings, context)
         except (Exception, SystemExit) as error:
             raise PluginError(
                 f"the driver {spec.name!r} cannot be made: {type(error).__name__}: {error}"

@@ -17,7 +17,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from woz_tui.core import messages as m
-from woz_tui.core.driver import Job, Rejected, Scope, Verb
+from woz_tui.core.driver import Job, RejectedError, Scope, Verb
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.engagement_plain import plain
 from woz_tui.experiment.shape import Action, Engagement, Together
@@ -126,11 +126,11 @@ class LiveEngagement:
     async def perform(self, job: Job) -> Mapping[str, m.Json]:
         """Understand a verb; it is obeyed when `command.done` is heard, as in the log."""
         if self._follower is None or self._visiting is None:
-            raise Rejected("the experiment has no engagement model")
+            raise RejectedError("the experiment has no engagement model")
         try:
             said = orders.understood(self._follower.model, job.verb, job.args)
         except ValueError as error:
-            raise Rejected(str(error)) from error
+            raise RejectedError(str(error)) from error
         if isinstance(name := said.get("code"), str):
             said["code"] = self._visiting.name(name)
         self._named[job.command] = job.verb

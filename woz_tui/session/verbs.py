@@ -9,7 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.bus.lane import LaneJob
-from woz_tui.core.driver import Argument, Job, Rejected, Scope, Verb
+from woz_tui.core.driver import Argument, Job, RejectedError, Scope, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.verbs import ENGAGEMENT, PERFORMERS, SESSION
 
@@ -48,7 +48,7 @@ class SessionVerbs:
         try:
             self._carry[job.verb](job.args, job.tells if isinstance(job, LaneJob) else ())
         except ValueError as error:
-            raise Rejected(str(error)) from error
+            raise RejectedError(str(error)) from error
         return dict(job.args)
 
     async def stop(self, scope: Scope) -> None:

@@ -14,7 +14,7 @@ from woz_tui.core.messages import Json, Reading, Shown, Speech, reading
 
 
 class RecordingContext:
-    """An `Outlet` that keeps everything a driver publishes and asks for.
+    """An `DriverContext` that keeps everything a driver publishes and asks for.
 
     Attributes:
         published: How often anything was published.

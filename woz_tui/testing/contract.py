@@ -23,13 +23,13 @@ from woz_tui.core.driver import (
     KINDS,
     UNKNOWN,
     Argument,
+    DeviceLostError,
     Driver,
     DriverError,
     Finding,
     Health,
-    Lost,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     Verb,
     Written,
@@ -312,8 +312,8 @@ async def stops(driver_class: type[Driver], device: Devices) -> list[Finding]:
 async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
     """What is wrong when the device is unplugged in the middle of a command, and plugged in again.
 
-    Whatever is under way ends with `Lost`, health is LOST (or FAULTED), further commands are
-    refused at once with `Lost`.
+    Whatever is under way ends with `DeviceLostError`, health is LOST (or FAULTED), further commands
+    are refused at once with `DeviceLostError`.
     """
     async with device as there, _Life(driver_class, there.settings) as life:
         await life.found()
@@ -323,17 +323,20 @@ async def loses(driver_class: type[Driver], device: Devices) -> list[Finding]:
             await asyncio.wait([running], timeout=NOTICE_S)
             if not running.done():
                 life.wrong(
-                    "an unplugged device", f"perform goes on for {NOTICE_S:g} s", "raise Lost"
+                    "an unplugged device",
+                    f"perform goes on for {NOTICE_S:g} s",
+                    "raise DeviceLostError",
                 )
                 running.cancel()
-            elif not isinstance(running.exception(), Lost):
+            elif not isinstance(running.exception(), DeviceLostError):
                 life.wrong(
-                    "an unplugged device", f"perform raised {running.exception()!r}, not Lost"
+                    "an unplugged device",
+                    f"perform raised {running.exception()!r}, not DeviceLostError",
                 )
         if not await life.healthy(Health.LOST, Health.FAULTED):
             life.wrong("an unplugged device", f"health is not LOST after {NOTICE_S:g} s")
         elif there.command is not None:
-            await life.refuses("perform without a device", Lost, there.command)
+            await life.refuses("perform without a device", DeviceLostError, there.command)
         if there.plug is not None and not life.findings:
             there.plug()
             if not await life.healthy(Health.CONNECTED):
@@ -368,10 +371,10 @@ class _Life:
         await self.quiet("open", driver.open())
         await asyncio.sleep(0)
         if not context.healths:
-            self.wrong("open", "said nothing about its health", "outlet.health(Health.CONNECTING)")
+            self.wrong("open", "said nothing about its health", "context.health(Health.CONNECTING)")
         if found:
             await self.found()
-        await self.refuses("perform of an unknown verb", Rejected)
+        await self.refuses("perform of an unknown verb", RejectedError)
         for scope in Scope:
             await self.quiet(f"stop({scope.name}) with nothing running", driver.stop(scope))
         await self.quiet("close", driver.close(), limit=CLOSE_S)

@@ -10,7 +10,7 @@ import asyncio
 from collections.abc import Mapping
 from typing import Any
 
-from woz_tui.core.driver import Driver, Health, Job, Outlet, PassiveDriver, Verb
+from woz_tui.core.driver import Driver, DriverContext, Health, Job, PassiveDriver, Verb
 from woz_tui.core.messages import Json
 
 #: Calm speech: about 150 words a minute.
@@ -38,13 +38,13 @@ class Rehearsal(PassiveDriver):
     training the visitor gives all signs.
     """
 
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._offered = {verb.name: verb for verb in self.verbs(settings)}
 
     async def open(self) -> None:
         """Ready at once."""
-        self.outlet.health(Health.CONNECTED, "rehearsed: nothing moves")
+        self.context.health(Health.CONNECTED, "rehearsed: nothing moves")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take as long as the real one roughly would."""

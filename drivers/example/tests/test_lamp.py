@@ -10,7 +10,7 @@ import pytest
 from lamp_on_a_wire import LampOnAWire
 from woz_driver_lamp import Lamp, LampSettings
 
-from woz_tui.core.driver import DriverError, Health, Probe, Rejected, Scope
+from woz_tui.core.driver import DriverError, Health, Probe, RejectedError, Scope
 from woz_tui.testing import Device, DriverTests, PlainJob, RecordingContext, until
 
 
@@ -64,7 +64,7 @@ async def test_it_fades_to_the_colour_and_returns_what_was_sent(
 async def test_nonsense_and_errors_of_the_lamp_are_told_apart(
     lamp: Lamp, wire: LampOnAWire
 ) -> None:
-    with pytest.raises(Rejected, match="no colour"):
+    with pytest.raises(RejectedError, match="no colour"):
         await lamp.perform(glow("orange"))
     wire.error = "too hot"
     with pytest.raises(DriverError, match="too hot"):

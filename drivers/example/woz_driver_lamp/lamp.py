@@ -18,15 +18,15 @@ from woz_drivers.serial_line import LOSSES, SerialLine, Trouble, explain, open_p
 
 from woz_tui.core.driver import (
     Argument,
+    DeviceLostError,
     Driver,
+    DriverContext,
     DriverError,
     Finding,
     Health,
     Job,
-    Lost,
-    Outlet,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     Verb,
 )
@@ -73,8 +73,8 @@ class Lamp(Driver):
             return [Finding("error", probe.name, trouble.what, trouble.remedy)]
         return [Finding("ok", probe.name, f"{settings.port} can be opened")]
 
-    def __init__(self, name: str, settings: LampSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: LampSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._received = b""
         self._ready = False
         self._waiting: dict[str, asyncio.Future[None]] = {}
@@ -89,20 +89,20 @@ class Lamp(Driver):
 
     async def open(self) -> None:
         """Begin to look for the port."""
-        self.outlet.health(Health.CONNECTING, self.settings.port)
+        self.context.health(Health.CONNECTING, self.settings.port)
         self._line.start()
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Fade to a colour; ends when the lamp says that it has."""
         if job.verb != "glow":
-            raise Rejected(f"a lamp does not know {job.verb!r}")
+            raise RejectedError(f"a lamp does not know {job.verb!r}")
         red, green, blue = self._color(str(job.args["color"]))
         seconds = float(str(job.args["seconds"]))
         job.expects(seconds)
         try:
             await self._ask(f"COLOR {red} {green} {blue} {round(seconds * 1000)}", seconds + 1.0)
         except asyncio.CancelledError:
-            with contextlib.suppress(Lost):
+            with contextlib.suppress(DeviceLostError):
                 self._line.write(b"FREEZE\n")
             raise
         return {"red": red, "green": green, "blue": blue, "seconds": seconds}
@@ -119,13 +119,13 @@ class Lamp(Driver):
 
     async def close(self) -> None:
         """Let go of the port; a second time does nothing."""
-        self._forget(Lost("the lamp's driver is closed"))
+        self._forget(DeviceLostError("the lamp's driver is closed"))
         await self._line.close()
 
     async def _ask(self, command: str, seconds: float) -> None:
         """Send `command` and wait until the lamp has carried it out, `seconds` at most."""
         if not self._ready:
-            raise Lost("the lamp is not there", f"look at {self.settings.port}")
+            raise DeviceLostError("the lamp is not there", f"look at {self.settings.port}")
         word = command.split(maxsplit=1)[0]
         ended = self._waiting[word] = asyncio.get_running_loop().create_future()
         try:
@@ -140,7 +140,9 @@ class Lamp(Driver):
 
     def _color(self, text: str) -> list[int]:
         if not re.fullmatch("#[0-9a-fA-F]{6}", text):
-            raise Rejected(f"{text!r} is no colour", "write it as #rrggbb, for example #ff8000")
+            raise RejectedError(
+                f"{text!r} is no colour", "write it as #rrggbb, for example #ff8000"
+            )
         return [round(part * self.settings.brightness) for part in bytes.fromhex(text[1:])]
 
     def _opened(self) -> None:
@@ -149,7 +151,7 @@ class Lamp(Driver):
 
     async def _greet(self) -> None:
         """Say hello until it answers: boards start anew when their port is opened."""
-        with contextlib.suppress(Lost):
+        with contextlib.suppress(DeviceLostError):
             while not self._ready:
                 self._line.write(b"HELLO\n")
                 await asyncio.sleep(1.0)
@@ -164,13 +166,13 @@ class Lamp(Driver):
         match words:
             case ["OK", "HELLO"]:
                 self._ready = True
-                self.outlet.health(Health.CONNECTED, self.settings.port)
+                self.context.health(Health.CONNECTED, self.settings.port)
             case ["OK", word]:
                 self._end(word, None)
             case ["ERROR", word, *reason]:
                 self._end(word, DriverError(f"the lamp says: {' '.join(reason)}"))
             case ["BUTTON", "0" | "1" as pressed]:
-                self.outlet.reading("button", float(pressed))
+                self.context.reading("button", float(pressed))
 
     def _end(self, word: str, error: DriverError | None) -> None:
         ended = self._waiting.get(word)
@@ -182,10 +184,10 @@ class Lamp(Driver):
             ended.set_exception(error)
 
     def _lost(self, trouble: Trouble) -> None:
-        self._forget(Lost(trouble.what, trouble.remedy))
-        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self._forget(DeviceLostError(trouble.what, trouble.remedy))
+        self.context.health(Health.LOST, trouble.what, trouble.remedy)
 
-    def _forget(self, why: Lost) -> None:
+    def _forget(self, why: DeviceLostError) -> None:
         """Nothing that is under way will end any more."""
         self._ready = False
         for word in list(self._waiting):

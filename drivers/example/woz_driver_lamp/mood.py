@@ -7,7 +7,7 @@ import contextlib
 from dataclasses import dataclass
 from typing import Annotated
 
-from woz_tui.core.driver import Ask, Health, Outlet, PassiveDriver, Scope
+from woz_tui.core.driver import Ask, DriverContext, Health, PassiveDriver, Scope
 from woz_tui.core.fields import Doc, Sibling
 
 COLORS = {"happy": "#ffd000", "sad": "#0040ff", "angry": "#ff0000", "sleepy": "#201008"}
@@ -29,15 +29,15 @@ class Mood(PassiveDriver):
     summary = "has a lamp glow as a body feels"
     settings: MoodSettings
 
-    def __init__(self, name: str, settings: MoodSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
-        self._state = outlet.feed("state", of=settings.follows)
+    def __init__(self, name: str, settings: MoodSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._state = context.feed("state", of=settings.follows)
         self._task: asyncio.Task[None] | None = None
         self._still = False
 
     async def open(self) -> None:
         """Begin to look."""
-        self.outlet.health(Health.CONNECTED, "looks at the body's face")
+        self.context.health(Health.CONNECTED, "looks at the body's face")
         self._task = asyncio.get_running_loop().create_task(self._look())
 
     async def _look(self) -> None:
@@ -51,13 +51,13 @@ class Mood(PassiveDriver):
             color = COLORS.get(latest.value.emotion, "#ffffff")
             if color != shown:
                 shown = color
-                self.outlet.ask(
+                self.context.ask(
                     Ask("verb", "glow", {"color": color}, on=self.settings.lamp), self._told
                 )
 
     def _told(self, carried: bool, why: str) -> None:
         if not carried:
-            self.outlet.notice("warning", f"the lamp does not follow: {why}")
+            self.context.notice("warning", f"the lamp does not follow: {why}")
 
     async def stop(self, scope: Scope) -> None:
         """Ask for nothing more until the stop is released."""

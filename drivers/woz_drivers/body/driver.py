@@ -14,14 +14,14 @@ from woz_drivers.body.settings import Settings as BodySettings
 from woz_drivers.body.settings import differences
 from woz_drivers.body.ticker import ThreadTicker
 from woz_tui.core.driver import (
+    DeviceLostError,
+    DriverContext,
     DriverError,
     Finding,
     Health,
     Job,
-    Lost,
-    Outlet,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     Verb,
 )
@@ -59,10 +59,10 @@ class Body(RenderedDriver):
     #: What keeps the rate, made with the rate and the driver's name.
     ticker: ClassVar[Callable[[float, str], ThreadTicker]] = ThreadTicker
 
-    def __init__(self, name: str, settings: BodySettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: BodySettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._ticker = type(self).ticker(settings.rate, name)
-        self.loop = BodyLoop(settings, outlet, self._ticker.lateness, self._on_ended)
+        self.loop = BodyLoop(settings, context, self._ticker.lateness, self._on_ended)
         offered = self.verbs(settings)
         self._verbs = {verb.name for verb in offered}
         self._brief = {verb.name for verb in offered if verb.stream} | BRIEF
@@ -110,7 +110,7 @@ class Body(RenderedDriver):
     async def open(self) -> None:
         """Begin to tick."""
         self._events = asyncio.get_running_loop()
-        self.outlet.health(Health.CONNECTING, "before its first tick")
+        self.context.health(Health.CONNECTING, "before its first tick")
         self._ticker.start(self.loop.step)
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
@@ -120,13 +120,13 @@ class Body(RenderedDriver):
         (gaze, joints ...) is not awaited: the next one takes its place.
         """
         if self._events is None or self._closed:
-            raise Lost("the body is not open")
+            raise DeviceLostError("the body is not open")
         if job.verb not in self._verbs:
-            raise Rejected(f"this body cannot {job.verb!r}")
+            raise RejectedError(f"this body cannot {job.verb!r}")
         verb, args = self.translated(self.settings, job.verb, job.args)
         answer = self.loop.apply(verb, args, hand_of(job.source))
         if verb == "mode" and args.get("mode") == Mode.TRACKING.value and not self.settings.camera:
-            self.outlet.notice("warning", *BLIND)
+            self.context.notice("warning", *BLIND)
         sent = dict(answer.sent)
         if not answer.token:
             return sent
@@ -185,7 +185,7 @@ class Body(RenderedDriver):
             answer = self.loop.apply(
                 "pose", {"joints": pose, "seconds": self.settings.rest_time}, Hand.WIZARD
             )
-        except Rejected as refused:
+        except RejectedError as refused:
             log.info("no rest pose: %s", refused.what)
             return
         if answer.token:
@@ -207,8 +207,8 @@ class Body(RenderedDriver):
             log.error("the body's thread hangs")
         for future in self._running.values():
             if not future.done():
-                future.set_exception(Lost("the body was closed"))
-        self.outlet.notice("info", str(self._ticker.lateness))
+                future.set_exception(DeviceLostError("the body was closed"))
+        self.context.notice("info", str(self._ticker.lateness))
 
     # -- inputs ----------------------------------------------------------------------------------
 
@@ -225,7 +225,7 @@ class Body(RenderedDriver):
             return verb, args
         speed, amplitude = (_number(args.get(key)) for key in ("speed", "amplitude"))
         if speed <= 0:
-            raise Rejected(f"speed must be above 0, not {speed:g}")
+            raise RejectedError(f"speed must be above 0, not {speed:g}")
         home = {joint: settings.joints[joint].home for joint in pose}
         joints: dict[str, Any] = {
             joint: home[joint] + amplitude * (angle - home[joint]) for joint, angle in pose.items()

@@ -13,7 +13,7 @@ from concurrent.futures import Future
 
 from woz_drivers.body.settings import Settings
 from woz_drivers.body.ticker import Lateness
-from woz_tui.core.driver import Ask, DriverError, Health, Outlet
+from woz_tui.core.driver import Ask, DriverContext, DriverError, Health
 from woz_tui.core.messages import BodyChanged, FaceShown, Json
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.frames import Frame
@@ -51,9 +51,9 @@ class Joining:
     What is asked of the body in the meantime, to rehearse it, is not disturbed.
     """
 
-    def __init__(self, settings: Settings, outlet: Outlet) -> None:
+    def __init__(self, settings: Settings, context: DriverContext) -> None:
         self._zero = {name: joint.zero for name, joint in settings.joints.items()}
-        self._feed = outlet.feed(PRESENT, of=settings.servos)
+        self._feed = context.feed(PRESENT, of=settings.servos)
         self._serial = 0
         self._found: Mapping[str, float] = {}
         self._busy_until = float("-inf")
@@ -119,8 +119,8 @@ class Due:
 class Publishing:
     """Belongs to the ticking thread."""
 
-    def __init__(self, settings: Settings, outlet: Outlet) -> None:
-        self._outlet = outlet
+    def __init__(self, settings: Settings, context: DriverContext) -> None:
+        self._context = context
         self._alone = not settings.servos
         self._readings, self._faces = Due(READING_S), Due(FACE_S)
         #: When it is time to look at the body's values again, and to say how punctual ticks are.
@@ -132,27 +132,27 @@ class Publishing:
     def tick(self, tick: Tick) -> None:
         """Everything but the body's values."""
         for notice in tick.notices:
-            self._outlet.notice("info", notice, tells=("request",))
-        self._outlet.mode(tick.mode.value, tick.notices[0] if tick.notices else "")
+            self._context.notice("info", notice, tells=("request",))
+        self._context.mode(tick.mode.value, tick.notices[0] if tick.notices else "")
         for cue in tick.cues:
             self._sound(cue)
         self._show_face(tick)
         if self._readings(tick.t):
             for name, angle in tick.wanted.items():
-                self._outlet.reading(f"setpoint.{name}", round(angle, 3), unit="deg")
+                self._context.reading(f"setpoint.{name}", round(angle, 3), unit="deg")
             if self._alone:
                 for name, angle in tick.joints.items():
-                    self._outlet.reading(f"joint.{name}", round(angle, 3), unit="deg")
+                    self._context.reading(f"joint.{name}", round(angle, 3), unit="deg")
 
     def values(self, values: Mapping[str, Json]) -> None:
         """Say how the body is, if it is otherwise than before."""
         if values != self._values:
             self._values = values
-            self._outlet.show(BodyChanged(values=dict(values)))
+            self._context.show(BodyChanged(values=dict(values)))
 
     def lateness(self, late_ms: float) -> None:
         """The latest tick of the last second."""
-        self._outlet.reading("tick", round(late_ms, 3), unit="ms")
+        self._context.reading("tick", round(late_ms, 3), unit="ms")
 
     def _show_face(self, tick: Tick) -> None:
         if tick.face is None:
@@ -160,7 +160,7 @@ class Publishing:
         face = (tick.face, tick.emotion, round(tick.intensity, 3), round(tick.brightness, 3))
         if face != self._face and self._faces(tick.t):
             self._face = face
-            self._outlet.show(
+            self._context.show(
                 FaceShown(
                     width=tick.face.width,
                     rows=tick.face.hex,
@@ -178,9 +178,9 @@ class Publishing:
             if not carried and why not in self._unheard:
                 self._unheard.add(why)
                 text = f"the sound {cue.sound} was not heard: {why}"
-                self._outlet.notice("warning", text, tells=("request",))
+                self._context.notice("warning", text, tells=("request",))
 
-        self._outlet.ask(Ask("verb", "sound", {"file": cue.sound}, source="body"), heard)
+        self._context.ask(Ask("verb", "sound", {"file": cue.sound}, source="body"), heard)
 
 
 # --------------------------------------------------------------------------------------------------
@@ -198,7 +198,7 @@ class BodyLoop:
 
     Args:
         settings: The body.
-        outlet: Whom to tell.
+        context: Whom to tell.
         lateness: How punctual the ticks are; told once a second.
         on_ended: Called in the ticking thread with inputs that are over.
     """
@@ -206,7 +206,7 @@ class BodyLoop:
     def __init__(
         self,
         settings: Settings,
-        outlet: Outlet,
+        context: DriverContext,
         lateness: Lateness,
         on_ended: Callable[[tuple[Ended, ...]], None],
     ) -> None:
@@ -215,20 +215,20 @@ class BodyLoop:
         self.engine = Engine(settings, self.moves, seed=settings.seed)
         #: Said to the servos, which let go only then: see `Setpoints`.
         self.at_rest: bool | None = None
-        self._outlet = outlet
+        self._context = context
         self._lateness = lateness
         self._on_ended = on_ended
-        self._publishing = Publishing(settings, outlet)
-        self._joining = Joining(settings, outlet) if settings.servos else None
+        self._publishing = Publishing(settings, context)
+        self._joining = Joining(settings, context) if settings.servos else None
         self._zero = {name: joint.zero for name, joint in settings.joints.items()}
         self._detail = _detail(settings)
         self._lock = threading.Lock()
         self._waiting: list[Future[None]] = []
         self._state_due = Due(STATE_S)
         self._touched = False
-        self._setpoints, self._face = outlet.feed(SETPOINTS), outlet.feed(FACE)
-        self._state = outlet.feed(STATE)
-        self._seen = outlet.feed(SEEN, of=settings.camera) if settings.camera else None
+        self._setpoints, self._face = context.feed(SETPOINTS), context.feed(FACE)
+        self._state = context.feed(STATE)
+        self._seen = context.feed(SEEN, of=settings.camera) if settings.camera else None
         self._seen_serial = 0
         self._sees = False
         self._lit: Lit | None = None
@@ -279,11 +279,11 @@ class BodyLoop:
         except Exception as error:  # whatever it was, the next tick may be better
             log.exception("the body's tick failed")
             failure = DriverError(f"the body's tick failed: {error!r}")
-            self._outlet.health(
+            self._context.health(
                 Health.FAULTED, f"a tick failed: {error!r}", "report this, with the log"
             )
         else:
-            self._outlet.health(Health.CONNECTED, self._detail)
+            self._context.health(Health.CONNECTED, self._detail)
         for future in waiting:
             if not future.set_running_or_notify_cancel():
                 continue  # the tick came so late that nobody waits for this one any more

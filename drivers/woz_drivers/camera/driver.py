@@ -12,7 +12,7 @@ from woz_drivers.camera.blob import Finder
 from woz_drivers.camera.pictures import Cutter
 from woz_drivers.camera.settings import CameraSettings
 from woz_drivers.camera.watched import Offer
-from woz_tui.core.driver import DriverError, Finding, Health, Outlet, PassiveDriver, Probe
+from woz_tui.core.driver import DriverContext, DriverError, Finding, Health, PassiveDriver, Probe
 from woz_tui.motion.setpoints import SEEN, Seen
 
 #: Published beside the feed: places from -1 to 1, null while nothing is seen; share of the picture.
@@ -34,10 +34,10 @@ class Camera(PassiveDriver):
     summary = "where a camera sees something green"
     settings: CameraSettings
 
-    def __init__(self, name: str, settings: CameraSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
-        self._feed = outlet.feed(SEEN)
-        self._offer = Offer(settings, outlet)
+    def __init__(self, name: str, settings: CameraSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._feed = context.feed(SEEN)
+        self._offer = Offer(settings, context)
         self._finder = Finder(settings.rule)
         self._layout = settings.layout
         self._cutter = Cutter(self._layout.size, self._came)
@@ -60,10 +60,10 @@ class Camera(PassiveDriver):
 
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
-        self.outlet.health(Health.CONNECTING, "starting the camera's command")
+        self.context.health(Health.CONNECTING, "starting the camera's command")
         listener = Listener(self._begun, self._received, self._stale, self._lost)
-        command = Command(self.settings.words, self.outlet.folder, "nothing", _CHECK)
-        self._source = ByteStream(command, self.outlet.clock, listener)
+        command = Command(self.settings.words, self.context.folder, "nothing", _CHECK)
+        self._source = ByteStream(command, self.context.clock, listener)
         self._source.start()
 
     async def close(self) -> None:
@@ -83,10 +83,10 @@ class Camera(PassiveDriver):
 
     def _stale(self, why: str) -> None:
         for sensor in SENSORS:
-            self.outlet.sensor(sensor, "stale", why)
+            self.context.sensor(sensor, "stale", why)
 
     def _lost(self, trouble: DriverError) -> None:
-        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.context.health(Health.LOST, trouble.what, trouble.remedy)
         self._stale(trouble.what)
 
     # -- films ---------------------------------------------------------------------------------
@@ -123,7 +123,7 @@ class Camera(PassiveDriver):
 
     def _look_at(self, data: bytes) -> None:
         settings = self.settings
-        now_us = self.outlet.clock.now_us()
+        now_us = self.context.clock.now_us()
         picture = self._layout.decode(data)
         blob = self._finder.find(picture)
         self._frame += 1
@@ -135,9 +135,9 @@ class Camera(PassiveDriver):
             y = _place(blob.y, rows, settings.flip)
             size = blob.size / (rows * columns)
         self._feed.put(Seen(now_us, self._frame, x, y, size))
-        self.outlet.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
+        self.context.health(Health.CONNECTED, f"{settings.words[0]}, {settings.shape}")
         for sensor in SENSORS:
-            self.outlet.sensor(sensor, "ok")
+            self.context.sensor(sensor, "ok")
         self._publish(now_us, (x, y, size))
         self._offer.look_at(data, now_us)
 
@@ -148,7 +148,7 @@ class Camera(PassiveDriver):
             return
         self._published_us = now_us
         for sensor, value in zip(SENSORS, values, strict=True):
-            self.outlet.reading(sensor, value)
+            self.context.reading(sensor, value)
 
 
 def _place(middle: float, pixels: int, turned: bool) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from woz_drivers.camera.settings import CameraSettings
-from woz_tui.core.driver import Outlet
+from woz_tui.core.driver import DriverContext
 from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
 
 #: Of the pictures that are wanted a second so many times as many are offered: who asks at any
@@ -18,10 +18,10 @@ class Offer:
     watches, as every picture has to be computed.
     """
 
-    def __init__(self, settings: CameraSettings, outlet: Outlet) -> None:
+    def __init__(self, settings: CameraSettings, context: DriverContext) -> None:
         self._settings = settings
-        self._pictures = outlet.feed(PICTURE)
-        self._watched = outlet.feed(WATCHED)
+        self._pictures = context.feed(PICTURE)
+        self._watched = context.feed(WATCHED)
         self._offered_us: int | None = None
 
     def look_at(self, data: bytes, now_us: int) -> None:

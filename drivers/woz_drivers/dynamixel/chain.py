@@ -1,6 +1,6 @@
 """What the loop's thread does with the servos: read, move, bound, write, look after them.
 
-Everything here runs in that one thread and may raise `Lost`.
+Everything here runs in that one thread and may raise `DeviceLostError`.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from woz_drivers.dynamixel.settings import Settings
 from woz_drivers.dynamixel.tables import Table
 from woz_drivers.dynamixel.upkeep import Upkeep
 from woz_drivers.dynamixel.wire import Wire
-from woz_tui.core.driver import DriverError, Lost, Outlet, Rejected
+from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError, RejectedError
 from woz_tui.motion.safety import guard
 
 #: A setpoint that did not change is written again so often, in seconds: one may have been lost.
@@ -53,9 +53,13 @@ class Chain(Upkeep):
     """
 
     def __init__(
-        self, wire: Wire, settings: Settings, outlet: Outlet, following: Following | None = None
+        self,
+        wire: Wire,
+        settings: Settings,
+        context: DriverContext,
+        following: Following | None = None,
     ) -> None:
-        super().__init__(wire, settings, outlet)
+        super().__init__(wire, settings, context)
         self._following = following
         self._moves: list[Move] = []
         self._probes: deque[Servo] = deque()
@@ -66,13 +70,15 @@ class Chain(Upkeep):
     # -- coming up ---------------------------------------------------------------------------
 
     def connect(self) -> None:
-        """Check every servo, with more patience if it needs any. `Lost` if none answers at all."""
+        """Check every servo, with more patience if it needs any. `DeviceLostError` if none answers
+        at all.
+        """
         for servo in self.servos.values():
             self._check(servo, fresh=True)
         silent = self._silent()
         longest = self.wire.measure(servo.joint.id for servo in silent) if silent else None
         if longest is not None:
-            self._outlet.notice("warning", *slow_answers(self.settings.port, longest))
+            self._context.notice("warning", *slow_answers(self.settings.port, longest))
             for servo in silent:
                 self._check(servo, fresh=True)
         if len(self._silent()) == len(self.servos):
@@ -90,24 +96,24 @@ class Chain(Upkeep):
             servo.lose(unfit.what, unfit.remedy, Standing.UNFIT)
         return servo.standing is not Standing.SILENT
 
-    def _nobody(self) -> Lost:
+    def _nobody(self) -> DeviceLostError:
         ids = {servo.joint.id for servo in self.servos.values()}
         found = self.wire.scan(ids)
         where = f"{self.settings.port} at {self.settings.baud} baud"
         if ids & found.keys():
             late = ", ".join(map(str, sorted(ids & found.keys())))
-            return Lost(
+            return DeviceLostError(
                 f"the servos on {where} are there (ids {late}), but their answers come late or not"
                 " at all",
                 "raise `reply_timeout`; `woz doctor` looks at adapter and servos",
             )
         if found:
             others = ", ".join(map(str, sorted(found)))
-            return Lost(
+            return DeviceLostError(
                 f"none of the configured servos answers on {where}; ids that do: {others}",
                 "correct the ids in the robot file",
             )
-        return Lost(
+        return DeviceLostError(
             f"no servo answers on {where}",
             "check their power and `baud`; `woz doctor` tries the other speeds",
         )
@@ -115,7 +121,9 @@ class Chain(Upkeep):
     # -- what the asyncio side asks for --------------------------------------------------------
 
     def begin(self, move: Move, frames: Sequence[Keyframe], now: float) -> Plan:
-        """Plan `frames` from the setpoints held now and begin. `Rejected` if nothing can move."""
+        """Plan `frames` from the setpoints held now and begin. `RejectedError` if
+        nothing can move.
+        """
         wanted = {name for frame in frames for name in frame.joints}
         move.left_out = {
             name: self._why_not(self.servos[name])
@@ -271,7 +279,7 @@ class Chain(Upkeep):
         if servo.misses >= MISSES:
             self._take_over(servo.name, "no longer answers")
             servo.lose("no longer answers", "check its cable and its power")
-            self._outlet.notice("error", f"{servo.label} no longer answers", servo.remedy)
+            self._context.notice("error", f"{servo.label} no longer answers", servo.remedy)
 
     def _advance(self, now: float, elapsed: float) -> None:
         if self._following is not None:
@@ -348,7 +356,7 @@ class Chain(Upkeep):
     def _back(self, servo: Servo) -> None:
         if servo.standing is Standing.READY:
             held = "and still holds" if servo.torque else "and is limp"
-            self._outlet.notice("info", f"{servo.label} answers again {held}")
+            self._context.notice("info", f"{servo.label} answers again {held}")
 
     # -- bookkeeping of movements ----------------------------------------------------------------
 
@@ -393,7 +401,7 @@ class Chain(Upkeep):
         reasons = sorted(set(left_out.values()))
         names = ", ".join(sorted(left_out))
         if reasons == ["torque is off"]:
-            return Rejected(f"the torque of {names} is off", TORQUE_REMEDY)
+            return RejectedError(f"the torque of {names} is off", TORQUE_REMEDY)
         detail = "; ".join(f"{name} {why}" for name, why in sorted(left_out.items()))
         remedies = [self.servos[name].remedy for name in sorted(left_out)]
         return DriverError(detail, next((text for text in remedies if text), ""))

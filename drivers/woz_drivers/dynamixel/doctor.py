@@ -14,7 +14,7 @@ from woz_drivers.dynamixel.port import (
 )
 from woz_drivers.dynamixel.settings import Joint, Settings
 from woz_drivers.dynamixel.wire import Wire
-from woz_tui.core.driver import Finding, Lost
+from woz_tui.core.driver import DeviceLostError, Finding
 
 #: Bauds that servos are usually left at, tried where the configured one finds nobody.
 USUAL_BAUDS = (57_600, 1_000_000, 115_200, 2_000_000, 3_000_000, 4_000_000)
@@ -37,7 +37,7 @@ def examine(settings: Settings) -> list[Finding]:
     port = ServoPort(settings.port, settings.baud, settings.reply_timeout)
     try:
         port.open()
-    except Lost as lost:
+    except DeviceLostError as lost:
         return [Finding("error", settings.port, lost.what, lost.remedy)]
     wire = Wire(port, settings.protocol)
     try:
@@ -45,7 +45,7 @@ def examine(settings: Settings) -> list[Finding]:
         findings.append(_latency(settings, port))
         findings.append(_watchdog(settings))
         findings.extend(_servos(wire, settings))
-    except Lost as lost:
+    except DeviceLostError as lost:
         findings.append(Finding("error", settings.port, lost.what, lost.remedy))
     finally:
         wire.close()
@@ -210,7 +210,7 @@ def _elsewhere(settings: Settings, missing: list[int]) -> Iterator[Finding]:
         try:
             port.open()
             there = [servo for servo in missing if other.ping(servo) is not None]
-        except Lost:
+        except DeviceLostError:
             continue  # the adapter cannot do this speed
         finally:
             other.close()

@@ -16,14 +16,14 @@ from woz_drivers.dynamixel.motion import Keyframe, Plan
 from woz_drivers.dynamixel.servo import Servo, Standing
 from woz_drivers.dynamixel.settings import Settings as ServoSettings
 from woz_tui.core.driver import (
+    DeviceLostError,
     Driver,
+    DriverContext,
     DriverError,
     Finding,
     Job,
-    Lost,
-    Outlet,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     StopReport,
     Verb,
@@ -54,9 +54,9 @@ class DynamixelServos(Driver):
     summary = "Dynamixel servos on a serial port (X series; MX, RX, AX)"
     settings: ServoSettings
 
-    def __init__(self, name: str, settings: ServoSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
-        self.loop = ServoLoop(name, settings, outlet)
+    def __init__(self, name: str, settings: ServoSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self.loop = ServoLoop(name, settings, context)
         self._started = False
         self._stopped = False
 
@@ -95,7 +95,9 @@ class DynamixelServos(Driver):
         """Carry out a verb; returns the setpoints really taken, and what was changed in them."""
         self._stopped = False
         if self.settings.follows and job.verb not in ("torque", "reboot"):
-            raise Rejected(f"the joints follow {self.settings.follows!r}; ask it to {job.verb}")
+            raise RejectedError(
+                f"the joints follow {self.settings.follows!r}; ask it to {job.verb}"
+            )
         if job.verb in ("pose", "poses", "home", "play"):
             return await self._move(job, verbs.keyframes(self.settings, job.verb, job.args))
         if job.verb in ("gaze", "nudge"):
@@ -104,13 +106,13 @@ class DynamixelServos(Driver):
             return await self._torque(job)
         if job.verb == "reboot":
             return await self._reboot(job)
-        raise Rejected(f"servos cannot {job.verb!r}")
+        raise RejectedError(f"servos cannot {job.verb!r}")
 
     async def stop(self, scope: Scope) -> StopReport | None:
         """Hold every joint where it is now; names those that do where others are not there.
 
-        `Lost` if the line is gone and joints were held when it went, `DriverError` if only some
-        of them fell silent: then nobody knows.
+        `DeviceLostError` if the line is gone and joints were held when it went, `DriverError` if
+        only some of them fell silent: then nobody knows.
         """
         if scope is Scope.DRIVE:
             return None
@@ -197,7 +199,7 @@ class DynamixelServos(Driver):
 
     async def _reboot(self, job: Job) -> dict[str, Json]:
         if self.settings.protocol == 1:
-            raise Rejected(
+            raise RejectedError(
                 "protocol 1 servos cannot be restarted over the wire",
                 "switch their power off and on",
             )
@@ -209,7 +211,7 @@ class DynamixelServos(Driver):
 
         sent = await self._ask(restart)
         if not sent:
-            raise Rejected(
+            raise RejectedError(
                 "no servo reports an alarm", "name one with `joint` to restart it anyway"
             )
         job.expects(1.0)
@@ -281,13 +283,13 @@ class DynamixelServos(Driver):
             failed = chain.set_torque(held, on=False)
             if failed:
                 text = "; ".join(f"{name} {why}" for name, why in failed.items())
-                self.outlet.notice("error", f"torque is still on: {text}", "switch the power off")
+                self.context.notice("error", f"torque is still on: {text}", "switch the power off")
 
         await self._ask(limp)
 
     async def _ask(self, action: Action[T]) -> T:
         if not self._started:
-            raise Lost("the servo driver is not open")
+            raise DeviceLostError("the servo driver is not open")
         return await asyncio.wrap_future(self.loop.ask(action))
 
 

@@ -13,7 +13,7 @@ from collections.abc import Iterable
 from woz_drivers.dynamixel.motion import Follow
 from woz_drivers.dynamixel.servo import Servo, Standing
 from woz_drivers.dynamixel.settings import Settings
-from woz_tui.core.driver import Outlet
+from woz_tui.core.driver import DriverContext
 from woz_tui.motion.safety import Limits
 from woz_tui.motion.setpoints import PRESENT, SETPOINTS, Present, Setpoints
 
@@ -30,13 +30,13 @@ class Following:
         paused: The stop is pressed: nothing is followed.
     """
 
-    def __init__(self, settings: Settings, outlet: Outlet) -> None:
+    def __init__(self, settings: Settings, context: DriverContext) -> None:
         self.paused = False
         self._body = settings.follows
         self._speed = settings.rest_speed
-        self._outlet = outlet
-        self._setpoints = outlet.feed(SETPOINTS, of=settings.follows)
-        self._present = outlet.feed(PRESENT)
+        self._context = context
+        self._setpoints = context.feed(SETPOINTS, of=settings.follows)
+        self._present = context.feed(PRESENT)
         self._fresh: bool | None = None
         self._now: Setpoints | None = None
 
@@ -47,13 +47,13 @@ class Following:
         self._now = newest if fresh and not self.paused else None
         if fresh is not self._fresh:
             if self._fresh:
-                self._outlet.notice(
+                self._context.notice(
                     "warning",
                     f"{self._body} says nothing any more; the joints hold where they are",
                     "the robot process's own log may say why",
                 )
             elif self._fresh is False and fresh:
-                self._outlet.notice("info", f"{self._body} is there; the joints go to its pose")
+                self._context.notice("info", f"{self._body} is there; the joints go to its pose")
             self._fresh = fresh
 
     @property

@@ -21,7 +21,7 @@ from woz_drivers.dynamixel.servo import Standing
 from woz_drivers.dynamixel.settings import Settings
 from woz_drivers.dynamixel.upkeep import report
 from woz_drivers.dynamixel.wire import Wire
-from woz_tui.core.driver import Health, Lost, Outlet
+from woz_tui.core.driver import DeviceLostError, DriverContext, Health
 
 #: A missing port is looked for so often, in seconds.
 LOOK_S = 0.5
@@ -37,14 +37,14 @@ Action = Callable[[Chain, float], T]
 class ServoLoop:
     """Runs a chain at its rate in a thread of its own, through losses of the port."""
 
-    def __init__(self, name: str, settings: Settings, outlet: Outlet) -> None:
+    def __init__(self, name: str, settings: Settings, context: DriverContext) -> None:
         self.ticks = 0
         #: Whether servos answer now, and whether any held its joint when they last did.
         self.online = False
         self.holding = False
         self._settings = settings
-        self._outlet = outlet
-        self.following = Following(settings, outlet) if settings.follows else None
+        self._context = context
+        self.following = Following(settings, context) if settings.follows else None
         self._requests: queue.SimpleQueue[tuple[Action[Any], Future[Any]]] = queue.SimpleQueue()
         self._wake = threading.Event()
         self._closing = False
@@ -52,22 +52,24 @@ class ServoLoop:
         #: Nothing is handed in any more once `_ended` is set; `_door` guards it.
         self._ended = False
         self._door = threading.Lock()
-        self._lost = Lost(f"{settings.port} has not been opened yet", "wait a moment")
+        self._lost = DeviceLostError(f"{settings.port} has not been opened yet", "wait a moment")
         self._thread = threading.Thread(target=self._run, name=f"servos {name}", daemon=True)
 
     # -- from the asyncio side -------------------------------------------------------------------
 
     def start(self) -> None:
         """Begin to look for the port; returns at once."""
-        self._outlet.health(Health.CONNECTING, f"looking for {self._settings.port}")
+        self._context.health(Health.CONNECTING, f"looking for {self._settings.port}")
         self._thread.start()
 
     def ask(self, action: Action[T]) -> Future[T]:
-        """Run `action(chain, now)` in the thread; the future raises `Lost` without a line."""
+        """Run `action(chain, now)` in the thread; the future raises `DeviceLostError` without a
+        line.
+        """
         future: Future[T] = Future()
         with self._door:
             if self._ended:
-                future.set_exception(Lost("the servo driver is closed"))
+                future.set_exception(DeviceLostError("the servo driver is closed"))
                 return future
             self._requests.put((action, future))
         self._wake.set()
@@ -88,19 +90,19 @@ class ServoLoop:
         while not self._closing:
             try:
                 self._session()
-            except Lost as lost:
+            except DeviceLostError as lost:
                 self._lost = lost
-                self._outlet.health(Health.LOST, lost.what, lost.remedy)
+                self._context.health(Health.LOST, lost.what, lost.remedy)
             except Exception as error:  # the thread must outlive its own mistakes
                 log.exception("the servo loop failed")
-                self._lost = Lost(
+                self._lost = DeviceLostError(
                     f"the servo driver failed: {error!r}", "report this, with the log"
                 )
-                self._outlet.health(Health.FAULTED, self._lost.what, self._lost.remedy)
+                self._context.health(Health.FAULTED, self._lost.what, self._lost.remedy)
             self._wait_offline()
         with self._door:
             self._ended = True
-        self._refuse_requests(Lost("the servo driver is closed"))
+        self._refuse_requests(DeviceLostError("the servo driver is closed"))
 
     def _session(self) -> None:
         """One opening of the port, until it is lost or the driver closes."""
@@ -108,13 +110,13 @@ class ServoLoop:
         port = ServoPort(settings.port, settings.baud, settings.reply_timeout)
         port.open()
         wire = Wire(port, settings.protocol)
-        chain = Chain(wire, settings, self._outlet, self.following)
+        chain = Chain(wire, settings, self._context, self.following)
         try:
             chain.connect()
             self._begin(chain)
             self.online = True
             self._keep_rate(chain)
-        except Lost as lost:
+        except DeviceLostError as lost:
             chain.fail_all(lost)
             raise
         finally:
@@ -123,7 +125,7 @@ class ServoLoop:
             self.online = False
             if self.following is not None:
                 self.following.tell((), time.monotonic())
-            chain.fail_all(Lost("the servo driver let go of the port"))
+            chain.fail_all(DeviceLostError("the servo driver let go of the port"))
             wire.close()
 
     def _begin(self, chain: Chain) -> None:
@@ -131,9 +133,9 @@ class ServoLoop:
         if first and self._settings.torque:
             ready = [s.name for s in chain.servos.values() if s.standing is Standing.READY]
             for name, why in chain.set_torque(ready, on=True).items():
-                self._outlet.notice("error", f"no torque on {name}: {why}")
+                self._context.notice("error", f"no torque on {name}: {why}")
         elif not first:
-            self._outlet.notice(
+            self._context.notice(
                 "info", "the servos are back, and limp", "`torque: on` when nobody is in reach"
             )
 
@@ -165,7 +167,7 @@ class ServoLoop:
                 continue
             try:
                 result = action(chain, time.monotonic())
-            except Lost as lost:
+            except DeviceLostError as lost:
                 future.set_exception(lost)
                 raise
             except Exception as error:  # noqa: BLE001 - it belongs to whoever asked
@@ -174,15 +176,15 @@ class ServoLoop:
                 future.set_result(result)
 
     def _publish(self, chain: Chain) -> None:
-        self._outlet.health(*report(self._settings, chain.servos.values()))
+        self._context.health(*report(self._settings, chain.servos.values()))
         for servo in chain.servos.values():
             if servo.standing is Standing.READY:
                 # In a body's degrees, so that it can be held against the body's setpoint.
                 zero = self.following.zero(servo.name) if self.following is not None else 0.0
                 present = round(servo.present - zero, 3)
-                self._outlet.reading(f"joint.{servo.name}", present, unit="deg")
+                self._context.reading(f"joint.{servo.name}", present, unit="deg")
                 if self.following is None:  # else the body tells them
-                    self._outlet.reading(
+                    self._context.reading(
                         f"setpoint.{servo.name}", round(servo.setpoint, 3), unit="deg"
                     )
 
@@ -193,7 +195,7 @@ class ServoLoop:
             self._wake.clear()
             self._refuse_requests(self._lost)
 
-    def _refuse_requests(self, lost: Lost) -> None:
+    def _refuse_requests(self, lost: DeviceLostError) -> None:
         while True:
             try:
                 _, future = self._requests.get_nowait()

@@ -2,7 +2,7 @@
 
 The SDK's own port spins while it waits, counts its timeouts on the wall clock, lets two programs
 share a port, and reports a pulled cable in four different ways. This one sleeps in `poll` for at
-most 2 ms at a time, counts on the monotonic clock, locks the port, and raises `Lost`.
+most 2 ms at a time, counts on the monotonic clock, locks the port, and raises `DeviceLostError`.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import serial
 from dynamixel_sdk import PortHandler
 
 from woz_drivers.serial_line import LOSSES, explain, reason_of
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 #: Longest sleep in one wait for bytes, in milliseconds.
 WAIT_MS = 2.0
@@ -40,7 +40,7 @@ T = TypeVar("T")
 
 
 class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
-    """A port of one opening: after `Lost` it is closed, and a new one has to be made.
+    """A port of one opening: after `DeviceLostError` it is closed, and a new one has to be made.
 
     Attributes:
         waits: How often it slept for bytes, for tests and figures.
@@ -61,13 +61,13 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         self._poll, self._room = select.poll(), select.poll()
 
     def open(self) -> None:
-        """Open and lock the port; `Lost` says why not, and what to do."""
+        """Open and lock the port; `DeviceLostError` says why not, and what to do."""
         try:
             self.setupPort(self.baudrate)
         except (*LOSSES, ValueError) as error:
             self.closePort()
             trouble = explain(self.port_name, self.baudrate, error)
-            raise Lost(trouble.what, trouble.remedy) from error
+            raise DeviceLostError(trouble.what, trouble.remedy) from error
 
     def setupPort(self, cflag_baud: int) -> bool:  # noqa: N802 - the SDK calls it so
         """Open the device; called by the SDK when the baud rate is set, too."""
@@ -163,7 +163,7 @@ class ServoPort(PortHandler):  # type: ignore[misc]  # the SDK has no types
         try:
             return action()
         except LOSSES as error:
-            raise Lost(
+            raise DeviceLostError(
                 f"the line to the servos broke ({self.port_name}: {reason_of(error)})",
                 "check cable and adapter; it is looked for until it is back",
             ) from error

@@ -12,7 +12,7 @@ from woz_drivers.dynamixel import tables
 from woz_drivers.dynamixel.servo import Servo, SilentError, Standing, UnfitError
 from woz_drivers.dynamixel.settings import Settings
 from woz_drivers.dynamixel.wire import Answer, Wire
-from woz_tui.core.driver import Health, Outlet
+from woz_tui.core.driver import DriverContext, Health
 
 #: Every servo is looked after once in so many seconds.
 ROUND_S = 1.0
@@ -49,11 +49,11 @@ class Bound:
 class Upkeep(abc.ABC):
     """The servos of a chain, and the chores that look after them; belongs to the loop's thread."""
 
-    def __init__(self, wire: Wire, settings: Settings, outlet: Outlet) -> None:
+    def __init__(self, wire: Wire, settings: Settings, context: DriverContext) -> None:
         self.wire = wire
         self.settings = settings
         self.servos = {name: Servo(name, joint) for name, joint in settings.joints.items()}
-        self._outlet = outlet
+        self._context = context
         self._chores: deque[Callable[[], None]] = deque()
         self._next_round = 0.0
         self._warned: set[tuple[str, str]] = set()
@@ -111,16 +111,16 @@ class Upkeep(abc.ABC):
             return
         servo.alarms = alarms
         if alarms:
-            self._outlet.notice("error", f"{servo.label}: {', '.join(alarms)}", _remedy(servo))
+            self._context.notice("error", f"{servo.label}: {', '.join(alarms)}", _remedy(servo))
         else:
-            self._outlet.notice("info", f"{servo.label}: the alarm is over")
+            self._context.notice("info", f"{servo.label}: the alarm is over")
 
     def _went_limp(self, servo: Servo) -> None:
         servo.torque = False
         why = f"lost its torque ({', '.join(servo.alarms) or 'it may have restarted'})"
         self.let_go(servo, why)
         remedy = _remedy(servo) if servo.alarms else POWER_REMEDY
-        self._outlet.notice("error", f"{servo.label} {why}", remedy)
+        self._context.notice("error", f"{servo.label} {why}", remedy)
 
     def _watchdog(self, servo: Servo, value: int) -> None:
         """Clear it if it bit; set it again also where that was cut short the last time."""
@@ -138,7 +138,7 @@ class Upkeep(abc.ABC):
         finally:
             servo.written = None
         if bitten:
-            self._outlet.notice(
+            self._context.notice(
                 "warning",
                 f"{servo.label} stopped by itself: it heard nothing for"
                 f" {self.settings.watchdog} ms",
@@ -163,13 +163,13 @@ class Upkeep(abc.ABC):
         self._publish(servo, "load", 100.0 * abs(load) / servo.model.full_load, "%", load)
 
     def _publish(self, servo: Servo, kind: str, value: float, unit: str, raw: int) -> None:
-        self._outlet.reading(f"{kind}.{servo.name}", round(value, 2), unit=unit, raw=raw)
+        self._context.reading(f"{kind}.{servo.name}", round(value, 2), unit=unit, raw=raw)
         for bound in self._bounds[kind]:
             key = (servo.name, f"{bound.kind} {'above' if bound.above else 'below'}")
             if bound.crossed(value) and key not in self._warned:
                 self._warned.add(key)
                 side = "above" if bound.above else "below"
-                self._outlet.notice(
+                self._context.notice(
                     "warning",
                     f"{servo.label}: {kind} {value:.4g} {unit}, {side} {bound.limit:g} {unit}",
                     "let it rest, or take some load off",
@@ -179,7 +179,7 @@ class Upkeep(abc.ABC):
 
 
 def report(settings: Settings, servos_: Iterable[Servo]) -> tuple[Health, str, str]:
-    """How the chain is, for `Outlet.health`: a fault of any servo is one of the whole."""
+    """How the chain is, for `DriverContext.health`: a fault of any servo is one of the whole."""
     known = list(servos_)
     faults = [f"{servo.label} {servo.trouble}" for servo in known if servo.trouble]
     remedies = [servo.remedy for servo in known if servo.trouble and servo.remedy]

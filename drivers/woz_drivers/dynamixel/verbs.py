@@ -7,7 +7,7 @@ from typing import Any
 
 from woz_drivers.dynamixel.motion import Keyframe
 from woz_drivers.dynamixel.settings import SECONDS, Settings
-from woz_tui.core.driver import Argument, Rejected, Verb
+from woz_tui.core.driver import Argument, RejectedError, Verb
 from woz_tui.core.fields import Range
 
 BODY = "body"
@@ -139,7 +139,7 @@ Args = Mapping[str, Any]
 
 
 def keyframes(settings: Settings, verb: str, args: Args) -> list[Keyframe]:
-    """What `pose`, `poses`, `home` or `play` asks for. `Rejected` says what is wrong."""
+    """What `pose`, `poses`, `home` or `play` asks for. `RejectedError` says what is wrong."""
     if verb == "pose":
         return [_keyframe(settings, args)]
     if verb == "home":
@@ -154,7 +154,7 @@ def _keyframe(settings: Settings, pose: Args) -> Keyframe:
     for name in pose["joints"]:
         if name not in settings.joints:
             known = ", ".join(sorted(settings.joints))
-            raise Rejected(f"there is no joint {name!r}", f"the joints are {known}")
+            raise RejectedError(f"there is no joint {name!r}", f"the joints are {known}")
     return Keyframe(pose["joints"], pose.get("seconds", 1.0))
 
 
@@ -165,10 +165,12 @@ def turn(settings: Settings, args: Args) -> dict[str, float]:
         if key not in args:
             continue
         if not joint:
-            raise Rejected(f"there is no {role} joint for {key}", f"set `{role}` in the robot file")
+            raise RejectedError(
+                f"there is no {role} joint for {key}", f"set `{role}` in the robot file"
+            )
         found[joint] = args[key]
     if not found:
-        raise Rejected("neither yaw nor pitch was given")
+        raise RejectedError("neither yaw nor pitch was given")
     return found
 
 

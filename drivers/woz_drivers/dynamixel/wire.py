@@ -1,6 +1,7 @@
 """Registers of servos, read and written through the SDK with its traps closed.
 
-Every method may raise `Lost`; a servo that does not answer, or answers nonsense, is None.
+Every method may raise `DeviceLostError`; a servo that does not answer, or answers nonsense, is
+None.
 """
 
 from __future__ import annotations

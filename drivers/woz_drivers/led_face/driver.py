@@ -14,14 +14,14 @@ from woz_drivers.led_face.talk import State, Talk, Wanted
 from woz_drivers.serial_line import SerialLine, Trouble
 from woz_tui.core.driver import (
     Argument,
+    DeviceLostError,
+    DriverContext,
     Finding,
     Health,
     Job,
-    Lost,
-    Outlet,
     PassiveDriver,
     Probe,
-    Rejected,
+    RejectedError,
     Verb,
 )
 from woz_tui.core.fields import Range
@@ -60,9 +60,9 @@ class LedFace(PassiveDriver):
     summary = "a face of lights on a serial port (24 x 16 and other sizes)"
     settings: LedFaceSettings
 
-    def __init__(self, name: str, settings: LedFaceSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
-        self._lit = outlet.feed(FACE, of=settings.follows) if settings.follows else None
+    def __init__(self, name: str, settings: LedFaceSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
+        self._lit = context.feed(FACE, of=settings.follows) if settings.follows else None
         self._seen = 0
         self._wanted = Wanted(blank(*settings.wired), 0.0)
         self._pattern: Wanted | None = None
@@ -96,18 +96,18 @@ class LedFace(PassiveDriver):
 
     async def open(self) -> None:
         """Begin to look for the port."""
-        self.outlet.health(Health.CONNECTING, f"looking for {self.settings.port}")
+        self.context.health(Health.CONNECTING, f"looking for {self.settings.port}")
         self._line.start()
         self._task = asyncio.create_task(self._keep_showing())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Show a test picture for a while."""
         if job.verb != _PATTERN.name:
-            raise Rejected(f"{self.name} is a face of lights; it cannot {job.verb}")
+            raise RejectedError(f"{self.name} is a face of lights; it cannot {job.verb}")
         self._need_face()
         picture, seconds = job.args["picture"], job.args["seconds"]
         if not isinstance(seconds, int | float) or picture not in PATTERNS:
-            raise Rejected(f"there is no pattern {picture!r} of {seconds!r} seconds")
+            raise RejectedError(f"there is no pattern {picture!r} of {seconds!r} seconds")
         job.expects(seconds)
         self._pattern = Wanted(
             self._mounted(PATTERNS[str(picture)](self.settings.width, self.settings.height)),
@@ -159,7 +159,7 @@ class LedFace(PassiveDriver):
             self._wanted = Wanted(self._mounted(frame), lit.brightness * settings.brightness)
             return
         self._lit = None  # a body's face keeps its size, so this is said once
-        self.outlet.notice(
+        self.context.notice(
             "error",
             f"the face of {settings.follows!r} is {frame.width} x {frame.height} lights,"
             f" and these are {settings.width} x {settings.height}: nothing is shown",
@@ -186,7 +186,7 @@ class LedFace(PassiveDriver):
     # -- the port ------------------------------------------------------------------------------
 
     def _now(self) -> int:
-        return self.outlet.clock.now_us()
+        return self.context.clock.now_us()
 
     def _opened(self) -> None:
         self._talk.begin(self._now())
@@ -195,21 +195,23 @@ class LedFace(PassiveDriver):
         self._talk.received(data, self._now())
 
     def _send(self, data: bytes) -> None:
-        with contextlib.suppress(Lost):  # whoever noticed the loss has told it
+        with contextlib.suppress(DeviceLostError):  # whoever noticed the loss has told it
             self._line.write(data)
 
     def _troubled(self, trouble: Trouble) -> None:
         self._gone.set()
-        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.context.health(Health.LOST, trouble.what, trouble.remedy)
 
     def _tell(self) -> None:
         talk = self._talk
         if talk.state is not State.TALKING:
             self._gone.set()
-        self.outlet.health(_HEALTH[talk.state], f"{self.settings.port}: {talk.detail}", talk.remedy)
+        self.context.health(
+            _HEALTH[talk.state], f"{self.settings.port}: {talk.detail}", talk.remedy
+        )
 
     def _need_face(self) -> None:
         if not self._line.connected:
-            raise Lost(f"{self.settings.port} is not open", "see what its state says")
+            raise DeviceLostError(f"{self.settings.port} is not open", "see what its state says")
         if self._talk.state is not State.TALKING:
-            raise Lost(self._talk.detail, self._talk.remedy)
+            raise DeviceLostError(self._talk.detail, self._talk.remedy)

@@ -16,15 +16,15 @@ from woz_drivers.microphone.transcriber import Transcriber
 from woz_tui.core.driver import (
     SPEECH,
     SPEECH_TEXT,
+    DeviceLostError,
+    DriverContext,
     DriverError,
     Finding,
     Health,
     Job,
-    Lost,
-    Outlet,
     PassiveDriver,
     Probe,
-    Rejected,
+    RejectedError,
     Verb,
 )
 from woz_tui.core.messages import Json
@@ -52,8 +52,8 @@ class Microphone(PassiveDriver):
     summary = "loudness and speech from a microphone"
     settings: MicrophoneSettings
 
-    def __init__(self, name: str, settings: MicrophoneSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: MicrophoneSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._speaking = Speaking(settings.ear)
         self._blocks = self._fresh_blocks()
         self._levels: list[float] = []
@@ -64,9 +64,11 @@ class Microphone(PassiveDriver):
         self._source: ByteStream | None = None
         words = settings.transcriber
         self._transcriber = (
-            Transcriber(name, words, settings.transcribe_limit, outlet) if words else None
+            Transcriber(name, words, settings.transcribe_limit, context) if words else None
         )
-        self._segments = Segments(name, settings.rate, outlet, settings.segments, self._transcriber)
+        self._segments = Segments(
+            name, settings.rate, context, settings.segments, self._transcriber
+        )
 
     @classmethod
     def verbs(cls, settings: Any) -> tuple[Verb, ...]:
@@ -87,15 +89,15 @@ class Microphone(PassiveDriver):
 
     async def open(self) -> None:
         """Start the command, and again whenever it ends."""
-        self.outlet.health(Health.CONNECTING, "starting the microphone's command")
-        self.outlet.reading(room.THRESHOLD, self._speaking.threshold)
-        self.outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
+        self.context.health(Health.CONNECTING, "starting the microphone's command")
+        self.context.reading(room.THRESHOLD, self._speaking.threshold)
+        self.context.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
         settings = self.settings
         command = Command(
-            settings.words, self.outlet.folder, "no sound", _CHECK, least=settings.block_bytes
+            settings.words, self.context.folder, "no sound", _CHECK, least=settings.block_bytes
         )
         listener = Listener(self._begun, self._received, self._stale, self._lose)
-        self._source = ByteStream(command, self.outlet.clock, listener)
+        self._source = ByteStream(command, self.context.clock, listener)
         self._source.start()
         if self._transcriber is not None:
             self._transcriber.start()
@@ -103,9 +105,11 @@ class Microphone(PassiveDriver):
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Learn the room."""
         if job.verb != room.NAME:
-            raise Rejected(f"{self.name} is a microphone; it cannot {job.verb}")
+            raise RejectedError(f"{self.name} is a microphone; it cannot {job.verb}")
         if self._source is None or not self._source.running or not self._heard:
-            raise Lost(f"{self.name} delivers no sound", "see the driver's health for the reason")
+            raise DeviceLostError(
+                f"{self.name} delivers no sound", "see the driver's health for the reason"
+            )
         learning = _Learning(room.seconds(job.args))
         self._learning = learning
         job.expects(learning.seconds)
@@ -136,7 +140,7 @@ class Microphone(PassiveDriver):
     def _stale(self, why: str) -> None:
         self._break_off(why)
         self._segments.gap()
-        self.outlet.sensor(SENSOR, "stale", why)
+        self.context.sensor(SENSOR, "stale", why)
 
     def _break_off(self, why: str) -> None:
         """Nobody can know whether they speak on: an utterance that never ends helps nobody."""
@@ -146,10 +150,10 @@ class Microphone(PassiveDriver):
 
     def _lose(self, trouble: DriverError) -> None:
         self._forget_pause()
-        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
+        self.context.health(Health.LOST, trouble.what, trouble.remedy)
         self._stale(trouble.what)
         if self._learning is not None:
-            self._learning.fail(Lost(trouble.what, trouble.remedy))
+            self._learning.fail(DeviceLostError(trouble.what, trouble.remedy))
 
     # -- sound ---------------------------------------------------------------------------------
 
@@ -163,7 +167,7 @@ class Microphone(PassiveDriver):
     def _take(self, block: bytes) -> None:
         settings = self.settings
         if not self._heard:
-            self.outlet.health(
+            self.context.health(
                 Health.CONNECTED,
                 f"{settings.words[0]}, {settings.rate} Hz, {settings.format},"
                 f" {settings.channels} channel{'s' if settings.channels > 1 else ''}",
@@ -171,7 +175,7 @@ class Microphone(PassiveDriver):
         self._heard += 1
         samples = settings.samples(block)
         level = self._speaking.take(samples)
-        self.outlet.sensor(SENSOR, self._speaking.state, self._reason(level))
+        self.context.sensor(SENSOR, self._speaking.state, self._reason(level))
         self._cut(samples, level)
         if self._learning is not None:
             self._learning.take(level)
@@ -180,7 +184,7 @@ class Microphone(PassiveDriver):
             self._publish()
 
     def _cut(self, samples: sound.Samples, level: float) -> None:
-        self._segments.take(samples, level, self.outlet.clock.now_us())
+        self._segments.take(samples, level, self.context.clock.now_us())
         event = self._speaking.event
         self._segments.happened(event, self._speaking.earliest)
         if isinstance(event, Ended):
@@ -189,7 +193,7 @@ class Microphone(PassiveDriver):
     def _wonder(self, cut: bool) -> None:
         """Say once that somebody speaks without a pause, or that it is not speech at all."""
         if cut and not self._wondered:
-            self.outlet.notice(
+            self.context.notice(
                 "warning",
                 f"loud for {self.settings.longest:g} s without a pause: is that speech?",
                 "if not, play listen_room while nobody speaks, or raise threshold",
@@ -207,7 +211,7 @@ class Microphone(PassiveDriver):
             value = max(levels)
         else:
             value = (sum(level * level for level in levels) / len(levels)) ** 0.5
-        self.outlet.reading(SENSOR, value)
+        self.context.reading(SENSOR, value)
 
     def _reason(self, level: float) -> str:
         match self._speaking.state:
@@ -241,7 +245,7 @@ class Microphone(PassiveDriver):
         keeping = "write threshold: {threshold} into the robot file to keep it"
         heard = room.learn(levels)
         lesson = room.Lesson(self.name, heard, self.settings.sensitivity, BLOCK_S, keeping)
-        told = lesson.tell(self.outlet, self._speaking.threshold)
+        told = lesson.tell(self.context, self._speaking.threshold)
         self._speaking.threshold = lesson.threshold
         return told
 

@@ -14,7 +14,7 @@ from woz_drivers import sound
 from woz_drivers.microphone.segment_files import SegmentFiles
 from woz_drivers.microphone.speaking import BLOCK_S
 from woz_drivers.microphone.transcriber import Heard, Transcriber
-from woz_tui.core.driver import Outlet
+from woz_tui.core.driver import DriverContext
 from woz_tui.core.messages import SpeechEnded, SpeechStarted
 from woz_tui.sensing.endpoint import Ended, Started
 
@@ -56,10 +56,15 @@ class Segments:
     """
 
     def __init__(
-        self, driver: str, rate: int, outlet: Outlet, keep: bool, transcriber: Transcriber | None
+        self,
+        driver: str,
+        rate: int,
+        context: DriverContext,
+        keep: bool,
+        transcriber: Transcriber | None,
     ) -> None:
         self._driver = driver
-        self._outlet = outlet
+        self._context = context
         self._keep = keep
         self._transcriber = transcriber
         self._files = SegmentFiles(rate, self._unsafe)
@@ -111,9 +116,9 @@ class Segments:
             detail=detail,
         )
         name = f"{self._driver}-{self._segment:04d}.wav"
-        media = self._outlet.media
+        media = self._context.media
         file = self._save(blocks, media / name)
-        ending = _Ending(told, file, f"{media.name}/{name}", self._outlet.clock.now_us())
+        ending = _Ending(told, file, f"{media.name}/{name}", self._context.clock.now_us())
         ending.late = not self._keep
         if file is not None and not ending.late:
             file.add_done_callback(lambda _: self._tell())
@@ -137,7 +142,7 @@ class Segments:
 
     def _started(self, event: Started) -> None:
         self._segment += 1
-        self._began = self._outlet.t(self._time.begins(event.first))
+        self._began = self._context.t(self._time.begins(event.first))
         told = SpeechStarted(driver=self._driver, segment=self._segment, began=self._began)
         self._untold.append(told)
         self._tell()
@@ -156,12 +161,12 @@ class Segments:
             if isinstance(told, _Ending):
                 self._tell_end(told)
             else:
-                self._outlet.tell(told)
+                self._context.tell(told)
 
     def _tell_end(self, ending: _Ending) -> None:
         if ending.timer is not None:
             ending.timer.cancel()
-        self._outlet.tell(self._with_file(ending))
+        self._context.tell(self._with_file(ending))
         if self._transcriber is not None and ending.file is not None:
             back = None if self._keep else self._files.give_back
             segment = ending.told.segment
@@ -191,7 +196,7 @@ class Segments:
     def _complain(self, error: BaseException | None) -> None:
         """Tell the wizard once, and again only after a file could be kept in between."""
         if error is not None and not self._complained:
-            self._outlet.notice(
+            self._context.notice(
                 "warning",
                 f"speech is not kept: {_reason(error)}",
                 "make room beside the log; everything else goes on",
@@ -201,7 +206,7 @@ class Segments:
     def _unsafe(self, error: OSError) -> None:
         """Tell the wizard once that the disk has not taken what it was given."""
         if not self._unsafe_told:
-            self._outlet.notice(
+            self._context.notice(
                 "warning",
                 f"a file of speech may be lost in a power cut: {_reason(error)}",
                 "the disk may be failing: copy the recordings soon; everything else goes on",

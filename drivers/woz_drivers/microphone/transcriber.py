@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers import child, programs
-from woz_tui.core.driver import DriverError, Outlet
+from woz_tui.core.driver import DriverContext, DriverError
 from woz_tui.core.messages import SpeechText
 
 log = logging.getLogger(__name__)
@@ -41,13 +41,15 @@ class Heard:
 
 
 class Transcriber:
-    """Runs `words` for each segment and tells the outlet what came out."""
+    """Runs `words` for each segment and tells the context what came out."""
 
-    def __init__(self, driver: str, words: tuple[str, ...], limit_s: float, outlet: Outlet) -> None:
+    def __init__(
+        self, driver: str, words: tuple[str, ...], limit_s: float, context: DriverContext
+    ) -> None:
         self._driver = driver
         self._words = words
         self._limit_s = limit_s
-        self._outlet = outlet
+        self._context = context
         self._waiting: deque[Heard] = deque()
         self._news = asyncio.Event()
         self._complained = False
@@ -101,7 +103,7 @@ class Transcriber:
     def _complain(self, trouble: DriverError) -> None:
         """Tell the wizard once, and again only after it has worked in between."""
         if trouble.what and not self._complained:
-            self._outlet.notice(
+            self._context.notice(
                 "warning",
                 f"speech is not understood: {trouble.what}",
                 trouble.remedy or "try the command of `transcribe` in a terminal",
@@ -109,11 +111,11 @@ class Transcriber:
         self._complained = bool(trouble.what)
 
     def _answer(self, heard: Heard, text: str, detail: str) -> None:
-        took_us = max(0, self._outlet.clock.now_us() - heard.ended_us)
+        took_us = max(0, self._context.clock.now_us() - heard.ended_us)
         told = SpeechText(
             driver=self._driver, segment=heard.segment, text=text, took_us=took_us, detail=detail
         )
-        self._outlet.tell(told)
+        self._context.tell(told)
 
     def _finish_with(self, heard: Heard) -> None:
         def over(file: asyncio.Future[Path]) -> None:
@@ -131,7 +133,7 @@ class Transcriber:
 
         program = self._words[0]
         words = programs.fill(self._words, {"file": str(file)})
-        running = await child.start(words, self._outlet.folder, on_output=listen, humble=True)
+        running = await child.start(words, self._context.folder, on_output=listen, humble=True)
         try:
             async with asyncio.timeout(self._limit_s):
                 status = await running.wait()

@@ -14,7 +14,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 DEV, PROC = Path("/dev/snd"), Path("/proc/asound")
 _NODE = re.compile(r"midiC(\d+)D(\d+)")
@@ -59,7 +59,7 @@ def is_path(wanted: str) -> bool:
 
 def paths_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> list[str]:
     """The paths of devices that are `wanted`: a path, relative to `folder`, a card's name, or
-    nothing for any; the best first. Raises `Lost` if there is none.
+    nothing for any; the best first. Raises `DeviceLostError` if there is none.
     """
     if is_path(wanted):
         return [str(folder / Path(wanted).expanduser())]
@@ -69,7 +69,7 @@ def paths_of(wanted: str, folder: Path, dev: Path = DEV, proc: Path = PROC) -> l
         fitting.sort(key=lambda device: device.card.casefold() != wanted.casefold())
         return [device.path for device in fitting]
     missing = f"no MIDI device is called {wanted!r}" if wanted else "no MIDI device is there"
-    raise Lost(missing, f"plug the panel in; {listed(devices)}")
+    raise DeviceLostError(missing, f"plug the panel in; {listed(devices)}")
 
 
 def open_one(
@@ -77,15 +77,15 @@ def open_one(
 ) -> tuple[str, int, bool]:
     """Open the first device that is `wanted` and free: two panels of one make have one name.
 
-    Its path, and what `open_device` returns. Raises `Lost`.
+    Its path, and what `open_device` returns. Raises `DeviceLostError`.
     """
-    refused: Lost | None = None
+    refused: DeviceLostError | None = None
     for path in paths_of(wanted, folder, dev, proc):
         try:
             return path, *open_device(path)
-        except Lost as error:
+        except DeviceLostError as error:
             refused = refused or error
-    raise refused or Lost("no MIDI device is there")
+    raise refused or DeviceLostError("no MIDI device is there")
 
 
 def listed(devices: list[Device]) -> str:
@@ -96,7 +96,7 @@ def listed(devices: list[Device]) -> str:
 
 
 def open_device(path: str) -> tuple[int, bool]:
-    """A descriptor that never blocks, and whether it can be written to. Raises `Lost`.
+    """A descriptor that never blocks, and whether it can be written to. Raises `DeviceLostError`.
 
     From a FIFO or a plain file, a recording for instance, is only read.
     """
@@ -113,17 +113,19 @@ def open_device(path: str) -> tuple[int, bool]:
         raise explained(path, error) from error
 
 
-def explained(path: str, error: Exception) -> Lost:
+def explained(path: str, error: Exception) -> DeviceLostError:
     """Why `path` could not be opened, and what to do."""
     match getattr(error, "errno", None):
         case errno.ENOENT | errno.ENXIO | errno.ENODEV | errno.EIO:
-            return Lost(f"{path} is not there", f"plug the panel in; {listed(present())}")
+            return DeviceLostError(
+                f"{path} is not there", f"plug the panel in; {listed(present())}"
+            )
         case errno.EACCES | errno.EPERM:
-            return Lost(
+            return DeviceLostError(
                 f"no permission to open {path}",
                 "sudo usermod -aG audio $USER, then log out and in again",
             )
         case errno.EBUSY | errno.EAGAIN:
-            return Lost(f"{path} is in use by another program", "end the other program")
+            return DeviceLostError(f"{path} is in use by another program", "end the other program")
     reason = getattr(error, "strerror", None) or str(error)
-    return Lost(f"{path} cannot be opened: {reason}", listed(present()))
+    return DeviceLostError(f"{path} cannot be opened: {reason}", listed(present()))

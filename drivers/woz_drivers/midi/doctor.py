@@ -9,7 +9,7 @@ from woz_drivers.midi import devices
 from woz_drivers.midi.fitted import fitted
 from woz_drivers.midi.layouts import LAYOUTS
 from woz_drivers.midi.settings import MidiSettings
-from woz_tui.core.driver import Finding, Lost
+from woz_tui.core.driver import DeviceLostError, Finding
 
 #: Names of free controls that are worth telling.
 _SHOWN = 12
@@ -47,7 +47,7 @@ def _usable(subject: str, settings: MidiSettings, folder: Path, dev: Path, proc:
     wanted = settings.device or panel.device or LAYOUTS[panel.layout].device
     try:
         path, fd, writable = devices.open_one(wanted, folder, dev, proc)
-    except Lost as error:
+    except DeviceLostError as error:
         return Finding("error", subject, error.what, error.remedy)
     os.close(fd)
     lights = "" if writable else "; its lights cannot be switched"

@@ -16,13 +16,13 @@ from woz_drivers.midi.settings import MidiSettings
 from woz_drivers.midi.wire import CC, NOTE, Decoder, MidiMessage, control_change, note_on
 from woz_tui.core.driver import (
     Ask,
+    DriverContext,
     Finding,
     Health,
     Job,
-    Outlet,
     PassiveDriver,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     Verb,
 )
@@ -45,8 +45,8 @@ class MidiPanel(PassiveDriver):
     summary = "a MIDI panel of knobs, sliders and buttons"
     settings: MidiSettings
 
-    def __init__(self, name: str, settings: MidiSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: MidiSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._controls = fitted(settings)
         self._by_signal = found_by(self._controls)
         layout = LAYOUTS[settings.panel.layout]
@@ -54,7 +54,7 @@ class MidiPanel(PassiveDriver):
         self._with_lights = settings.lights
         self._lights = Lights(layout, (it.control for it in self._controls))
         active = [it for it in self._controls if not it.free]
-        self._feeds = {it.on: outlet.feed(STATE, of=it.on) for it in active}
+        self._feeds = {it.on: context.feed(STATE, of=it.on) for it in active}
         self._knobs = {
             it.name: Knob(it, self._ask, self._now_us) for it in active if not it.pressed
         }
@@ -62,7 +62,7 @@ class MidiPanel(PassiveDriver):
         self._decoder = Decoder()
         self._port = MidiPort(
             settings.device or settings.panel.device or layout.device,
-            outlet.folder,
+            context.folder,
             on_open=self._opened,
             on_bytes=self._received,
             on_trouble=self._troubled,
@@ -120,14 +120,14 @@ class MidiPanel(PassiveDriver):
 
     async def open(self) -> None:
         """Begin to look for the panel."""
-        self.outlet.health(Health.CONNECTING, "looking for the panel")
+        self.context.health(Health.CONNECTING, "looking for the panel")
         self._port.start()
         self._watch = asyncio.create_task(self._look_on())
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Take over."""
         if job.verb != TAKE_OVER:
-            raise Rejected(f"{self.name} is a panel; it cannot {job.verb}")
+            raise RejectedError(f"{self.name} is a panel; it cannot {job.verb}")
         taken = [name for name, knob in self._knobs.items() if knob.waiting]
         for name in taken:
             self._knobs[name].jump()
@@ -158,7 +158,7 @@ class MidiPanel(PassiveDriver):
     def _opened(self, path: str) -> None:
         self._decoder = Decoder()
         self._lights.forget()
-        self.outlet.health(Health.CONNECTED, path)
+        self.context.health(Health.CONNECTED, path)
         if self._with_lights:
             self._port.write(self._layout.begin)
         self._look()
@@ -168,7 +168,7 @@ class MidiPanel(PassiveDriver):
             knob.pickup.forget()
         for button in self._buttons.values():
             button.let_go()
-        self.outlet.health(Health.LOST, what, remedy)
+        self.context.health(Health.LOST, what, remedy)
         self._look()
 
     def _received(self, data: bytes) -> None:
@@ -195,10 +195,10 @@ class MidiPanel(PassiveDriver):
                 self._hint(it, state)
 
     def _ask(self, ask: Ask, done: Any) -> None:
-        self.outlet.ask(ask, done)
+        self.context.ask(ask, done)
 
     def _now_us(self) -> int:
-        return self.outlet.clock.now_us()
+        return self.context.clock.now_us()
 
     def _state(self, on: str) -> State | None:
         feed = self._feeds.get(on)
@@ -211,11 +211,11 @@ class MidiPanel(PassiveDriver):
             return
         self._hinted = True
         if state is None:
-            self.outlet.notice(
+            self.context.notice(
                 "info", f"{it.name} moves nothing: {it.on!r} does not tell where it stands"
             )
             return
-        self.outlet.notice(
+        self.context.notice(
             "info",
             f"{it.name} does not move {it.label} yet, which stands elsewhere",
             "turn it past the mark; from there on the robot follows",
@@ -247,7 +247,7 @@ class MidiPanel(PassiveDriver):
         moved, self._moved = self._moved, {}
         self._shown, self._shown_us = (waiting, lit), self._now_us()
         targets = {name: value for name, value in waiting.items() if value is not None}
-        self.outlet.show(
+        self.context.show(
             ControlsMoved(values=moved, waiting=list(waiting), targets=targets, lit=lit)
         )
 

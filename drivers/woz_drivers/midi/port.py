@@ -10,7 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 from woz_drivers.midi.devices import open_one
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 #: A missing device is looked for this often, in seconds.
 POLL_S = 0.5
@@ -90,7 +90,7 @@ class MidiPort:
         while True:
             try:
                 path, fd, writable = open_one(self._wanted, self._folder)
-            except Lost as error:
+            except DeviceLostError as error:
                 self._tell(error.what, error.remedy)
             else:
                 await self._attend(path, fd, writable)

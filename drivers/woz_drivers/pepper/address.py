@@ -6,7 +6,7 @@ import contextlib
 import re
 from dataclasses import dataclass
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.hiding import HIDDEN
 
 #: `robots:` entry for which the driver starts a robot of its own on this machine.
@@ -61,7 +61,7 @@ class Address:
 def parse(text: str) -> Address:
     """The address in `text`.
 
-    Raises `Rejected` with what is wrong. Nothing of what may be a password is repeated.
+    Raises `RejectedError` with what is wrong. Nothing of what may be a password is repeated.
     """
     text = text.strip()
     if text.lower() == SIMULATED:
@@ -70,7 +70,7 @@ def parse(text: str) -> Address:
     user, place = _without_user(rest)
     secure = scheme == "tcps"
     if user and not secure:
-        raise Rejected(
+        raise RejectedError(
             f"a user belongs to a secured line, not to {scheme}://",
             f"leave the user out, or write tcps://{user}@...",
         )
@@ -82,7 +82,7 @@ def seen(text: str) -> str:
     """What everybody may see of `text`, which was given as an address: no password, and nothing
     that may be one because it stands where no port can. An address stays as it is.
     """
-    with contextlib.suppress(Rejected):
+    with contextlib.suppress(RejectedError):
         parse(text)
         return text
     found = _SCHEME.fullmatch(text.strip())
@@ -99,7 +99,7 @@ def seen(text: str) -> str:
 def _place_seen(place: str) -> str:
     try:
         _host_and_port(place, PORT)
-    except Rejected:
+    except RejectedError:
         return HIDDEN
     return place
 
@@ -110,7 +110,7 @@ def _split(text: str) -> tuple[str, str]:
         return "tcp", text
     scheme = found[1].lower()
     if scheme not in ("tcp", "tcps"):
-        raise Rejected(f"{scheme}:// is no way to a robot", _EXAMPLES)
+        raise RejectedError(f"{scheme}:// is no way to a robot", _EXAMPLES)
     return scheme, found[2].removesuffix("/")
 
 
@@ -119,13 +119,13 @@ def _without_user(rest: str) -> tuple[str, str]:
     if not at:
         return "", rest
     if ":" in user:
-        raise Rejected(
+        raise RejectedError(
             "a password must not stand in an address, where everybody reads it",
             "give the user alone, and the password in the environment variable that `password`"
             " names (WOZ_PEPPER_PASSWORD)",
         )
     if not _USER.fullmatch(user):
-        raise Rejected("the user before the @ is none: letters, digits, _ . -", _EXAMPLES)
+        raise RejectedError("the user before the @ is none: letters, digits, _ . -", _EXAMPLES)
     return user, place
 
 
@@ -133,17 +133,17 @@ def _host_and_port(place: str, usual: int) -> tuple[str, int]:
     found = _PLACE.fullmatch(place)
     if found is None:
         if place.count(":") > 1 and "[" not in place:
-            raise Rejected(
+            raise RejectedError(
                 "an IPv6 address stands in brackets", "write [ADDRESS] or [ADDRESS]:9559"
             )
-        raise Rejected("this is no address of a robot", _EXAMPLES)
+        raise RejectedError("this is no address of a robot", _EXAMPLES)
     host = found["six"] or found["name"]
     if (found["six"] is None and not _NAME.fullmatch(host)) or ".." in host:
-        raise Rejected("this is no name of a host", _EXAMPLES)
+        raise RejectedError("this is no name of a host", _EXAMPLES)
     return host, usual if found["port"] is None else _port(found["port"])
 
 
 def _port(text: str) -> int:
     if text.isascii() and text.isdigit() and len(text) <= 5 and 1 <= int(text) <= 65535:
         return int(text)
-    raise Rejected("what stands after the host is no port: 1 to 65535", _EXAMPLES)
+    raise RejectedError("what stands after the host is no port: 1 to 65535", _EXAMPLES)

@@ -11,7 +11,16 @@ from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.messages import Json
 
 BEHAVIORS = "ALBehaviorManager"
@@ -25,8 +34,8 @@ class Animations(Part):
 
     name = "animations"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._endings = Endings()
         self._playing = ""
 
@@ -55,7 +64,7 @@ class Animations(Part):
             raise
         except DriverError as error:
             self._playing = ""
-            if isinstance(error, Lost):
+            if isinstance(error, DeviceLostError):
                 raise
             raise DriverError(
                 f"{path} was not played: {error.what}",
@@ -85,7 +94,7 @@ class Animations(Part):
         """The job's cancelled call ends it where the robot listens to that; this ends it anyway."""
         try:
             await self._robot.call(BEHAVIORS, "stopBehavior", path)
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError:
             # Perhaps because it has ended already, by the cancelled call or by the end of motion.
@@ -189,7 +198,7 @@ def path_of(name: str) -> str:
     """The animation that `name` means: a known one by its path's ending (`Hey_1`,
     `Positive/Happy_1`, upper or lower case), otherwise `name` itself if it is a path.
 
-    Raises `Rejected` for a name without a folder that nobody knows.
+    Raises `RejectedError` for a name without a folder that nobody knows.
     """
     wanted = name.strip().strip("/")
     known = _ENDINGS.get(wanted.lower())
@@ -200,7 +209,7 @@ def path_of(name: str) -> str:
     short = [path.rpartition("/")[2] for path in MOVES]
     near = difflib.get_close_matches(wanted, short, 1, 0.5)
     hint = f"did you mean {near[0]!r}? " if near else ""
-    raise Rejected(
+    raise RejectedError(
         f"there is no animation {name!r} among those that every Pepper has",
         f"{hint}write the whole path of one that only your robot has, such as my_app/{wanted}",
     )

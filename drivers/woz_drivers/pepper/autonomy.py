@@ -14,7 +14,14 @@ from woz_drivers.pepper.parts_calls import put, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, STATE_S, of_verb
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
-from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected, Verb
+from woz_tui.core.driver import (
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Verb,
+)
 from woz_tui.core.messages import Json
 
 LANE = "settings"
@@ -27,8 +34,8 @@ class Autonomy(Part):
 
     name = "autonomy"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._asked = settings.asked(of_verb("autonomy", "collision").values())
 
@@ -55,11 +62,11 @@ class Autonomy(Part):
         """Set what was named; the rest is set even if the robot refuses one of them."""
         wanted = {name: value for name, value in job.args.items() if value is not None}
         if not wanted:
-            raise Rejected(f"{job.verb} was told nothing", "name what to change and its value")
+            raise RejectedError(f"{job.verb} was told nothing", "name what to change and its value")
         if job.verb == "collision":
             wanted = {name: number(wanted, name) for name in wanted}
         elif job.verb != "autonomy":
-            raise Rejected(f"autonomy cannot {job.verb!r}")
+            raise RejectedError(f"autonomy cannot {job.verb!r}")
         refused = await self._set(wanted)
         self._asked |= {name: value for name, value in wanted.items() if name not in refused}
         if refused:
@@ -79,17 +86,17 @@ class Autonomy(Part):
         if "state" in wanted and await self._state() == wanted["state"]:
             del wanted["state"]  # said again, `disabled` sends a robot to rest that was woken since
         for name, error in (await self._set(wanted)).items():
-            self._outlet.notice("warning", f"{name} could not be set: {error.what}", error.remedy)
+            self._context.notice("warning", f"{name} could not be set: {error.what}", error.remedy)
 
     async def read(self) -> Mapping[str, Json]:
         """All of it as the robot has it now."""
         return await read_back(self._robot, of_verb("autonomy", "collision").values())
 
     async def _state(self) -> Json:
-        """Of autonomous life; None: it does not say. Raises `Lost`."""
+        """Of autonomous life; None: it does not say. Raises `DeviceLostError`."""
         try:
             return memory.word(await self._robot.call(*SETTINGS["state"].get, within=LOOK_S))
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError:
             return None
@@ -97,13 +104,13 @@ class Autonomy(Part):
     async def _set(self, wanted: Mapping[str, Json]) -> dict[str, DriverError]:
         """Set these, in the order of the table; returns what the robot refused, and why.
 
-        Raises `Lost`.
+        Raises `DeviceLostError`.
         """
         refused: dict[str, DriverError] = {}
         for name in filter(wanted.__contains__, SETTINGS):
             try:
                 await put(self._robot, SETTINGS[name], wanted[name])
-            except Lost:
+            except DeviceLostError:
                 raise
             except DriverError as error:
                 way = _BACK if (name, wanted[name]) == ("state", "solitary") else ""

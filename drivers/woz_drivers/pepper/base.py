@@ -12,7 +12,15 @@ from woz_drivers.pepper.parts import LOOK_S, Part, Robot
 from woz_drivers.pepper.parts_calls import Endings, answers
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
-from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -31,8 +39,8 @@ class Base(Part):
 
     name = "driving"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._endings = Endings()
 
     @classmethod
@@ -57,7 +65,7 @@ class Base(Part):
         """Drive there; fails with a sentence when something is in the way."""
         x, y, turn = (number(job.args, name) for name in ("x", "y", "turn"))
         if x == y == turn == 0.0:
-            raise Rejected("there is nowhere to drive", "give x, y or turn")
+            raise RejectedError("there is nowhere to drive", "give x, y or turn")
         await self._endings.settled()
         # A robot that was silent for a while must not set off when it wakes from that.
         await self._robot.probe()

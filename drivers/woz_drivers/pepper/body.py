@@ -12,7 +12,16 @@ from woz_drivers.pepper.parts_calls import LONG_S, Call, Endings, read_back
 from woz_drivers.pepper.robot_settings import SETTINGS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import positive, text
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -33,8 +42,8 @@ class Body(Part):
 
     name = "motion"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._endings = Endings()
 
     @classmethod
@@ -82,12 +91,12 @@ class Body(Part):
                 return await self.take("Stand", round(speed, 3))
             case "torque":
                 return await self._torque(job)
-        raise Rejected(f"the body cannot {job.verb!r}")
+        raise RejectedError(f"the body cannot {job.verb!r}")
 
     async def take(self, posture: str, speed: float) -> dict[str, Json]:
         """Go to a posture. Raises `DriverError` if the robot did not get there."""
         if not posture.strip():
-            raise Rejected("no posture was named", POSTURES)
+            raise RejectedError("no posture was named", POSTURES)
         reached = await self._moving(
             self._robot.call(POSTURE, "goToPosture", posture, speed, within=LONG_S),
             lambda: self._robot.call(POSTURE, "stopMove"),
@@ -140,7 +149,7 @@ class Body(Part):
     async def _torque(self, job: Job) -> dict[str, Json]:
         on = job.args.get("on")
         if not isinstance(on, bool):
-            raise Rejected(f"the motors are switched on or off, not {on!r}")
+            raise RejectedError(f"the motors are switched on or off, not {on!r}")
         done = await self._moving(
             self._robot.call(MOTION, "wakeUp" if on else "rest", within=LONG_S),
             lambda: self._robot.call(MOTION, "killAll"),
@@ -164,7 +173,7 @@ class Body(Part):
         """End what moves these joints; all motion where the robot cannot end it for some alone."""
         try:
             await self._robot.call(MOTION, "killTasksUsingResources", joints)
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError:
             await self._robot.call(MOTION, "killAll")
@@ -178,7 +187,7 @@ async def hold(robot: Robot, names: list[str]) -> None:
     """
     try:
         said = await robot.call(MOTION, "getStiffnesses", names)
-    except Lost:
+    except DeviceLostError:
         raise
     except DriverError:  # a NAOqi without it: a stiff head may be stiffened once more
         awake = all(limb(name) for name in names) or await robot.call(MOTION, "robotIsWakeUp")

@@ -13,7 +13,7 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -91,17 +91,17 @@ def clamp(value: float, within: Range) -> float:
 def checked(pose: Json) -> dict[str, float]:
     """A pose as the robot takes it: degrees by joint, every one inside of its range.
 
-    Raises `Rejected` with the joint and what it can do.
+    Raises `RejectedError` with the joint and what it can do.
     """
     if not isinstance(pose, Mapping) or not pose:
-        raise Rejected("a pose names joints, as in `joints: {HeadYaw: 20}`")
+        raise RejectedError("a pose names joints, as in `joints: {HeadYaw: 20}`")
     found: dict[str, float] = {}
     for name, angle in pose.items():
         allowed = JOINTS.get(name)
         if allowed is None:
-            raise Rejected(f"Pepper has no joint {name!r}", _meant(name))
+            raise RejectedError(f"Pepper has no joint {name!r}", _meant(name))
         if isinstance(angle, bool) or not isinstance(angle, int | float):
-            raise Rejected(f"{name} takes a number, not {angle!r}")
+            raise RejectedError(f"{name} takes a number, not {angle!r}")
         _inside(name, float(angle), allowed)
         found[name] = float(angle)
     if HEAD_PITCH in found:
@@ -129,7 +129,9 @@ def native(name: str, angle: float) -> float:
 
 def _inside(name: str, angle: float, allowed: Range) -> None:
     if not allowed.contains(angle):
-        raise Rejected(f"{name} goes from {allowed}, not to {angle:g}", "take an angle in between")
+        raise RejectedError(
+            f"{name} goes from {allowed}, not to {angle:g}", "take an angle in between"
+        )
 
 
 def _meant(name: str) -> str:

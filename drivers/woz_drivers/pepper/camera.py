@@ -18,7 +18,14 @@ from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.parts_task import Background, apart
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected, Verb
+from woz_tui.core.driver import (
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Verb,
+)
 from woz_tui.core.messages import Json
 from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
 
@@ -42,12 +49,12 @@ class Camera(Part):
 
     name = "camera"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._folder = settings.pictures
-        self._pictures = outlet.feed(PICTURE)
-        self._watched = outlet.feed(WATCHED)
-        self._watching = Background("the camera", outlet)
+        self._pictures = context.feed(PICTURE)
+        self._watched = context.feed(WATCHED)
+        self._watching = Background("the camera", context)
         #: What the live pictures are subscribed under, and with which resolution and rate.
         self._subscribed: tuple[str, tuple[int, int]] | None = None
         #: When the last of them came, in the loop's time.
@@ -68,7 +75,7 @@ class Camera(Part):
         seconds since 1970.
         """
         if job.verb != "picture":
-            raise Rejected(f"the camera cannot {job.verb}")
+            raise RejectedError(f"the camera cannot {job.verb}")
         taken, t_us, moment = await self._take()
         picture = Picture(t_us, taken.width, taken.height, taken.rgb)
         folder = self._place()
@@ -79,7 +86,7 @@ class Camera(Part):
             "file": str(Path(self._folder or folder.name) / path.name),
             "width": taken.width,
             "height": taken.height,
-            "t": self._outlet.t(t_us),
+            "t": self._context.t(t_us),
             "robot_time": taken.robot_s,
         }
 
@@ -127,7 +134,7 @@ class Camera(Part):
     def _wish(self) -> Watched | None:
         """What is wanted now, by those who watch."""
         wish = self._watched.latest().value
-        if not isinstance(wish, Watched) or wish.until_us <= self._outlet.clock.now_us():
+        if not isinstance(wish, Watched) or wish.until_us <= self._context.clock.now_us():
             return None
         return wish if wish.rate > 0 and math.isfinite(wish.rate) else None
 
@@ -140,7 +147,7 @@ class Camera(Part):
             self._came = loop.time()
         came = frame(await self._robot.call("ALVideoDevice", "getImageRemote", self._subscribed[0]))
         if isinstance(came, Frame):
-            now_us = self._outlet.clock.now_us()
+            now_us = self._context.clock.now_us()
             self._pictures.put(Picture(now_us, came.width, came.height, came.rgb))
             self._came, self._trouble = loop.time(), ""
         elif loop.time() - self._came >= _PATIENCE_S:
@@ -148,9 +155,9 @@ class Camera(Part):
 
     def _tell(self, error: DriverError) -> None:
         """Say once why there are no pictures; that the robot is gone is told by others."""
-        if not isinstance(error, Lost) and self._trouble != error.what:
+        if not isinstance(error, DeviceLostError) and self._trouble != error.what:
             self._trouble = error.what
-            self._outlet.notice("warning", f"no camera picture: {error.what}", error.remedy)
+            self._context.notice("warning", f"no camera picture: {error.what}", error.remedy)
 
     async def _subscribe(self, name: str, size: int, rate: int) -> str:
         said = await self._robot.call("ALVideoDevice", "subscribe", name, size, RGB, rate)
@@ -177,7 +184,7 @@ class Camera(Part):
         finally:
             words = ("unsubscribe", held) if held else ("unsubscribeAllInstances", SINGLE)
             self._endings.send(self._robot.call("ALVideoDevice", *words, within=_FAREWELL_S))
-        return came, self._outlet.clock.now_us(), self._outlet.clock.wall()
+        return came, self._context.clock.now_us(), self._context.clock.wall()
 
     async def _first(self, held: str) -> Frame:
         loop = asyncio.get_running_loop()
@@ -193,8 +200,8 @@ class Camera(Part):
     def _place(self) -> Path:
         """Where pictures go now."""
         if not self._folder:
-            return self._outlet.media
-        return self._outlet.folder / Path(self._folder).expanduser()
+            return self._context.media
+        return self._context.folder / Path(self._folder).expanduser()
 
 
 # -- as ALVideoDevice gives them -------------------------------------------------------------------

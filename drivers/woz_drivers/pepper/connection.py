@@ -2,9 +2,9 @@
 
 What is promised about calls, and what cannot be:
 
-- Every call ends exactly once: with its value, with the robot's refusal, or with `Lost`. A robot
-  that was killed is known at once; one that is frozen or cut off after at most 2 s, and all calls
-  under way end in that moment.
+- Every call ends exactly once: with its value, with the robot's refusal, or with `DeviceLostError`.
+  A robot that was killed is known at once; one that is frozen or cut off after at most 2 s, and all
+  calls under way end in that moment.
 - A call is sent only while the robot is known to be alive: it was heard within the last 0.02 s
   (`connection_line.FRESH_S`), or it has just answered a question that was asked for this call. If
   it is silent, the call is refused and never sent. Only calls that end something (`HALTS`) are sent
@@ -34,7 +34,7 @@ from woz_drivers.pepper.link import (
     Gone,
     Methods,
     Missing,
-    Refused,
+    RefusedError,
     Said,
     Unanswered,
     Unsubscribe,
@@ -44,7 +44,7 @@ from woz_drivers.pepper.parts import LOOK_S, WITHIN_S, Absent
 from woz_drivers.pepper.served_files import Files
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.simulated_robot import SimulatedRobot
-from woz_tui.core.driver import DriverError, Health, Lost, Outlet, Rejected
+from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError, Health, RejectedError
 
 #: Pauses between attempts, in seconds: doubled up to the longest.
 _FIRST_PAUSE_S = 0.1
@@ -67,17 +67,17 @@ class Connection:
     def __init__(
         self,
         settings: PepperSettings,
-        outlet: Outlet,
+        context: DriverContext,
         *,
         on_connected: Callable[[], Awaitable[None]],
         on_lost: Callable[[], None],
     ) -> None:
         self._settings = settings
-        self._outlet = outlet
+        self._context = context
         self._on_connected = on_connected
         self._on_lost = on_lost
-        self._simulated = SimulatedRobot(settings.pace, outlet.folder)
-        self.files = Files(self, settings.tablet, outlet)
+        self._simulated = SimulatedRobot(settings.pace, context.folder)
+        self.files = Files(self, settings.tablet, context)
         self._address: Address | None = None
         self._line: Line | None = None
         self._keeper: asyncio.Task[None] | None = None
@@ -86,7 +86,7 @@ class Connection:
         self._closed = False
         self._met: set[Address] = set()
         self._absent: dict[Address, frozenset[str]] = {}
-        self._why = Lost("no robot is connected", "take one with `connect`")
+        self._why = DeviceLostError("no robot is connected", "take one with `connect`")
         #: When a question about a setting was asked last, or is going to be.
         self._turn = float("-inf")
 
@@ -99,14 +99,14 @@ class Connection:
             return
         try:
             self._keep(parse(self._settings.robots[0]))
-        except Rejected as error:
-            self._tell(Health.FAULTED, Lost(f"robots: {error.what}", error.remedy))
+        except RejectedError as error:
+            self._tell(Health.FAULTED, DeviceLostError(f"robots: {error.what}", error.remedy))
 
     async def connect(self, robot: str = "") -> None:
         """Take another robot (empty: the first of the settings); return when it is there.
 
-        Raises `Rejected` for what is no address, `Lost` if the first attempt fails; it is tried
-        again even so.
+        Raises `RejectedError` for what is no address, `DeviceLostError` if the first attempt fails;
+        it is tried again even so.
         """
         first = await self._whole(self._taken(self.named(robot)))
         await asyncio.shield(first)
@@ -124,12 +124,12 @@ class Connection:
         """End everything; never waits for the robot."""
         self._closed = True
         async with self._changing:
-            await self._let_go(Lost("the session is over"))
+            await self._let_go(DeviceLostError("the session is over"))
         await self.files.close()
         await self._simulated.close()
 
     def named(self, robot: str) -> Address:
-        """Which robot `connect` would take. Raises `Rejected` for what is no address."""
+        """Which robot `connect` would take. Raises `RejectedError` for what is no address."""
         return parse(robot or (self._settings.robots[0] if self._settings.robots else ""))
 
     @property
@@ -155,7 +155,7 @@ class Connection:
         return self._line.link.local_host if self._line is not None else ""
 
     async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
-        """Call a method; raises `Lost`, or `DriverError` with the robot's own words."""
+        """Call a method; raises `DeviceLostError`, or `DriverError` with the robot's own words."""
         line = self._need()
         what = f"{service}.{method}"
         with self._in_words(line, what):
@@ -175,7 +175,7 @@ class Connection:
         return await self.call(service, method, *args, within=LOOK_S)
 
     async def probe(self) -> None:
-        """Return when the robot has answered a question asked now. Raises `Lost`."""
+        """Return when the robot has answered a question asked now. Raises `DeviceLostError`."""
         line = self._need()
         with self._in_words(line, "a question"):
             await line.pulse.ask()
@@ -201,7 +201,7 @@ class Connection:
 
     def _need(self) -> Line:
         if self._line is None:
-            raise Lost(self._why.what, self._why.remedy)
+            raise DeviceLostError(self._why.what, self._why.remedy)
         return self._line
 
     @contextlib.contextmanager
@@ -216,7 +216,7 @@ class Connection:
         except Said as said:
             raise DriverError(f"the robot refused {said}") from None
         except Unanswered:
-            raise Lost(
+            raise DeviceLostError(
                 f"the robot did not answer {what} in time; it may still do it",
                 "stop it if it does what it should not",
             ) from None
@@ -238,14 +238,18 @@ class Connection:
     async def _taken(self, address: Address) -> asyncio.Future[None]:
         async with self._changing:
             if self._closed:
-                raise Lost("the session is over")
-            await self._let_go(Lost(f"{address.shown} is being taken", "wait until it is there"))
+                raise DeviceLostError("the session is over")
+            await self._let_go(
+                DeviceLostError(f"{address.shown} is being taken", "wait until it is there")
+            )
             return self._keep(address)
 
     async def _left(self) -> None:
         shown = self.robot or "no robot"
         async with self._changing:
-            why = Lost(f"{shown}: disconnected by the wizard", "take a robot with `connect`")
+            why = DeviceLostError(
+                f"{shown}: disconnected by the wizard", "take a robot with `connect`"
+            )
             await self._let_go(why)
             self._address = None
             self._tell(Health.LOST, why)
@@ -264,10 +268,12 @@ class Connection:
         error = None if keeper.cancelled() else keeper.exception()
         if error is not None:
             what = f"the connection ended by a mistake of this program: {error!r}"
-            self._tell(Health.FAULTED, Lost(what, "take the robot again; please report it"))
+            self._tell(
+                Health.FAULTED, DeviceLostError(what, "take the robot again; please report it")
+            )
         self._failed(first, self._why)
 
-    async def _let_go(self, why: Lost) -> None:
+    async def _let_go(self, why: DeviceLostError) -> None:
         """Close what there is; calls under way end with `why`."""
         self._why = why
         if self._line is not None:
@@ -282,12 +288,14 @@ class Connection:
     async def _keeping(self, address: Address, first: asyncio.Future[None]) -> None:
         """Connect, watch, connect again; ends when there is no use in trying."""
         pause = _FIRST_PAUSE_S
-        self._why = Lost(f"{address.shown} is being looked for", "wait until it is there")
-        self._outlet.health(Health.CONNECTING, f"connecting to {address.shown}")
+        self._why = DeviceLostError(
+            f"{address.shown} is being looked for", "wait until it is there"
+        )
+        self._context.health(Health.CONNECTING, f"connecting to {address.shown}")
         while True:
             try:
                 line = await self._opened(address)
-            except Refused as refused:
+            except RefusedError as refused:
                 self._failed(first, refused)
                 self._tell(Health.FAULTED, refused)
                 return
@@ -338,17 +346,17 @@ class Connection:
             async with asyncio.timeout(_APPLIED_WITHIN_S):
                 await self._on_connected()
         except TimeoutError:
-            self._outlet.notice(
+            self._context.notice(
                 "warning",
                 f"{line.shown} did not take all settings within {_APPLIED_WITHIN_S:g} s",
                 "compare what is shown, and set again what is missing",
             )
         except DriverError as error:
             if not line.leaving:  # else the wizard has just said so
-                self._outlet.notice("warning", f"{line.shown}: {error.what}", error.remedy)
+                self._context.notice("warning", f"{line.shown}: {error.what}", error.remedy)
         absent = ", ".join(sorted(self._absent[address]))
         detail = f"{line.shown}; without {absent}" if absent else line.shown
-        self._outlet.health(Health.CONNECTED, detail)
+        self._context.health(Health.CONNECTED, detail)
         if not first.done():
             first.set_result(None)
 
@@ -356,7 +364,7 @@ class Connection:
         """Once for each robot on a secured line of which the file does not say what to trust."""
         found = line.link.certificate
         if found and not self._settings.trusted:
-            self._outlet.notice(
+            self._context.notice(
                 "info",
                 f"{line.shown} shows the certificate {found}; any is accepted",
                 f"set `trusted: {found}` to be sure which robot it is",
@@ -365,13 +373,13 @@ class Connection:
     def _starting(self, line: Line, missing: frozenset[str]) -> None:
         """It has just been started: services come up one after the other."""
         names = ", ".join(sorted(missing))
-        self._why = Lost(f"{line.shown} is starting: waiting for {names}", "wait")
-        self._outlet.health(Health.CONNECTING, self._why.what, "it takes a minute or two")
+        self._why = DeviceLostError(f"{line.shown} is starting: waiting for {names}", "wait")
+        self._context.health(Health.CONNECTING, self._why.what, "it takes a minute or two")
 
     def _failed(self, first: asyncio.Future[None], error: DriverError) -> None:
         if not first.done():
             first.set_exception(error)
 
     def _tell(self, health: Health, error: DriverError) -> None:
-        self._why = Lost(error.what, error.remedy)
-        self._outlet.health(health, error.what, error.remedy)
+        self._why = DeviceLostError(error.what, error.remedy)
+        self._context.health(health, error.what, error.remedy)

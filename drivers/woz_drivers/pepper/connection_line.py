@@ -9,7 +9,7 @@ from typing import Protocol
 
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.link import Gone, Link, Said, Unanswered
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 #: What only ends something. Sent even to a robot that is silent.
 HALTS = frozenset(
@@ -68,7 +68,7 @@ class Line:
         self.address = address
         self.pulse = Pulse(link, heartbeat)
         #: Set when it has ended.
-        self.why: Lost | None = None
+        self.why: DeviceLostError | None = None
         #: The wizard lets it go: what goes on must not begin anything behind the last stop.
         self.leaving = False
 
@@ -77,18 +77,22 @@ class Line:
         """Which robot."""
         return self.address.shown
 
-    def lost(self, reason: str) -> Lost:
+    def lost(self, reason: str) -> DeviceLostError:
         """What those are told whose calls ended with it."""
         if self.why is not None:
-            return Lost(self.why.what, self.why.remedy)
-        return Lost(f"{self.shown} is lost: {reason}", _LOOKED_FOR)
+            return DeviceLostError(self.why.what, self.why.remedy)
+        return DeviceLostError(f"{self.shown} is lost: {reason}", _LOOKED_FOR)
 
     def refuse_if_leaving(self, what: str) -> None:
-        """Raise `Lost` for a call that would begin something on a robot that is being let go."""
+        """Raise `DeviceLostError` for a call that would begin something on a robot that is being
+        let go.
+        """
         if self.leaving and what not in FAREWELL:
-            raise Lost(f"{self.shown} is being let go; nothing was sent", "connect again")
+            raise DeviceLostError(
+                f"{self.shown} is being let go; nothing was sent", "connect again"
+            )
 
-    async def until_lost(self, getting_ready: asyncio.Task[None]) -> Lost:
+    async def until_lost(self, getting_ready: asyncio.Task[None]) -> DeviceLostError:
         """Return when the connection is gone, the robot does not answer, or cannot be got ready."""
         dead = asyncio.create_task(self.pulse.until_dead())
         waiting: set[asyncio.Future[object]] = {dead, self.link.lost, getting_ready}  # type: ignore[arg-type]
@@ -230,13 +234,15 @@ class Pulse:
     async def fresh(self) -> None:
         """Return at once if the robot was heard just now, else when it answers a question.
 
-        Raises `Lost` at once if it is silent, later if it stays so, or `Gone`.
+        Raises `DeviceLostError` at once if it is silent, later if it stays so, or `Gone`.
         """
         if self._loop.time() - self._heard > FRESH_S:
             await self._answer_within(self._patience)
 
     async def ask(self) -> None:
-        """Ask now; return on the answer. Raises `Lost` if it does not come at once, or `Gone`."""
+        """Ask now; return on the answer. Raises `DeviceLostError` if it does not come at once, or
+        `Gone`.
+        """
         await self._answer_within(SILENT_S)
 
     async def _answer_within(self, seconds: float) -> None:
@@ -278,8 +284,8 @@ class Pulse:
         return self._loop.time() - self._asked - self._patience > _OVERSLEPT_S
 
 
-def _silent() -> Lost:
-    return Lost(
+def _silent() -> DeviceLostError:
+    return DeviceLostError(
         "the robot does not answer at the moment; nothing was sent",
         "wait: it is asked all the time, and found again by itself",
     )

@@ -23,14 +23,14 @@ from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet import Screen
 from woz_drivers.simulated.values import text
 from woz_tui.core.driver import (
+    DeviceLostError,
     Driver,
+    DriverContext,
     DriverError,
     Finding,
     Job,
-    Lost,
-    Outlet,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     StopReport,
     Verb,
@@ -54,16 +54,16 @@ class Pepper(Driver):
     summary = "SoftBank's Pepper over NAOqi (2.5 to 2.9), or a simulated one"
     settings: PepperSettings
 
-    def __init__(self, name: str, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._connection = Connection(
-            settings, outlet, on_connected=self._connected, on_lost=self._gone
+            settings, context, on_connected=self._connected, on_lost=self._gone
         )
         self._parts: tuple[Part, ...] = tuple(
-            kind(self._connection, settings, outlet) for kind in verbs.PARTS
+            kind(self._connection, settings, context) for kind in verbs.PARTS
         )
         self._by_verb = verbs.by_verb(self._parts, settings)
-        self._reading = Reading(self._connection, self._parts, settings, outlet)
+        self._reading = Reading(self._connection, self._parts, settings, context)
         #: Whether it was there and went without being asked to: nobody knows what it does now.
         self._astray = False
         self._present = False
@@ -74,7 +74,7 @@ class Pepper(Driver):
         #: While the stop is pressed no robot is told to live by itself: what was to be applied to
         #: one that was found meanwhile waits for the release.
         self._stopped = self._waits = False
-        self._later = Background("applying the settings", outlet)
+        self._later = Background("applying the settings", context)
         self._closed = False
         self._stops: set[asyncio.Task[tuple[str, ...]]] = set()
 
@@ -116,10 +116,10 @@ class Pepper(Driver):
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out a verb by its part; what was asked for is compared with the robot from now on.
 
-        Raises `Lost` while no robot is connected, but for the verbs of the line.
+        Raises `DeviceLostError` while no robot is connected, but for the verbs of the line.
         """
         if self._closed:
-            raise Lost("the robot's driver is closed")
+            raise DeviceLostError("the robot's driver is closed")
         match job.verb:
             case "connect":
                 return await self._connect(text(job.args, "robot"))
@@ -127,13 +127,13 @@ class Pepper(Driver):
                 return await self._disconnect()
         part = self._by_verb.get(job.verb)
         if part is None:
-            raise Rejected(f"Pepper cannot {job.verb!r}")
+            raise RejectedError(f"Pepper cannot {job.verb!r}")
         await self._settled.wait()
         self._connection.alert()
         try:
             with self._reading.using(job.verb):
                 sent = await part.perform(job)
-        except (Rejected, Lost):
+        except (RejectedError, DeviceLostError):
             raise
         except DriverError:
             # Perhaps it was done in part: what is missing shows as wanted.
@@ -198,7 +198,7 @@ class Pepper(Driver):
             self._later.start(self._live())
 
     async def _live(self) -> None:
-        with contextlib.suppress(Lost):  # then the next connection does it
+        with contextlib.suppress(DeviceLostError):  # then the next connection does it
             await self._apply([part for part in self._parts if isinstance(part, Autonomy)])
 
     async def rest(self) -> None:
@@ -252,7 +252,7 @@ class Pepper(Driver):
                 raise
             if report is not None and report.missing:
                 missing = ", ".join(report.missing)
-                self.outlet.notice(
+                self.context.notice(
                     "warning",
                     f"{robot} was let go, but did not confirm its stop: {missing}",
                     "look at it: what it was doing may go on",
@@ -280,8 +280,8 @@ class Pepper(Driver):
             self._settled.set()
         self._reading.soon()
         for part, error in zip(parts, done, strict=True):
-            if isinstance(error, DriverError) and not isinstance(error, Lost):
-                self.outlet.notice("warning", f"{part.name}: {error.what}", error.remedy)
+            if isinstance(error, DriverError) and not isinstance(error, DeviceLostError):
+                self.context.notice("warning", f"{part.name}: {error.what}", error.remedy)
             elif isinstance(error, BaseException):
                 raise error
 

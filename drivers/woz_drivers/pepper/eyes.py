@@ -19,7 +19,16 @@ from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import color as color_of
 from woz_drivers.simulated.values import number, positive, word
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -47,8 +56,8 @@ class Eyes(Part):
 
     name = "eyes"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._endings = Endings()
         #: Shown last by command, undimmed; None: whatever the robot shows by itself.
         self._shown: Color | None = None
@@ -110,7 +119,7 @@ class Eyes(Part):
                 level = min(max(number(job.args, "level"), 0.0), 1.0)
                 await self._dim(level)
                 return {"level": level}
-        raise Rejected(f"the eyes cannot {job.verb!r}")
+        raise RejectedError(f"the eyes cannot {job.verb!r}")
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Hold a steady light; nothing to do where nothing moves."""
@@ -130,10 +139,10 @@ class Eyes(Part):
         if self._shown is not None:
             try:
                 await self._fade(self._shown, seconds)
-            except Lost:
+            except DeviceLostError:
                 raise
             except DriverError as error:
-                self._outlet.notice("warning", f"the eyes stay as they are: {error.what}")
+                self._context.notice("warning", f"the eyes stay as they are: {error.what}")
 
     def lost(self) -> None:
         """Blinking ends."""
@@ -268,7 +277,7 @@ class Eyes(Part):
         except DriverError as error:
             self._loop = None
             what = "blinking" if animation == "blink" else "coming and going"
-            self._outlet.notice("warning", f"the eyes stopped {what}: {error.what}")
+            self._context.notice("warning", f"the eyes stopped {what}: {error.what}")
 
     def _end_loop(self) -> None:
         if self._loop is not None:

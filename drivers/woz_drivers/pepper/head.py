@@ -17,7 +17,16 @@ from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import number
 from woz_tui.core.clock import Clock
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -58,7 +67,7 @@ class Pair:
             await hold(self.robot, list(self.joints))
             try:
                 now = await self.robot.call(MOTION, "getAngles", list(self.joints), False)
-            except Lost:
+            except DeviceLostError:
                 raise
             except DriverError:  # a NAOqi that does not tell can count from where they are
                 await self._interpolate(first, second, absolute=False)
@@ -83,7 +92,7 @@ class Pair:
         angles = [math.radians(first), math.radians(second)]
         try:
             await self.robot.call(MOTION, "setAngles", list(self.joints), angles, self.speed)
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError:
             await self._interpolate(first, second, absolute=True)
@@ -105,9 +114,9 @@ class Head(Part):
 
     name = "head"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
-        clock = outlet.clock
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
+        clock = context.clock
         self._head = Pair(robot, clock, (HEAD_YAW, HEAD_PITCH), HEAD_SPEED, head)
         self._hip = Pair(robot, clock, (HIP_PITCH, HIP_ROLL), HIP_SPEED, hip)
 
@@ -166,7 +175,7 @@ class Head(Part):
                 pitch, roll = await self._hip.by(-first, second)
                 goal = asked = (0.0 - pitch, roll)
             case _:
-                raise Rejected(f"the head cannot {job.verb!r}")
+                raise RejectedError(f"the head cannot {job.verb!r}")
         sent: dict[str, Json] = dict(zip(names, (round(angle, 3) for angle in goal), strict=True))
         clamped: dict[str, Json] = {
             name: was for name, was, now in zip(names, asked, goal, strict=True) if was != now

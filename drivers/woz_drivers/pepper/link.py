@@ -24,7 +24,7 @@ from qimessaging.hosting import Hosted, Method
 from woz_drivers.pepper.address import Address
 from woz_drivers.pepper.secrets import Secret, password
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 #: An attempt is given up after so long, in seconds: short enough to meet a robot that has just come
 #: back, long enough for a slow one and a line that has to be secured.
@@ -76,7 +76,7 @@ Unsubscribe = Callable[[], Awaitable[None]]
 Methods = Mapping[str, tuple[str, Callable[..., None]]]
 
 
-class Refused(Lost):
+class RefusedError(DeviceLostError):
     """The robot is there, but will not have us, or is not the one we trust: trying again is of no
     use until somebody changes something.
     """
@@ -85,7 +85,7 @@ class Refused(Lost):
 async def open_link(
     address: Address, settings: PepperSettings, within: float = OPENS_WITHIN_S
 ) -> Link:
-    """Connect. Raises `Lost`, or `Refused` where trying again is of no use.
+    """Connect. Raises `DeviceLostError`, or `RefusedError` where trying again is of no use.
 
     Args:
         address: A real one; for the simulated robot where that listens.
@@ -117,7 +117,7 @@ async def open_link(
     return Link(client, watch.found)
 
 
-def _not_opened(address: Address, error: errors.QiError, secret: Secret) -> Lost:
+def _not_opened(address: Address, error: errors.QiError, secret: Secret) -> DeviceLostError:
     cause = error.__cause__
     number = cause.errno if isinstance(cause, OSError) else None
     return unreachable(address, number, secret.hidden_in(str(error)))
@@ -321,46 +321,48 @@ def words(text: str) -> str:
     return shown if len(shown) <= _READABLE else f"{shown[:_READABLE]}…"
 
 
-def unreachable(address: Address, number: int | None, text: str) -> Lost:
+def unreachable(address: Address, number: int | None, text: str) -> DeviceLostError:
     """The system said no: `number` is its errno where known, `text` its words."""
     where = address.shown
     if number == errno.ECONNREFUSED:
-        return Lost(
+        return DeviceLostError(
             f"{where} is there, but nothing listens on port {address.port}",
             "wait until NAOqi has started; NAOqi 2.9 and newer is tcps://nao@HOST:9503",
         )
     if number in _NOBODY:
         remedy = "is the robot on, and is this machine in its network?"
-        return Lost(f"{where} does not answer", remedy)
+        return DeviceLostError(f"{where} does not answer", remedy)
     reason = words(text) or (os.strerror(number) if number else "no reason given")
-    return Lost(f"{where} cannot be reached: {reason}", "check its power and the network")
+    return DeviceLostError(
+        f"{where} cannot be reached: {reason}", "check its power and the network"
+    )
 
 
-def unknown(address: Address) -> Lost:
+def unknown(address: Address) -> DeviceLostError:
     """No host has this name."""
-    return Lost(
+    return DeviceLostError(
         f"no host is called {address.shown}",
         "press the robot's chest button: it says its IP address; give that",
     )
 
 
-def wrong_password(address: Address, variable: str, given: bool) -> Refused:
+def wrong_password(address: Address, variable: str, given: bool) -> RefusedError:
     """The robot does not take user and password."""
     if not given:
-        return Refused(
+        return RefusedError(
             f"{address.shown} wants a password for the user {address.user or 'nao'}",
             f"set the environment variable {variable} before `woz` is started, and write the"
             " address as tcps://USER@HOST",
         )
-    return Refused(
+    return RefusedError(
         f"{address.shown} refused the password of the user {address.user}",
         f"correct {variable} and start again, or give another user: tcps://USER@HOST",
     )
 
 
-def wrong_certificate(address: Address, found: str) -> Refused:
+def wrong_certificate(address: Address, found: str) -> RefusedError:
     """Another certificate than the trusted one."""
-    return Refused(
+    return RefusedError(
         f"{address.shown} shows another certificate than `trusted` says",
         f"is it the right robot? if so, set `trusted: {found}`",
     )

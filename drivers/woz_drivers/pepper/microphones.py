@@ -21,7 +21,7 @@ from woz_drivers.pepper.memory import stamped, within
 from woz_drivers.pepper.parts import Part, Robot
 from woz_drivers.pepper.parts_calls import Endings
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Verb
+from woz_tui.core.driver import Argument, DriverContext, DriverError, Job, RejectedError, Verb
 from woz_tui.core.messages import Json
 
 #: Of the recordings on the robot.
@@ -45,8 +45,8 @@ class Microphones(Part):
 
     name = "microphones"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._folder = settings.recordings
         self._recording: _Recording | None = None
         self._listening: Listening | None = None
@@ -69,7 +69,7 @@ class Microphones(Part):
                 return await (self._record() if on else self._end_record())
             case "listen":
                 return await (self._listen() if on else self._end_listen())
-        raise Rejected(f"the microphones cannot {job.verb}")
+        raise RejectedError(f"the microphones cannot {job.verb}")
 
     def lost(self) -> None:
         """A recording may go on without us; the file here ends."""
@@ -80,7 +80,7 @@ class Microphones(Part):
         if listening is not None:
             self._leave(listening)
             text = f"the robot's sound in {listening.file} ends here: the robot is gone"
-            self._outlet.notice("warning", text, "play listen again when it is there")
+            self._context.notice("warning", text, "play listen again when it is there")
 
     async def read(self) -> Mapping[str, Json]:
         """What is under way."""
@@ -109,23 +109,23 @@ class Microphones(Part):
 
     async def _record(self) -> Mapping[str, Json]:
         if self._recording is not None:
-            raise Rejected(
+            raise RejectedError(
                 f"it is recording already, to {self._recording.path}", "end that one first"
             )
-        name = f"woz-{stamp(self._outlet.clock.wall())}.wav"
+        name = f"woz-{stamp(self._context.clock.wall())}.wav"
         path = str(PurePosixPath(self._folder) / name)
-        t_us = self._outlet.clock.now_us()
+        t_us = self._context.clock.now_us()
         try:
             await self._robot.call(
                 "ALAudioRecorder", "startMicrophonesRecording", path, "wav", _RECORDED_HZ, _ALL
             )
-        except Rejected:
+        except RejectedError:
             raise
         except DriverError as error:
             remedy = error.remedy or "record_sound off ends what it may be recording still"
             raise type(error)(f"no recording was begun: {error.what}", remedy) from None
         self._recording = _Recording(path, t_us)
-        return {"file": path, "t": self._outlet.t(t_us)}
+        return {"file": path, "t": self._context.t(t_us)}
 
     async def _end_record(self, within: float = 2.0) -> Mapping[str, Json]:
         """Also without one of ours: an earlier program may have left one."""
@@ -133,20 +133,22 @@ class Microphones(Part):
         recording, self._recording = self._recording, None
         if recording is None:
             return {"file": ""}
-        seconds = (self._outlet.clock.now_us() - recording.t_us) / 1_000_000
-        start = self._outlet.t(recording.t_us)
+        seconds = (self._context.clock.now_us() - recording.t_us) / 1_000_000
+        start = self._context.t(recording.t_us)
         return {"file": recording.path, "t": start, "seconds": round(seconds, 3)}
 
     def _tell_left(self, recording: _Recording) -> None:
         text = f"the robot may still be recording to {recording.path}"
-        self._outlet.notice("warning", text, "when it is there again: record_sound off")
+        self._context.notice("warning", text, "when it is there again: record_sound off")
 
     # -- here ----------------------------------------------------------------------------------
 
     async def _listen(self) -> Mapping[str, Json]:
         if self._listening is not None:
-            raise Rejected(f"it is listening already, to {self._listening.file}", "end it first")
-        listening = Listening(self._robot, self._outlet)
+            raise RejectedError(
+                f"it is listening already, to {self._listening.file}", "end it first"
+            )
+        listening = Listening(self._robot, self._context)
         self._listening = listening
         try:
             return await listening.begin()
@@ -182,12 +184,12 @@ _COMES_WITHIN_S = 3.0
 class Listening:
     """The front microphone's sound on its way into one file in the media folder."""
 
-    def __init__(self, robot: Robot, outlet: Outlet) -> None:
+    def __init__(self, robot: Robot, context: DriverContext) -> None:
         self._robot = robot
-        self._outlet = outlet
-        self._path = outlet.media / f"robot-{stamp(outlet.clock.wall())}.wav"
+        self._context = context
+        self._path = context.media / f"robot-{stamp(context.clock.wall())}.wav"
         #: The file as results and messages name it.
-        self.file = f"{outlet.media.name}/{self._path.name}"
+        self.file = f"{context.media.name}/{self._path.name}"
         self._service = f"{SERVICE}_{secrets.token_hex(4)}"
         self._sound: SoundFile | None = None
         self._first: asyncio.Future[Block] = asyncio.get_running_loop().create_future()
@@ -221,7 +223,7 @@ class Listening:
         return {**self._told(), "channels": first.channels, "robot_time": first.robot_s}
 
     def _told(self) -> dict[str, Json]:
-        return {"file": self.file, "t": self._outlet.t(self._t_us), "rate": _HEARD_HZ}
+        return {"file": self.file, "t": self._context.t(self._t_us), "rate": _HEARD_HZ}
 
     def _heard(self, channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
         """What the robot calls for each buffer."""
@@ -232,11 +234,11 @@ class Listening:
             self._bad += 1
             if self._bad == 1:
                 why = came if isinstance(came, str) else f"{came.channels} channels of a sudden"
-                self._outlet.notice("warning", f"a part of the robot's sound is missing: {why}")
+                self._context.notice("warning", f"a part of the robot's sound is missing: {why}")
             return
         if self._sound is None:
             lasted_us = came.samples * 1_000_000 // _HEARD_HZ
-            self._t_us = self._outlet.clock.now_us() - lasted_us
+            self._t_us = self._context.clock.now_us() - lasted_us
             self._sound = SoundFile(self._path, _HEARD_HZ, came.channels, self._failed)
             self._sound.begin()
             self._first.set_result(came)
@@ -244,7 +246,7 @@ class Listening:
 
     def _failed(self, why: str) -> None:
         text = f"the robot's sound is not kept any more, {self.file}: {why}"
-        self._outlet.notice("error", text, "look at the disk, then play listen off and on")
+        self._context.notice("error", text, "look at the disk, then play listen off and on")
 
     async def end(self) -> Mapping[str, Json]:
         """Return when the file is whole. Raises `DriverError` if something of it is missing."""

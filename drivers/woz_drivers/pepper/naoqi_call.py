@@ -10,7 +10,7 @@ from typing import Any
 from woz_drivers.pepper.parts import Part
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
-from woz_tui.core.driver import Argument, Job, Rejected, Verb
+from woz_tui.core.driver import Argument, Job, RejectedError, Verb
 from woz_tui.core.messages import Json
 
 #: Its own: a call that never returns must not keep the wizard from letting the robot go.
@@ -51,23 +51,25 @@ class NaoqiCall(Part):
 
 
 def named(call: str) -> tuple[str, str]:
-    """Service and method. Raises `Rejected`."""
+    """Service and method. Raises `RejectedError`."""
     found = _CALL.fullmatch(call.strip())
     if found is None:
-        raise Rejected(f"{call!r} is no call", "write Service.method: ALMotion.getSummary")
+        raise RejectedError(f"{call!r} is no call", "write Service.method: ALMotion.getSummary")
     return found["service"], found["method"]
 
 
 def listed(written: str) -> list[Json]:
-    """Arguments written as a JSON list. Raises `Rejected`."""
+    """Arguments written as a JSON list. Raises `RejectedError`."""
     try:
         args = json.loads(written)
     except ValueError as error:
-        raise Rejected(
+        raise RejectedError(
             f"args is no JSON list: {error}", "write for example args: '[\"Head\", 0.5]'"
         ) from None
     if not isinstance(args, list):
-        raise Rejected(f"args must be a list, not {written}", f"put it in brackets: [{written}]")
+        raise RejectedError(
+            f"args must be a list, not {written}", f"put it in brackets: [{written}]"
+        )
     return args
 
 

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Protocol
 
 from woz_drivers.pepper.link import Methods, Unsubscribe
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DriverError, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import DriverContext, DriverError, Job, RejectedError, Scope, Verb
 from woz_tui.core.messages import Json
 
 if TYPE_CHECKING:
@@ -31,9 +31,9 @@ class Absent(DriverError):  # noqa: N818 - read as `except Absent`
 class Robot(Protocol):
     """The robot as its parts see it: `connection.Connection` implements it.
 
-    All raise `core.driver` errors: `Lost` when the robot is not there or does not answer (nothing
-    is sent while it is silent), `DriverError` with the robot's own words when it says no, `Absent`
-    where it has no such service.
+    All raise `core.driver` errors: `DeviceLostError` when the robot is not there or does not answer
+    (nothing is sent while it is silent), `DriverError` with the robot's own words when it says no,
+    `Absent` where it has no such service.
     """
 
     async def call(self, service: str, method: str, *args: Any, within: float = WITHIN_S) -> Any:
@@ -82,10 +82,10 @@ class Part:
     #: What the stop calls it: speech, motion, animations, tablet ...
     name: ClassVar[str]
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
         self._robot = robot
         self._settings = settings
-        self._outlet = outlet
+        self._context = context
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -101,7 +101,7 @@ class Part:
         """Carry out one of its verbs; cancelled by the stop: then end it on the robot, too, but do
         not wait for that (the part's `stop` does).
         """
-        raise Rejected(f"{self.name} cannot {job.verb}")
+        raise RejectedError(f"{self.name} cannot {job.verb}")
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
         """Stand still; return what confirmed, in words (`speech`, `motion` ...). Raises if nothing

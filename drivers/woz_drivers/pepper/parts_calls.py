@@ -10,7 +10,7 @@ from typing import Any
 from woz_drivers.pepper import memory
 from woz_drivers.pepper.parts import WITHIN_S, Robot
 from woz_drivers.pepper.robot_settings import RobotSetting
-from woz_tui.core.driver import DriverError, Lost, Outlet
+from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError
 from woz_tui.core.messages import Json
 
 #: For calls that end when something has ended on the robot: longer than any of that takes. A robot
@@ -25,7 +25,7 @@ Call = Coroutine[Any, Any, Any]
 async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
     """Ask everything at once; whatever the robot did not say is left out.
 
-    Raises `Lost` when nothing at all was answered because the robot is gone.
+    Raises `DeviceLostError` when nothing at all was answered because the robot is gone.
     """
     said = await asyncio.gather(*calls.values(), return_exceptions=True)
     found = {}
@@ -34,8 +34,8 @@ async def answers(calls: Mapping[str, Call]) -> dict[str, Any]:
             found[name] = answer
         elif not isinstance(answer, DriverError):
             raise answer
-    if not found and said and all(isinstance(answer, Lost) for answer in said):
-        raise Lost(str(said[0]))
+    if not found and said and all(isinstance(answer, DeviceLostError) for answer in said):
+        raise DeviceLostError(str(said[0]))
     return found
 
 
@@ -66,16 +66,16 @@ _UNDERSTOOD: Mapping[str, Callable[[Any], Json]] = {
 }
 
 
-async def apply(outlet: Outlet, calls: Mapping[str, Call]) -> list[str]:
+async def apply(context: DriverContext, calls: Mapping[str, Call]) -> list[str]:
     """Set everything at once; what the robot refuses is a warning that names it.
 
-    Returns what was set. Raises `Lost` if the robot went away meanwhile.
+    Returns what was set. Raises `DeviceLostError` if the robot went away meanwhile.
     """
     said = await asyncio.gather(*calls.values(), return_exceptions=True)
     done = []
     for name, answer in zip(calls, said, strict=True):
-        if isinstance(answer, DriverError) and not isinstance(answer, Lost):
-            outlet.notice("warning", f"{name} could not be set: {answer.what}", answer.remedy)
+        if isinstance(answer, DriverError) and not isinstance(answer, DeviceLostError):
+            context.notice("warning", f"{name} could not be set: {answer.what}", answer.remedy)
         elif isinstance(answer, BaseException):
             raise answer
         else:

@@ -7,7 +7,7 @@ import threading
 from collections.abc import Callable, Coroutine
 from typing import Any, TypeVar
 
-from woz_tui.core.driver import Outlet
+from woz_tui.core.driver import DriverContext
 
 _T = TypeVar("_T")
 
@@ -15,9 +15,9 @@ _T = TypeVar("_T")
 class Background:
     """One task at a time. If it fails the wizard is told: nothing else would notice."""
 
-    def __init__(self, what: str, outlet: Outlet) -> None:
+    def __init__(self, what: str, context: DriverContext) -> None:
         self._what = what
-        self._outlet = outlet
+        self._context = context
         self._task: asyncio.Task[None] | None = None
 
     @property
@@ -48,7 +48,7 @@ class Background:
         error = None if task.cancelled() else task.exception()
         if error is not None:
             text = f"{self._what} ended by a mistake of this program: {error!r}"
-            self._outlet.notice("error", text, "connect again; please report it")
+            self._context.notice("error", text, "connect again; please report it")
 
 
 async def apart(work: Callable[[], _T]) -> _T:

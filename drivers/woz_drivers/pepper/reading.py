@@ -18,7 +18,7 @@ from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import color as color_of
 from woz_tui.core.clock import Clock
-from woz_tui.core.driver import DriverError, Job, Lost, Outlet, Rejected
+from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError, Job, RejectedError
 from woz_tui.core.messages import Json, SettingsShown
 
 #: At most so long from one reading to the next.
@@ -38,14 +38,14 @@ class Reading:
         connection: Connection,
         parts: Sequence[Part],
         settings: PepperSettings,
-        outlet: Outlet,
+        context: DriverContext,
     ) -> None:
         self._connection = connection
         self._parts = parts
-        self._outlet = outlet
+        self._context = context
         self._wanted = Wanted(settings)
         self._names = _names(settings)
-        self._uses = Uses(outlet.clock)
+        self._uses = Uses(context.clock)
         self._soon = asyncio.Event()
         self._loop: asyncio.Task[None] | None = None
         self._told: SettingsShown | None = None
@@ -113,7 +113,7 @@ class Reading:
         if part not in self._broken:
             self._broken.add(part)
             log.error("reading the settings of %s failed", part, exc_info=error)
-            self._outlet.notice(
+            self._context.notice(
                 "error",
                 f"settings of {part} cannot be read: {error!r}",
                 "this is a bug of the driver; the robot process's own log has its traceback",
@@ -123,14 +123,14 @@ class Reading:
         shown = SettingsShown(values=values, wanted=wanted, conflicts=against)
         if shown != self._told:
             self._told = shown
-            self._outlet.show(shown)
+            self._context.show(shown)
 
 
 def _names(settings: PepperSettings) -> dict[str, str]:
     """How the connection calls each robot of the file, and how the file does."""
     names = {}
     for text in settings.robots:
-        with contextlib.suppress(Rejected):
+        with contextlib.suppress(RejectedError):
             names[parse(text).shown] = text
     return names
 
@@ -205,7 +205,7 @@ class Wanted:
 def _color(value: Json) -> Json:
     try:
         return color_of({"color": value}, "color")
-    except Rejected:
+    except RejectedError:
         return value
 
 
@@ -250,7 +250,7 @@ class Uses:
         used = True
         try:
             yield
-        except (Rejected, Lost):
+        except (RejectedError, DeviceLostError):
             used = False
             raise
         finally:

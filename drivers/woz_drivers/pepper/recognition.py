@@ -19,9 +19,9 @@ from woz_drivers.pepper.settings import PepperSettings
 from woz_tui.core.driver import (
     SPEECH,
     SPEECH_TEXT,
+    DeviceLostError,
+    DriverContext,
     DriverError,
-    Lost,
-    Outlet,
 )
 from woz_tui.core.messages import SpeechEnded, SpeechStarted, SpeechText
 
@@ -41,10 +41,10 @@ class Recognition(Part):
 
     name = "recognition"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._asking = Asking(robot)
-        self._polling = Background("reading what the robot understands", outlet)
+        self._polling = Background("reading what the robot understands", context)
         self._segment = 0
         #: When the segment under way began; None: nobody speaks.
         self._began_us: int | None = None
@@ -67,15 +67,15 @@ class Recognition(Part):
         self._asking.forget()
         try:
             await self._begin()
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError as error:
-            self._outlet.sensor(SPEECH, "stale", f"{SERVICE} does not run: {error.what}")
+            self._context.sensor(SPEECH, "stale", f"{SERVICE} does not run: {error.what}")
             remedy = "is the language installed? does another program on the robot listen?"
             raise DriverError(f"nothing is recognised: {error.what}", error.remedy or remedy) from (
                 None
             )
-        self._outlet.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
+        self._context.sensor(SPEECH, "ready", "the robot tells itself when somebody speaks")
         self._polling.start(self._poll())
 
     def lost(self) -> None:
@@ -85,7 +85,7 @@ class Recognition(Part):
             self._end("the robot is not there")
         self._awaited = self._lingers = False
         if self._settings.recognition.phrases:
-            self._outlet.sensor(SPEECH, "stale", "the robot is not there")
+            self._context.sensor(SPEECH, "stale", "the robot is not there")
 
     async def close(self) -> None:
         """The robot need not listen for us any more."""
@@ -117,12 +117,12 @@ class Recognition(Part):
 
     async def _poll(self) -> None:
         while True:
-            with contextlib.suppress(Lost):  # the connection says when it is there again
+            with contextlib.suppress(DeviceLostError):  # the connection says when it is there again
                 await self._look()
             await asyncio.sleep(LOOK_S)
 
     async def _look(self) -> None:
-        """Ask once, and tell what is new. Raises `Lost`."""
+        """Ask once, and tell what is new. Raises `DeviceLostError`."""
         values = await self._asking.values((DETECTED, RECOGNIZED))
         speaks = flag(values[DETECTED]) is True
         if not speaks:
@@ -147,12 +147,12 @@ class Recognition(Part):
         self._segment += 1
         self._began_us = self._now()
         self._awaited = True
-        self._outlet.tell(SpeechStarted(driver="", segment=self._segment, began=self._began_us))
+        self._context.tell(SpeechStarted(driver="", segment=self._segment, began=self._began_us))
 
     def _end(self, detail: str = "") -> None:
         self._ended_us = self._now()
         began, self._began_us = self._began_us, None
-        self._outlet.tell(
+        self._context.tell(
             SpeechEnded(
                 driver="",
                 segment=self._segment,
@@ -172,10 +172,10 @@ class Recognition(Part):
         self._awaited = False
         took = self._now() - self._ended_us
         text = SpeechText(driver="", segment=self._segment, text=phrase, took_us=took)
-        self._outlet.tell(text)
+        self._context.tell(text)
 
     def _now(self) -> int:
-        return self._outlet.t(self._outlet.clock.now_us())
+        return self._context.t(self._context.clock.now_us())
 
 
 def recognised(value: Any) -> tuple[str, float]:

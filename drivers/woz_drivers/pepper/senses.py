@@ -19,7 +19,15 @@ from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.senses_modules import Asking, Modules, wanted
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.simulated.values import text
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Verb,
+)
 from woz_tui.core.messages import Json
 
 #: A missing module is asked for again after so long: at its start a robot has them one by one.
@@ -33,17 +41,17 @@ class Senses(Part):
 
     name = "senses"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._rate = settings.senses.rate
         self._sensors = self.sensors(settings)
         self._modules = Modules(robot, wanted(settings), self._silent)
         self._begun_us = 0
         self._asking = Asking(robot)
-        self._told = Told(outlet)
+        self._told = Told(context)
         self._ids: tuple[int, ...] = ()
         self._battery: float | None = None
-        self._polling = Background("reading the robot's sensors", outlet)
+        self._polling = Background("reading the robot's sensors", context)
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:
@@ -69,10 +77,10 @@ class Senses(Part):
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Learn a face; ends when the robot has learnt it."""
         if job.verb != "learn_face":
-            raise Rejected(f"the senses cannot {job.verb}")
+            raise RejectedError(f"the senses cannot {job.verb}")
         name = text(job.args, "name").strip()
         if not name:
-            raise Rejected("a face needs a name", "give a code, such as V7")
+            raise RejectedError("a face needs a name", "give a code, such as V7")
         if await self._robot.call("ALFaceDetection", "learnFace", name, within=LEARN_S) is False:
             raise DriverError(
                 f"the robot has not learnt the face of {name}",
@@ -106,11 +114,11 @@ class Senses(Part):
         await self._modules.end()
 
     async def _begin(self) -> None:
-        self._begun_us = self._outlet.clock.now_us()
+        self._begun_us = self._context.clock.now_us()
         await self._modules.begin()
 
     def _silent(self, sensor: str, why: str) -> None:
-        self._outlet.sensor(sensor, "stale", why)
+        self._context.sensor(sensor, "stale", why)
 
     def _all_silent(self, why: str) -> None:
         for sensor in self._sensors:
@@ -124,14 +132,17 @@ class Senses(Part):
         while True:
             try:
                 await self._round()
-            except Lost as error:  # the connection says when it is there again
+            except DeviceLostError as error:  # the connection says when it is there again
                 self._all_silent(error.what)
             due = max(due + 1 / self._rate, loop.time())
             await asyncio.sleep(due - loop.time())
 
     async def _round(self) -> None:
-        """Ask once, and say what came. Raises `Lost`."""
-        if not self._modules.complete and self._outlet.clock.now_us() - self._begun_us >= _AGAIN_US:
+        """Ask once, and say what came. Raises `DeviceLostError`."""
+        if (
+            not self._modules.complete
+            and self._context.clock.now_us() - self._begun_us >= _AGAIN_US
+        ):
             await self._begin()
         values, energy = await together(self._asking.values(self._keys()), self._energy())
         self._say(values)
@@ -152,12 +163,14 @@ class Senses(Part):
         return keys
 
     async def _energy(self) -> Any:
-        """What the front microphone hears, or what the robot says instead. Raises `Lost`."""
+        """What the front microphone hears, or what the robot says instead. Raises
+        `DeviceLostError`.
+        """
         if not self._modules.runs("loudness"):
             return None
         try:
             return await self._robot.call("ALAudioDevice", "getFrontMicEnergy")
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError as error:
             return Refusal(error.what)
@@ -204,36 +217,36 @@ class Refusal:
 class Told:
     """Says what came of each round."""
 
-    def __init__(self, outlet: Outlet) -> None:
-        self._outlet = outlet
+    def __init__(self, context: DriverContext) -> None:
+        self._context = context
         self._heard: tuple[float, float] | None = None
         self._begun = False
         self._charge: float | None = None
-        self._charged_us = outlet.clock.now_us() - _CALM_US
+        self._charged_us = context.clock.now_us() - _CALM_US
 
     def forget(self) -> None:
         """It may be another robot, with another clock."""
         self._heard, self._begun = None, False
-        self._charged_us = self._outlet.clock.now_us() - _CALM_US
+        self._charged_us = self._context.clock.now_us() - _CALM_US
 
     def plain(self, sensor: str, value: float | None, said: Any, unit: str = "") -> None:
         """One number, as it was decoded from `said`."""
         if value is None:
             self.nothing(sensor, said)
         else:
-            self._outlet.sensor(sensor, "ok")
-            self._outlet.reading(sensor, value, unit=unit)
+            self._context.sensor(sensor, "ok")
+            self._context.reading(sensor, value, unit=unit)
 
     def nothing(self, sensor: str, said: Any) -> None:
         """The robot has no value, or one that makes no sense."""
-        self._outlet.sensor(sensor, "stale", _why(said))
-        self._outlet.reading(sensor, None)
+        self._context.sensor(sensor, "stale", _why(said))
+        self._context.reading(sensor, None)
 
     def battery(self, said: Any) -> None:
         """The charge to the hundredth; while it stays the same, now and then."""
         charge = memory.battery(said)
         share = None if charge is None else round(charge, 2)
-        now_us = self._outlet.clock.now_us()
+        now_us = self._context.clock.now_us()
         if share != self._charge or now_us - self._charged_us >= _CALM_US:
             self._charge, self._charged_us = share, now_us
             self.plain("battery", share, said)
@@ -241,16 +254,16 @@ class Told:
     def sound(self, said: Any) -> None:
         """Where a sound came from, once for each; the first one found may be of yesterday."""
         if said is None or said in ([], ()):
-            self._outlet.sensor("direction", "ok")
+            self._context.sensor("direction", "ok")
             self._begun = True
             return
         found = memory.sound(said)
         if found is None:
             self.nothing("direction", said)
             return
-        self._outlet.sensor("direction", "ok")
+        self._context.sensor("direction", "ok")
         if found.stamp != self._heard and self._begun:
-            self._outlet.reading("direction", round(found.degrees, 1), unit="deg")
+            self._context.reading("direction", round(found.degrees, 1), unit="deg")
         self._heard, self._begun = found.stamp, True
 
     def identity(self, said: Any) -> None:
@@ -259,18 +272,18 @@ class Told:
         if found is None:
             self.nothing("identity", said)
             return
-        self._outlet.sensor("identity", "ok")
+        self._context.sensor("identity", "ok")
         score = found.score if found.name else 0.0
-        self._outlet.reading("identity", score, text=found.name)
+        self._context.reading("identity", score, text=found.name)
 
     def people(self, ids: Sequence[int], values: Mapping[str, Any], sensors: Sequence[str]) -> None:
         """How many there are, how far the nearest is, and whether they look at the robot; of
         somebody of whom nothing is known yet, only that they are there.
         """
         for sensor in ("presence", "people"):
-            self._outlet.sensor(sensor, "ok")
-        self._outlet.reading("presence", float(bool(ids)))
-        self._outlet.reading("people", float(len(ids)))
+            self._context.sensor(sensor, "ok")
+        self._context.reading("presence", float(bool(ids)))
+        self._context.reading("people", float(len(ids)))
         who = nearest(ids, values)
         if who is not None:
             said = values.get(distance_key(who.id))
@@ -279,8 +292,8 @@ class Told:
             if "gaze" in sensors:
                 self.plain("gaze", looking, values.get(looking_key(who.id)))
         elif not ids:
-            self._outlet.sensor("nearest", "ok")
-            self._outlet.reading("nearest", None, unit="m")
+            self._context.sensor("nearest", "ok")
+            self._context.reading("nearest", None, unit="m")
             if "gaze" in sensors:
                 self.plain("gaze", 0.0, None)
 

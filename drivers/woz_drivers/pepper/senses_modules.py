@@ -11,7 +11,7 @@ from typing import Any
 from woz_drivers.pepper.memory import items
 from woz_drivers.pepper.parts import Robot, together
 from woz_drivers.pepper.settings import PepperSettings
-from woz_tui.core.driver import DriverError, Lost
+from woz_tui.core.driver import DeviceLostError, DriverError
 
 #: How the robot knows this program: whatever it left behind has this name.
 NAME = "woz-tui"
@@ -125,7 +125,9 @@ class Asking:
         self._key_by_key = False
 
     async def values(self, keys: Sequence[str]) -> dict[str, Any]:
-        """What the robot holds, by key; None for what it does not have. Raises `Lost`."""
+        """What the robot holds, by key; None for what it does not have. Raises
+        `DeviceLostError`.
+        """
         if not self._key_by_key:
             said = await self._refusable("getListData", list(keys))
             if len(items(said)) == len(keys):
@@ -135,10 +137,10 @@ class Asking:
         return dict(zip(keys, said, strict=True))
 
     async def _refusable(self, method: str, words: str | list[str]) -> Any:
-        """What the robot says; None if it says no. Raises `Lost`."""
+        """What the robot says; None if it says no. Raises `DeviceLostError`."""
         try:
             return await self._robot.call("ALMemory", method, words)
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError:
             return None

@@ -9,7 +9,7 @@ from woz_drivers.pepper.file_server import FileServer
 from woz_drivers.pepper.parts_task import apart
 from woz_drivers.pepper.settings import Tablet
 from woz_drivers.pepper.tablet_page import is_address
-from woz_tui.core.driver import DriverError, Lost, Outlet
+from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError
 
 REMEDY = "check its name, and tablet.root"
 
@@ -28,10 +28,10 @@ class Files:
     The server begins with the first file, and anew when the robot is reached in another way.
     """
 
-    def __init__(self, robot: Reached, settings: Tablet, outlet: Outlet) -> None:
+    def __init__(self, robot: Reached, settings: Tablet, context: DriverContext) -> None:
         self._robot = robot
         self._settings = settings
-        self._outlet = outlet
+        self._context = context
         self._server: FileServer | None = None
 
     async def connected(self) -> None:
@@ -66,16 +66,18 @@ class Files:
         if self._server is None:
             host = self._host
             if not host:
-                raise Lost("the robot is not there, so nothing can be served", "wait for it")
+                raise DeviceLostError(
+                    "the robot is not there, so nothing can be served", "wait for it"
+                )
             self._server = FileServer(host, self._settings.port, self._troubled)
         return self._server
 
     def _troubled(self, text: str) -> None:
-        self._outlet.notice("warning", text, "show or play it again", tells=("request",))
+        self._context.notice("warning", text, "show or play it again", tells=("request",))
 
     def _found(self, text: str) -> Path:
         """A file below the tablet's root, else below the experiment's folder."""
-        paths = places(text, self._settings.root, self._outlet.folder)
+        paths = places(text, self._settings.root, self._context.folder)
         try:
             found = next((path for path in paths if path.exists()), None)
         except OSError as error:

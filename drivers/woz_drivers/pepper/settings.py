@@ -10,7 +10,7 @@ from typing import Annotated
 from woz_drivers.pepper.address import parse, seen
 from woz_drivers.pepper.robot_settings import SETTINGS, RobotSetting, of_section
 from woz_drivers.simulated.values import color
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.fields import Doc, OneOf, Range, Seconds, Section
 from woz_tui.core.messages import Json
 
@@ -137,7 +137,7 @@ class PepperSettings(Section):
         if self.eyes:
             try:
                 color({"color": self.eyes}, "color")
-            except Rejected as error:
+            except RejectedError as error:
                 found.append(("eyes", f"{error.what}; {error.remedy}"))
         for name, value in self.asked(of_section("Voice")).items():
             if isinstance(value, int | float) and not SETTINGS[name].allows(value):
@@ -168,5 +168,5 @@ class PepperSettings(Section):
                 continue
             try:
                 parse(robot)
-            except Rejected as error:
+            except RejectedError as error:
                 yield f"robots[{index}]", f"{error.what}; {error.remedy}"

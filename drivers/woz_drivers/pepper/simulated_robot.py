@@ -10,7 +10,7 @@ from pathlib import Path
 from woz_drivers import child
 from woz_drivers.child import Child
 from woz_drivers.pepper.address import Address, parse
-from woz_tui.core.driver import DriverError, Lost, Rejected
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError
 
 #: Until it must have said where it listens, in seconds: Python starts slowly on a busy machine.
 _STARTS_WITHIN_S = 20.0
@@ -34,8 +34,8 @@ class SimulatedRobot:
         self._first = self._last = 0.0
 
     async def address(self) -> Address:
-        """Where it listens; asked before each attempt to connect. Raises `Lost` if it does not
-        start.
+        """Where it listens; asked before each attempt to connect. Raises `DeviceLostError` if it
+        does not start.
         """
         if self._child is not None and self._child.running and not self._hopeless():
             return self._address
@@ -89,10 +89,10 @@ class SimulatedRobot:
         try:
             return await child.start(words, self._folder, on_output=heard)
         except DriverError as error:
-            raise Lost(f"the simulated robot: {error.what}", error.remedy) from error
+            raise DeviceLostError(f"the simulated robot: {error.what}", error.remedy) from error
 
     async def _said(self, running: Child, line: asyncio.Future[bytes]) -> Address:
-        """The address in its first line. Raises `Lost`."""
+        """The address in its first line. Raises `DeviceLostError`."""
         ending = asyncio.create_task(running.wait())
         ending.add_done_callback(lambda _: line.cancel())
         try:
@@ -101,9 +101,11 @@ class SimulatedRobot:
             ending.cancel()
         if not line.done() or line.cancelled():
             reason = running.last_line or "it says nothing"
-            raise Lost(f"the simulated robot does not start: {reason}", _REMEDY)
+            raise DeviceLostError(f"the simulated robot does not start: {reason}", _REMEDY)
         try:
             return parse(json.loads(line.result())["address"])
-        except (ValueError, KeyError, TypeError, Rejected):
+        except (ValueError, KeyError, TypeError, RejectedError):
             said = line.result().decode("utf-8", "replace")[:100]
-            raise Lost(f"the simulated robot says no address, but {said!r}", _REMEDY) from None
+            raise DeviceLostError(
+                f"the simulated robot says no address, but {said!r}", _REMEDY
+            ) from None

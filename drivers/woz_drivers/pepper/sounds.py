@@ -17,7 +17,16 @@ from woz_drivers.pepper.parts_calls import LONG_S, Endings
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import is_address
 from woz_drivers.simulated.values import number, sound_seconds, text
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 
@@ -45,9 +54,9 @@ class Sounds(Part):
 
     name = "sounds"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
-        self._folder = outlet.folder
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
+        self._folder = context.folder
         self._endings = Endings()
         self._ids: dict[str, int] = {}
         self._playing = ""
@@ -135,7 +144,7 @@ class Sounds(Part):
             job.expects(sound_seconds(str(here)))
         try:
             await self._until_over(path, "playWebStream", address, volume, 0.0)
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError as error:
             raise DriverError(
@@ -157,11 +166,11 @@ class Sounds(Part):
 
     async def _loaded(self, path: str) -> int:
         if not path.strip():
-            raise Rejected("no sound file was named", _FILE)
+            raise RejectedError("no sound file was named", _FILE)
         if path not in self._ids:
             try:
                 sound = await self._robot.call(PLAYER, "loadFile", path, within=LOAD_S)
-            except Lost:
+            except DeviceLostError:
                 raise
             except DriverError as error:
                 raise DriverError(

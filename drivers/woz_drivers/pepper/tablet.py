@@ -16,7 +16,16 @@ from woz_drivers.pepper.parts_task import Background
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tablet_page import Kind, kind, page
 from woz_drivers.pepper.touch import SENSORS, Touch
-from woz_tui.core.driver import Argument, DriverError, Job, Lost, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DeviceLostError,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.messages import Json
 
 _SERVICE = "ALTabletService"
@@ -40,17 +49,17 @@ class Screen(Part):
 
     name = "tablet"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         self._default = settings.tablet.default
-        self._touch = Touch(robot, outlet) if settings.senses.touch else None
+        self._touch = Touch(robot, context) if settings.senses.touch else None
         self._turn = asyncio.Lock()
         self._video: _Video | None = None
         #: What is there, as the settings show it.
         self._shows = ""
         self._on_air = False
-        self._watching = Background("the tablet's video", outlet)
-        self._returning = Background("the tablet's default", outlet)
+        self._watching = Background("the tablet's video", context)
+        self._returning = Background("the tablet's default", context)
         self._signals: list[Unsubscribe] = []
 
     @classmethod
@@ -89,7 +98,7 @@ class Screen(Part):
                     await self._end_video(sure=True)
                     await self._show_default()
                 case verb, what:
-                    raise Rejected(f"the tablet cannot {verb} {what}")
+                    raise RejectedError(f"the tablet cannot {verb} {what}")
         return {"shown": self._shows}
 
     async def stop(self, scope: Scope) -> tuple[str, ...]:
@@ -114,7 +123,7 @@ class Screen(Part):
         ):
             try:
                 self._signals.append(await self._robot.listen(_SERVICE, signal, heard))
-            except Lost:
+            except DeviceLostError:
                 raise
             except DriverError:  # an older tablet: the video's end is asked for as well
                 continue
@@ -123,11 +132,11 @@ class Screen(Part):
         try:
             async with self._turn:
                 await self._show_default()  # without one: nothing of an earlier program stays
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError as error:
             if self._default:
-                self._outlet.notice("warning", f"tablet: {error.what}", error.remedy)
+                self._context.notice("warning", f"tablet: {error.what}", error.remedy)
 
     def lost(self) -> None:
         """Nobody knows what it shows."""
@@ -179,7 +188,7 @@ class Screen(Part):
         self._video = video
         try:
             await self._call("playVideo", address)
-        except Lost:
+        except DeviceLostError:
             raise  # it may play even so, and be ended
         except DriverError:
             self._video = None
@@ -209,7 +218,7 @@ class Screen(Part):
         await self._watching.close()
         try:
             await self._call("stopVideo", sure=False)
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError as error:
             if sure:
@@ -242,8 +251,8 @@ class Screen(Part):
             if not await played(self._robot):
                 text = f"the tablet has not begun to play {video.text}"
                 remedy = "can it play that kind? is it on the network?"
-                self._outlet.notice("warning", text, remedy, tells=("request",))
-        except Lost:
+                self._context.notice("warning", text, remedy, tells=("request",))
+        except DeviceLostError:
             return
         self._over(video)
 
@@ -269,17 +278,17 @@ class Screen(Part):
                 return
             try:
                 await self._show_default()
-            except Lost:
+            except DeviceLostError:
                 return  # it is shown at the next connection
             except DriverError as error:
-                self._outlet.notice("warning", f"tablet: {error.what}", error.remedy)
+                self._context.notice("warning", f"tablet: {error.what}", error.remedy)
 
     def _not_loaded(self, *said: Any) -> None:
         """The tablet could not fetch a page or what is on it."""
         words = [str(one) for one in said if isinstance(one, str) and one]
         why = ": ".join(words[:2]) or "no reason given"
         remedy = "check the address, and that the tablet reaches it: `tablet wifi`, tablet.address"
-        self._outlet.notice(
+        self._context.notice(
             "warning",
             f"the tablet could not load what it was to show: {why}",
             remedy,
@@ -299,7 +308,7 @@ _NEAR_MS = 300.0
 async def played(robot: Robot) -> bool:
     """Return when the video is over: True if it has played, False if it never began.
 
-    A tablet that does not tell is never over here. Raises `Lost`.
+    A tablet that does not tell is never over here. Raises `DeviceLostError`.
     """
     loop = asyncio.get_running_loop()
     until = loop.time() + _BEGINS_WITHIN_S
@@ -323,7 +332,7 @@ async def _asked(robot: Robot, what: str) -> float | None:
     """Milliseconds; None if the tablet does not tell."""
     try:
         return number(await robot.call("ALTabletService", f"getVideo{what}"))
-    except Lost:
+    except DeviceLostError:
         raise
     except DriverError:
         return None

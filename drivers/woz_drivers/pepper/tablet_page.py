@@ -7,7 +7,7 @@ import html
 from pathlib import PurePosixPath
 from urllib.parse import urlsplit
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 
 #: Also what WoZ4U takes for pictures and videos; whether the tablet can show it, it says itself.
 PICTURES = frozenset({".png", ".jpg", ".jpeg", ".gif", ".svg", ".webp", ".bmp", ".ppm", ".pgm"})
@@ -48,7 +48,7 @@ def is_address(text: str) -> bool:
 
 def kind(text: str) -> Kind:
     """What a file or an http(s) address holds, by its suffix; an address without a known one is a
-    page. Raises `Rejected` for what no tablet shows.
+    page. Raises `RejectedError` for what no tablet shows.
     """
     if not is_address(text):
         return _by_suffix(text)
@@ -56,9 +56,9 @@ def kind(text: str) -> Kind:
         split = urlsplit(text)
         host = split.hostname
     except ValueError as error:
-        raise Rejected(f"{text!r} is no address: {error}", "write http://HOST/PATH") from None
+        raise RejectedError(f"{text!r} is no address: {error}", "write http://HOST/PATH") from None
     if split.scheme.lower() not in ("http", "https") or not host:
-        raise Rejected(f"the tablet cannot fetch {text!r}", "write http://HOST/PATH")
+        raise RejectedError(f"the tablet cannot fetch {text!r}", "write http://HOST/PATH")
     suffix = PurePosixPath(split.path).suffix.lower()
     return Kind.PICTURE if suffix in PICTURES else Kind.VIDEO if suffix in VIDEOS else Kind.PAGE
 
@@ -69,7 +69,9 @@ def _by_suffix(text: str) -> Kind:
         if suffix in suffixes:
             return found
     known = ", ".join(sorted(one[1:] for one in PICTURES | VIDEOS | PAGES))
-    raise Rejected(f"the tablet does not know what {text!r} is", f"it shows {known}, or http://...")
+    raise RejectedError(
+        f"the tablet does not know what {text!r} is", f"it shows {known}, or http://..."
+    )
 
 
 def page(address: str) -> str:

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from woz_drivers.simulated.speech import utterance
-from woz_tui.core.driver import UNKNOWN, Rejected
+from woz_tui.core.driver import UNKNOWN, RejectedError
 from woz_tui.core.fields import Range
 from woz_tui.core.regular import NotRegularError, open_regular
 from woz_tui.core.robots import Tag
@@ -171,14 +171,18 @@ def paragraphs(text: str) -> list[str]:
 
 
 def read_text(path: Path) -> str:
-    """A text file, in UTF-8 or else in Latin-1. Raises `Rejected` for one that cannot be read."""
+    """A text file, in UTF-8 or else in Latin-1. Raises `RejectedError` for one that
+    cannot be read.
+    """
     try:
         data = _bytes(path)
     except FileNotFoundError:
-        raise Rejected(f"there is no file {path}", "put it there, or correct the path") from None
+        raise RejectedError(
+            f"there is no file {path}", "put it there, or correct the path"
+        ) from None
     except (OSError, ValueError) as error:  # ValueError: a name that no file can have
         why = getattr(error, "strerror", None) or error
-        raise Rejected(f"{path} cannot be read: {why}", "correct the path") from None
+        raise RejectedError(f"{path} cannot be read: {why}", "correct the path") from None
     try:
         return data.decode("utf-8-sig")
     except UnicodeDecodeError:
@@ -191,7 +195,7 @@ def _bytes(path: Path) -> bytes:
         with open_regular(path) as file:
             data = file.read(LONGEST + 1)
     except NotRegularError:
-        raise Rejected(f"{path} is no text file", "correct the path") from None
+        raise RejectedError(f"{path} is no text file", "correct the path") from None
     if len(data) > LONGEST:
-        raise Rejected(f"{path} is longer than {LONGEST >> 20} MiB", "is it the right one?")
+        raise RejectedError(f"{path} is longer than {LONGEST >> 20} MiB", "is it the right one?")
     return data

@@ -13,7 +13,7 @@ from typing import Any
 from woz_drivers.pepper.link import Unsubscribe
 from woz_drivers.pepper.memory import number
 from woz_drivers.pepper.parts import Robot
-from woz_tui.core.driver import DriverError, Lost, Outlet
+from woz_tui.core.driver import DeviceLostError, DriverContext, DriverError
 
 SENSORS = ("touch.x", "touch.y")
 #: Moves are told at most so often, in seconds.
@@ -71,9 +71,9 @@ def _within(found: Place) -> Place:
 class Touch:
     """Listens to the tablet and tells where it is touched: down, move, up."""
 
-    def __init__(self, robot: Robot, outlet: Outlet) -> None:
+    def __init__(self, robot: Robot, context: DriverContext) -> None:
         self._robot = robot
-        self._outlet = outlet
+        self._context = context
         self._scale = Scale()
         self._down: tuple[float, Place] | None = None
         self._down_pixels: tuple[float, Place] | None = None
@@ -113,7 +113,7 @@ class Touch:
     async def _listen(self, signal: str, heard: Any) -> bool:
         try:
             end = await self._robot.listen("ALTabletService", signal, heard)
-        except Lost:
+        except DeviceLostError:
             raise
         except DriverError:
             return False
@@ -199,13 +199,13 @@ class Touch:
 
     def _state(self, state: str, why: str) -> None:
         for sensor in SENSORS:
-            self._outlet.sensor(sensor, state, why)
+            self._context.sensor(sensor, state, why)
 
     def _tell(self, where: Place, what: str) -> None:
         if self._too_many():
             return
         for sensor, value in zip(SENSORS, where, strict=True):
-            self._outlet.reading(sensor, round(value, 4), text=what)
+            self._context.reading(sensor, round(value, 4), text=what)
 
 
 def _now() -> float:

@@ -17,7 +17,15 @@ from woz_drivers.pepper.robot_settings import SETTINGS, TTS, of_section
 from woz_drivers.pepper.settings import PepperSettings
 from woz_drivers.pepper.tags import problems
 from woz_drivers.simulated.values import number, text
-from woz_tui.core.driver import Argument, DriverError, Job, Outlet, Rejected, Scope, Verb
+from woz_tui.core.driver import (
+    Argument,
+    DriverContext,
+    DriverError,
+    Job,
+    RejectedError,
+    Scope,
+    Verb,
+)
 from woz_tui.core.messages import Json
 
 LANE, SETTINGS_LANE = "voice", "voice-settings"
@@ -29,8 +37,8 @@ class Voice(Part):
 
     name = "speech"
 
-    def __init__(self, robot: Robot, settings: PepperSettings, outlet: Outlet) -> None:
-        super().__init__(robot, settings, outlet)
+    def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
+        super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
         self._asked = settings.asked(SOUNDS)
         self._endings = Endings()
@@ -89,7 +97,7 @@ class Voice(Part):
     async def connected(self) -> None:
         """Apply what the robot file says of the voice, or the wizard since."""
         await apply(
-            self._outlet,
+            self._context,
             {
                 name.replace("_", " "): put(self._robot, SETTINGS[name], to)
                 for name, to in self._asked.items()
@@ -114,7 +122,7 @@ class Voice(Part):
     async def _say(self, job: Job) -> dict[str, Json]:
         said = text(job.args, "text")
         if not said.strip():
-            raise Rejected("there is nothing to say", "write a text")
+            raise RejectedError("there is nothing to say", "write a text")
         self._warn(said)
         await self._endings.settled()
         job.expects(tags.seconds(said, self._speed))
@@ -122,11 +130,11 @@ class Voice(Part):
         return {"text": said}
 
     async def _read(self, job: Job) -> dict[str, Json]:
-        path = self._outlet.folder / text(job.args, "file")
+        path = self._context.folder / text(job.args, "file")
         whole = await asyncio.to_thread(tags.read_text, path)
         parts = tags.paragraphs(whole)
         if not parts:
-            raise Rejected(f"{path} has no text in it", "write something into it")
+            raise RejectedError(f"{path} has no text in it", "write something into it")
         self._warn(whole)
         await self._endings.settled()
         for position, part in enumerate(parts):
@@ -150,15 +158,15 @@ class Voice(Part):
         """Tags that the robot will not understand; what is said stays as it was written."""
         for problem in problems(said):
             remedy = "correct the tag in the text"
-            self._outlet.notice("warning", problem, remedy, tells=("request",))
+            self._context.notice("warning", problem, remedy, tells=("request",))
 
     async def _set(self, job: Job) -> dict[str, Json]:
         setting = SETTINGS.get(job.verb)
         if setting not in SOUNDS or setting is None:
-            raise Rejected(f"the voice cannot {job.verb!r}")
+            raise RejectedError(f"the voice cannot {job.verb!r}")
         value = number(job.args, setting.argument)
         if not setting.allows(value):
-            raise Rejected(f"{job.verb} takes {setting.numbers}, not {value:g}", setting.what)
+            raise RejectedError(f"{job.verb} takes {setting.numbers}, not {value:g}", setting.what)
         await put(self._robot, setting, value)
         self._asked[setting.name] = value
         if setting.name == "speech_speed":

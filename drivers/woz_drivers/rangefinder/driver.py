@@ -9,7 +9,7 @@ from woz_drivers.rangefinder import doctor
 from woz_drivers.rangefinder.framings import Measurement
 from woz_drivers.rangefinder.settings import RangefinderSettings
 from woz_drivers.serial_line import SerialLine, Trouble
-from woz_tui.core.driver import Finding, Health, Outlet, PassiveDriver, Probe
+from woz_tui.core.driver import DriverContext, Finding, Health, PassiveDriver, Probe
 
 SENSOR = "distance"
 RATE = "distance.rate"
@@ -32,8 +32,8 @@ class Rangefinder(PassiveDriver):
     summary = "a distance sensor on a serial port"
     settings: RangefinderSettings
 
-    def __init__(self, name: str, settings: RangefinderSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: RangefinderSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._decoder = settings.decoder()
         self._filter = settings.filter()
         self._out_of_range = 0
@@ -63,7 +63,7 @@ class Rangefinder(PassiveDriver):
 
     async def open(self) -> None:
         """Begin to look for the port."""
-        self.outlet.health(Health.CONNECTING, f"looking for {self.settings.port}")
+        self.context.health(Health.CONNECTING, f"looking for {self.settings.port}")
         self._line.start()
         self._watch = asyncio.create_task(self._watch_for_silence())
 
@@ -83,15 +83,15 @@ class Rangefinder(PassiveDriver):
         self._accepted = 0
         self._why = ""
         self._heard = b""
-        self._valid_us = self._counted_us = self.outlet.clock.now_us()
+        self._valid_us = self._counted_us = self.context.clock.now_us()
         settings = self.settings
-        self.outlet.health(
+        self.context.health(
             Health.CONNECTED, f"{settings.port}, {settings.framing}, {settings.real_baud} baud"
         )
 
     def _troubled(self, trouble: Trouble) -> None:
-        self.outlet.health(Health.LOST, trouble.what, trouble.remedy)
-        self.outlet.sensor(SENSOR, "stale", trouble.what)
+        self.context.health(Health.LOST, trouble.what, trouble.remedy)
+        self.context.sensor(SENSOR, "stale", trouble.what)
 
     # -- values --------------------------------------------------------------------------------
 
@@ -115,25 +115,25 @@ class Rangefinder(PassiveDriver):
         self._accepted += 1
         self._why = ""
         self._heard = b""
-        self._valid_us = self.outlet.clock.now_us()
-        self.outlet.sensor(SENSOR, "ok")
-        self.outlet.reading(SENSOR, verdict.metres, unit="m", raw=measurement.raw)
+        self._valid_us = self.context.clock.now_us()
+        self.context.sensor(SENSOR, "ok")
+        self.context.reading(SENSOR, verdict.metres, unit="m", raw=measurement.raw)
 
     async def _watch_for_silence(self) -> None:
         while True:
             await asyncio.sleep(_LOOK_S)
             if not self._line.connected:
                 continue
-            now = self.outlet.clock.now_us()
+            now = self.context.clock.now_us()
             if now - self._counted_us >= _COUNT_US:
                 self._count((now - self._counted_us) / 1_000_000)
                 self._counted_us = now
             if now - self._valid_us >= self.settings.stale_after * 1_000_000:
-                self.outlet.sensor(SENSOR, "stale", self._silence())
+                self.context.sensor(SENSOR, "stale", self._silence())
 
     def _count(self, seconds: float) -> None:
-        self.outlet.reading(RATE, self._accepted / seconds, unit="Hz")
-        self.outlet.reading(BAD, float(self._decoder.bad + self._out_of_range))
+        self.context.reading(RATE, self._accepted / seconds, unit="Hz")
+        self.context.reading(BAD, float(self._decoder.bad + self._out_of_range))
         self._accepted = 0
 
     def _silence(self) -> str:

@@ -21,15 +21,15 @@ from woz_drivers.simulated.values import color, did_you_mean, file, known_joints
 from woz_drivers.simulated.visitor import Visitor
 from woz_tui.core.driver import (
     SPEECH,
+    DeviceLostError,
     Driver,
+    DriverContext,
     DriverError,
     Finding,
     Health,
     Job,
-    Lost,
-    Outlet,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     StopReport,
     Verb,
@@ -70,20 +70,25 @@ class SimulatedRobot(Driver):
     settings: _settings.Settings
 
     def __init__(
-        self, name: str, settings: _settings.Settings, outlet: Outlet, *, pace: Pace | None = None
+        self,
+        name: str,
+        settings: _settings.Settings,
+        context: DriverContext,
+        *,
+        pace: Pace | None = None,
     ) -> None:
-        super().__init__(name, settings, outlet)
+        super().__init__(name, settings, context)
         self._pace = pace or Pace()
         self._verbs = {verb.name: verb for verb in self.verbs(settings)}
         self._faults = Faults()
         self._body = Body(settings.joints)
         self._body.torque = settings.torque
         self._visitor = Visitor(settings.seed) if settings.visitor else None
-        self._publisher = Publisher(outlet, self._faults)
-        self._teller = Teller(name, outlet, self._clock_us)
+        self._publisher = Publisher(context, self._faults)
+        self._teller = Teller(name, context, self._clock_us)
         visitor = self._visitor
-        self._sight = Sight(outlet) if visitor else None
-        self._ears = Ears(name, outlet, self._publisher, visitor.hearing) if visitor else None
+        self._sight = Sight(context) if visitor else None
+        self._ears = Ears(name, context, self._publisher, visitor.hearing) if visitor else None
         self._moves = verbs.known(settings)
         self._roles = verbs.roles(settings)
         self.volume = 0.7
@@ -143,20 +148,20 @@ class SimulatedRobot(Driver):
         now = self._opened = self._looked = self._pace.now()
         for fault in self.settings.faults:
             self._faults.add(fault.kind, fault.seconds, fault.part, now + fault.after)
-        self.outlet.health(Health.CONNECTING, "simulated hardware")
+        self.context.health(Health.CONNECTING, "simulated hardware")
         self._tell_health(now)
         if self._ears is not None:
             self._ears.tell_threshold()
-            self.outlet.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
+            self.context.sensor(SPEECH, "ready", "it tells itself when somebody speaks")
         self._life = asyncio.create_task(self._live(), name=f"{self.name} simulated")
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Carry out one command, unless a break-down prevents it."""
         verb = self._verbs.get(job.verb)
         if verb is None:
-            raise Rejected(f"the simulated robot does not know {job.verb!r}")
+            raise RejectedError(f"the simulated robot does not know {job.verb!r}")
         if self._closed or self._life is None:
-            raise Lost("the simulated robot is closed", "start the session again")
+            raise DeviceLostError("the simulated robot is closed", "start the session again")
         if job.verb == "fault":
             return self._break(job.args)
         now = self._advance()
@@ -181,7 +186,7 @@ class SimulatedRobot(Driver):
         return StopReport(missing=(unplugged.part,)) if unplugged is not None else None
 
     async def rest(self) -> None:
-        """Home pose, gently; `Lost` while the hardware is gone."""
+        """Home pose, gently; `DeviceLostError` while the hardware is gone."""
         now = self._advance()
         self._admit("body", now)
         if self._body.torque:
@@ -235,7 +240,7 @@ class SimulatedRobot(Driver):
         if gone is not None:
             self._teller.break_off(self._world(now), gone)
             return
-        self.outlet.sensor("loudness", "speaking" if visitor.hearing.ends.speaks else "quiet")
+        self.context.sensor("loudness", "speaking" if visitor.hearing.ends.speaks else "quiet")
         self._teller.tell(speech)
 
     def _tell_health(self, now: float) -> None:
@@ -243,30 +248,30 @@ class SimulatedRobot(Driver):
         alarm = self._faults.partial("disconnect", now) or self._faults.any("overheat", now)
         if gone is not None:
             self._body.freeze()
-            self.outlet.health(Health.LOST, gone, _LOST_REMEDY)
+            self.context.health(Health.LOST, gone, _LOST_REMEDY)
         elif now < self._opened + self.settings.connect_after:
-            self.outlet.health(Health.CONNECTING, "simulated hardware")
+            self.context.health(Health.CONNECTING, "simulated hardware")
         elif alarm is not None:
-            self.outlet.health(Health.FAULTED, *_alarm(alarm))
+            self.context.health(Health.FAULTED, *_alarm(alarm))
         else:
             what = "a voice" if self.settings.voice_only else f"{len(self._body.joints)} joints"
-            self.outlet.health(Health.CONNECTED, f"simulated, {what}")
+            self.context.health(Health.CONNECTED, f"simulated, {what}")
             if not self.settings.voice_only:
-                self.outlet.mode(self.mode)
+                self.context.mode(self.mode)
 
     # -- voice and sound ------------------------------------------------------------------------
 
     async def _say(self, job: Job) -> Sent:
         said = utterance(job.args["text"], self.settings.characters_per_second)
         if not said.text:
-            raise Rejected("nothing to say", "give the utterance a text")
+            raise RejectedError("nothing to say", "give the utterance a text")
         if self._visitor is not None:  # who hears it
             self._visitor.hear(self._world(self._pace.now()), said.seconds, said.text)
         await self._spend(job, said.seconds)
         return {"text": said.text, "seconds": round(said.seconds, 3), "volume": self.volume}
 
     async def _sound(self, job: Job) -> Sent:
-        seconds = sound_seconds(file(job.args, "file", self.outlet.folder))
+        seconds = sound_seconds(file(job.args, "file", self.context.folder))
         await self._spend(job, seconds)
         return {"file": job.args["file"], "seconds": round(seconds, 3)}
 
@@ -277,11 +282,11 @@ class SimulatedRobot(Driver):
     async def _learn_face(self, job: Job) -> Sent:
         name = job.args["name"].strip()
         if not name:
-            raise Rejected("a face needs a name", "give a code, such as V7")
+            raise RejectedError("a face needs a name", "give a code, such as V7")
         await self._spend(job, FACE_LEARNT_SECONDS)
         visitor = self._visitor
         if visitor is None or visitor.recognised_as(name):
-            raise Rejected(f"{name} is somebody else's face", "choose another name")
+            raise RejectedError(f"{name} is somebody else's face", "choose another name")
         if not visitor.learn_face(name):
             raise DriverError("nobody shows a face", "wait until somebody stands before the robot")
         return {"name": name}
@@ -353,7 +358,9 @@ class SimulatedRobot(Driver):
     def _step(self, steps: Mapping[str, float]) -> Sent:
         for role, step in steps.items():
             if step and role not in self._roles:
-                raise Rejected(f"this robot has no joint for {role}", "see `woz check` for joints")
+                raise RejectedError(
+                    f"this robot has no joint for {role}", "see `woz check` for joints"
+                )
         steps = {role: step for role, step in steps.items() if step}
         return self._aim(
             {role: self._body.joints[self._roles[role]].goal + step for role, step in steps.items()}
@@ -380,7 +387,7 @@ class SimulatedRobot(Driver):
 
     def _need_torque(self) -> None:
         if not self._body.torque:
-            raise Rejected("the motors are limp", "switch them on first: `torque: on`")
+            raise RejectedError("the motors are limp", "switch them on first: `torque: on`")
 
     # -- face, screen, base ---------------------------------------------------------------------
 
@@ -395,7 +402,7 @@ class SimulatedRobot(Driver):
         return {**job.args, "color": shown}
 
     async def _screen(self, job: Job) -> Sent:
-        file(job.args, "file", self.outlet.folder)
+        file(job.args, "file", self.context.folder)
         await self._spend(job, SCREEN_SECONDS)
         return job.args
 
@@ -418,7 +425,7 @@ class SimulatedRobot(Driver):
     async def _mode(self, job: Job) -> Sent:
         was = self.mode
         self.mode = job.args["mode"]
-        self.outlet.mode(self.mode)
+        self.context.mode(self.mode)
         return {"mode": self.mode, "was": was}
 
     # -- time -----------------------------------------------------------------------------------
@@ -446,7 +453,7 @@ class SimulatedRobot(Driver):
     async def _learn_room(self, job: Job) -> Mapping[str, Json]:
         """Learn the room's noise, in ticks of the simulated world."""
         if self._ears is None:
-            raise Rejected("a robot without a visitor has no microphone")
+            raise RejectedError("a robot without a visitor has no microphone")
         self._tick()  # what was heard before does not count
         with self._ears.lesson(room.seconds(job.args)) as lesson:
             await self._spend(job, lesson.seconds, lesson.done)
@@ -470,7 +477,7 @@ class SimulatedRobot(Driver):
     def _clock_us(self, world: float) -> int:
         """The session's clock at a second of the simulated world."""
         ago = self._pace.now() - (self._opened + world / self.settings.speed)
-        return self.outlet.clock.now_us() - round(ago * 1_000_000)
+        return self.context.clock.now_us() - round(ago * 1_000_000)
 
     async def _hold_out(self, seconds: float) -> None:
         """Take `seconds`, cancelled or not; the cancellation counts afterwards."""
@@ -491,14 +498,16 @@ class SimulatedRobot(Driver):
 
     def _admit(self, lane: str, now: float) -> None:
         if now < self._opened + self.settings.connect_after:
-            raise Lost("the simulated robot is still being looked for", "wait until it is there")
+            raise DeviceLostError(
+                "the simulated robot is still being looked for", "wait until it is there"
+            )
         self._check_link(lane, now)
         if self._faults.holding("refuse", lane, now):
-            raise Rejected("refused, as asked for", "wait, or `fault: clear`")
+            raise RejectedError("refused, as asked for", "wait, or `fault: clear`")
 
     def _check_link(self, lane: str, now: float) -> None:
         if self._faults.holding("disconnect", lane, now):
-            raise Lost(f"the simulated robot's {lane} is unplugged", _LOST_REMEDY)
+            raise DeviceLostError(f"the simulated robot's {lane} is unplugged", _LOST_REMEDY)
 
     def _break(self, args: Mapping[str, Any]) -> Mapping[str, Json]:
         kind, seconds, part = args["kind"], args["seconds"], args["part"]
@@ -508,7 +517,7 @@ class SimulatedRobot(Driver):
         else:
             parts = verbs.breakable(self.settings, kind)
             if part and part not in parts:
-                raise Rejected(f"unknown part {part!r}", did_you_mean(part, sorted(parts)))
+                raise RejectedError(f"unknown part {part!r}", did_you_mean(part, sorted(parts)))
             self._faults.add(kind, seconds, part, now)
         self._tell_health(now)
         return args

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from woz_drivers import room
 from woz_drivers.simulated.publishing import Publisher
 from woz_drivers.simulated.senses import SENSITIVITY, TICK, Sample
-from woz_tui.core.driver import Lost, Outlet
+from woz_tui.core.driver import DeviceLostError, DriverContext
 from woz_tui.core.messages import Json, SpeechEnded, SpeechStarted, SpeechText
 from woz_tui.sensing.endpoint import Ended, Endpointer, Started
 
@@ -23,9 +23,11 @@ from woz_tui.sensing.endpoint import Ended, Endpointer, Started
 class Teller:
     """Speech as messages. `clock_us` gives the clock at a second of the simulated world."""
 
-    def __init__(self, driver: str, outlet: Outlet, clock_us: Callable[[float], int]) -> None:
+    def __init__(
+        self, driver: str, context: DriverContext, clock_us: Callable[[float], int]
+    ) -> None:
         self._driver = driver
-        self._outlet = outlet
+        self._context = context
         self._clock_us = clock_us
         self._open = 0
         self._began = 0
@@ -42,7 +44,7 @@ class Teller:
             elif one.what == "text" and one.segment in self._understood:
                 self._understood.discard(one.segment)
                 took_us = self._clock_us(one.t) - self._clock_us(one.ended)
-                self._outlet.tell(
+                self._context.tell(
                     SpeechText(
                         driver=self._driver, segment=one.segment, text=one.text, took_us=took_us
                     )
@@ -57,13 +59,13 @@ class Teller:
     def _start(self, one: Speech) -> None:
         self._open = one.segment
         self._began = self._t(one.began)
-        self._outlet.tell(
+        self._context.tell(
             SpeechStarted(driver=self._driver, segment=one.segment, began=self._began)
         )
 
     def _end(self, t: float, loudest: float | None, detail: str) -> None:
         segment, self._open = self._open, 0
-        self._outlet.tell(
+        self._context.tell(
             SpeechEnded(
                 driver=self._driver,
                 segment=segment,
@@ -75,7 +77,7 @@ class Teller:
         )
 
     def _t(self, t: float) -> int:
-        return self._outlet.t(self._clock_us(t))
+        return self._context.t(self._clock_us(t))
 
 
 # -- ears -----------------------------------------------------------------------------------------
@@ -109,16 +111,18 @@ class Listening:
 class Ears:
     """What the driver `name` makes of the loudness that it publishes."""
 
-    def __init__(self, name: str, outlet: Outlet, publisher: Publisher, hearing: Hearing) -> None:
+    def __init__(
+        self, name: str, context: DriverContext, publisher: Publisher, hearing: Hearing
+    ) -> None:
         self._name = name
-        self._outlet = outlet
+        self._context = context
         self._publisher = publisher
         self._hearing = hearing
         self._listening: Listening | None = None
 
     def tell_threshold(self) -> None:
         """Publish what counts as speech now."""
-        self._outlet.reading(room.THRESHOLD, self._hearing.ends.threshold)
+        self._context.reading(room.THRESHOLD, self._hearing.ends.threshold)
 
     def hear(self, samples: Sequence[Sample], now: float) -> None:
         """What the sensors say; a broken one teaches what it says, or nothing."""
@@ -140,13 +144,17 @@ class Ears:
             self._listening = None
 
     def adopt(self, heard: Listening) -> dict[str, Json]:
-        """The threshold that follows holds from now on. Raises `Lost` if not enough was heard."""
+        """The threshold that follows holds from now on. Raises `DeviceLostError` if not enough was
+        heard.
+        """
         if not heard.done():
-            raise Lost(f"{self._name} delivers no sound", "its loudness is broken on purpose")
+            raise DeviceLostError(
+                f"{self._name} delivers no sound", "its loudness is broken on purpose"
+            )
         keeping = "the next session begins with the usual one again"
         learnt = room.learn(heard.levels)
         lesson = room.Lesson(self._name, learnt, SENSITIVITY, TICK, keeping)
-        told = lesson.tell(self._outlet, self._hearing.ends.threshold)
+        told = lesson.tell(self._context, self._hearing.ends.threshold)
         self._hearing.ends.threshold = lesson.threshold
         return told
 

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from woz_drivers.simulated.body import Body
 from woz_drivers.simulated.faults import Faults
 from woz_drivers.simulated.senses import UNITS, Sample
-from woz_tui.core.driver import Outlet
+from woz_tui.core.driver import DriverContext
 
 #: Joints and base are published this often when nothing moves, in seconds; else at every tick.
 CALM = 1.0
@@ -20,8 +20,8 @@ MANY = 50
 class Publisher:
     """Body and visitor as readings."""
 
-    def __init__(self, outlet: Outlet, faults: Faults) -> None:
-        self._outlet = outlet
+    def __init__(self, context: DriverContext, faults: Faults) -> None:
+        self._context = context
         self._faults = faults
         self._last: dict[str, float | None] = {}
         self._was_moving = True
@@ -67,4 +67,4 @@ class Publisher:
         self, sensor: str, value: float | None, now: float, *, text: str = "", unit: str = ""
     ) -> None:
         if not self.silent(sensor, now):
-            self._outlet.reading(sensor, self.broken(sensor, value, now), text=text, unit=unit)
+            self._context.reading(sensor, self.broken(sensor, value, now), text=text, unit=unit)

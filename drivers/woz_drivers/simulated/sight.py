@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 
-from woz_tui.core.driver import Outlet
+from woz_tui.core.driver import DriverContext
 from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
 
 #: Pixels of a picture, and degrees that it shows from left to right.
@@ -38,10 +38,10 @@ class Person:
 class Sight:
     """Gives pictures while somebody watches, as a camera does."""
 
-    def __init__(self, outlet: Outlet) -> None:
-        self._pictures = outlet.feed(PICTURE)
-        self._watched = outlet.feed(WATCHED)
-        self._clock = outlet.clock
+    def __init__(self, context: DriverContext) -> None:
+        self._pictures = context.feed(PICTURE)
+        self._watched = context.feed(WATCHED)
+        self._clock = context.clock
         self._given_us: int | None = None
 
     def look(self, person: Person | None) -> None:

@@ -9,7 +9,7 @@ import wave
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 
 #: How long a sound lasts whose length cannot be read, in seconds.
@@ -32,57 +32,57 @@ COLORS = {
 
 
 def number(args: Mapping[str, Json], name: str, default: float = 0.0) -> float:
-    """A finite number, or `Rejected`."""
+    """A finite number, or `RejectedError`."""
     value = args.get(name)
     if value is None:
         return default
     if isinstance(value, bool) or not isinstance(value, int | float):
-        raise Rejected(f"{name} must be a number, not {value!r}")
+        raise RejectedError(f"{name} must be a number, not {value!r}")
     try:
         found = float(value)
     except OverflowError:
         found = math.inf
     if not math.isfinite(found):
-        raise Rejected(f"{name} must be a finite number")
+        raise RejectedError(f"{name} must be a finite number")
     return found
 
 
 def positive(args: Mapping[str, Json], name: str, default: float = 0.0) -> float:
-    """A number of at least 0, or `Rejected`."""
+    """A number of at least 0, or `RejectedError`."""
     found = number(args, name, default)
     if found < 0:
-        raise Rejected(f"{name} must not be negative, got {found:g}")
+        raise RejectedError(f"{name} must not be negative, got {found:g}")
     return found
 
 
 def word(args: Mapping[str, Json], name: str, choices: Iterable[str]) -> str:
-    """One of `choices`, or `Rejected` with what was probably meant."""
+    """One of `choices`, or `RejectedError` with what was probably meant."""
     value = args.get(name)
     choices = sorted(choices)
     if isinstance(value, str) and value in choices:
         return value
-    raise Rejected(f"unknown {name} {value!r}", did_you_mean(str(value), choices))
+    raise RejectedError(f"unknown {name} {value!r}", did_you_mean(str(value), choices))
 
 
 def text(args: Mapping[str, Json], name: str) -> str:
-    """A text, or `Rejected`."""
+    """A text, or `RejectedError`."""
     value = args.get(name, "")
     if not isinstance(value, str):
-        raise Rejected(f"{name} must be text, not {value!r}")
+        raise RejectedError(f"{name} must be text, not {value!r}")
     return value
 
 
 def known_joints(pose: Mapping[str, float], joints: Iterable[str]) -> Mapping[str, float]:
-    """The pose, if there are all of its joints, or `Rejected`."""
+    """The pose, if there are all of its joints, or `RejectedError`."""
     names = sorted(joints)
     for name in pose:
         if name not in names:
-            raise Rejected(f"there is no joint {name!r}", did_you_mean(name, names))
+            raise RejectedError(f"there is no joint {name!r}", did_you_mean(name, names))
     return pose
 
 
 def color(args: Mapping[str, Json], name: str) -> str:
-    """A colour as `#rrggbb`, or `Rejected`."""
+    """A colour as `#rrggbb`, or `RejectedError`."""
     value = text(args, name).strip().lower()
     if re.fullmatch(r"#[0-9a-f]{6}", value):
         return value
@@ -90,17 +90,19 @@ def color(args: Mapping[str, Json], name: str) -> str:
         return "#" + "".join(digit * 2 for digit in value[1:])
     if value in COLORS:
         return COLORS[value]
-    raise Rejected(f"unknown colour {value!r}", did_you_mean(value, sorted(COLORS)))
+    raise RejectedError(f"unknown colour {value!r}", did_you_mean(value, sorted(COLORS)))
 
 
 def file(args: Mapping[str, Json], name: str, folder: Path) -> str:
-    """A web address, or a file that is there, or `Rejected`; relative paths start at `folder`."""
+    """A web address, or a file that is there, or `RejectedError`; relative paths
+    start at `folder`.
+    """
     value = text(args, name)
     if "://" in value:
         return value
     path = folder / value
     if not value or not path.is_file():
-        raise Rejected(f"there is no file {path}", "put it there, or correct the path")
+        raise RejectedError(f"there is no file {path}", "put it there, or correct the path")
     return str(path)
 
 

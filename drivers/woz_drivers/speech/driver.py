@@ -17,15 +17,15 @@ from woz_drivers.speech.voice import Utterance, Voice, finish, read_wav, spoken
 from woz_drivers.wav import Wav
 from woz_tui.core.driver import (
     Argument,
+    DeviceLostError,
     Driver,
+    DriverContext,
     DriverError,
     Finding,
     Health,
     Job,
-    Lost,
-    Outlet,
     Probe,
-    Rejected,
+    RejectedError,
     Scope,
     Verb,
 )
@@ -65,10 +65,10 @@ class Speech(Driver):
     summary = "speech and sound files through a loudspeaker"
     settings: SpeechSettings
 
-    def __init__(self, name: str, settings: SpeechSettings, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet)
+    def __init__(self, name: str, settings: SpeechSettings, context: DriverContext) -> None:
+        super().__init__(name, settings, context)
         self._volume = settings.volume
-        self._voice = Voice(settings, outlet.folder)
+        self._voice = Voice(settings, context.folder)
         self._jobs: set[asyncio.Task[Any]] = set()
         self._audible: set[Child] = set()
         self._missing: DriverError | None = None
@@ -89,7 +89,7 @@ class Speech(Driver):
 
     async def open(self) -> None:
         """Look for the programs, until they are there."""
-        self.outlet.health(Health.CONNECTING, "looking for the speech programs")
+        self.context.health(Health.CONNECTING, "looking for the speech programs")
         self._task = asyncio.create_task(self._look())
 
     async def prepare(self, utterances: list[str]) -> None:
@@ -107,18 +107,18 @@ class Speech(Driver):
     async def _prepare(self, utterances: list[str]) -> None:
         try:
             for text in utterances:
-                with contextlib.suppress(Rejected):
+                with contextlib.suppress(RejectedError):
                     await self._voice.utterance(spoken(text))
         except DriverError as error:
             text = f"speech not prepared: {error.what}"
-            self.outlet.notice("warning", text, error.remedy, tells=("request",))
+            self.context.notice("warning", text, error.remedy, tells=("request",))
 
     async def perform(self, job: Job) -> Mapping[str, Json]:
         """Speak, play or set the volume; returns when the sound has ended."""
         if job.verb == "volume":
             return self._set_volume(job.args.get("level"))
         if self._missing is not None:
-            raise Lost(self._missing.what, self._missing.remedy)
+            raise DeviceLostError(self._missing.what, self._missing.remedy)
         with self._counted():
             match job.verb:
                 case "say" if self.settings.speak:
@@ -127,7 +127,7 @@ class Speech(Driver):
                     return await self._say(job, spoken(str(job.args["text"])))
                 case "sound":
                     return await self._play_file(job, str(job.args["file"]))
-        raise Rejected(f"{self.name} cannot {job.verb}")
+        raise RejectedError(f"{self.name} cannot {job.verb}")
 
     async def stop(self, scope: Scope) -> None:
         """Fall silent: every program that makes or plays sound for a job is killed."""
@@ -176,18 +176,18 @@ class Speech(Driver):
         *makers, player = _programs(self.settings)
         self._missing = None
         try:
-            programs.find(player, self.outlet.folder)
+            programs.find(player, self.context.folder)
         except DriverError as error:
             self._missing = error
-            self.outlet.health(Health.LOST, error.what, error.remedy)
+            self.context.health(Health.LOST, error.what, error.remedy)
             return False
         try:
             for maker in makers:
-                programs.find(maker, self.outlet.folder)
+                programs.find(maker, self.context.folder)
         except DriverError as error:
-            self.outlet.health(Health.FAULTED, error.what, error.remedy)
+            self.context.health(Health.FAULTED, error.what, error.remedy)
             return False
-        self.outlet.health(Health.CONNECTED, ", ".join((*makers, player)))
+        self.context.health(Health.CONNECTED, ", ".join((*makers, player)))
         return True
 
     # -- sound ---------------------------------------------------------------------------------
@@ -198,7 +198,7 @@ class Speech(Driver):
         return self._sent(utterance) | {"text": text}
 
     async def _play_file(self, job: Job, file: str) -> Mapping[str, Json]:
-        path = self.outlet.folder / file
+        path = self.context.folder / file
         content = await asyncio.to_thread(read_wav, path)
         await self._play(job, path, content)
         return self._sent(Utterance(path, content, "file")) | {"file": file}
@@ -235,13 +235,13 @@ class Speech(Driver):
 
     async def _run(self, words: Sequence[str], seconds: float, text: str | None = None) -> None:
         """Run a program that is heard; its failure is the driver's health until one succeeds."""
-        running = await child.start(words, self.outlet.folder, text=text)
+        running = await child.start(words, self.context.folder, text=text)
         self._audible.add(running)
         try:
             await finish(running, seconds)
         except DriverError as error:
             self._broken = True
-            self.outlet.health(Health.FAULTED, error.what, error.remedy)
+            self.context.health(Health.FAULTED, error.what, error.remedy)
             raise
         finally:
             self._audible.discard(running)
@@ -251,7 +251,7 @@ class Speech(Driver):
 
     def _set_volume(self, level: Json) -> Mapping[str, Json]:
         if not isinstance(level, int | float):
-            raise Rejected("volume needs a level from 0 to 1")
+            raise RejectedError("volume needs a level from 0 to 1")
         self._volume = min(max(float(level), 0.0), 1.0)
         return {"level": self._volume}
 

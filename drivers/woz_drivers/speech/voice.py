@@ -15,7 +15,7 @@ from woz_drivers.child import Child
 from woz_drivers.speech.cache import SpeechCache, users_folder
 from woz_drivers.speech.settings import SpeechSettings
 from woz_drivers.wav import NoWav, Wav
-from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.driver import DriverError, RejectedError
 from woz_tui.core.regular import open_regular
 
 #: A synthesiser that takes longer than this hangs, in seconds; large neural voices need a few.
@@ -37,25 +37,26 @@ class Utterance:
 
 def spoken(text: str) -> str:
     """What is really said of `text`: on one line, without control characters (espeak-ng takes
-    some for commands) and without the halves of broken characters. `Rejected` if nothing is left.
+    some for commands) and without the halves of broken characters. `RejectedError` if nothing is
+    left.
     """
     clean = " ".join(_CONTROL.sub(" ", text).split())
     if not clean:
-        raise Rejected("there is nothing to say", "give say: a text")
+        raise RejectedError("there is nothing to say", "give say: a text")
     return clean
 
 
 def read_wav(path: Path) -> Wav:
-    """A WAV file. `Rejected` says what is wrong with it and how to convert it."""
+    """A WAV file. `RejectedError` says what is wrong with it and how to convert it."""
     try:
         with open_regular(path) as file:
             return wav.parse(file.read())
     except OSError as error:
-        raise Rejected(
+        raise RejectedError(
             f"{path} cannot be read: {error.strerror}", "check the path and its permissions"
         ) from error
     except NoWav as error:
-        raise Rejected(
+        raise RejectedError(
             f"{path} cannot be played: {error}",
             f"convert it: ffmpeg -i '{path}' -c:a pcm_s16le '{path.with_suffix('.wav')}'",
         ) from error

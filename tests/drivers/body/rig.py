@@ -93,7 +93,7 @@ class Stage:
     async def of(cls, settings: Settings, folder: Path) -> Stage:
         """An open one, after its first tick."""
         heard = Heard(folder, LoopClock(asyncio.get_running_loop()))
-        body = SteppedBody("it", settings, heard.outlet)
+        body = SteppedBody("it", settings, heard.context)
         await body.open()
         it = cls(body, heard)
         await it.ticks(1)
@@ -114,21 +114,21 @@ class Stage:
     @property
     def setpoints(self) -> Mapping[str, float]:
         """What the servos would be given now."""
-        value = self.heard.outlet.feed(SETPOINTS).latest().value
+        value = self.heard.context.feed(SETPOINTS).latest().value
         assert isinstance(value, Setpoints)
         return value.joints
 
     @property
     def state(self) -> State:
         """What a panel would be told."""
-        value = self.heard.outlet.feed(STATE).latest().value
+        value = self.heard.context.feed(STATE).latest().value
         assert isinstance(value, State)
         return value
 
     @property
     def lit(self) -> Lit:
         """What lights would be given."""
-        value = self.heard.outlet.feed(FACE).latest().value
+        value = self.heard.context.feed(FACE).latest().value
         assert isinstance(value, Lit)
         return value
 

@@ -12,7 +12,7 @@ from woz_drivers.body import Body, Settings
 
 from tests.drivers.body.rig import Stage, robot, within
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.driver import Rejected, Scope
+from woz_tui.core.driver import RejectedError, Scope
 from woz_tui.core.messages import Json, Notice
 from woz_tui.motion.modes import Mode
 from woz_tui.motion.setpoints import SEEN, Seen
@@ -66,7 +66,7 @@ def bodies(tmp_path: Path) -> list[Settings]:
 def see(it: Stage, frame: int) -> None:
     now = round(asyncio.get_running_loop().time() * 1e6)
     seen = Seen(now, frame, 0.8 * math.sin(frame / 9), 0.5 * math.cos(frame / 7), 0.1)
-    it.heard.outlet.feed(SEEN, of="eye").put(seen)
+    it.heard.context.feed(SEEN, of="eye").put(seen)
 
 
 @pytest.mark.toolkit("R6", "M4", "M5", "G3")
@@ -152,9 +152,9 @@ def test_no_input_makes_any_body_unsafe(tmp_path: Path, which: int) -> None:
         for task in running:
             try:
                 await task
-            except Rejected as refused:
+            except RejectedError as refused:
                 assert refused.what
             except Exception as error:  # noqa: BLE001 - what is left was closed
-                assert type(error).__name__ == "Lost"
+                assert type(error).__name__ == "DeviceLostError"
 
     run_virtual(story())

@@ -14,7 +14,7 @@ from woz_drivers.body.ticker import Lateness
 from tests.drivers.body.rig import CALM, Stage, played, robot, small, within
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.driver import Lost, Probe, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, Probe, RejectedError, Scope
 from woz_tui.core.messages import (
     Json,
     ModeChanged,
@@ -161,7 +161,7 @@ def test_nonsense_is_rejected_and_moves_nothing(
 ) -> None:
     async def story(it: Stage) -> None:
         before = it.setpoints
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.do(verb, **args)
         await it.ticks(3)
         assert it.setpoints == pytest.approx(before)
@@ -174,7 +174,7 @@ def test_what_a_mode_does_not_take_is_rejected_with_a_remedy(tmp_path: Path) -> 
     async def story(it: Stage) -> None:
         await it.do("mode", mode="demo")
         await it.ticks(2)
-        with pytest.raises(Rejected, match="demo") as refused:
+        with pytest.raises(RejectedError, match="demo") as refused:
             await it.do("pose", joints={"pan": 10.0})
         assert refused.value.remedy
         assert [moved.now for moved in it.heard.all(ModeChanged)] == ["normal", "demo"]
@@ -193,7 +193,7 @@ def test_in_a_mode_a_joints_control_waits_for_a_hand_but_not_for_other_software(
     async def story(it: Stage) -> None:
         await it.do("mode", mode="demo")
         turned: dict[str, Json] = {"control": "pan", "value": 0.75}
-        with pytest.raises(Rejected, match="demo"):
+        with pytest.raises(RejectedError, match="demo"):
             await it.body.perform(Ordered("control", turned, source=source))
         sent = await it.body.perform(Ordered("control", turned, source="midi"))
         assert sent["waits"] == "normal"
@@ -229,7 +229,7 @@ def test_a_stop_stands_still_until_it_is_released(tmp_path: Path) -> None:
         held = it.setpoints
         await it.ticks(100)
         assert it.setpoints == held
-        with pytest.raises(Rejected, match="still"):
+        with pytest.raises(RejectedError, match="still"):
             await it.do("play", move="nod")
         assert "stop" in str((await running)["ended"])
         await it.body.resume()
@@ -247,7 +247,7 @@ def test_a_stop_stands_still_until_it_is_released(tmp_path: Path) -> None:
 def test_a_stop_that_was_given_up_does_not_keep_others_waiting(tmp_path: Path) -> None:
     async def whole() -> None:
         clock = LoopClock(asyncio.get_running_loop())
-        loop = BodyLoop(small(), Heard(tmp_path, clock).outlet, Lateness(), lambda ended: None)
+        loop = BodyLoop(small(), Heard(tmp_path, clock).context, Lateness(), lambda ended: None)
         given_up, other = loop.freeze(), loop.freeze()
         given_up.cancel()
         loop.step(1.0)
@@ -279,7 +279,7 @@ def test_it_rests_without_breath_and_closes(tmp_path: Path) -> None:
         assert it.setpoints == pytest.approx({"pan": 20.0, "tilt": 10.0})
         await it.body.close()
         await it.body.close()
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.do("play", move="nod")
         await it.body.stop(Scope.ALL)
         assert "ticks, late by" in it.notices()
@@ -293,7 +293,7 @@ def test_a_command_under_way_fails_when_it_is_closed(tmp_path: Path) -> None:
         running = it.begin("play", move="dance", speed=1.0, amplitude=1.0)
         await it.ticks(5)
         await it.body.close()
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await running
 
     run_virtual(whole())

@@ -24,7 +24,7 @@ from woz_tui.core.driver import Driver, Scope
 from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import AnyMessage, DriverConnected, Notice, Reading
-from woz_tui.session.outlet import DriverOutlet
+from woz_tui.session.driver_context import SessionDriverContext
 
 pytestmark = pytest.mark.real_clock
 
@@ -88,11 +88,11 @@ async def assembled(tmp_path: Path, settings: Settings) -> AsyncIterator[Robot]:
             rest_speed=200.0,
         )
 
-        def outlet(name: str) -> DriverOutlet:
-            return DriverOutlet(name, hub, clock, tmp_path, feeds=feeds)
+        def context(name: str) -> SessionDriverContext:
+            return SessionDriverContext(name, hub, clock, tmp_path, feeds=feeds)
 
-        body = Body("body", settings, outlet("body"))
-        servos = DynamixelServos("head", followers, outlet("head"))
+        body = Body("body", settings, context("body"))
+        servos = DynamixelServos("head", followers, context("head"))
         drivers: tuple[Driver, ...] = (body, servos)
         for driver in drivers:
             await driver.open()

@@ -18,7 +18,7 @@ from tests.drivers.body.rig import SteppedBody, within
 from tests.fakes.virtual_time import LoopClock, run_virtual
 from woz_tui.core import messages as m
 from woz_tui.core.clock import RealClock
-from woz_tui.core.driver import Ask, Driver, Outlet
+from woz_tui.core.driver import Ask, Driver, DriverContext
 from woz_tui.experiment.decode import load
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.identity import AskError, Identity
@@ -40,8 +40,8 @@ class LoopPace(Pace):
 class LoopRobot(SimulatedRobot):
     """Speaks in the loop's time."""
 
-    def __init__(self, name: str, settings: Any, outlet: Outlet) -> None:
-        super().__init__(name, settings, outlet, pace=LoopPace())
+    def __init__(self, name: str, settings: Any, context: DriverContext) -> None:
+        super().__init__(name, settings, context, pace=LoopPace())
 
 
 class Stage:
@@ -274,8 +274,8 @@ def test_ten_minutes_without_input_it_stays_alive_where_it_was(tmp_path: Path) -
 def test_a_body_may_ask_for_the_sound_of_a_move(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         heard: list[tuple[bool, str]] = []
-        outlet = stage.body().outlet
-        outlet.ask(
+        context = stage.body().context
+        context.ask(
             Ask("verb", "sound", {"file": "media/gong.wav"}, source="body"),
             lambda carried, why: heard.append((carried, why)),
         )

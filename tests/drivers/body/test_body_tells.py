@@ -32,7 +32,7 @@ from woz_tui.motion.move import Cue
 from woz_tui.motion.setpoints import PRESENT, SEEN, Present, Seen
 from woz_tui.motion.shapes import FaceShape, JointShape, Personality
 from woz_tui.motion.ticks import Tick
-from woz_tui.session.outlet import DriverOutlet
+from woz_tui.session.driver_context import SessionDriverContext
 
 # -- what it tells --------------------------------------------------------------------------------
 
@@ -112,8 +112,8 @@ async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
         assert done is not None
         done(False, "no driver offers 'sound'")
 
-    outlet = DriverOutlet("it", hub, ManualClock(), tmp_path, asked=refuse)
-    publishing = Publishing(small(), outlet)
+    context = SessionDriverContext("it", hub, ManualClock(), tmp_path, asked=refuse)
+    publishing = Publishing(small(), context)
     gong = (Cue(0.0, "gong.wav"), Cue(0.0, "mute.wav", volume=0.0), Cue(0.0, "bell.wav"))
     publishing.tick(Tick(0.0, {}, {}, Mode.NORMAL, "neutral", 0.0, cues=gong))
     assert [ask.args["file"] for ask in asked] == ["gong.wav", "bell.wav"]
@@ -128,7 +128,7 @@ async def test_a_sound_that_nobody_plays_is_told_once(tmp_path: Path) -> None:
 
 def present(it: Stage, held: frozenset[str], ago: float = 0.0, **joints: float) -> None:
     then = round((asyncio.get_running_loop().time() - ago) * 1e6)
-    it.heard.outlet.feed(PRESENT, of="head").put(Present(then, joints, held))
+    it.heard.context.feed(PRESENT, of="head").put(Present(then, joints, held))
 
 
 @pytest.mark.toolkit("R4")
@@ -194,7 +194,7 @@ def test_what_a_camera_saw_before_it_fell_silent_is_not_looked_at(tmp_path: Path
     async def story(it: Stage) -> None:
         begun = it.setpoints
         now = round(asyncio.get_running_loop().time() * 1e6)
-        it.heard.outlet.feed(SEEN, of="eye").put(Seen(now, 1, 0.5, 0.0, 0.1))
+        it.heard.context.feed(SEEN, of="eye").put(Seen(now, 1, 0.5, 0.0, 0.1))
         await asyncio.sleep(SEEN_S + 0.1)
         await it.do("mode", mode="tracking")
         await it.ticks(50)
@@ -209,7 +209,7 @@ def test_tracking_turns_to_what_the_camera_sees(tmp_path: Path) -> None:
         await it.do("mode", mode="tracking")
         for frame in range(1, 60):
             now = round(asyncio.get_running_loop().time() * 1e6)
-            it.heard.outlet.feed(SEEN, of="eye").put(Seen(now, frame, 0.5, 0.0, 0.1))
+            it.heard.context.feed(SEEN, of="eye").put(Seen(now, frame, 0.5, 0.0, 0.1))
             await it.ticks(2)
         assert it.setpoints["pan"] < -5.0  # right of the middle: the head turns to its right
 

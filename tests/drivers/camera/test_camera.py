@@ -16,7 +16,7 @@ from tests.drivers.camera.pictures import PipedCamera, picture, planes, with_blo
 from tests.drivers.heard import Heard, Ordered, until
 from tests.fakes.offspring import offspring
 from woz_tui.core.clock import ManualClock, RealClock
-from woz_tui.core.driver import Finding, Probe, Rejected, Scope
+from woz_tui.core.driver import Finding, Probe, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, DriverLost
 from woz_tui.motion.setpoints import SEEN, Seen
 
@@ -44,7 +44,7 @@ async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
         heard = Heard(tmp_path, RealClock() if real else clock)
         made = CameraSettings(command=command, **{**SMALL, **settings})
         assert made.problems() == []
-        camera = Camera("it", made, heard.outlet)
+        camera = Camera("it", made, heard.context)
         cameras.append(camera)
         await camera.open()
         return camera, heard
@@ -55,14 +55,14 @@ async def begin(tmp_path: Path, clock: ManualClock) -> AsyncIterator[Begin]:
 
 
 def seen(heard: Heard) -> Seen:
-    value = heard.outlet.feed(SEEN).latest().value
+    value = heard.context.feed(SEEN).latest().value
     assert isinstance(value, Seen)
     return value
 
 
 async def frames(heard: Heard, count: int) -> Seen:
     """What was seen in the picture number `count`."""
-    feed = heard.outlet.feed(SEEN)
+    feed = heard.context.feed(SEEN)
     await until(lambda: feed.latest().serial >= count)
     return seen(heard)
 
@@ -178,7 +178,7 @@ async def test_a_film_is_shown_to_its_last_picture(begin: Begin, tmp_path: Path)
     film = tmp_path / "film.rgb"
     film.write_bytes(with_block(0, 5).tobytes() * 149 + with_block(17, 5).tobytes())
     _, heard = await begin(("cat", str(film)), real=True, pace="real", rate=120)
-    feed = heard.outlet.feed(SEEN)
+    feed = heard.context.feed(SEEN)
     await until(lambda: isinstance(last := feed.latest().value, Seen) and (last.x or 0.0) > 0.5)
     assert seen(heard).frame % 150 == 0  # on a busy machine it may have begun again
 
@@ -186,7 +186,7 @@ async def test_a_film_is_shown_to_its_last_picture(begin: Begin, tmp_path: Path)
 async def test_it_only_looks_and_leaves_nothing_behind(begin: Begin, pipe: PipedCamera) -> None:
     camera, _ = await begin(pipe.command)
     await until(pipe.connected)
-    with pytest.raises(Rejected, match="cannot gaze"):
+    with pytest.raises(RejectedError, match="cannot gaze"):
         await camera.perform(Ordered("gaze"))
     await camera.stop(Scope.ALL)
     await camera.rest()

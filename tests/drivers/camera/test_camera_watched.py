@@ -31,26 +31,26 @@ class Seat:
         self.heard = Heard(folder, self.clock)
         self.pipe = PipedCamera(folder / "pipe")
         made = CameraSettings(command=self.pipe.command, **{**SMALL, **more})  # type: ignore[arg-type]
-        self.camera = Camera("it", made, self.heard.outlet)
+        self.camera = Camera("it", made, self.heard.context)
         self._count = 0
 
     def watch(self, seconds: float, width: int = 20, rate: float = 5.0) -> None:
         wish = Watched(self.clock.now_us() + round(seconds * 1_000_000), width, rate)
-        self.heard.outlet.feed(WATCHED).put(wish)
+        self.heard.context.feed(WATCHED).put(wish)
 
     async def film(self, picture: Pixels | bytes) -> None:
         """One picture comes and has been looked at."""
         self.pipe.send(picture)
         self._count += 1
-        await until(lambda: self.heard.outlet.feed(SEEN).latest().serial >= self._count)
+        await until(lambda: self.heard.context.feed(SEEN).latest().serial >= self._count)
 
     @property
     def offered(self) -> int:
-        return self.heard.outlet.feed(PICTURE).latest().serial
+        return self.heard.context.feed(PICTURE).latest().serial
 
     @property
     def last(self) -> Picture:
-        value = self.heard.outlet.feed(PICTURE).latest().value
+        value = self.heard.context.feed(PICTURE).latest().value
         assert isinstance(value, Picture)
         return value
 

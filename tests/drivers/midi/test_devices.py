@@ -12,7 +12,7 @@ from woz_drivers.midi.doctor import examine
 from woz_drivers.midi.maps import PanelMap
 from woz_drivers.midi.settings import MidiSettings
 
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 CARDS = """\
  0 [PCH            ]: HDA-Intel - HDA Intel PCH
@@ -59,7 +59,7 @@ def test_a_device_by_its_name(system: tuple[Path, Path], wanted: str, found: str
 def test_a_device_by_its_path_and_one_that_is_not_there(system: tuple[Path, Path]) -> None:
     assert devices.paths_of("./a", Path("/x"), *system) == ["/x/a"]
     assert devices.paths_of("/dev/snd/b", Path("/x"), *system) == ["/dev/snd/b"]
-    with pytest.raises(Lost) as raised:
+    with pytest.raises(DeviceLostError) as raised:
         devices.open_one("BCF2000", Path("/"), *system)
     assert raised.value.what == "no MIDI device is called 'BCF2000'"
     assert "plugged in now: nanoKONTROL2 (" in raised.value.remedy

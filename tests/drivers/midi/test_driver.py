@@ -14,7 +14,7 @@ from woz_drivers.midi.settings import MidiSettings
 
 from tests.drivers.heard import until
 from tests.drivers.midi.stand import Desk, stand
-from woz_tui.core.driver import Ask, Health, Rejected, Scope
+from woz_tui.core.driver import Ask, Health, RejectedError, Scope
 from woz_tui.testing import PlainJob
 
 
@@ -61,7 +61,7 @@ async def test_take_over_lets_the_robot_jump_to_the_hand(tmp_path: Path) -> None
         sent = await it.driver.perform(PlainJob("take-over"))
         assert sent == {"controls": "knob-1, knob-3"}
         assert (it.desk.turned("pitch"), it.desk.turned("smoothing")) == ([1.0], [0.0])
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.driver.perform(PlainJob("nod"))
 
 

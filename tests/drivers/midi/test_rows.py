@@ -25,7 +25,7 @@ from woz_drivers.midi.settings import MidiSettings
 
 from woz_tui import plugins
 from woz_tui.core.arguments import checked
-from woz_tui.core.driver import Ask, Rejected, Verb
+from woz_tui.core.driver import Ask, RejectedError, Verb
 from woz_tui.experiment.decode import load
 from woz_tui.motion.engine import Engine
 from woz_tui.motion.inputs import offered
@@ -71,7 +71,7 @@ class Stage(RecordingContext):
             if ask.what == "verb":
                 assert ask.on == "body"
                 self.engine.apply(ask.name, checked(verbs()[ask.name], ask.args))
-        except Rejected as refused:
+        except RejectedError as refused:
             self.refused.append(refused.what)
             done(False, refused.what)
         else:

@@ -76,7 +76,7 @@ async def babbler(folder: Path, **settings: Any) -> AsyncIterator[Babbler]:
     end = await server.listen("127.0.0.1")
     heard = Heard(folder)
     given = replace(SETTINGS, robots=(f"127.0.0.1:{end.port}",), **settings)
-    connection = Connection(given, heard.outlet, on_connected=connected, on_lost=lambda: None)
+    connection = Connection(given, heard.context, on_connected=connected, on_lost=lambda: None)
     connection.start()
     try:
         await heard.first(DriverConnected)

@@ -18,7 +18,7 @@ from woz_drivers.pepper.parts import LOOK_S
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard
-from woz_tui.core.driver import DriverError, Health, Lost
+from woz_tui.core.driver import DeviceLostError, DriverError, Health
 from woz_tui.core.messages import DriverHealth
 
 WITHIN_S = 20.0
@@ -122,7 +122,7 @@ async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[St
         made.went += 1
 
     given = replace(SETTINGS, robots=robots, **settings)
-    made = Stand(Connection(given, heard.outlet, on_connected=came, on_lost=went), heard)
+    made = Stand(Connection(given, heard.context, on_connected=came, on_lost=went), heard)
     made.connection.start()
     try:
         yield made
@@ -132,7 +132,7 @@ async def stand(folder: Path, *robots: str, **settings: Any) -> AsyncIterator[St
 
 def is_lost(outcome: Outcome) -> bool:
     """Whether the wizard was told that the robot is not there."""
-    return isinstance(outcome.error, Lost)
+    return isinstance(outcome.error, DeviceLostError)
 
 
 def threads_now() -> int:

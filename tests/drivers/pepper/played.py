@@ -31,7 +31,7 @@ class Played:
         self.robot = robot
         self.driver = driver
         self.heard = heard
-        self.folder = heard.outlet.folder
+        self.folder = heard.context.folder
         self.jobs: list[Ordered] = []
         self._tasks: list[asyncio.Task[Mapping[str, Json]]] = []
 
@@ -135,7 +135,7 @@ async def played(
 async def joined(robot: StandIn, folder: Path, settings: PepperSettings) -> Played:
     """A driver that is connected to the robot."""
     heard = Heard(folder)
-    it = Played(robot, Pepper("it", settings, heard.outlet), heard)
+    it = Played(robot, Pepper("it", settings, heard.context), heard)
     await it.driver.open()
     await heard.first(DriverConnected)
     return it

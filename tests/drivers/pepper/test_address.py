@@ -9,7 +9,7 @@ from woz_drivers.pepper.address import Address, parse, seen
 from woz_drivers.pepper.secrets import Secret, password
 from woz_drivers.pepper.settings import PepperSettings
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 
 
 @pytest.mark.parametrize(
@@ -52,7 +52,7 @@ def test_what_is_understood(text: str, address: Address, shown: str | None) -> N
     ],
 )
 def test_what_is_refused_says_what_to_write(text: str, what: str, remedy: str) -> None:
-    with pytest.raises(Rejected) as refused:
+    with pytest.raises(RejectedError) as refused:
         parse(text)
     assert what in refused.value.what
     assert remedy in refused.value.remedy
@@ -77,11 +77,11 @@ TELLING = (
 
 @pytest.mark.parametrize(("text", "seen_of_it"), TELLING)
 def test_a_password_in_an_address_is_refused_and_not_repeated(text: str, seen_of_it: str) -> None:
-    with pytest.raises(Rejected) as refused:
+    with pytest.raises(RejectedError) as refused:
         parse(text)
     assert "Hush" not in refused.value.what + refused.value.remedy + repr(refused.value)
     assert seen(text) == seen_of_it
-    with pytest.raises(Rejected):  # nobody connects to what is left
+    with pytest.raises(RejectedError):  # nobody connects to what is left
         parse(seen_of_it)
 
 
@@ -91,7 +91,7 @@ def test_what_may_be_seen_is_all_of_an_address_and_the_same_seen_twice(text: str
     assert seen(once) == once
     try:
         parse(text)
-    except Rejected:
+    except RejectedError:
         assert ":" not in text or "***" in once
     else:
         assert once == text
@@ -106,7 +106,7 @@ def test_a_file_with_a_password_is_told_where_without_it() -> None:
 
 
 def test_a_user_with_a_password_is_told_where_that_belongs() -> None:
-    with pytest.raises(Rejected) as refused:
+    with pytest.raises(RejectedError) as refused:
         parse("tcps://nao:Hush!42@pepper")
     assert "WOZ_PEPPER_PASSWORD" in refused.value.remedy
 
@@ -115,7 +115,7 @@ def test_a_user_with_a_password_is_told_where_that_belongs() -> None:
 def test_any_text_is_understood_or_refused(text: str) -> None:
     try:
         found = parse(text)
-    except Rejected as refused:
+    except RejectedError as refused:
         assert refused.what
         assert refused.remedy
     else:

@@ -10,7 +10,7 @@ import pytest
 from woz_drivers.pepper.settings import Autonomy
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.driver import DriverError, RejectedError
 from woz_tui.core.messages import SettingsShown
 
 SWITCHES = {
@@ -79,7 +79,7 @@ async def test_distances_are_set_and_read_back_and_small_ones_warned_of(it: Play
 
 async def test_nothing_named_is_refused(it: Played) -> None:
     for verb in ("autonomy", "collision"):
-        with pytest.raises(Rejected, match="told nothing"):
+        with pytest.raises(RejectedError, match="told nothing"):
             await it.do(verb)
 
 

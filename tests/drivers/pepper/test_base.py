@@ -12,7 +12,7 @@ from woz_drivers.pepper import base as base_module
 
 from tests.drivers.heard import PATIENCE_S
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -82,7 +82,7 @@ async def test_a_drive_that_takes_too_long_is_ended_on_the_robot(
 ) -> None:
     monkeypatch.setattr(base_module, "SLACK_FACTOR", 0.0)
     monkeypatch.setattr(base_module, "SLACK_S", 0.05)
-    with pytest.raises(Lost, match="did not answer"):
+    with pytest.raises(DeviceLostError, match="did not answer"):
         await it.do("drive", x=5.0)
     await it.robot.called("ALMotion.stopMove")
     assert not await _drives(it)
@@ -114,14 +114,14 @@ async def test_a_robot_at_rest_does_not_drive_and_says_why(tmp_path: Path) -> No
 
 
 async def test_to_nowhere_is_refused(it: Played) -> None:
-    with pytest.raises(Rejected, match="nowhere"):
+    with pytest.raises(RejectedError, match="nowhere"):
         await it.do("drive", x=0.0)
 
 
 async def test_a_silent_robot_is_not_sent_a_drive(tmp_path: Path) -> None:
     async with played(tmp_path, hurried=True) as it:
         it.robot.freeze()
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.do("drive", x=1.0)
         it.robot.thaw()
         assert await it.calls("ALMotion.moveTo") == []

@@ -14,7 +14,7 @@ from woz_drivers.pepper.body_joints import JOINTS, limb
 from tests.drivers.pepper.played import QUIET, Played, played
 from tests.drivers.pepper.wired import wired
 from tests.fakes.naoqi import stand_in_here
-from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.driver import DriverError, RejectedError
 from woz_tui.core.messages import Json
 
 HEY = "animations/Stand/Gestures/Hey_1"
@@ -43,7 +43,7 @@ async def test_an_animation_that_the_robot_has_not_is_told_in_its_words(it: Play
     with pytest.raises(DriverError, match=r"my_lab/wave was not played: .*not installed") as told:
         await it.do("play", move="my_lab/wave")
     assert "getInstalledBehaviors" in told.value.remedy
-    with pytest.raises(Rejected, match="no animation 'nonsense'"):
+    with pytest.raises(RejectedError, match="no animation 'nonsense'"):
         await it.do("play", move="nonsense")
 
 
@@ -113,7 +113,7 @@ async def test_a_pose_is_absolute_in_degrees_and_ends_when_it_is_there(it: Playe
 
 
 async def test_an_impossible_pose_never_reaches_the_robot(it: Played) -> None:
-    with pytest.raises(Rejected, match=r"-119\.5 to 119\.5"):
+    with pytest.raises(RejectedError, match=r"-119\.5 to 119\.5"):
         await it.do("pose", joints={"HeadYaw": 130})
     assert await it.calls("ALMotion.angleInterpolation") == []
 

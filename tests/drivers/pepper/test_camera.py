@@ -13,22 +13,22 @@ from woz_drivers.pepper.camera import SINGLE, VIEW, Camera
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
 from woz_tui.core.pictures import PICTURE, WATCHED, Picture, Watched
 
 
 def _watch(it: Wired[Camera], width: int = 320, rate: float = 30.0, seconds: float = 60.0) -> None:
     now = it.heard.clock.now_us()
     watched = Watched(now + round(seconds * 1e6), width, rate)
-    it.heard.outlet.feed(WATCHED).put(watched)
+    it.heard.context.feed(WATCHED).put(watched)
 
 
 def _came(it: Wired[Camera]) -> int:
-    return it.heard.outlet.feed(PICTURE).latest().serial
+    return it.heard.context.feed(PICTURE).latest().serial
 
 
 def _last(it: Wired[Camera]) -> Picture:
-    found = it.heard.outlet.feed(PICTURE).latest().value
+    found = it.heard.context.feed(PICTURE).latest().value
     assert isinstance(found, Picture)
     return found
 
@@ -134,10 +134,10 @@ async def test_after_a_loss_the_view_comes_back(tmp_path: Path) -> None:
 @pytest.mark.woz4u("camera_save_dir")
 async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn) -> None:
     async with wired(Camera, tmp_path, robot) as it:
-        before = it.heard.outlet.t(it.heard.clock.now_us())
+        before = it.heard.context.t(it.heard.clock.now_us())
         told = await it.do("picture")
-        after = it.heard.outlet.t(it.heard.clock.now_us())
-        media = it.heard.outlet.media
+        after = it.heard.context.t(it.heard.clock.now_us())
+        media = it.heard.context.media
         path = media.parent / str(told["file"])
         assert str(told["file"]).startswith(f"{media.name}/picture-2")
         with Image.open(path) as image:
@@ -152,7 +152,7 @@ async def test_a_picture_is_kept_with_its_time(tmp_path: Path, robot: StandIn) -
         assert len(list(media.iterdir())) == 2
         await _let_go(robot)
         assert await it.part.stop(Scope.ALL) == ()
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.do("film")
     await until(lambda: "pepper file" not in [one.name for one in threading.enumerate()])
 
@@ -181,7 +181,7 @@ async def test_no_picture_is_an_error_with_the_robots_words(tmp_path: Path, robo
             await it.do("picture")
         await _let_go(robot)
         await it.connection.disconnect()
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.do("picture")
 
 

@@ -23,7 +23,7 @@ from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.connected import stand
 from tests.drivers.pepper.played import played
 from tests.fakes.naoqi import stand_in, stand_in_here
-from woz_tui.core.driver import DriverError, Health, Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, Health, RejectedError, Scope
 from woz_tui.core.messages import DriverConnected, Notice
 
 
@@ -56,13 +56,13 @@ async def test_a_change_that_a_stop_cut_short_does_not_outlive_the_session(tmp_p
             task.cancel()
         await it.connection.close()
         await asyncio.gather(*tasks, return_exceptions=True)
-        with pytest.raises(Lost, match="session is over"):
+        with pytest.raises(DeviceLostError, match="session is over"):
             await it.connection.connect()
 
 
 async def test_what_is_no_address_costs_nobody_the_stop(tmp_path: Path) -> None:
     async with played(tmp_path, pace=2.0) as it:
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.do("connect", robot="tcp://nao:secret@10.0.0.1")
         it.begin("naoqi", call="ALMotion.moveTo", args="[3.0, 0.0, 0.0]")
         await it.robot.called("ALMotion.moveTo")
@@ -78,7 +78,7 @@ async def test_a_robot_that_is_let_go_begins_nothing_more(tmp_path: Path) -> Non
         await it.robot.called("ALAnimatedSpeech.say")
         leaving = it.begin("disconnect")
         driving = it.begin("drive", x=3.0)
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await driving
         await leaving
         assert len(await it.calls("ALAnimatedSpeech.say")) == 1
@@ -98,7 +98,7 @@ async def test_letting_go_while_settings_are_applied_is_no_trouble(tmp_path: Pat
         heard = Heard(tmp_path)
         one_by_one = Autonomy(awareness=True, blinking=True, head_breathing=True)
         settings = PepperSettings(robots=(robot.address,), autonomy=one_by_one)
-        driver = Pepper("it", settings, heard.outlet)
+        driver = Pepper("it", settings, heard.context)
         await robot.fault("slow:100")
         await driver.open()
         await robot.called("ALBasicAwareness.setEnabled")
@@ -135,7 +135,7 @@ async def test_a_robot_that_wakes_takes_connections_again() -> None:
     async with stand_in() as robot:
         robot.freeze()
         for _ in range(2):
-            with pytest.raises(Lost):
+            with pytest.raises(DeviceLostError):
                 await open_link(parse(robot.address), settings, within=0.2)
         robot.thaw()
         link = await open_link(parse(robot.address), settings, within=20.0)
@@ -159,7 +159,7 @@ async def test_what_begins_behind_the_stop_that_overtook_it_is_ended_too(tmp_pat
     pepper.world.desk.enter = enter  # type: ignore[method-assign]
     host, address = await start(pepper)
     heard = Heard(tmp_path)
-    driver = Pepper("it", PepperSettings(robots=(address,)), heard.outlet)
+    driver = Pepper("it", PepperSettings(robots=(address,)), heard.context)
     await driver.open()
     await heard.first(DriverConnected)
     going = asyncio.create_task(driver.perform(Ordered("posture", {"name": "Crouch"})))
@@ -183,7 +183,7 @@ async def test_a_robot_without_a_player_confirms_its_stop(
     }
     host, address = await start(pepper)
     heard = Heard(tmp_path)
-    driver = Pepper("it", PepperSettings(robots=(address,)), heard.outlet)
+    driver = Pepper("it", PepperSettings(robots=(address,)), heard.context)
     await driver.open()
     assert "without ALAudioPlayer" in (await heard.first(DriverConnected)).detail
     report = await driver.stop(Scope.ALL)

@@ -16,7 +16,7 @@ from woz_drivers.pepper.connection_line import ESSENTIAL, WANTED
 from tests.drivers.heard import Heard
 from tests.drivers.pepper.connected import SETTINGS, WITHIN_S, is_lost, stand, threads_now
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DriverError, Health, Lost, Rejected
+from woz_tui.core.driver import DeviceLostError, DriverError, Health, RejectedError
 from woz_tui.core.messages import DriverFaulted, Notice
 
 
@@ -42,7 +42,7 @@ async def test_it_begins_with_the_first_robot(robot: StandIn, tmp_path: Path) ->
         assert await it.connection.call("ALSystem", "robotName") == "Pepper"
         with pytest.raises(DriverError, match=r"ALMotion\.moveTo") as refused:
             await it.connection.call("ALMotion", "moveTo", "x")
-        assert not isinstance(refused.value, Lost)
+        assert not isinstance(refused.value, DeviceLostError)
         with pytest.raises(DriverError, match="no service ALNothing") as missing:
             await it.connection.call("ALNothing", "say")
         assert missing.value.remedy
@@ -75,7 +75,7 @@ async def test_signals_are_heard(robot: StandIn, tmp_path: Path) -> None:
 async def test_it_waits_for_the_wizard_where_the_file_says_so(bare: str, tmp_path: Path) -> None:
     async with stand(tmp_path, bare, connect=False) as it:
         await it.is_so(Health.LOST, "no robot", "connect")
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.connection.call("ALSystem", "robotName")
         await it.connection.connect()
         await it.is_so(Health.CONNECTED)
@@ -108,7 +108,7 @@ async def test_let_go_it_stays_away(bare: str, tmp_path: Path) -> None:
         await it.is_so(Health.LOST, "disconnected by the wizard", "connect")
         assert it.went == 1
         assert it.connection.robot == ""
-        with pytest.raises(Lost, match="disconnected by the wizard"):
+        with pytest.raises(DeviceLostError, match="disconnected by the wizard"):
             await it.connection.call("ALSystem", "robotName")
         assert not [task for task in asyncio.all_tasks() if "keeping" in repr(task.get_coro())]
         await it.connection.connect(bare)
@@ -122,7 +122,7 @@ async def test_who_waits_for_a_robot_that_is_let_go_is_told(tmp_path: Path) -> N
             waiting = asyncio.create_task(it.connection.connect(f"127.0.0.1:{port}"))
             await it.is_so(Health.CONNECTING)
             await it.connection.disconnect()
-            with pytest.raises(Lost, match="disconnected by the wizard"):
+            with pytest.raises(DeviceLostError, match="disconnected by the wizard"):
                 await waiting
 
 
@@ -136,7 +136,7 @@ async def test_a_mistake_of_this_program_does_not_end_it_in_silence(
     def mistaken() -> None:
         raise ZeroDivisionError
 
-    it = Connection(SETTINGS, heard.outlet, on_connected=applied, on_lost=mistaken)
+    it = Connection(SETTINGS, heard.context, on_connected=applied, on_lost=mistaken)
     await it.connect(bare)
     await it.disconnect()
     told = await heard.first(DriverFaulted)
@@ -148,7 +148,7 @@ async def test_a_mistake_of_this_program_does_not_end_it_in_silence(
 async def test_what_is_no_address_changes_nothing(bare: str, tmp_path: Path) -> None:
     async with stand(tmp_path, bare) as it:
         await it.is_so(Health.CONNECTED)
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.connection.connect("http://pepper")
         assert it.connection.there
 
@@ -163,7 +163,7 @@ async def test_a_robot_that_is_not_there_is_looked_for(tmp_path: Path) -> None:
     async with stand_in() as first:
         port = first.port
     async with stand(tmp_path) as it:
-        with pytest.raises(Lost, match=f"nothing listens on port {port}"):
+        with pytest.raises(DeviceLostError, match=f"nothing listens on port {port}"):
             await it.connection.connect(f"127.0.0.1:{port}")
         await it.is_so(Health.LOST, "nothing listens")
         async with stand_in(port=port):
@@ -176,7 +176,7 @@ async def test_services_that_come_one_by_one_are_waited_for(tmp_path: Path) -> N
     server.add("ALMemory")
     async with stand(tmp_path, str(endpoint)) as it:
         await it.is_so(Health.CONNECTING, "is starting: waiting for", "ALMotion")
-        with pytest.raises(Lost, match="is starting"):
+        with pytest.raises(DeviceLostError, match="is starting"):
             await it.connection.call("ALMemory", "getData", "x")
         for name in sorted(WANTED - {"ALMemory"}):
             server.add(name)
@@ -226,7 +226,7 @@ async def test_a_wrong_password_is_not_tried_again_and_again(
     server = Server(authenticator=refuse)
     endpoint = await server.listen("127.0.0.1")
     async with stand(tmp_path, str(endpoint), password="ROBOT_PASSWORD", connect=False) as it:
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.connection.connect()
         await it.is_so(Health.FAULTED, "password", "ROBOT_PASSWORD")
         await it.until(lambda: len(asyncio.all_tasks()) == 1)
@@ -247,7 +247,7 @@ async def test_parts_that_fail_to_apply_are_told_of(
             raise failure
         await asyncio.sleep(3600)
 
-    it = Connection(SETTINGS, heard.outlet, on_connected=apply, on_lost=lambda: None)
+    it = Connection(SETTINGS, heard.context, on_connected=apply, on_lost=lambda: None)
     await it.connect(bare)
     notice = await heard.first(Notice)
     assert notice.level == "warning"

@@ -12,7 +12,7 @@ from woz_drivers.pepper.connection_line import ALERT_S, ANSWER_S, FRESH_S, SILEN
 from woz_drivers.pepper.link import Gone, Unanswered
 
 from tests.fakes.virtual_time import run_virtual
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 #: The wizard knows at the latest after so long, in seconds.
 KNOWN_S = 2.0
@@ -218,7 +218,7 @@ def test_a_silent_robot_gets_no_call() -> None:
         await asyncio.sleep(0.2)
         begun = loop.time()
         waiting = asyncio.create_task(beating.fresh())
-        with pytest.raises(Lost, match="nothing was sent") as lost:
+        with pytest.raises(DeviceLostError, match="nothing was sent") as lost:
             await beating.ask()
         assert lost.value.remedy
         assert loop.time() - begun == pytest.approx(SILENT_S, abs=1e-6)
@@ -227,10 +227,10 @@ def test_a_silent_robot_gets_no_call() -> None:
         silent = [beating.silent]
         begun_again = loop.time()
         for ask in (beating.fresh, beating.ask):
-            with pytest.raises(Lost, match="nothing was sent"):
+            with pytest.raises(DeviceLostError, match="nothing was sent"):
                 await ask()
         assert loop.time() == begun_again
-        with pytest.raises(Lost, match="nothing was sent"):
+        with pytest.raises(DeviceLostError, match="nothing was sent"):
             await waiting
         assert loop.time() - begun == pytest.approx(ANSWER_S, abs=1e-6)
         beating.heard()

@@ -16,7 +16,7 @@ from tests.drivers.heard import PATIENCE_S, Heard, Ordered
 from tests.drivers.pepper.played import QUIET, joined, played
 from tests.fakes.naoqi import stand_in, stand_in_here
 from woz_tui.bus.bus import Bus
-from woz_tui.core.driver import DriverError, Lost, Rejected
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
     Command,
@@ -81,7 +81,7 @@ async def test_the_wizard_takes_another_robot_and_lets_it_go(tmp_path: Path) -> 
         assert await it.calls("ALAnimatedSpeech.say") == []
         assert await it.do("disconnect") == {"robot": sent["robot"]}
         await it.tells(lambda shown: "volume" not in shown.values)
-        with pytest.raises(Lost, match="disconnected by the wizard"):
+        with pytest.raises(DeviceLostError, match="disconnected by the wizard"):
             await it.do("say", text="Nobody hears this.")
 
 
@@ -114,15 +114,15 @@ async def test_what_the_end_of_the_session_cuts_short_ends_on_the_robot(tmp_path
 
 async def test_without_a_robot_verbs_say_so_at_once(tmp_path: Path) -> None:
     heard = Heard(tmp_path)
-    driver = Pepper("it", PepperSettings(robots=(), connect=False), heard.outlet)
+    driver = Pepper("it", PepperSettings(robots=(), connect=False), heard.context)
     await driver.open()
     for verb, args in (("say", {"text": "Hi"}), ("drive", {"x": 1.0}), ("eyes", {"color": "red"})):
-        with pytest.raises(Lost) as told:
+        with pytest.raises(DeviceLostError) as told:
             await driver.perform(Ordered(verb, args))
         assert "connect" in told.value.remedy
     await driver.rest()
     await driver.close()
-    with pytest.raises(Lost, match="closed"):
+    with pytest.raises(DeviceLostError, match="closed"):
         await driver.perform(Ordered("connect"))
 
 
@@ -174,7 +174,7 @@ async def test_a_robot_that_comes_back_gets_the_files_settings_again(tmp_path: P
 async def test_all_settings_are_read_from_a_simulated_robot_of_its_own(tmp_path: Path) -> None:
     heard = Heard(tmp_path)
     settings = PepperSettings(robots=("simulated",), pace=20)
-    driver = Pepper("it", settings, heard.outlet)
+    driver = Pepper("it", settings, heard.context)
     await driver.open()
     await heard.until(
         lambda: any(set(SETTINGS) <= set(one.values) for one in heard.all(SettingsShown))
@@ -193,7 +193,7 @@ async def test_a_call_that_never_returns_keeps_nobody_from_leaving_or_changing_t
     async with stand_in_here() as robot:
         heard = Heard(tmp_path)
         settings = PepperSettings(robots=(robot.address,), senses=QUIET)
-        driver = Pepper("it", settings, heard.outlet)
+        driver = Pepper("it", settings, heard.context)
         hub = Hub(heard.clock, lambda message, line: None)
         bus = Bus(hub, {"it": driver}, {"it": Pepper.verbs(settings)})
 
@@ -240,7 +240,7 @@ async def test_any_call_of_any_service_with_its_result(tmp_path: Path) -> None:
             ({"call": "A.b", "args": "{}"}, "must be a list"),
             ({"call": "A.b", "args": "[1"}, "no JSON list"),
         ):
-            with pytest.raises(Rejected, match=says):
+            with pytest.raises(RejectedError, match=says):
                 await it.do("naoqi", **args)
         with pytest.raises(DriverError):
             await it.do("naoqi", call="ALTextToSpeech.noSuchMethod")

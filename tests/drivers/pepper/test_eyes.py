@@ -10,7 +10,7 @@ from woz_drivers.pepper import eyes as eyes_module
 from woz_drivers.simulated.values import COLORS
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.driver import DriverError, RejectedError
 
 FADE = "ALLeds.fadeRGB"
 
@@ -37,7 +37,7 @@ async def test_colours_by_every_common_name_and_by_number(it: Played) -> None:
         sent = await it.do("eyes", color=name)
         assert sent == {"color": number, "animation": "steady"}
         assert await seen(it) == number
-    with pytest.raises(Rejected, match="unknown colour"):
+    with pytest.raises(RejectedError, match="unknown colour"):
         await it.do("eyes", color="greeen")
 
 

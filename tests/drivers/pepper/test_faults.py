@@ -15,7 +15,7 @@ from woz_drivers.pepper.connection_line import FRESH_S
 from tests.drivers.pepper.connected import WITHIN_S, Outcome, Stand, is_lost, stand
 from tests.fakes.dropping_proxy import dropping_proxy
 from tests.fakes.naoqi import Call, StandIn, stand_in
-from woz_tui.core.driver import Health, Lost
+from woz_tui.core.driver import DeviceLostError, Health
 
 pytestmark = pytest.mark.real_clock
 
@@ -83,7 +83,7 @@ async def test_a_frozen_robot_wakes_and_is_silenced_first(tmp_path: Path) -> Non
         sent = await marked_until(it, saying)
         assert is_lost(await saying)
         await it.is_so(Health.LOST, "has not answered")
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.connection.probe()
         robot.thaw()
         await it.is_so(Health.CONNECTED)
@@ -170,7 +170,9 @@ async def test_a_robot_that_does_not_answer_one_call_is_not_lost(tmp_path: Path)
     async with stand_in() as robot, stand(tmp_path, robot.address) as it:
         await it.is_so(Health.CONNECTED)
         await robot.fault("deaf")
-        with pytest.raises(Lost, match=r"did not answer ALSystem\.robotName in time") as lost:
+        with pytest.raises(
+            DeviceLostError, match=r"did not answer ALSystem\.robotName in time"
+        ) as lost:
             await it.connection.call("ALSystem", "robotName", within=0.1)
         assert lost.value.remedy
         assert it.connection.there

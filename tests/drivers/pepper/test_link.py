@@ -27,7 +27,7 @@ from woz_drivers.pepper.link import (
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import threads_now
-from woz_tui.core.driver import Lost
+from woz_tui.core.driver import DeviceLostError
 
 SETTINGS = PepperSettings(robots=())
 WITHIN_S = 10.0
@@ -273,7 +273,7 @@ async def test_what_is_not_confirmed_is_given_up_on_our_own_sockets_only(desk: D
     ],
 )
 async def test_why_a_robot_is_not_reached(text: str, what: str, remedy: str) -> None:
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(DeviceLostError) as lost:
         await open_link(parse(text), PepperSettings(robots=()))
     assert what in lost.value.what
     assert remedy in lost.value.remedy
@@ -286,7 +286,7 @@ async def test_somebody_else_on_the_port_is_no_robot() -> None:
 
     async with await asyncio.start_server(talk, "127.0.0.1", 0) as server:
         port = server.sockets[0].getsockname()[1]
-        with pytest.raises(Lost) as lost:
+        with pytest.raises(DeviceLostError) as lost:
             await open_link(Address("127.0.0.1", port), PepperSettings(robots=()), within=1.0)
         assert f"127.0.0.1:{port}" in lost.value.what
         server.close()

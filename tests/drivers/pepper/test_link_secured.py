@@ -12,11 +12,11 @@ from qimessaging.hosting import Method
 from qimessaging.server import Server
 from woz_drivers.pepper.address import parse
 from woz_drivers.pepper.connection_line import WANTED
-from woz_drivers.pepper.link import Link, Refused, open_link
+from woz_drivers.pepper.link import Link, RefusedError, open_link
 from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.pepper.connected import stand
-from woz_tui.core.driver import Health, Lost
+from woz_tui.core.driver import DeviceLostError, Health
 from woz_tui.core.messages import Notice
 
 KEPT = Path(__file__).parents[1] / "qimessaging"
@@ -76,11 +76,11 @@ async def test_a_wrong_password_is_told_with_its_remedy(
     guarded: Guarded, given: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", given)
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(DeviceLostError) as lost:
         await guarded.open()
     assert "ROBOT_PASSWORD" in lost.value.remedy
     assert "Hush" not in lost.value.what + lost.value.remedy + repr(lost.value)
-    assert isinstance(lost.value, Refused)
+    assert isinstance(lost.value, RefusedError)
 
 
 async def test_the_trusted_certificate_is_taken(
@@ -116,7 +116,7 @@ async def test_to_a_robot_with_another_certificate_no_password_is_sent(
     guarded: Guarded, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("ROBOT_PASSWORD", PASSWORD)
-    with pytest.raises(Refused) as refused:
+    with pytest.raises(RefusedError) as refused:
         await guarded.open(trusted="00" * 32)
     assert "certificate" in refused.value.what
     assert fingerprint() in refused.value.remedy
@@ -125,6 +125,6 @@ async def test_to_a_robot_with_another_certificate_no_password_is_sent(
 
 async def test_a_plain_line_to_a_secured_port_ends_in_a_sentence(guarded: Guarded) -> None:
     plain = guarded.address.replace("tcps://ada@", "tcp://")
-    with pytest.raises(Lost) as lost:
+    with pytest.raises(DeviceLostError) as lost:
         await open_link(parse(plain), PepperSettings(robots=()), within=1.0)
     assert lost.value.remedy

@@ -19,7 +19,7 @@ from tests.drivers.heard import PATIENCE_S, until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.libqi import SERVERS
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DriverError, Rejected, Scope
+from woz_tui.core.driver import DriverError, RejectedError, Scope
 
 
 @pytest.fixture
@@ -50,14 +50,14 @@ async def test_a_recording_on_the_robot(tmp_path: Path, robot: StandIn) -> None:
         assert call.args == [path, "wav", 16000, [1, 1, 1, 1]]
         assert await it.part.read() == {"microphones": f"recording {path}"}
         assert await it.part.stop(Scope.ALL) == ()
-        with pytest.raises(Rejected, match="recording already"):
+        with pytest.raises(RejectedError, match="recording already"):
             await it.do("record_sound", on=True)
         ended = await it.do("record_sound", on=False)
         assert (ended["file"], ended["t"]) == (path, told["t"])
         assert isinstance(ended["seconds"], float)
         assert await robot.get("recording") == ""
         assert await it.part.read() == {"microphones": "off"}
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.do("sing", on=True)
 
 
@@ -99,7 +99,7 @@ async def test_a_robot_that_refuses_the_end_may_record_on(tmp_path: Path, robot:
 
 
 def _sound(it: Wired[Microphones], file: Any) -> tuple[int, int, int, bytes]:
-    path = it.heard.outlet.media.parent / str(file)
+    path = it.heard.context.media.parent / str(file)
     with wave.open(str(path)) as sound:
         frames = sound.readframes(sound.getnframes())
         return sound.getnchannels(), sound.getsampwidth(), sound.getframerate(), frames
@@ -114,7 +114,7 @@ async def test_the_robots_sound_is_a_file_here(tmp_path: Path, server: str) -> N
         stand_in(server, pace=2.0) as robot,
         wired(Microphones, tmp_path, robot) as it,
     ):
-        before = it.heard.outlet.t(it.heard.clock.now_us())
+        before = it.heard.context.t(it.heard.clock.now_us())
         told = await it.do("listen", on=True)
         [call] = await robot.trace("ALAudioDevice.setClientPreferences")
         name = str(call.args[0])
@@ -125,8 +125,8 @@ async def test_the_robots_sound_is_a_file_here(tmp_path: Path, server: str) -> N
         t, robot_time = told["t"], told["robot_time"]
         assert isinstance(t, int)
         assert isinstance(robot_time, float)
-        assert before - 100_000 <= t <= it.heard.outlet.t(it.heard.clock.now_us())
-        with pytest.raises(Rejected, match="listening already"):
+        assert before - 100_000 <= t <= it.heard.context.t(it.heard.clock.now_us())
+        with pytest.raises(RejectedError, match="listening already"):
             await it.do("listen", on=True)
         ended = await it.do("listen", on=False)
         assert await robot.get("sound.subscribers") == []

@@ -16,7 +16,7 @@ from woz_drivers.pepper.reading import Wanted, conflicts
 from woz_drivers.pepper.robot_settings import SETTINGS
 from woz_drivers.pepper.settings import Autonomy, PepperSettings, Voice
 
-from woz_tui.core.driver import Rejected
+from woz_tui.core.driver import RejectedError
 from woz_tui.core.messages import Json
 from woz_tui.core.robots import RobotOutline
 
@@ -73,7 +73,7 @@ def test_a_short_name_becomes_a_path_and_any_path_is_tried(typed: str, path: str
 
 
 def test_an_unknown_short_name_is_refused_with_the_nearest() -> None:
-    with pytest.raises(Rejected) as refused:
+    with pytest.raises(RejectedError) as refused:
         path_of("Heey_1")
     assert "did you mean 'Hey_1'" in refused.value.remedy
 
@@ -120,7 +120,7 @@ def test_the_nearest_direction_is_always_one_that_the_head_can_take(
     ],
 )
 def test_an_impossible_pose_is_refused_before_anything_moves(pose: Json, says: str) -> None:
-    with pytest.raises(Rejected, match=says.replace("(", r"\(")):
+    with pytest.raises(RejectedError, match=says.replace("(", r"\(")):
         body_joints.checked(pose)
 
 
@@ -145,15 +145,15 @@ def test_what_has_no_end_is_not_read(tmp_path: Path) -> None:
     long.write_bytes(b"x" * (tags.LONGEST + 1))
     zero.symlink_to("/dev/zero")
     for path, words in ((pipe, "no text file"), (zero, "no text file"), (long, "longer than")):
-        with pytest.raises(Rejected, match=words):
+        with pytest.raises(RejectedError, match=words):
             tags.read_text(path)
-    with pytest.raises(Rejected, match="cannot be read"):
+    with pytest.raises(RejectedError, match="cannot be read"):
         tags.read_text(tmp_path / "a\0b")
 
 
 def test_a_file_that_is_not_there_is_refused_by_name(tmp_path: Path) -> None:
     for path in (tmp_path / "nothing.txt", tmp_path):
-        with pytest.raises(Rejected, match=str(path)):
+        with pytest.raises(RejectedError, match=str(path)):
             tags.read_text(path)
 
 

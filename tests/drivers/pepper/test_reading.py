@@ -18,7 +18,7 @@ from woz_drivers.pepper.settings import PepperSettings
 
 from tests.drivers.heard import Heard, Ordered
 from tests.fakes.virtual_time import LoopClock, run_virtual
-from woz_tui.core.driver import Lost, Rejected
+from woz_tui.core.driver import DeviceLostError, RejectedError
 from woz_tui.core.messages import Json, SettingsShown
 
 NOWHERE = PepperSettings(robots=(), connect=False)
@@ -29,7 +29,7 @@ async def _went() -> None:
 
 
 def _connection(heard: Heard) -> Connection:
-    return Connection(NOWHERE, heard.outlet, on_connected=_went, on_lost=lambda: None)
+    return Connection(NOWHERE, heard.context, on_connected=_went, on_lost=lambda: None)
 
 
 @given(pauses=st.lists(st.sampled_from([0.0, 0.001, 0.01, 0.1]), min_size=1, max_size=30))
@@ -43,7 +43,7 @@ def test_questions_keep_their_distance_and_wait_for_nothing_else(pauses: list[fl
         async def ask() -> None:
             try:
                 await connection.ask("ALTextToSpeech", "getVolume")
-            except Lost:
+            except DeviceLostError:
                 put.append(loop.time())
 
         async with asyncio.TaskGroup() as going:
@@ -78,7 +78,7 @@ def test_a_burst_of_keys_is_read_back_once_it_is_over_and_meanwhile_now_and_then
         loop = asyncio.get_running_loop()
         heard = Heard(Path("unused"), LoopClock(loop))
         clerk = Clerk()
-        reading = Reading(_connection(heard), [cast(Part, clerk)], NOWHERE, heard.outlet)
+        reading = Reading(_connection(heard), [cast(Part, clerk)], NOWHERE, heard.context)
         reading.begin()
         await asyncio.sleep(EVERY_S / 2)
         begun = loop.time()
@@ -108,7 +108,7 @@ def conflicts_told(scene: Scene, **values: Json) -> list[tuple[float, int]]:
     async def played() -> list[tuple[float, int]]:
         heard = Heard(Path("unused"), LoopClock(asyncio.get_running_loop()))
         clerk = cast(Part, Clerk(**values))
-        reading = Reading(_connection(heard), [clerk], NOWHERE, heard.outlet)
+        reading = Reading(_connection(heard), [clerk], NOWHERE, heard.context)
         reading.begin()
         await asyncio.sleep(5.0)
         await scene(reading)
@@ -171,8 +171,8 @@ def test_dangers_never_age() -> None:
 
 def test_what_was_refused_was_not_done() -> None:
     async def scene(reading: Reading) -> None:
-        for error in (Rejected("nonsense"), Lost("gone")):
-            with contextlib.suppress(Rejected, Lost), reading.using("eyes"):
+        for error in (RejectedError("nonsense"), DeviceLostError("gone")):
+            with contextlib.suppress(RejectedError, DeviceLostError), reading.using("eyes"):
                 raise error
         reading.soon()
         await asyncio.sleep(2.0)

@@ -15,7 +15,7 @@ from woz_drivers.pepper.senses import FACES, VISIBLE, Senses, distance_key, look
 
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DriverError, Rejected, Scope
+from woz_tui.core.driver import DriverError, RejectedError, Scope
 from woz_tui.core.messages import Reading, SensorChanged
 
 FAST = settings.Senses(rate=20)
@@ -97,7 +97,7 @@ async def test_a_face_gets_a_name(sense: Sense, robot: StandIn) -> None:
         await it.reads("identity", 0.7, "V7")
         await robot.person({"number": 8, "looking": True})
         await it.reads("identity", 0.0)
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.do("learn_face", name=" ")
     blind = settings.PepperSettings(robots=(), senses=settings.Senses(people=False))
     assert Senses.verbs(blind) == ()
@@ -296,7 +296,7 @@ async def test_at_the_end_the_robot_need_not_measure_any_more(sense: Sense, robo
     async with sense() as it:
         await _round(it)
         assert await it.part.stop(Scope.ALL) == ()
-        with pytest.raises(Rejected, match="cannot dance"):
+        with pytest.raises(RejectedError, match="cannot dance"):
             await it.do("dance")
     ended = {call.service for call in await robot.trace() if call.method.startswith("unsub")}
     assert ended == {

@@ -14,7 +14,7 @@ from woz_drivers.pepper.simulated_robot import SimulatedRobot
 from tests.drivers.heard import Heard, Ordered
 from tests.drivers.pepper.played import PACE, QUIET, Played
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import Lost, Scope
+from woz_tui.core.driver import DeviceLostError, Scope
 from woz_tui.core.messages import DriverConnected
 
 pytestmark = pytest.mark.usefixtures("patient")
@@ -26,7 +26,7 @@ def _played(robot: StandIn, folder: Path, *, state: str, connect: bool = True) -
         robots=(robot.address,), senses=QUIET, connect=connect, autonomy=Autonomy(state=state)
     )
     heard = Heard(folder)
-    return Played(robot, Pepper("it", settings, heard.outlet), heard)
+    return Played(robot, Pepper("it", settings, heard.context), heard)
 
 
 async def test_what_the_wizard_wants_first_is_not_undone_by_the_file(tmp_path: Path) -> None:
@@ -75,7 +75,7 @@ async def test_a_robot_that_was_woken_stays_awake_when_the_line_comes_back(tmp_p
 async def _as_soon_as_possible(driver: Pepper) -> None:
     async with asyncio.timeout(20):
         while True:
-            with contextlib.suppress(Lost):
+            with contextlib.suppress(DeviceLostError):
                 await driver.perform(Ordered("torque", {"on": True}))
                 return
             await asyncio.sleep(0)

@@ -9,7 +9,7 @@ import pytest
 from woz_drivers.wav import Wav
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import DriverError, Rejected
+from woz_tui.core.driver import DriverError, RejectedError
 
 BEEP, APPLAUSE, MUSIC = (
     f"/home/nao/sounds/{name}" for name in ("beep.wav", "applause.wav", "music.mp3")
@@ -54,7 +54,7 @@ async def test_a_file_that_is_not_on_the_robot_is_told(it: Played) -> None:
     with pytest.raises(DriverError, match=r"could not load /nowhere\.wav") as told:
         await it.do("sound", file="/nowhere.wav")
     assert "copy it there" in told.value.remedy
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         await it.do("sound", file=" ")
 
 

@@ -13,7 +13,7 @@ from tests.drivers.heard import PATIENCE_S, Heard
 from tests.drivers.pepper.played import Played, joined, played
 from tests.fakes.naoqi import stand_in
 from woz_tui.bus.bus import Bus
-from woz_tui.core.driver import DriverError, Lost, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, Scope
 from woz_tui.core.hub import Hub
 from woz_tui.core.messages import (
     AnyMessage,
@@ -190,10 +190,10 @@ async def test_a_robot_that_was_let_go_or_never_there_has_nothing_to_stop(tmp_pa
     async with played(tmp_path) as it:
         await it.do("disconnect")
         assert await it.driver.stop(Scope.ALL) is None
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.do("say", text="Hello")
     settings = PepperSettings(robots=("tcp://127.0.0.1:1",))
-    driver = Pepper("it", settings, Heard(tmp_path).outlet)
+    driver = Pepper("it", settings, Heard(tmp_path).context)
     await driver.open()
     assert await driver.stop(Scope.ALL) is None
     await driver.close()

@@ -17,7 +17,7 @@ from woz_drivers.pepper.tablet_page import Kind, kind
 from tests.drivers.heard import until
 from tests.drivers.pepper.wired import Wired, wired
 from tests.fakes.naoqi import StandIn, stand_in
-from woz_tui.core.driver import DriverError, Lost, Rejected, Scope
+from woz_tui.core.driver import DeviceLostError, DriverError, RejectedError, Scope
 
 PICTURE, OTHER, FILM = b"picture" * 100, b"another" * 50, b"film" * 1000
 
@@ -225,7 +225,7 @@ async def test_its_network_hiding_and_the_default(it: Wired[Screen], robot: Stan
     await it.do("screen", file="film.mp4")
     assert await it.do("tablet", what="stop") == {"shown": "../logo.JPG"}
     assert len(await robot.trace("ALTabletService.stopVideo")) == 1
-    with pytest.raises(Rejected):
+    with pytest.raises(RejectedError):
         await it.do("tablet", what="explode")
 
 
@@ -301,7 +301,7 @@ async def test_after_a_loss_the_default_is_shown_again(folder: Path) -> None:
         await it.do("screen", file="shown/map.png")
         robot.kill()
         await until(lambda: not it.connection.there)
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await it.do("screen", file="logo.JPG")
         async with stand_in(port=robot.port) as back:
             await it.connected(2)

@@ -110,7 +110,7 @@ def _touched(
         loop = asyncio.get_running_loop()
         heard = Heard(folder, LoopClock(loop))
         fingers = Fingers(*missing)
-        touch = Touch(fingers, heard.outlet)
+        touch = Touch(fingers, heard.context)
         await touch.connected()
         await script(fingers)
         await asyncio.sleep(1)
@@ -171,7 +171,7 @@ def test_a_tablet_that_tells_nothing_is_stale(tmp_path: Path) -> None:
     async def play() -> list[str]:
         heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
         names = ("onTouchDownRatio", "onTouchDown", "onTouchMove", "onTouchUp")
-        await Touch(Fingers(*names), heard.outlet).connected()
+        await Touch(Fingers(*names), heard.context).connected()
         return heard.states("touch.x")
 
     assert run_virtual(play()) == ["stale"]
@@ -181,7 +181,7 @@ def test_a_tablet_that_tells_thousands_of_touches_fills_no_log(tmp_path: Path) -
     async def play() -> tuple[int, list[str], int]:
         heard = Heard(tmp_path, LoopClock(asyncio.get_running_loop()))
         fingers = Fingers()
-        touch = Touch(fingers, heard.outlet)
+        touch = Touch(fingers, heard.context)
         await touch.connected()
         for _ in range(5000):
             fingers.heard["onTouchDownRatio"](0.5, 0.5)

@@ -8,7 +8,7 @@ import pytest
 from woz_drivers.pepper.settings import Voice
 
 from tests.drivers.pepper.played import Played, played
-from woz_tui.core.driver import Lost, Rejected
+from woz_tui.core.driver import DeviceLostError, RejectedError
 
 pytestmark = pytest.mark.asyncio(loop_scope="module")
 
@@ -79,7 +79,7 @@ async def test_the_next_sentence_waits_until_the_end_of_the_last_one_has_arrived
 
 
 async def test_nothing_is_not_said(it: Played) -> None:
-    with pytest.raises(Rejected, match="nothing to say"):
+    with pytest.raises(RejectedError, match="nothing to say"):
         await it.do("say", text=" \n")
 
 
@@ -149,7 +149,7 @@ async def test_files_without_a_text_are_refused(it: Played, content: str | None)
     if content is not None:
         (it.folder / "it.txt").write_text(content)
     name = "none.txt" if content is None else "it.txt"
-    with pytest.raises(Rejected, match=name):
+    with pytest.raises(RejectedError, match=name):
         await it.do("read", file=name)
 
 
@@ -166,7 +166,7 @@ async def test_settings_of_the_voice_are_set_and_read_back(it: Played) -> None:
     await it.do("speech_pitch", pitch=0)
     await it.shows(speech_pitch=0)
     for refused in ({"pitch": 0.5}, {"pitch": 5}):
-        with pytest.raises(Rejected):
+        with pytest.raises(RejectedError):
             await it.do("speech_pitch", **refused)
 
 
@@ -182,7 +182,7 @@ async def test_a_sentence_ends_as_lost_when_the_robot_dies(tmp_path: Path) -> No
         job = it.begin("say", text="A very long story. " * 100)
         await it.robot.called("ALAnimatedSpeech.say")
         it.robot.kill()
-        with pytest.raises(Lost):
+        with pytest.raises(DeviceLostError):
             await job
         await it.tells(lambda shown: "volume" not in shown.values)
 

@@ -30,9 +30,9 @@ class Wired(Generic[P]):
         self.robot = robot
         self.heard = Heard(folder)
         self.connection = Connection(
-            settings, self.heard.outlet, on_connected=self._connected, on_lost=self._lost
+            settings, self.heard.context, on_connected=self._connected, on_lost=self._lost
         )
-        self.part = kind(self.connection, settings, self.heard.outlet)
+        self.part = kind(self.connection, settings, self.heard.context)
         self.troubles: list[DriverError] = []
         self._times = 0
         self._changed = asyncio.Event()

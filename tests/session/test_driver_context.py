@@ -13,7 +13,7 @@ from tests.drivers.heard import Heard, until
 from woz_tui.core.clock import ManualClock
 from woz_tui.core.driver import Health
 from woz_tui.core.messages import BodyChanged, DriverLost, SpeechStarted
-from woz_tui.session.outlet import A_TURN, CAPACITY
+from woz_tui.session.driver_context import A_TURN, CAPACITY
 
 
 async def test_a_flood_of_readings_takes_no_state_with_it(
@@ -23,10 +23,10 @@ async def test_a_flood_of_readings_takes_no_state_with_it(
 
     def talk() -> None:
         for number in range(3 * CAPACITY):
-            heard.outlet.reading("angle", float(number), unit="deg")
-        heard.outlet.health(Health.LOST, "the cable is out", "put it in")
-        heard.outlet.tell(SpeechStarted(driver="", segment=1, began=5))
-        heard.outlet.show(BodyChanged(values={"mode": "normal"}))
+            heard.context.reading("angle", float(number), unit="deg")
+        heard.context.health(Health.LOST, "the cable is out", "put it in")
+        heard.context.tell(SpeechStarted(driver="", segment=1, began=5))
+        heard.context.show(BodyChanged(values={"mode": "normal"}))
 
     turns = 0
     thread = threading.Thread(target=talk)
@@ -50,7 +50,7 @@ async def test_a_driver_tells_times_of_its_clock_on_the_axis_of_the_log(tmp_path
     clock.advance(100.0)  # a clock's zero is arbitrary; the session begins now
     heard = Heard(tmp_path, clock)
     clock.advance(1.5)
-    began = heard.outlet.t(clock.now_us())
-    heard.outlet.tell(SpeechStarted(driver="", segment=1, began=began))
+    began = heard.context.t(clock.now_us())
+    heard.context.tell(SpeechStarted(driver="", segment=1, began=began))
     (told,) = heard.all(SpeechStarted)
     assert told.began == told.t == 1_500_000

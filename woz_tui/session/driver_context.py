@@ -50,8 +50,8 @@ Asked = Callable[[str, Ask, Callable[[bool, str], None] | None], None]
 log = logging.getLogger(__name__)
 
 
-class DriverOutlet:
-    """`core.driver.Outlet` for one driver; repeats of a state are swallowed here.
+class SessionDriverContext:
+    """`core.driver.DriverContext` for one driver; repeats of a state are swallowed here.
 
     `names` are the names under which its sensors are published, where they differ from its own;
     `feeds` are those of the whole session; `asked` carries out what the driver asks for. `media`

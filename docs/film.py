@@ -19,7 +19,7 @@ from woz_tui.console.bodies.pane import pane_rows
 from woz_tui.console.cells import Row
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.look import DARK
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core.messages import AnyMessage
 from woz_tui.core.requests import Welcome
 from woz_tui.session.session import Session
@@ -80,7 +80,7 @@ def frames(film: Film) -> Iterator[list[Row]]:
     """The pane's rows at each of the film's moments."""
     reel = Reel()
     demo(film.steps, film.end + 0.5, film.experiment, reel.watch)
-    picture = Picture()
+    picture = ConsoleState()
     picture.take(reel.first, 0)
     heard = iter(reel.messages)
     following = next(heard, None)

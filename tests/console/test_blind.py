@@ -11,7 +11,7 @@ from tests.console import studied
 from tests.console.dialogs import OPENERS, opened
 from tests.console.driving import Sitting, sitting
 from tests.console.scripted import Answer, seen
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.settings import StudySettings
@@ -274,6 +274,6 @@ async def test_a_program_that_sees_all_is_named_as_long_as_it_is_there() -> None
 
 
 def test_an_utterance_shows_the_variable_and_not_its_value() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([seen(welcome())], 0)
     assert picture.filled("{greeting} {condition} {participant}") == "{greeting} {condition} P07"

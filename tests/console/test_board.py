@@ -11,7 +11,7 @@ from woz_tui.console.bodies.board import Board, board_rows
 from woz_tui.console.bodies.outlines import PanelOutline, outlines_of
 from woz_tui.console.cells import Row, length
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 
 SMALL = Frame(76, 18, bodies.NOW)
@@ -24,7 +24,7 @@ def outline() -> PanelOutline:
 
 
 def knobs(*moved: m.ControlsMoved) -> m.ControlsMoved:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([bodies.welcome(), *moved], 0)
     return picture.session.controls.get("panel", m.ControlsMoved(values={}))
 

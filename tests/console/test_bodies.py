@@ -17,7 +17,7 @@ from woz_tui.console.bodies.pane import pane_rows
 from woz_tui.console.cells import Row, length
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
 from woz_tui.console.look import Look
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core.settings import Settings
 
@@ -27,8 +27,8 @@ ROOMY, NARROW = (160, 50), (80, 24)
 LARGE, COMPACT = "▄█████▄", "⢀⣶⣷⣆"
 
 
-def pictured(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> Picture:
-    picture = Picture()
+def pictured(*messages: m.AnyMessage, robots: tuple[str, ...] = ("",)) -> ConsoleState:
+    picture = ConsoleState()
     picture.take([bodies.welcome(robots=robots), *messages], 0)
     return picture
 
@@ -148,7 +148,7 @@ def test_before_the_first_face_its_place_is_kept() -> None:
 def test_a_body_without_a_face_shows_its_links() -> None:
     told = {**bodies.EYEPI, "face": None}
     welcome = msgspec.structs.replace(bodies.welcome(), settings=Settings(outlines={"body": told}))
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([welcome, *bodies.joints({"pitch": 0.0}, {})], 0)
     shown = text(pane_rows(picture, Frame(50, 20, NOW)))
     assert "side, front" in shown

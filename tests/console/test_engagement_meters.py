@@ -15,15 +15,15 @@ from woz_tui.console.engagement.bars import distance_bar, queue_bar
 from woz_tui.console.engagement.words import LONG_US, SLOW_US, waiting
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
 from woz_tui.console.meters import meter_rows
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 
 NOW, SECOND = scenes.NOW, scenes.SECOND
 LOW, MIDDLE, HIGH = Frame(39, 6, NOW), Frame(50, 11, NOW), Frame(50, 30, NOW)
 
 
-def pictured(*messages: m.AnyMessage) -> Picture:
-    picture = Picture()
+def pictured(*messages: m.AnyMessage) -> ConsoleState:
+    picture = ConsoleState()
     picture.take([scenes.welcome(state=[*scenes.healthy(), *messages])], 0)
     return picture
 
@@ -162,7 +162,7 @@ def test_without_a_level_the_speech_is_told_by_itself() -> None:
 
 def test_nobody_knows_of_speech_when_the_microphone_is_gone() -> None:
     lost = m.DriverLost(driver="microphone", detail="unplugged", t=NOW)
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([scenes.welcome(state=[engaged.shown()]), engaged.speaks(), lost], 0)
     assert picture.engaged.speaking(NOW) is None
     assert not picture.moves(NOW)

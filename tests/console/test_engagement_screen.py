@@ -14,9 +14,9 @@ from woz_tui.console.engagement.hand import KEYS, ORDERS
 from woz_tui.console.engagement.whole import whole_rows
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
 from woz_tui.console.look import Look
-from woz_tui.console.picture import Picture
 from woz_tui.console.screens.engagement import EngagementDialog
 from woz_tui.console.screens.orders import ForceDialog, IdentityDialog, VisitorDialog
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.settings import ModelLimits
@@ -34,7 +34,7 @@ def text(rows: list[Row]) -> str:
 
 
 def drawn(*state: m.AnyMessage, frame: Frame = WHOLE, **more: object) -> str:
-    picture = Picture()
+    picture = ConsoleState()
     settings = engaged.told(**more)
     picture.take([engaged.welcome(*state, settings=settings)], 0)
     assert picture.engaged.shown is not None
@@ -140,7 +140,7 @@ def test_limits_are_told_where_the_host_tells_them() -> None:
     assert "12 of 60 s to speak" in drawn(engaged.shown("UserSpeaks"))
     assert "12 of 60 s for the handshake" in drawn(engaged.shown("Handshake"))
     assert " s to answer" not in drawn(thinking=None)
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([engaged.welcome(settings={"engagement": {}})], 0)
     assert picture.engaged.shown is not None
     assert " of " in text(whole_rows(picture, picture.engaged.shown, Frame(96, 28, NOW)))
@@ -163,7 +163,7 @@ def test_a_sign_that_nobody_senses_says_so_in_full() -> None:
 
 
 def test_a_model_that_the_file_gives_up_is_gone_from_the_screen() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([engaged.welcome(settings=engaged.told())], 0)
     kept = r.PanelsChanged(
         title="t", panels=[], script=[], verbs={}, conditions=[], keyboard="us",

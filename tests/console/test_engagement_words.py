@@ -15,9 +15,9 @@ from woz_tui.console.engagement.orders import is_order, order_words
 from woz_tui.console.engagement.words import SHORT, path, short
 from woz_tui.console.events import event_row
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
-from woz_tui.console.picture import Picture
 from woz_tui.console.screens.preflight import sign_findings
 from woz_tui.console.sentences import Event
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.experiment.engagement import STATES
@@ -28,7 +28,7 @@ NOW = scenes.NOW
 
 def told(*messages: m.AnyMessage) -> list[Event]:
     """The lines that messages get."""
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([scenes.welcome()], 0)
     before = len(picture.events)
     picture.take(messages, 0)
@@ -54,7 +54,7 @@ def test_a_change_is_a_line_and_a_forced_one_is_marked() -> None:
         assert line(by_name)[2] == "by hand: present"
     (event,) = told(forced)
     for glyphs in (UNICODE, ASCII):
-        row = event_row(event, Picture(), Frame(60, 1, NOW, glyphs))
+        row = event_row(event, ConsoleState(), Frame(60, 1, NOW, glyphs))
         assert glyphs.forced in "".join(piece for piece, _ in row)
 
 
@@ -101,7 +101,7 @@ def test_what_happens_to_a_visitor_is_a_line(
 
 
 def test_the_store_is_followed_through_renames_and_oblivion() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     learnt = m.VisitorChanged(visitor="v2", what="learnt", about={"age_group": "child"}, t=1)
     renamed = m.VisitorChanged(visitor="v3", what="renamed", was="v2", t=2)
     picture.take([learnt, renamed], 0)
@@ -230,7 +230,7 @@ async def test_the_list_of_keys_tells_the_hands() -> None:
 
 
 def test_the_preflight_names_signs_that_nobody_gives() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     assert sign_findings(picture) == []
     picture.take([engaged.welcome()], 0)
     (well,) = sign_findings(picture)

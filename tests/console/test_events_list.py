@@ -6,15 +6,15 @@ from woz_tui.console.events import chosen, event_row
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.panels import Board, panel_rows
 from woz_tui.console.parts import State
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core.views import ActionView, PanelView
 
 NOW = scenes.NOW
 
 
-def welcomed() -> Picture:
-    picture = Picture()
+def welcomed() -> ConsoleState:
+    picture = ConsoleState()
     picture.take([scenes.welcome()], 0)
     return picture
 
@@ -78,7 +78,7 @@ def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
         ActionView(name="up", label="Up", key="u", verbs=["control"]),
         ActionView(name="nod", label="Nod", key="n", verbs=["play"]),
     ]
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([scenes.welcome(shown=[PanelView(title="Body", actions=actions)])], 0)
     before = len(picture.events)
     presses = (("up", "refused"), *(("up", "done"),) * 4, ("nod", "done"), ("nod", "done"))
@@ -98,7 +98,7 @@ def test_steps_of_one_action_are_one_line_and_refusals_keep_theirs() -> None:
 def test_what_counts_after_the_mode_says_so_instead_of_a_tick() -> None:
     actions = [ActionView(name="up", label="Up", key="u", verbs=["control"])]
     panel = PanelView(title="Body", actions=actions)
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([scenes.welcome(shown=[panel])], 0)
     *begun, ended = scenes.played("r1", "up", NOW, 0.1)
     done = m.Done(

@@ -11,13 +11,13 @@ from tests.console.robot import pepper
 from woz_tui.console.cells import length
 from woz_tui.console.commands import COMMANDS, by_key, hints
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.stopbar import Bar, News, bar_rows
 from woz_tui.core import requests as r
 
 
 def named(first: r.Welcome) -> list[str]:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([first], 0)
     return [word for _, word in hints(picture, by_key(COMMANDS))]
 
@@ -35,7 +35,9 @@ def test_a_robots_keys_are_named_where_there_is_a_robot() -> None:
 def test_the_scripts_key_is_named_where_there_is_a_script() -> None:
     assert "script" in named(scenes.welcome())
     assert "script" not in named(msgspec.structs.replace(scenes.welcome(), script=[]))
-    assert "script" in [word for _, word in hints(Picture(), by_key(COMMANDS))], "nobody knows yet"
+    assert "script" in [word for _, word in hints(ConsoleState(), by_key(COMMANDS))], (
+        "nobody knows yet"
+    )
 
 
 @pytest.mark.parametrize("script", [True, False])
@@ -48,7 +50,9 @@ async def test_the_robots_key_has_room_in_80_columns(script: bool) -> None:
 
 
 def told(news: str, width: int = 80) -> list[str]:
-    rows = bar_rows(Picture(), Frame(width, 2, 0), Bar(News(news), (("Esc", "stop"),), "Space"))
+    rows = bar_rows(
+        ConsoleState(), Frame(width, 2, 0), Bar(News(news), (("Esc", "stop"),), "Space")
+    )
     assert [length(row) for row in rows] == [width, width]
     return ["".join(text for text, _ in row).strip() for row in rows]
 

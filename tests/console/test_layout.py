@@ -10,8 +10,8 @@ from tests.console.driving import sitting
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import Frame
 from woz_tui.console.layout import BARS, Needs, shape, upper
-from woz_tui.console.picture import Picture
 from woz_tui.console.script import script_rows
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 
 NOW = scenes.NOW
@@ -56,7 +56,7 @@ async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_word
 
 
 def scripted(position: int, height: int) -> list[str]:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([scenes.welcome(state=[scenes.start()])], 0)
     picture.take([m.ScriptMoved(position=position, t=NOW)], 0)
     rows = script_rows(picture, Frame(40, height, NOW))

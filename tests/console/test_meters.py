@@ -10,8 +10,8 @@ from woz_tui.console.events import chosen, event_rows
 from woz_tui.console.figures import decibels, elapsed, left, seconds
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame
 from woz_tui.console.meters import meter_rows
-from woz_tui.console.picture import Picture
 from woz_tui.console.script import script_row
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import Line, status_rows
 from woz_tui.console.stopbar import Bar, News, bar_rows
 from woz_tui.core import messages as m
@@ -21,8 +21,8 @@ NOW = scenes.NOW
 FRAME = Frame(50, 30, NOW)
 
 
-def pictured(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> Picture:
-    picture = Picture()
+def pictured(*messages: m.AnyMessage, first: list[m.AnyMessage] | None = None) -> ConsoleState:
+    picture = ConsoleState()
     picture.take([scenes.welcome(state=first), *messages], 0)
     return picture
 
@@ -174,7 +174,7 @@ def test_the_order_is_fixed_whatever_speaks_first() -> None:
 
 
 def test_joints_keep_the_files_order_and_go_from_limit_to_limit() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     first = scenes.welcome(
         settings={"joints": {"tilt": [-30, 40], "pan": [-90, 90], "bad": [3, 3]}}
     )
@@ -223,7 +223,7 @@ def test_meters_keep_to_their_frame(
 # -- status, events, script, stop bar ------------------------------------------------------------
 
 
-def status(picture: Picture, width: int = 80, line: Line | None = None) -> str:
+def status(picture: ConsoleState, width: int = 80, line: Line | None = None) -> str:
     rows = status_rows(picture, Frame(width, 2, NOW), line or Line())
     assert all(length(row) == width for row in rows)
     return text(rows)
@@ -307,7 +307,7 @@ def test_the_scripts_line() -> None:
     assert "at its end" in ended
 
 
-def bar(picture: Picture, asked_us: int | None = None, frame: Frame | None = None) -> str:
+def bar(picture: ConsoleState, asked_us: int | None = None, frame: Frame | None = None) -> str:
     hints = (("Esc", "stop"), ("/", "say"))
     rows = bar_rows(
         picture, frame or Frame(80, 2, NOW), Bar(News(), hints, "Space", "^R", asked_us)

@@ -16,7 +16,7 @@ from woz_tui.console.columns import plan
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, glyphs_for
 from woz_tui.console.look import DARK, LIGHT, look_for
 from woz_tui.console.panels import Board, cap_width, panel_rows
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core.views import ActionView, PanelView
 
@@ -24,13 +24,13 @@ NOW = scenes.NOW
 FRAME = Frame(80, 13, NOW)
 
 
-def pictured(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> Picture:
-    picture = Picture()
+def pictured(*messages: m.AnyMessage, shown: list[PanelView] | None = None) -> ConsoleState:
+    picture = ConsoleState()
     picture.take([scenes.welcome(shown=shown), *messages], 0)
     return picture
 
 
-def lines(picture: Picture, frame: Frame = FRAME, board: Board | None = None) -> list[str]:
+def lines(picture: ConsoleState, frame: Frame = FRAME, board: Board | None = None) -> list[str]:
     board = board or Board({})
     cap = cap_width(picture, board, frame.glyphs)
     arranged = plan(picture.panels, frame.width, frame.height, cap)

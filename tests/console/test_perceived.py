@@ -11,7 +11,7 @@ from tests.console import bodies, engaged, scenes, studied
 from tests.console.dialogs import OPENERS, opened
 from tests.console.driving import Sitting, sitting
 from tests.console.scripted import seen
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.settings import Restricted, StudySettings
@@ -268,7 +268,7 @@ def test_what_nobody_knows_cannot_be_hidden() -> None:
 
 
 def test_a_picture_never_holds_what_is_hidden() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([seen(told(EVERYTHING))], 0)
     assert picture.session.model.changed is None
     assert picture.engaged.shown is None

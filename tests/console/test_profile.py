@@ -7,8 +7,8 @@ from tests.console import scenes
 from tests.console.dialogs import opened
 from tests.console.driving import Sitting, sitting
 from woz_tui.console.glyphs import ASCII, UNICODE, Frame, Glyphs
-from woz_tui.console.picture import Picture
 from woz_tui.console.profiles import Profiles
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import Line, status_rows
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
@@ -180,7 +180,7 @@ async def test_a_refused_press_says_so_at_the_button_the_event_and_the_bar() -> 
 @pytest.mark.parametrize("glyphs", [UNICODE, ASCII])
 @pytest.mark.parametrize("width", [60, 80, 100, 160])
 def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs) -> None:
-    picture = Picture()
+    picture = ConsoleState()
     first = guide("those who are here for the first time" * 3)
     picture.take([msgspec.structs.replace(first, title="A title " * 12)], 0)
     frame = Frame(width, 2, NOW, glyphs)

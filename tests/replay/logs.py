@@ -9,8 +9,8 @@ from typing import Any
 import msgspec
 
 from woz_tui.console.parts import SensorView
-from woz_tui.console.picture import Picture
 from woz_tui.console.sentences import Event
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core import wire
@@ -162,7 +162,7 @@ class Viewer:
 
     def __init__(self, reel: Reel, start: Start | None = None, **options: Any) -> None:
         self.player = Player(reel, start, **options)
-        self.picture = Picture()
+        self.picture = ConsoleState()
         self.now = 0
         self.heard: list[Incoming] = []
         self._take(self.player.begin(0))
@@ -215,7 +215,7 @@ class Viewer:
         return seen_by_wizard(self.picture, self.now)
 
 
-def seen_by_wizard(picture: Picture, local: int = 0) -> dict[str, object]:
+def seen_by_wizard(picture: ConsoleState, local: int = 0) -> dict[str, object]:
     """Everything that is on the screen at a moment, as plain data."""
     session = picture.session
     return {

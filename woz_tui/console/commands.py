@@ -13,7 +13,6 @@ from pkgutil import resolve_name
 from typing import Any
 
 from woz_tui.console.keyboard import Press
-from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import (
     EVERYBODY,
     WATCHER,
@@ -21,6 +20,7 @@ from woz_tui.console.screens.dialog import (
     ConsoleApp,
     Hint,
 )
+from woz_tui.console.state import ConsoleState
 from woz_tui.core.requests import (
     AskCancel,
     AskMarker,
@@ -53,7 +53,7 @@ def by_key(commands: Iterable[Command]) -> dict[str, Command]:
     return {key.id: command for command in commands for key in command.keys}
 
 
-def hints(picture: Picture, commands: Mapping[str, Command]) -> list[tuple[str, str]]:
+def hints(picture: ConsoleState, commands: Mapping[str, Command]) -> list[tuple[str, str]]:
     """Keys worth naming in this session: id and word, the most important first."""
     named = sorted(
         (command.hint.rank, name, command.hint.word)
@@ -69,11 +69,11 @@ def _row(ids: str, run: Run | None = None, **more: Any) -> Command:
     return Command(keys, run, **more)
 
 
-def _has_robot(picture: Picture) -> bool:
+def _has_robot(picture: ConsoleState) -> bool:
     return bool(picture.robot_outlines)
 
 
-def _has_script(picture: Picture) -> bool:
+def _has_script(picture: ConsoleState) -> bool:
     return bool(picture.script) or not picture.welcomed
 
 

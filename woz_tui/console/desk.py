@@ -5,8 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from woz_tui.console.feed import GONE, Feed
-from woz_tui.console.picture import Picture
 from woz_tui.console.robot.steps import ArrowSteps
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import requests as r
 from woz_tui.core.messages import Json
 from woz_tui.core.pictures import PictureShown
@@ -33,7 +33,7 @@ class Desk:
     def __init__(
         self,
         feed: Feed,
-        picture: Picture,
+        picture: ConsoleState,
         arrows: ArrowSteps,
         *,
         news: Callable[[str, str], None],

@@ -10,8 +10,8 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Cells, Piece, Row, clean, cut, heading
 from woz_tui.console.figures import elapsed, left, seconds
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.picture import Picture
 from woz_tui.console.sentences import Event
+from woz_tui.console.state import ConsoleState
 
 #: Rows the list may repaint at once, and a second in the long run. A flood of lines moves every row
 #: at every painting; nobody reads that, and it would fill a slow line to the terminal.
@@ -43,7 +43,7 @@ LOOK = {
 }
 
 
-def chosen(picture: Picture, height: int) -> list[Event]:
+def chosen(picture: ConsoleState, height: int) -> list[Event]:
     """The newest events, newest first; failures that nobody has seen stay among them, in half of
     the rows at most: the status line counts all of them, and what happens now is to be seen.
     """
@@ -56,12 +56,12 @@ def chosen(picture: Picture, height: int) -> list[Event]:
     return [*reversed(newest), *reversed(pinned)]
 
 
-def event_rows(picture: Picture, frame: Frame) -> list[Row]:
+def event_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
     """As many rows as the frame is high."""
     return [event_row(event, picture, frame) for event in chosen(picture, frame.height)]
 
 
-def event_row(event: Event, picture: Picture, frame: Frame) -> Row:
+def event_row(event: Event, picture: ConsoleState, frame: Frame) -> Row:
     """One event: when, its mark, what, details as far as there is room, how long it took."""
     glyphs = frame.glyphs
     look = LOOK.get(event.mark, "plain")
@@ -77,7 +77,7 @@ def event_row(event: Event, picture: Picture, frame: Frame) -> Row:
     return (*front, *cut(body, max(1, room), glyphs.ellipsis), back)
 
 
-def _back(event: Event, picture: Picture, frame: Frame) -> Piece:
+def _back(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
     if event.mistake:
         return (" mistake ", "warn")
     if event.took_us is not None:
@@ -88,7 +88,7 @@ def _back(event: Event, picture: Picture, frame: Frame) -> Piece:
     return (" ", "plain")
 
 
-def _under_way(event: Event, picture: Picture, frame: Frame) -> Piece:
+def _under_way(event: Event, picture: ConsoleState, frame: Frame) -> Piece:
     run = picture.runs.get(event.run)
     if run is None:
         return (" ", "plain")
@@ -110,7 +110,7 @@ class Events(Cells):
     _budget = float(BURST_ROWS)
     _painted_us = 0
 
-    def paint(self, picture: Picture, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame) -> None:
         """Show a heading and the newest events; in a flood of them not every time. A
         replay that stands still has no floods.
         """
@@ -119,7 +119,7 @@ class Events(Cells):
         if not picture.rate or self._affords(rows, frame, picture):
             self.show(rows)
 
-    def _affords(self, rows: list[Row], frame: Frame, picture: Picture) -> bool:
+    def _affords(self, rows: list[Row], frame: Frame, picture: ConsoleState) -> bool:
         """Whether so many rows may change now; a new size or a new beginning is always drawn."""
         passed_us = max(0, frame.now - self._painted_us) / picture.rate
         self._painted_us = frame.now

@@ -17,9 +17,9 @@ from woz_tui.console.engagement.meter import block_rows
 from woz_tui.console.figures import SILENCE_DB, decibels
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorView
-from woz_tui.console.picture import Picture
 from woz_tui.console.pose import joint_rows, other_rows
 from woz_tui.console.rows import NAME, at, joined, kept, labelled, named, old, ruler, track
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import ZONES, zone
 from woz_tui.sensing.samples import FLAGS
@@ -31,7 +31,7 @@ MOST = 40
 _KNOWN = ("distance", "loudness", "presence", "gaze", "identity")
 
 
-def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
+def meter_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
     """At most the frame's height; joints fold into text where room is short."""
     known = [name for name in picture.sensors if name.rpartition(".")[2] in _KNOWN]
     near = [name for name in known if name.endswith("distance")]
@@ -55,14 +55,14 @@ def meter_rows(picture: Picture, frame: Frame) -> list[Row]:
     return [cut(row, frame.width, frame.glyphs.ellipsis) for row in rows[: frame.height]]
 
 
-def _stale(picture: Picture, sensor: SensorView, frame: Frame) -> bool:
+def _stale(picture: ConsoleState, sensor: SensorView, frame: Frame) -> bool:
     return picture.is_stale(sensor, frame.now)
 
 
 # -- distance and loudness ----------------------------------------------------------------------
 
 
-def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
+def _distance(picture: ConsoleState, name: str, frame: Frame) -> list[Row]:
     sensor = picture.sensor(name)
     if sensor is None or picture.perception.hides("distance"):
         return [kept(_short(name), frame)]
@@ -83,7 +83,7 @@ def _distance(picture: Picture, name: str, frame: Frame) -> list[Row]:
     return [labelled(_short(name), ruler(width, ticks, spot, glyphs), text, look)]
 
 
-def _coarse(picture: Picture, sensor: SensorView, frame: Frame) -> Row:
+def _coarse(picture: ConsoleState, sensor: SensorView, frame: Frame) -> Row:
     """A blurred value in a word, on a track without marks."""
     stale = _stale(picture, sensor, frame)
     track_row: Row = ((frame.glyphs.track * track(frame), "faint"),)
@@ -102,13 +102,13 @@ def _robots(names: list[str]) -> list[str]:
     return list(dict.fromkeys(name[: -len(name.rpartition(".")[2])] for name in names))
 
 
-def _loudness_rows(picture: Picture, frame: Frame, speech: str) -> list[Row]:
+def _loudness_rows(picture: ConsoleState, frame: Frame, speech: str) -> list[Row]:
     """Every microphone's level; `speech` is said of an utterance that is being cut out of it."""
     loud = [name for name in picture.sensors if name.rpartition(".")[2] == "loudness"]
     return [row for name in loud for row in _loudness(picture, name, frame, speech)]
 
 
-def _loudness(picture: Picture, name: str, frame: Frame, speech: str = "") -> list[Row]:
+def _loudness(picture: ConsoleState, name: str, frame: Frame, speech: str = "") -> list[Row]:
     """The level on a track of decibels, quiet below the threshold of speech, green in a voice."""
     sensor = picture.sensor(name)
     if sensor is None or picture.perception.hides("loudness"):
@@ -135,7 +135,7 @@ def _loudness(picture: Picture, name: str, frame: Frame, speech: str = "") -> li
     return [labelled(_short(name), joined(cells), f"{level:3.0f} dB {mark}", look)]
 
 
-def _threshold(picture: Picture, loudness: str) -> float | None:
+def _threshold(picture: ConsoleState, loudness: str) -> float | None:
     """RMS from which a voice counts, as the microphone published it."""
     published = picture.sensor(f"{loudness}.threshold")
     return published.value if published is not None else None
@@ -144,7 +144,7 @@ def _threshold(picture: Picture, loudness: str) -> float | None:
 # -- who is there, and what the robot makes of it -------------------------------------------------
 
 
-def _verdicts(picture: Picture, robot: str, frame: Frame) -> list[Row]:
+def _verdicts(picture: ConsoleState, robot: str, frame: Frame) -> list[Row]:
     """Presence, gaze and identity with a mark each: yes, no, old."""
     pieces: list[Piece] = []
     for name, word in (("presence", "person"), ("gaze", "looks")):
@@ -175,7 +175,7 @@ def _verdict(yes: bool, word: str, stale: bool, glyphs: Glyphs) -> Piece:
     return (f"{glyphs.no} {word}", "muted")
 
 
-def _engagement(picture: Picture, frame: Frame) -> list[Row]:
+def _engagement(picture: ConsoleState, frame: Frame) -> list[Row]:
     changed = picture.session.model.changed
     if picture.perception.hides("engagement") and is_offered(picture.engaged, picture.verbs):
         return [kept("engaged", frame)]
@@ -208,7 +208,7 @@ class Meters(Cells):
     #: Lines they would like to have; never less than before, so that nothing jumps back.
     needs = 1
 
-    def paint(self, picture: Picture, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame) -> None:
         """Show a heading, and what the sensors said last."""
         inner = replace(frame, height=MOST)
         rows = meter_rows(picture, inner)

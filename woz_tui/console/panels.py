@@ -14,7 +14,7 @@ from woz_tui.console.columns import GUTTER, Plan, Slot, plan
 from woz_tui.console.figures import left
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import Standing, State
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core.views import ActionView, PanelView
 
 #: Key caps are at least and at most this wide, with a blank at each side.
@@ -46,7 +46,7 @@ class Board:
     pressed: str = ""
 
 
-def cap_width(picture: Picture, board: Board, glyphs: Glyphs) -> int:
+def cap_width(picture: ConsoleState, board: Board, glyphs: Glyphs) -> int:
     """One width for all key caps, so that labels stand in line."""
     longest = max(
         (
@@ -59,7 +59,7 @@ def cap_width(picture: Picture, board: Board, glyphs: Glyphs) -> int:
     return min(CAP_MOST, max(CAP_LEAST, longest + 2))
 
 
-def panel_rows(picture: Picture, frame: Frame, arranged: Plan, board: Board) -> list[Row]:
+def panel_rows(picture: ConsoleState, frame: Frame, arranged: Plan, board: Board) -> list[Row]:
     """The page with the chosen panel, as large as the frame."""
     page = arranged.page_of(board.chosen)
     cap = cap_width(picture, board, frame.glyphs)
@@ -89,7 +89,7 @@ def _pager(page: int, pages: int, frame: Frame, *, plays: bool) -> Row:
     return ((fit(text, frame.width, glyphs.ellipsis), "muted"),)
 
 
-def _slot(picture: Picture, slot: Slot, frame: Frame, board: Board, cap: int) -> Row:
+def _slot(picture: ConsoleState, slot: Slot, frame: Frame, board: Board, cap: int) -> Row:
     panel = picture.panels[slot.panel]
     if slot.action is None:
         return _title(picture, slot, frame, slot.panel == board.chosen)
@@ -103,14 +103,14 @@ def _slot(picture: Picture, slot: Slot, frame: Frame, board: Board, cap: int) ->
     return ((_centred(key, cap, frame.glyphs.ellipsis), keylook), (" ", "plain"), *body)
 
 
-def _said_above(picture: Picture, panel: PanelView, state: State) -> bool:
+def _said_above(picture: ConsoleState, panel: PanelView, state: State) -> bool:
     """Whether the title or the status line has the word that would stand on every line here."""
     if state is State.LOCKED:
         return picture.is_locked(panel)
     return state is State.UNREACHABLE and len(picture.drivers) == 1
 
 
-def _title(picture: Picture, slot: Slot, frame: Frame, chosen: bool) -> Row:
+def _title(picture: ConsoleState, slot: Slot, frame: Frame, chosen: bool) -> Row:
     panel = picture.panels[slot.panel]
     glyphs, width = frame.glyphs, frame.width
     mark = f"{glyphs.here} " if chosen and not slot.again else "  "
@@ -183,7 +183,7 @@ class Panels(Cells):
         self._needed = 1
         self._needed_for: tuple[int, int, int, int] = (-1, -1, -1, -1)
 
-    def paint(self, picture: Picture, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame) -> None:
         """Show the picture's panels as they stand."""
         if not picture.welcomed:
             text = f" Waiting for the robot process{frame.glyphs.ellipsis}"
@@ -191,7 +191,7 @@ class Panels(Cells):
         elif frame.width and frame.height:
             self.show(panel_rows(picture, frame, self.arranged(picture, frame), self.board))
 
-    def arranged(self, picture: Picture, frame: Frame) -> Plan:
+    def arranged(self, picture: ConsoleState, frame: Frame) -> Plan:
         """The arrangement, made anew only when the file or the size has changed."""
         cap = cap_width(picture, self.board, frame.glyphs)
         wanted = (picture.edition, frame.width, frame.height, cap)
@@ -202,7 +202,7 @@ class Panels(Cells):
                 self._arranged = plan(picture.panels, frame.width, frame.height - 1, cap)
         return self._arranged
 
-    def needs(self, picture: Picture, glyphs: Glyphs) -> int:
+    def needs(self, picture: ConsoleState, glyphs: Glyphs) -> int:
         """Lines in which all panels find room on one page of this width, as far as they do."""
         wanted = (picture.edition, self.size.width, MOST, cap_width(picture, self.board, glyphs))
         if wanted != self._needed_for:
@@ -211,13 +211,13 @@ class Panels(Cells):
             self._needed = 1 + max((slot.row for slot in found.slots), default=0)
         return self._needed
 
-    def walk(self, picture: Picture, by: int) -> None:
+    def walk(self, picture: ConsoleState, by: int) -> None:
         """Choose the next panel, or with a negative `by` the one before."""
         if picture.panels:
             chosen = (self.board.chosen + by) % len(picture.panels)
             self.board = replace(self.board, chosen=chosen)
 
-    def turn_to(self, picture: Picture, action: str) -> None:
+    def turn_to(self, picture: ConsoleState, action: str) -> None:
         """Choose the panel on which an action is."""
         for index, panel in enumerate(picture.panels):
             if any(each.name == action for each in panel.actions):

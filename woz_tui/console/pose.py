@@ -11,8 +11,8 @@ from woz_tui.console.cells import Piece, Row, clean, fit, length
 from woz_tui.console.figures import is_share
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.parts import SensorView
-from woz_tui.console.picture import Picture
 from woz_tui.console.rows import NAME, at, kept, labelled, named, old, ruler, track
+from woz_tui.console.state import ConsoleState
 from woz_tui.session.redactor import kind_of
 
 #: What one degree of freedom publishes; with its robot in front where several have the same.
@@ -29,7 +29,7 @@ _FOR_THE_LOG = re.compile(r"(.*\.)?(tick|speech)")
 _LAST = ("direction", "base")
 
 
-def joint_rows(picture: Picture, frame: Frame, room: int, others: int) -> list[Row]:
+def joint_rows(picture: ConsoleState, frame: Frame, room: int, others: int) -> list[Row]:
     """A row for each joint, or if that leaves less than `others` of `room`, all of them as text."""
     joints = _joints(picture)
     if not joints:
@@ -41,7 +41,7 @@ def joint_rows(picture: Picture, frame: Frame, room: int, others: int) -> list[R
     return _folded(picture, joints, frame, max(1, room - 1))
 
 
-def _joints(picture: Picture) -> dict[str, str]:
+def _joints(picture: ConsoleState) -> dict[str, str]:
     """Joints by their full name, with the short one where that is no other joint's.
 
     In the robot file's order; those that it does not tell come last, by name.
@@ -57,20 +57,20 @@ def _joints(picture: Picture) -> dict[str, str]:
     }
 
 
-def _sensor(picture: Picture, kind: str, joint: str) -> SensorView | None:
+def _sensor(picture: ConsoleState, kind: str, joint: str) -> SensorView | None:
     """The sensor of a joint, also of one robot's among several: `left.joint.pan` of `left.pan`."""
     whose, dot, name = joint.rpartition(".")
     found = picture.sensor(f"{kind}.{joint}")
     return found or picture.sensor(f"{whose}{dot}{kind}.{name}")
 
 
-def _limits(picture: Picture) -> dict[str, tuple[float, float]]:
+def _limits(picture: ConsoleState) -> dict[str, tuple[float, float]]:
     """Joint -> lowest and highest angle in degrees, as far as the host has told."""
     joints = picture.settings.joints
     return {name: (low, high) for name, (low, high) in joints.items() if low < high}
 
 
-def _joint(picture: Picture, name: str, shown: str, frame: Frame) -> Row:
+def _joint(picture: ConsoleState, name: str, shown: str, frame: Frame) -> Row:
     """Where the joint is (full mark) and where it should be (hollow mark) between its limits."""
     glyphs, width = frame.glyphs, track(frame)
     present, wanted = _sensor(picture, "joint", name), _sensor(picture, "setpoint", name)
@@ -108,7 +108,7 @@ def _range(
     return -half, half
 
 
-def _folded(picture: Picture, joints: dict[str, str], frame: Frame, room: int) -> list[Row]:
+def _folded(picture: ConsoleState, joints: dict[str, str], frame: Frame, room: int) -> list[Row]:
     """All joints as text, on as many lines as there is room for."""
     pieces = []
     for name, short in joints.items():
@@ -140,7 +140,7 @@ def _wrapped(front: Piece, members: Sequence[Row], frame: Frame, room: int) -> l
 # -- everything else ----------------------------------------------------------------------------
 
 
-def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row]:
+def other_rows(picture: ConsoleState, frame: Frame, known: Sequence[str]) -> list[Row]:
     """Sensors that are not `known` and no joint: one a line, those with a common first name
     (`base.x`, `base.y`) together on one.
     """
@@ -153,7 +153,7 @@ def other_rows(picture: Picture, frame: Frame, known: Sequence[str]) -> list[Row
     return [_group(name, groups[name], picture, frame) for name in names]
 
 
-def _group(name: str, sensors: list[SensorView], picture: Picture, frame: Frame) -> Row:
+def _group(name: str, sensors: list[SensorView], picture: ConsoleState, frame: Frame) -> Row:
     if len(sensors) == 1:
         return _alone(sensors[0], picture, frame)
     members = []
@@ -167,7 +167,7 @@ def _group(name: str, sensors: list[SensorView], picture: Picture, frame: Frame)
     return _wrapped(named(name), members, frame, 1)[0]
 
 
-def _alone(sensor: SensorView, picture: Picture, frame: Frame) -> Row:
+def _alone(sensor: SensorView, picture: ConsoleState, frame: Frame) -> Row:
     if picture.perception.hides(kind_of(sensor.name)):
         return kept(sensor.name, frame)
     stale = picture.is_stale(sensor, frame.now)

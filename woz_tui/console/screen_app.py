@@ -14,7 +14,7 @@ from woz_tui.console.glyphs import UNICODE
 from woz_tui.console.inbox import Inbox
 from woz_tui.console.keyboard import Keyboard
 from woz_tui.console.look import SIXTEEN, THEMES, Look
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.text_console import TextConsole
 from woz_tui.console.thrift import ThriftyScreen
 from woz_tui.core.clock import Clock, RealClock
@@ -58,7 +58,7 @@ class ScreenApp(App[str]):
         self.look, self.theme = look, look.theme
         self.feed, self.keyboard = feed, keyboard
         self.clock = clock or RealClock()
-        self.picture = Picture()
+        self.picture = ConsoleState()
         self.inbox = Inbox(self.wake)
 
     def get_default_screen(self) -> Screen[object]:

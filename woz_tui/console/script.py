@@ -9,10 +9,10 @@ from rich.cells import cell_len
 
 from woz_tui.console.cells import Cells, Row, clean, cut, fit, heading
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 
 
-def script_row(picture: Picture, frame: Frame, key: str) -> Row:
+def script_row(picture: ConsoleState, frame: Frame, key: str) -> Row:
     """The line that space plays next, those after it, and how far the script is."""
     glyphs = frame.glyphs
     if not picture.script:
@@ -39,7 +39,7 @@ WORDS = 2
 INDENT = 5
 
 
-def script_rows(picture: Picture, frame: Frame) -> list[Row]:
+def script_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
     """Every line of the script with what is said; what has been played is quiet.
 
     Where not all of it has room it begins shortly before the next line.
@@ -55,7 +55,7 @@ def script_rows(picture: Picture, frame: Frame) -> list[Row]:
     return rows[: frame.height]
 
 
-def _entry(picture: Picture, index: int, frame: Frame) -> list[Row]:
+def _entry(picture: ConsoleState, index: int, frame: Frame) -> list[Row]:
     glyphs, name = frame.glyphs, picture.script[index]
     played, following = index < picture.position, index == picture.position
     mark = glyphs.here if following else glyphs.done if played else " "
@@ -79,7 +79,7 @@ def _wrapped(words: str, frame: Frame) -> list[str]:
 class Script(Cells):
     """The whole script."""
 
-    def paint(self, picture: Picture, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame) -> None:
         """Show a heading and the lines."""
         if not self.display:
             return

@@ -9,9 +9,9 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Cells, Piece, Row, clean, fit, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.picture import Picture
 from woz_tui.console.replay.standing import wall_at
 from woz_tui.console.robot.trouble import driver_trouble
+from woz_tui.console.state import ConsoleState
 
 #: Round trips to the terminal from which typing feels slow, and from which it is dangerous (us).
 SLOW_LINE_US, BAD_LINE_US = 150_000, 500_000
@@ -34,7 +34,7 @@ class Line:
     failures: str = "enter"
 
 
-def status_rows(picture: Picture, frame: Frame, line: Line) -> list[Row]:
+def status_rows(picture: ConsoleState, frame: Frame, line: Line) -> list[Row]:
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
     vitals = _log(picture, glyphs) or (
@@ -58,7 +58,7 @@ def _whole(parts: list[Row], width: int) -> Row:
     return row
 
 
-def _session(picture: Picture, frame: Frame, room: int) -> list[Row]:
+def _session(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     """The more important, the earlier. A long title gives way to the time."""
     glyphs = frame.glyphs
     time = elapsed(frame.now) if picture.welcomed else "--:--"
@@ -83,7 +83,7 @@ def _session(picture: Picture, frame: Frame, room: int) -> list[Row]:
     return parts
 
 
-def _values(picture: Picture, frame: Frame) -> list[str]:
+def _values(picture: ConsoleState, frame: Frame) -> list[str]:
     """Who takes part, under which condition, in which trial, and so on."""
     found = (
         clean(picture.participant) or "no participant",
@@ -95,12 +95,12 @@ def _values(picture: Picture, frame: Frame) -> list[str]:
     return [value for value in found if value]
 
 
-def _session_code(picture: Picture) -> str:
+def _session_code(picture: ConsoleState) -> str:
     start = picture.session.start
     return f"session {clean(start.session)}" if start is not None and start.session else ""
 
 
-def _trial(picture: Picture, frame: Frame) -> str:
+def _trial(picture: ConsoleState, frame: Frame) -> str:
     """The trial's number and, where the robot process counts them, its time, or the break's."""
     study, now = picture.study, frame.now
     of = f"{' of ' if frame.width >= WORDY else '/'}{study.planned}" if study.planned else ""
@@ -117,13 +117,13 @@ def _trial(picture: Picture, frame: Frame) -> str:
     return f"trial {picture.trial}" if picture.trial is not None else ""
 
 
-def _asked(picture: Picture) -> str:
+def _asked(picture: ConsoleState) -> str:
     """How far a questionnaire is."""
     asked = picture.study.asked
     return f"asked {asked.answered}/{len(asked.items)}" if asked is not None else ""
 
 
-def _profile(picture: Picture, frame: Frame) -> Row:
+def _profile(picture: ConsoleState, frame: Frame) -> Row:
     """At the right, where it takes nothing else's place and is never left out."""
     name = clean(picture.profiles.current)
     if not name:
@@ -133,7 +133,7 @@ def _profile(picture: Picture, frame: Frame) -> Row:
     return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
 
 
-def _recorder(picture: Picture, glyphs: Glyphs) -> Row:
+def _recorder(picture: ConsoleState, glyphs: Glyphs) -> Row:
     if picture.ended:
         return (("session over", "muted"),)
     if picture.lost:
@@ -151,7 +151,7 @@ def _recorder(picture: Picture, glyphs: Glyphs) -> Row:
     return levels.get(recorder.level, ((f"{glyphs.no} REC       ", "muted"),))
 
 
-def _log(picture: Picture, glyphs: Glyphs) -> Row:
+def _log(picture: ConsoleState, glyphs: Glyphs) -> Row:
     """In a replay: the day of the session, and whether all of its log is there."""
     if picture.replay is None:
         return ()
@@ -189,7 +189,7 @@ _HEALTH = {
 }
 
 
-def _drivers(picture: Picture, glyphs: Glyphs) -> Row:
+def _drivers(picture: ConsoleState, glyphs: Glyphs) -> Row:
     row: list[Piece] = [(" ", "plain")]
     for driver in picture.drivers.values():
         sign, look, word = _HEALTH.get(driver.health, _HEALTH["unknown"])
@@ -204,14 +204,14 @@ def _drivers(picture: Picture, glyphs: Glyphs) -> Row:
     return tuple(row)
 
 
-def _failures(picture: Picture, glyphs: Glyphs, key: str) -> Row:
+def _failures(picture: ConsoleState, glyphs: Glyphs, key: str) -> Row:
     count = len(picture.unseen())
     if not count:
         return ()
     return ((f" {glyphs.failed} {count} failed: {key} ", "alarm"),)
 
 
-def _seers(picture: Picture) -> Row:
+def _seers(picture: ConsoleState) -> Row:
     """Programs that see what is kept from the wizard."""
     names = ", ".join(map(clean, picture.study.seers.values()))
     return ((f" {names} sees all ", "wait"),) if names and picture.keeps else ()
@@ -220,6 +220,6 @@ def _seers(picture: Picture) -> Row:
 class Status(Cells):
     """The status line."""
 
-    def paint(self, picture: Picture, frame: Frame, line: Line) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame, line: Line) -> None:
         """Show the picture's state."""
         self.show(status_rows(picture, frame, line))

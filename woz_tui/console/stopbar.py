@@ -9,9 +9,9 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Cells, Row, clean, cut, fit, hung, length, spread
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.picture import Picture
 from woz_tui.console.robot.stopping import confirmed_words, missing_row
 from woz_tui.console.script import script_row
+from woz_tui.console.state import ConsoleState
 from woz_tui.timeline.episodes import Stop
 
 
@@ -39,7 +39,7 @@ class Bar:
     asked_us: int | None = None
 
 
-def bar_rows(picture: Picture, frame: Frame, bar: Bar) -> list[Row]:
+def bar_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
     """Two rows of the frame's width."""
     glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
     if picture.ended and picture.lost and asked_us is None:
@@ -116,6 +116,6 @@ def hint_row(hints: tuple[tuple[str, str], ...], width: int) -> Row:
 class StopBar(Cells):
     """The bar over the whole width at the bottom of every screen."""
 
-    def paint(self, picture: Picture, frame: Frame, bar: Bar) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame, bar: Bar) -> None:
         """Show the stop, or the news and hints."""
         self.show(bar_rows(picture, frame, bar))

@@ -17,8 +17,8 @@ from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.layout import LEAST, WHOLE, Body, Needs, Side
 from woz_tui.console.meters import Meters
 from woz_tui.console.panels import Panels
-from woz_tui.console.picture import Picture
 from woz_tui.console.script import Script
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import Line, Status
 from woz_tui.console.stopbar import Bar, StopBar
 
@@ -51,7 +51,9 @@ class Surface:
         yield self.small
         yield self.bar
 
-    def measure(self, size: Size, base: Screen[object], picture: Picture, glyphs: Glyphs) -> None:
+    def measure(
+        self, size: Size, base: Screen[object], picture: ConsoleState, glyphs: Glyphs
+    ) -> None:
         """Choose what fits: everything, no side, or a sentence and the stop."""
         width, height = size
         base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
@@ -66,7 +68,12 @@ class Surface:
         )
 
     def paint(
-        self, picture: Picture, frame: Callable[[Cells], Frame], line: Line, bar: Bar, size: Size
+        self,
+        picture: ConsoleState,
+        frame: Callable[[Cells], Frame],
+        line: Line,
+        bar: Bar,
+        size: Size,
     ) -> None:
         """Show what has changed; `frame` tells each part's room and the moment."""
         self.status.paint(picture, frame(self.status), line)

@@ -7,7 +7,7 @@ from typing import Any
 import msgspec
 
 from tests.console.robot import pepper
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.session.recent import Recent
 from woz_tui.session.redactor import HIDDEN, Redactor
@@ -15,7 +15,7 @@ from woz_tui.timeline.state import SessionState
 
 
 def test_the_last_settings_of_each_robot_stand_in_the_picture() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([pepper.welcome(drivers=("left", "right"))], 0)
     assert picture.session.robots.shown == {}
     picture.take(
@@ -46,13 +46,13 @@ def test_a_newcomer_is_told_the_last_settings_of_each_robot() -> None:
     held = [message for message in state.messages() if isinstance(message, m.SettingsShown)]
     assert [message.seq for message in held] == [1, 2]
     assert recent.lines == []  # no line in the list of events
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([pepper.welcome(*held, drivers=("left", "right"))], 0)
     assert picture.session.robots.shown["left"].wanted == {"volume": 0.5}
 
 
 def test_the_eyes_are_kept_where_the_face_is() -> None:
-    picture, redactor = Picture(), Redactor()
+    picture, redactor = ConsoleState(), Redactor()
     picture.take([pepper.welcome(), pepper.shown({"eyes": "#ffffff", "volume": 0.5})], 0)
     assert picture.session.robots.shown["pepper"].values["eyes"] == "#00ff80"
     for message in (

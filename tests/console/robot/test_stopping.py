@@ -7,16 +7,16 @@ import pytest
 from tests.console import scenes
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.picture import Picture
 from woz_tui.console.replay.timeline import replay_rows
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.stopbar import Bar, bar_rows
 from woz_tui.core import messages as m
 
 NOW = scenes.NOW
 
 
-def stopped(*confirmations: m.StopConfirmed) -> Picture:
-    picture = Picture()
+def stopped(*confirmations: m.StopConfirmed) -> ConsoleState:
+    picture = ConsoleState()
     picture.take([scenes.welcome(), m.StopPressed(source="key", t=NOW), *confirmations], 0)
     return picture
 
@@ -37,7 +37,7 @@ def confirmation(
     )
 
 
-def bar(picture: Picture, width: int = 80) -> str:
+def bar(picture: ConsoleState, width: int = 80) -> str:
     rows = bar_rows(picture, Frame(width, 2, NOW), Bar(release="^R"))
     assert [length(row) for row in rows] == [width, width]
     return "".join(text for text, _ in rows[1]).strip()

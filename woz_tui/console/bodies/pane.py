@@ -15,8 +15,8 @@ from woz_tui.console.bodies.views import ABOVE, SIDE, draw, sights
 from woz_tui.console.bodies.words import short_rows, word_rows
 from woz_tui.console.cells import Cells, Row, clean, cut, fit
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.picture import Picture
 from woz_tui.console.rows import beside
+from woz_tui.console.state import ConsoleState
 from woz_tui.session.redactor import HIDDEN
 
 #: Cells that words beside a face need, and a view at the least (columns, lines).
@@ -29,7 +29,7 @@ GAP = 2
 NARROWEST = 12
 
 
-def pane_rows(picture: Picture, frame: Frame) -> list[Row]:
+def pane_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
     """All bodies side by side, as many as have room."""
     seen = seen_bodies(picture, frame.now, frame.glyphs)
     count = min(len(seen), max(1, (frame.width + GAP) // (NARROWEST + GAP)))
@@ -162,7 +162,7 @@ def _kept_view(width: int, height: int) -> list[Row]:
 class BodyPane(Cells):
     """The bodies; takes no room in a session without one."""
 
-    def paint(self, picture: Picture, frame: Frame) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame) -> None:
         """Show what they look like now."""
         if self.display:
             self.show(pane_rows(picture, frame))

@@ -10,7 +10,7 @@ from woz_tui.console.bodies.views import Pose
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Glyphs
 from woz_tui.console.parts import SensorView
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 
 
@@ -32,12 +32,12 @@ class SeenBody:
         return next((self.values[name] for name in names if name in self.values), None)
 
 
-def seen_bodies(picture: Picture, now: int, glyphs: Glyphs) -> list[SeenBody]:
+def seen_bodies(picture: ConsoleState, now: int, glyphs: Glyphs) -> list[SeenBody]:
     """Every body of the session, in the robot file's order."""
     return [_seen(picture, outline, now, glyphs) for outline in bodies(picture.outlines)]
 
 
-def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> SeenBody:
+def _seen(picture: ConsoleState, outline: BodyOutline, now: int, glyphs: Glyphs) -> SeenBody:
     driver = outline.driver
     session = picture.session
     body, mode = session.bodies.get(driver), session.modes.get(driver)
@@ -66,7 +66,7 @@ def _seen(picture: Picture, outline: BodyOutline, now: int, glyphs: Glyphs) -> S
     )
 
 
-def _sensors(picture: Picture, outline: BodyOutline, kind: str) -> dict[str, SensorView]:
+def _sensors(picture: ConsoleState, outline: BodyOutline, kind: str) -> dict[str, SensorView]:
     """What was heard of this robot's joints, by joint, whichever of its drivers said it; where
     several did, the body itself counts.
     """

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from woz_tui.console.cells import Piece
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 
 #: The limit that counts from the entry into a state, and what ends there in words.
@@ -18,7 +18,7 @@ _LIMITS = {
 _SOON = 0.75
 
 
-def running(picture: Picture, shown: m.EngagementShown, now: int) -> list[Piece]:
+def running(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
     """`12 of 60 s to speak`, for the state as it stands."""
     limits = picture.settings.engagement
     name, words = _LIMITS.get(shown.state, ("", ""))

@@ -29,8 +29,8 @@ from woz_tui.console.engagement.words import (
 )
 from woz_tui.console.figures import age, elapsed, seconds
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.picture import Picture
 from woz_tui.console.rows import NAME, VALUE, kept, labelled, named, old, track
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.sensing.proxemics import zone
 from woz_tui.session.redactor import HIDDEN, KEPT
@@ -44,11 +44,11 @@ _SIGN = 9
 _WORD = 7
 
 #: Draws the rows of the loudness, given what is said of speech.
-Loudness = Callable[[Picture, Frame, str], list[Row]]
+Loudness = Callable[[ConsoleState, Frame, str], list[Row]]
 
 
 def block_rows(
-    picture: Picture, shown: m.EngagementShown, frame: Frame, loudness: Loudness
+    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, loudness: Loudness
 ) -> list[Row]:
     """The block for a session with a model; `loudness` draws the rows that are not the model's."""
     speech = _speech(picture, frame)
@@ -73,7 +73,7 @@ def block_rows(
 # -- state, waiting, path, why ------------------------------------------------------------------
 
 
-def _state(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+def _state(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
     """The state and for how long; behind it the visitor and what is unusual, if there is room."""
     since = elapsed(frame.now - shown.since)
     row: Row = (
@@ -90,14 +90,14 @@ def _state(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
     return row
 
 
-def _speech(picture: Picture, frame: Frame) -> str:
+def _speech(picture: ConsoleState, frame: Frame) -> str:
     """`speech 3.1 s` while somebody speaks."""
     segment = None if picture.lost else picture.engaged.speaking(frame.now)
     return "" if segment is None else f"speech {seconds(frame.now - segment.begin)}"
 
 
 def _now(
-    picture: Picture, shown: m.EngagementShown, frame: Frame, unheard: str, *, terse: bool
+    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str, *, terse: bool
 ) -> list[Piece]:
     """What asks for the wizard at this moment."""
     glyphs = frame.glyphs
@@ -114,7 +114,7 @@ def _now(
 
 
 def _moment(
-    picture: Picture, shown: m.EngagementShown, frame: Frame, unheard: str, *, else_path: bool
+    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str, *, else_path: bool
 ) -> Row:
     """Who waits, whether the machine is held, and what was heard; or else the path."""
     heard = picture.engaged.heard()
@@ -128,7 +128,9 @@ def _moment(
     return ((" ", "plain"), *_heard(picture, frame))
 
 
-def _labelled_moment(picture: Picture, shown: m.EngagementShown, frame: Frame, unheard: str) -> Row:
+def _labelled_moment(
+    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, unheard: str
+) -> Row:
     now = _now(picture, shown, frame, unheard, terse=False)
     return (named("now"), *(now or [(frame.glyphs.dash, "faint")]))
 
@@ -137,7 +139,7 @@ def _path(shown: m.EngagementShown, frame: Frame) -> Row:
     return (named("path"), *path(shown, frame.width - NAME, frame.glyphs))
 
 
-def _why(picture: Picture, frame: Frame) -> Row:
+def _why(picture: ConsoleState, frame: Frame) -> Row:
     """Why the last change came about."""
     changes = picture.engaged.changes
     last = changes[-1] if changes else picture.session.model.changed
@@ -147,7 +149,7 @@ def _why(picture: Picture, frame: Frame) -> Row:
     return (named("why"), *hand, (frame.glyphs.plain(clean(why(last))), "muted"))
 
 
-def _heard(picture: Picture, frame: Frame) -> Row:
+def _heard(picture: ConsoleState, frame: Frame) -> Row:
     """What was understood last, and when."""
     if picture.perception.hides("transcript"):
         return ((HIDDEN, "faint"),)
@@ -167,7 +169,7 @@ def quoted(heard: m.SpeechText, glyphs: Glyphs) -> Piece:
 # -- signs --------------------------------------------------------------------------------------
 
 
-def _pairs(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _pairs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
     """Two signs in a row: mark, word, fill of the queue."""
     width = (frame.width - 2) // 2
     small = replace(frame, width=width)
@@ -179,7 +181,7 @@ def _pairs(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row
 
 
 def _pair(
-    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: Picture, frame: Frame
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: Frame
 ) -> Row:
     glyphs = frame.glyphs
     found = mark(name, sign, glyphs, old=bool(picture.lost))
@@ -202,13 +204,13 @@ def _pair(
     return cut((front, *back), frame.width, glyphs.ellipsis)
 
 
-def _singles(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _singles(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
     """A row for each sign: name, fill of the queue, verdict with its count."""
     return [_single(name, sign, shown, picture, frame) for name, sign in signs_of(shown)]
 
 
 def _single(
-    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: Picture, frame: Frame
+    name: str, sign: m.SignShown, shown: m.EngagementShown, picture: ConsoleState, frame: Frame
 ) -> Row:
     glyphs = frame.glyphs
     found = mark(name, sign, glyphs, old=bool(picture.lost))
@@ -225,7 +227,7 @@ def _single(
     return labelled(WORD[name], bar, value, found.look)
 
 
-def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _distance(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
     """Where the visitor stands among Hall's spaces; no row in a session without a distance."""
     sign = shown.signs.get("distance")
     if sign is not None and picture.sensor("distance") and picture.perception.keeps("distance"):
@@ -248,7 +250,7 @@ def _distance(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[
     return [labelled("distance", bar, f"{figure} {zone(sign.raw)}", "plain")]
 
 
-def _kept_distance(picture: Picture, frame: Frame) -> Row:
+def _kept_distance(picture: ConsoleState, frame: Frame) -> Row:
     """Its place where the wizard does not see it, or only near and far."""
     sensor = picture.sensor("distance")
     if sensor is None or picture.perception.hides("distance"):

@@ -26,8 +26,8 @@ from woz_tui.console.engagement.words import (
 )
 from woz_tui.console.figures import elapsed, seconds
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.picture import Picture
 from woz_tui.console.rows import beside
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.experiment.engagement import CONDITION
 from woz_tui.sensing.proxemics import zone
@@ -50,7 +50,7 @@ _HEARD = 2
 _TALL = 24
 
 
-def whole_rows(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def whole_rows(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
     """As many rows as the frame is high; what matters most stands on top."""
     table = [*_signs(picture, shown, frame), _condition(picture, shown, frame)]
     top = [_head(picture, shown, frame), _second(picture, shown, frame)]
@@ -76,7 +76,7 @@ def _air(frame: Frame) -> list[Row]:
 # -- what is now --------------------------------------------------------------------------------
 
 
-def _head(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+def _head(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
     """State, time, run; at the right visitor and attention."""
     glyphs = frame.glyphs
     row: Row = (
@@ -103,14 +103,14 @@ def _head(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
     return spread(row, right, frame.width, glyphs.ellipsis)
 
 
-def _about(picture: Picture, visitor: str) -> str:
+def _about(picture: ConsoleState, visitor: str) -> str:
     """What is known of them, in parentheses."""
     about = picture.engaged.visitors.get(visitor, {})
     told = ", ".join(clean(value) for value in about.values() if value)
     return f" ({told})" if told else ""
 
 
-def _second(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+def _second(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
     """Who waits, what is being said, which limits run."""
     glyphs, engaged = frame.glyphs, picture.engaged
     row: Row = ()
@@ -125,7 +125,9 @@ def _second(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
     return row or (("nobody waits", "muted"),)
 
 
-def _states(picture: Picture, shown: m.EngagementShown, frame: Frame, *, side: bool) -> list[Row]:
+def _states(
+    picture: ConsoleState, shown: m.EngagementShown, frame: Frame, *, side: bool
+) -> list[Row]:
     """The diagram, at its right what was heard."""
     way = [(change.was, change.now) for change in reversed(picture.engaged.changes)]
     if not way or way[0][1] != shown.state:  # its message is still on the way, or was left out
@@ -141,7 +143,7 @@ def _states(picture: Picture, shown: m.EngagementShown, frame: Frame, *, side: b
 # -- signs ----------------------------------------------------------------------------------------
 
 
-def _signs(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row]:
+def _signs(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> list[Row]:
     """A line for each sign beneath the names of the columns."""
     filtered = _FILTER + 1 if frame.width >= _WITH_FILTER else 0
     bar = min(_BAR, max(6, frame.width - _NAME - _SENSED - 2 - filtered - 1 - _VERDICT))
@@ -159,7 +161,7 @@ def _signs(picture: Picture, shown: m.EngagementShown, frame: Frame) -> list[Row
 
 
 def _sign(
-    name: str, shown: m.EngagementShown, picture: Picture, frame: Frame, filtered: int
+    name: str, shown: m.EngagementShown, picture: ConsoleState, frame: Frame, filtered: int
 ) -> Row:
     """One of them. `frame` is the bar's; the filter's name has `filtered` cells."""
     sign = shown.signs[name]
@@ -200,7 +202,7 @@ def _sensed(name: str, sign: m.SignShown) -> str:
     return "yes" if FLAGS[name](sign.raw) else "no"
 
 
-def _condition(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
+def _condition(picture: ConsoleState, shown: m.EngagementShown, frame: Frame) -> Row:
     old = bool(picture.lost)
     row = condition(shown, frame.glyphs, old=old)
     if length(row) > frame.width:
@@ -214,7 +216,7 @@ def _condition(picture: Picture, shown: m.EngagementShown, frame: Frame) -> Row:
 # -- what was -------------------------------------------------------------------------------------
 
 
-def _way(picture: Picture, frame: Frame, room: int) -> list[Row]:
+def _way(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     """The changes, newest on top: when, to what, by which outcome, why, and by whom."""
     glyphs = frame.glyphs
     rows: list[Row] = []
@@ -232,7 +234,7 @@ def _way(picture: Picture, frame: Frame, room: int) -> list[Row]:
     return rows[:room] or [(("nothing has changed yet", "muted"),)]
 
 
-def _heard(picture: Picture, frame: Frame, room: int) -> list[Row]:
+def _heard(picture: ConsoleState, frame: Frame, room: int) -> list[Row]:
     """What was understood, newest on top."""
     rows: list[Row] = []
     if picture.perception.hides("transcript"):

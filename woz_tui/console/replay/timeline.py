@@ -9,10 +9,10 @@ from rich.cells import cell_len
 from woz_tui.console.cells import Piece, Row, clean, cut, fit, length, spread
 from woz_tui.console.figures import elapsed
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.picture import Picture
 from woz_tui.console.replay.standing import Place, ReplayPicture, wall_at
 from woz_tui.console.robot.stopping import missing_row
 from woz_tui.console.script import script_row
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.stopbar import Bar, StopBar, hint_row
 from woz_tui.timeline.episodes import Stop
 
@@ -39,12 +39,12 @@ def sign_of(sort: str, glyphs: Glyphs) -> Piece:
     return str(getattr(glyphs, name)), look
 
 
-def replay_rows(picture: Picture, frame: Frame, bar: Bar) -> list[Row]:
+def replay_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
     """Two rows of the frame's width."""
     return [_then(picture, frame, bar), time_row(picture, frame, bar.hints)]
 
 
-def _then(picture: Picture, frame: Frame, bar: Bar) -> Row:
+def _then(picture: ConsoleState, frame: Frame, bar: Bar) -> Row:
     """A sentence for the viewer; else the stop as it was; else the script, or what keys do."""
     glyphs, width = frame.glyphs, frame.width
     if bar.news.text:
@@ -66,7 +66,7 @@ def _stopped(stop: Stop, glyphs: Glyphs, width: int) -> Row:
     return cut((*row, (" " * width, "alarm-soft")), width, " ")
 
 
-def time_row(picture: Picture, frame: Frame, hints: tuple[tuple[str, str], ...] = ()) -> Row:
+def time_row(picture: ConsoleState, frame: Frame, hints: tuple[tuple[str, str], ...] = ()) -> Row:
     """Where the replay is: state, time, the line with its places, clock of then, speed."""
     replay = picture.replay
     if replay is None:
@@ -95,7 +95,7 @@ def _left(replay: ReplayPicture, now: int, glyphs: Glyphs) -> Row:
 
 
 def _right(
-    picture: Picture, replay: ReplayPicture, now: int, hints: tuple[tuple[str, str], ...]
+    picture: ConsoleState, replay: ReplayPicture, now: int, hints: tuple[tuple[str, str], ...]
 ) -> Row:
     row: list[Piece] = [(" ", "plain")]
     clock = wall_at(picture.settings, now)
@@ -154,6 +154,6 @@ def _joined(cells: Iterable[Piece]) -> list[Piece]:
 class TimeBar(StopBar):
     """The bar over the whole width at the bottom of a replay."""
 
-    def paint(self, picture: Picture, frame: Frame, bar: Bar) -> None:
+    def paint(self, picture: ConsoleState, frame: Frame, bar: Bar) -> None:
         """Show the stop or the script of then, and the time line."""
         self.show(replay_rows(picture, frame, bar))

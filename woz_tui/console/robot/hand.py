@@ -18,7 +18,7 @@ from woz_tui.core.requests import AskVerb, Reply
 
 if TYPE_CHECKING:
     from woz_tui.console.desk import OnReply
-    from woz_tui.console.picture import Picture
+    from woz_tui.console.state import ConsoleState
 
 #: A setting that was set is read back within this time; after it the robot's word counts again.
 READ_BACK_US = 3_000_000
@@ -53,7 +53,7 @@ class Hand:
 
     def __init__(
         self,
-        picture: Picture,
+        picture: ConsoleState,
         ask: Ask,
         refused: Callable[[Reply], None],
         key: str,

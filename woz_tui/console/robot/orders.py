@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core.messages import Json
 
 
@@ -33,7 +33,7 @@ ORDERS = (
 )
 
 
-def orders_of(picture: Picture) -> Iterator[tuple[str, Order]]:
+def orders_of(picture: ConsoleState) -> Iterator[tuple[str, Order]]:
     """Driver and order, of the drivers that tell of a whole robot and offer the verb."""
     for driver in picture.robot_outlines:
         for order in ORDERS:

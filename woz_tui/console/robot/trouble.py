@@ -10,14 +10,14 @@ from woz_tui.console.cells import clean
 from woz_tui.core.messages import SettingsShown
 
 if TYPE_CHECKING:
-    from woz_tui.console.picture import Picture
+    from woz_tui.console.state import ConsoleState
 
 #: Cells that names of settings, or a conflict in short, may take in the status line; what is longer
 #: is counted.
 NAMED = 30
 
 
-def is_stale(picture: Picture, driver: str) -> bool:
+def is_stale(picture: ConsoleState, driver: str) -> bool:
     """Whether what the robot told is old: it is not there, or the robot process is not."""
     return bool(picture.lost) or picture.health(driver) not in ("connected", "faulted")
 
@@ -38,7 +38,7 @@ def trouble_words(robot: SettingsShown, names: str = "", first: str = "") -> str
     return ", ".join(found)
 
 
-def driver_trouble(picture: Picture, driver: str) -> str:
+def driver_trouble(picture: ConsoleState, driver: str) -> str:
     """The same of a driver, with the names of what differs and the first conflict if they are
     short; nothing where what it told is old.
     """
@@ -54,7 +54,7 @@ def _gist(robot: SettingsShown) -> str:
     return gist if colon and cell_len(gist) <= NAMED else ""
 
 
-def _names(picture: Picture, driver: str, robot: SettingsShown) -> str:
+def _names(picture: ConsoleState, driver: str, robot: SettingsShown) -> str:
     """What is otherwise than asked for, by its labels; nothing if that takes too much room."""
     outline = picture.robot_outlines.get(driver)
     labels = {} if outline is None else {line.name: line.label for line in outline.settings}

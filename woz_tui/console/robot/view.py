@@ -7,12 +7,12 @@ from dataclasses import dataclass
 from woz_tui.console.cells import Piece, clean
 from woz_tui.console.figures import age
 from woz_tui.console.glyphs import Glyphs
-from woz_tui.console.picture import Picture
 from woz_tui.console.robot.hand import Hand
 from woz_tui.console.robot.lines import CONNECTION, Line, What, lines_of, place_of
 from woz_tui.console.robot.steps import ArrowSteps
 from woz_tui.console.robot.trouble import is_stale, trouble_words
 from woz_tui.console.robot.values import about, color_of, value_text
+from woz_tui.console.state import ConsoleState
 from woz_tui.core.messages import Json, SettingsShown
 from woz_tui.core.robots import RobotOutline
 
@@ -49,7 +49,9 @@ class RobotView:
 class Viewer:
     """Sees one robot of the picture; `arrows` and `hand` tell what the picture does not know."""
 
-    def __init__(self, picture: Picture, glyphs: Glyphs, arrows: ArrowSteps, hand: Hand) -> None:
+    def __init__(
+        self, picture: ConsoleState, glyphs: Glyphs, arrows: ArrowSteps, hand: Hand
+    ) -> None:
         self._picture, self._glyphs = picture, glyphs
         self._arrows, self._hand = arrows, hand
 
@@ -200,7 +202,7 @@ def _has_value(line: Line) -> bool:
     return line.what is What.SETTING
 
 
-def locked_by(picture: Picture, verb: str) -> str:
+def locked_by(picture: ConsoleState, verb: str) -> str:
     """The title of a locked panel that covers `verb`, or nothing."""
     covering = (panel for panel in picture.panels if verb in panel.covers)
     return next((clean(panel.title) for panel in covering if picture.is_locked(panel)), "")

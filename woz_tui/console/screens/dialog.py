@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from woz_tui.console.glyphs import Glyphs
     from woz_tui.console.keyboard import Keyboard
     from woz_tui.console.look import Look
-    from woz_tui.console.picture import Picture
+    from woz_tui.console.state import ConsoleState
     from woz_tui.core.clock import Clock
     from woz_tui.experiment.keymap import KeyMap
     from woz_tui.experiment.terminals import Terminal
@@ -54,7 +54,7 @@ class Hint:
 
     rank: int
     word: str
-    worth: Callable[[Picture], bool] = lambda picture: True
+    worth: Callable[[ConsoleState], bool] = lambda picture: True
 
 
 @dataclass(frozen=True, slots=True)
@@ -81,7 +81,7 @@ class Command(OwnKey):
 class ConsoleApp(Protocol):
     """What dialogs and commands may use of the app."""
 
-    picture: Picture
+    picture: ConsoleState
     feed: Feed
     desk: Desk
     keyboard: Keyboard
@@ -188,7 +188,7 @@ class Dialog(ThriftyScreen[None], ModalScreen[None]):
         return self.console_app.desk
 
     @property
-    def picture(self) -> Picture:
+    def picture(self) -> ConsoleState:
         """What is known."""
         return self.console_app.picture
 

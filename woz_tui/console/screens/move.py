@@ -11,20 +11,20 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean
-from woz_tui.console.picture import Picture
 from woz_tui.console.robot.names import begin_with, holding, meant
 from woz_tui.console.screens.dialog import ConsoleApp, Entry, content, plain
+from woz_tui.console.state import ConsoleState
 
 #: Lines of matching names under the field.
 MATCHES = 8
 
 
-def players(picture: Picture) -> list[str]:
+def players(picture: ConsoleState) -> list[str]:
     """Drivers that play animations."""
     return [name for name, verbs in picture.verbs.items() if "play" in verbs]
 
 
-def known_moves(picture: Picture, driver: str) -> list[str]:
+def known_moves(picture: ConsoleState, driver: str) -> list[str]:
     """Names that the driver is known to play; it may play others."""
     outline = picture.robot_outlines.get(driver)
     return outline.moves if outline is not None else []

@@ -17,8 +17,8 @@ from textual.widgets.option_list import Option
 from woz_tui.console.caps import Cap
 from woz_tui.console.cells import Row, clean
 from woz_tui.console.engagement.words import signs_of, unsensed
-from woz_tui.console.picture import Picture
 from woz_tui.console.screens.dialog import Report
+from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import SLOW_LINE_US
 from woz_tui.core.driver import Finding
 from woz_tui.core.machine.terminal import environment, multiplexers
@@ -50,7 +50,7 @@ def finding_rows(data: object) -> list[tuple[str, str, str, str]]:
     ]
 
 
-def key_findings(picture: Picture, caps: Mapping[str, Cap]) -> list[tuple[str, str, str, str]]:
+def key_findings(picture: ConsoleState, caps: Mapping[str, Cap]) -> list[tuple[str, str, str, str]]:
     """What the console itself knows: keys of the file that this terminal cannot send."""
     findings = []
     for panel in picture.panels:
@@ -62,7 +62,7 @@ def key_findings(picture: Picture, caps: Mapping[str, Cap]) -> list[tuple[str, s
     return findings or [("ok", "keys", "all keys of the file reach the robot", "")]
 
 
-def sign_findings(picture: Picture) -> list[Finding]:
+def sign_findings(picture: ConsoleState) -> list[Finding]:
     """Signs of the engagement model that nobody has given so far."""
     shown = picture.engaged.shown
     if shown is None:

@@ -12,9 +12,9 @@ from textual.widget import Widget
 from textual.widgets import Input, Static
 
 from woz_tui.console.cells import Row, clean, fit
-from woz_tui.console.picture import Picture
 from woz_tui.console.robot.tags import Begun, Numbered, Offer, begun_tag, completed, offers
 from woz_tui.console.screens.dialog import Entry, content, plain
+from woz_tui.console.state import ConsoleState
 from woz_tui.core.robots import RobotOutline
 
 #: Lines of matching utterances under the field, and of matching tags or animations.
@@ -39,7 +39,7 @@ def complete(text: str, utterances: Iterable[str], variables: Iterable[str]) -> 
     return None
 
 
-def utterances_of(picture: Picture, said: Iterable[str]) -> list[str]:
+def utterances_of(picture: ConsoleState, said: Iterable[str]) -> list[str]:
     """What was typed before, newest first, then all the session's utterances."""
     told = [
         utterance

@@ -1,9 +1,9 @@
 """What the screen shows, as plain data: what holds in the session, and what only a screen needs.
 
 Nothing here draws, waits or looks at a clock. All times are microseconds on the session's `t`
-axis; `Picture.now` turns a local clock into that axis, so that things can age between messages.
-Messages may come in any order, twice or not at all: the picture takes what it can from each and
-never raises.
+axis; `ConsoleState.now` turns a local clock into that axis, so that things can age between
+messages. Messages may come in any order, twice or not at all: the state takes what it can from each
+and never raises.
 """
 
 from __future__ import annotations
@@ -48,7 +48,7 @@ _LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US, "waits
 
 
 @dataclass(slots=True)
-class Picture:
+class ConsoleState:
     """Everything the console knows. Fields are for reading; `take` changes them."""
 
     #: What holds, as far as the wizard may know it.
@@ -206,7 +206,7 @@ class Picture:
 
     def _welcome(self, welcome: r.Welcome, local_us: int) -> None:
         """Begin anew; what the wizard has seen stays seen."""
-        fresh = Picture(edition=self.edition, before=self.participant or self.before)
+        fresh = ConsoleState(edition=self.edition, before=self.participant or self.before)
         fresh.runs.seen = self.runs.seen
         for name in self.__slots__:
             setattr(self, name, getattr(fresh, name))

@@ -8,21 +8,21 @@ from tests.console.scripted import raw
 from tests.replay.logs import stamped
 from woz_tui.console.feed import Incoming
 from woz_tui.console.parts import State
-from woz_tui.console.picture import DONE_US, Picture
+from woz_tui.console.state import DONE_US, ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 
 NOW = scenes.NOW
 
 
-def begun(*messages: Incoming, first: r.Welcome | None = None) -> Picture:
-    picture = Picture()
+def begun(*messages: Incoming, first: r.Welcome | None = None) -> ConsoleState:
+    picture = ConsoleState()
     picture.take([first or scenes.welcome()], 0)
     picture.take(messages, 0)
     return picture
 
 
-def state(picture: Picture, action: str, now: int = NOW) -> State:
+def state(picture: ConsoleState, action: str, now: int = NOW) -> State:
     for panel in picture.panels:
         for view in panel.actions:
             if view.name == action:
@@ -186,7 +186,7 @@ def test_a_verb_of_two_drivers_is_reachable_while_one_is_left() -> None:
     assert state(picture, "Hello") is State.UNREACHABLE
 
 
-def stopped(picture: Picture) -> object:
+def stopped(picture: ConsoleState) -> object:
     """Since when, by whom, who confirmed and who did not; None: it is not latched."""
     stop = picture.stop
     return stop and (stop.begin, stop.source, stop.confirmed, stop.missing, stop.settled)
@@ -363,14 +363,14 @@ def test_a_reload_replaces_panels_and_keeps_what_runs() -> None:
 
 def test_utterances_are_filled_with_what_holds_now() -> None:
     told = scenes.welcome(settings={"values": {"room": "the hall", "participant": "P00"}})
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([told, m.SessionChanged(participant="P09", trial=3, t=NOW)], 0)
 
     assert picture.filled("{participant}, {trial}: {room} {nobody}") == "P09, 3: the hall {nobody}"
 
 
 def test_a_reload_brings_the_variables_new_values() -> None:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([scenes.welcome()], 0)
     assert picture.filled("Look at {exhibit}") == "Look at {exhibit}"
     plan = {"title": "T", "panels": [], "script": [], "verbs": {}, "conditions": []}

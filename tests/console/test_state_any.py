@@ -9,10 +9,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from tests.console import scenes
-from tests.console.test_picture import begun
+from tests.console.test_state import begun
 from tests.core.values import of
 from woz_tui.console.feed import Incoming
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.settings import Settings
@@ -91,7 +91,7 @@ def _any_message() -> st.SearchStrategy[Incoming]:
 @settings(max_examples=150, deadline=None)
 @given(st.lists(_any_message(), max_size=25), st.integers(0, 1 << 40))
 def test_no_message_in_any_order_is_too_much(batch: list[Incoming], local: int) -> None:
-    picture = Picture()
+    picture = ConsoleState()
     picture.take(batch, local)
     now = picture.now(local)
     for panel in picture.panels:

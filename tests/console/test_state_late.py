@@ -15,7 +15,7 @@ from tests.console.studied import assigned, ended, started, told
 from tests.replay.logs import seen_by_wizard, stamped
 from tests.timeline.courses import damaged, plan, recordings, start
 from tests.timeline.courses import stamped as stamped_again
-from woz_tui.console.picture import Picture
+from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
 from woz_tui.session.plan import welcome
 from woz_tui.session.recent import Recent
@@ -32,13 +32,13 @@ def engagement(was: str, now: str) -> m.EngagementChanged:
     return m.EngagementChanged(was=was, now=now, outcome="", why="test", verdicts={})
 
 
-def greeted(messages: list[m.AnyMessage], *, recent: bool) -> Picture:
+def greeted(messages: list[m.AnyMessage], *, recent: bool) -> ConsoleState:
     """A console that attaches when all this is over, with or without the last lines."""
     state, lines = SessionState(), Recent()
     for message in messages:
         state.take(message)
         lines.take(message)
-    picture = Picture()
+    picture = ConsoleState()
     first = scenes.welcome(
         state.messages(plan=False),
         lines.lines if recent else [],
@@ -50,7 +50,7 @@ def greeted(messages: list[m.AnyMessage], *, recent: bool) -> Picture:
 
 HAD = ended("robot"), ended("end", "declined")
 
-COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[Picture], object], object]] = {
+COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[ConsoleState], object], object]] = {
     "a participant who comes back has had nothing": (
         [assigned(), *HAD, somebody("P08"), somebody("P07")],
         lambda picture: (picture.participant, picture.study.over),
@@ -98,7 +98,7 @@ COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[Picture], object], object
 def test_what_holds_is_there_however_long_ago_it_was(case: str, recent: bool) -> None:
     course, look, expected = COURSES[case]
     messages = stamped(enumerate([start(participant="P07"), *course]))
-    there = Picture()
+    there = ConsoleState()
     there.take([scenes.welcome([], settings={"study": told()}), *messages], 0)
     assert look(there) == expected
     assert look(greeted(messages, recent=recent)) == expected
@@ -118,14 +118,14 @@ def test_what_is_older_than_the_last_lines_comes_before_them() -> None:
 # -- random courses -------------------------------------------------------------------------------
 
 
-def welcomed(state: SessionState, recent: Recent) -> Picture:
+def welcomed(state: SessionState, recent: Recent) -> ConsoleState:
     """A console that attaches now."""
     assert state.plan is not None
     told = welcome(state.plan, console="con9", role="wizard", seq=0, t=state.t, log="")
     told = msgspec.structs.replace(
         told, state=raw(state.messages(plan=False)), recent=raw(recent.lines)
     )
-    picture = Picture()
+    picture = ConsoleState()
     picture.take([told], 0)
     return picture
 
@@ -141,7 +141,7 @@ def compared(course: list[m.AnyMessage], first: float, second: float) -> Iterato
     kept = [(each.t, each) for each in course if not isinstance(each, apart)]
     course = stamped_again([(0, start()), (0, plan()), *kept])
     early, late = sorted(2 + round(share * (len(course) - 2)) for share in (first, second))
-    state, recent, there = SessionState(), Recent(), Picture()
+    state, recent, there = SessionState(), Recent(), ConsoleState()
     for place, message in enumerate(course, start=1):
         state.take(message)
         recent.take(message)

@@ -80,6 +80,33 @@ COURSES: dict[str, tuple[list[m.AnyMessage], Callable[[ConsoleState], object], o
         lambda picture: picture.trial,
         3,
     ),
+    "the knob that moved last": (
+        [
+            m.ControlsMoved(driver="panel", values={"knob1": 1, "knob2": 2}),
+            m.ControlsMoved(driver="panel", values={"knob1": 3}),
+        ],
+        lambda picture: [*picture.session.controls["panel"].values.items()],
+        [("knob2", 2), ("knob1", 3)],
+    ),
+    "who pressed the stop first, and who did not confirm the last press": (
+        [
+            m.StopPressed(source="key"),
+            m.StopConfirmed(confirmed=["head"], missing=[], elapsed_us=9),
+            m.StopPressed(source="program"),
+            m.StopConfirmed(confirmed=[], missing=["head"], elapsed_us=9),
+        ],
+        lambda picture: (stop := picture.stop) and (stop.begin, stop.source, stop.missing),
+        (1 * SECOND, "key", ("head",)),
+    ),
+    "the present participant has had no trial": (
+        [
+            m.TrialStarted(trial=1),
+            m.TrialEnded(trial=1, outcome="done"),
+            somebody("P08"),
+        ],
+        lambda picture: (picture.study.last, picture.study.next, picture.trial),
+        (None, 1, 1),
+    ),
     "an utterance that goes on": (
         [m.SpeechStarted(driver="microphone", segment=4, began=1 * SECOND)],
         lambda picture: (segment := picture.engaged.speaking(2 * SECOND)) and segment.segment,

@@ -21,6 +21,7 @@ from woz_tui.core import wire
 from woz_tui.core.cleaning import clean
 from woz_tui.core.requests import AskStop, Hello, Request
 from woz_tui.session.redactor import Redactor
+from woz_tui.timeline.episodes import OUTCOMES
 
 #: Ends of commands that are as planned.
 _EXPECTED = (m.Done, m.Stopped, m.Superseded)
@@ -86,7 +87,7 @@ class Progress:
         if command is None or isinstance(end, _EXPECTED):
             return
         self.failed += 1
-        how = str(end.__struct_config__.tag).removeprefix("command.").replace("_", " ")
+        how = OUTCOMES[type(end)].replace("_", " ")
         what = clean(f"{command.driver}.{command.verb}")
         yield f"{self._at(end.t)}  {what} {how}: {clean(end.reason)}"
 

@@ -16,7 +16,7 @@ from woz_tui.console.study.telling import TELLERS, line_of
 from woz_tui.console.wording import words
 from woz_tui.core import messages as m
 from woz_tui.core.views import ActionView
-from woz_tui.timeline.episodes import Stop
+from woz_tui.timeline.episodes import OUTCOMES, Stop
 from woz_tui.timeline.state import SessionState
 
 #: Who or what pressed, where it was not a key.
@@ -158,7 +158,7 @@ def _action_end(message: m.ActionEnd, shown: Shown) -> Event | None:
     left = isinstance(message, m.ActionStopped) and _is_effect(message.action, shown)
     if isinstance(message, m.ActionDone) or left:
         return None
-    how = str(message.__struct_config__.tag).removeprefix("action.")
+    how = OUTCOMES[type(message)]
     return Event(message.t, how, shown.label(message.action), message.reason, run=message.run)
 
 

@@ -129,7 +129,7 @@ def test_keys_that_are_other_ones_than_the_file_says_are_told(tmp_path: Path) ->
     first, again = told(2)
     assert first.text == again.text
     assert first.level == "warning"
-    assert first.text.startswith("line 4, animated_speech[1].key_comb: h already plays 'T0'")
+    assert first.text.startswith("line 4, animated_speech[1].key_comb: 'h' already plays 'T0'")
     *_, last = told(30)
     assert last.text.startswith("21 more keys")
     assert "woz check config.yaml" in last.remedy

@@ -350,3 +350,44 @@ def test_the_preflight_list_is_ticked_by_hand_and_filled_by_the_robot(tmp_path: 
     ]
     assert {line.source for line in lines[3:]} == {"robot"}
     assert {line.level for line in lines} <= {"ok", "warning", "error"}
+
+
+def test_the_script_begins_anew_with_trial_and_participant(tmp_path: Path) -> None:
+    positions: list[int] = []
+
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+
+        def play() -> None:
+            session.script_next(KEY)
+            positions.append(session.script_at)
+
+        session.set(participant="P01", condition="warm")
+        play()
+        session.study.trial("begin", "")
+        play()
+        play()
+        session.study.trial("done", "")
+        session.study.trial("begin", "")
+        play()
+        session.study.trial("done", "")
+        session.set(participant="P02")
+        play()
+        session.set(condition="cold")
+        play()
+        session.set(trial=3)
+        play()
+
+    on_stage(tmp_path, scenario)
+    assert positions == [1, 1, 2, 1, 1, 2, 1]
+
+
+def test_a_step_that_sets_the_trial_leaves_the_script_where_it_is(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.set(participant="P01", condition="warm")
+        stage.session.script_next(KEY)
+        stage.session.send("set", {"trial": 2}, "", KEY)
+        await asyncio.sleep(0.1)
+        assert (stage.session.identity.trial, stage.session.script_at) == (2, 1)
+
+    on_stage(tmp_path, scenario)

@@ -65,7 +65,6 @@ class Session:
     drivers: dict[str, Driver] = field(init=False)
     feeds: Feeds = field(init=False, default_factory=Feeds)
     locked: dict[str, bool] = field(init=False, default_factory=dict)
-    script_at: int = field(init=False, default=0)
     ended: bool = field(init=False, default=False)
     #: What the reason of the end tells (see `messages.Worded`).
     end_tells: tuple[str, ...] = field(init=False, default=())
@@ -79,6 +78,7 @@ class Session:
         self.state, self.recent = SessionState(), Recent()
         self.hub.listen(self.state.take)
         self.hub.listen(self.recent.take)
+        self.hub.listen(self._begin_script)
         begin(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
         robot = Robot(
             self.hub,
@@ -346,8 +346,17 @@ class Session:
         """Move the script's position; 0 is its first line."""
         if not 0 <= position <= len(self.experiment.script):
             raise AskError(f"the script has {len(self.experiment.script)} lines")
-        self.script_at = position
         self.hub.publish(m.ScriptMoved(position=position))
+
+    @property
+    def script_at(self) -> int:
+        """The script's next line, counted from 0; its length at the end."""
+        return self.state.script.position if self.state.script is not None else 0
+
+    def _begin_script(self, message: m.AnyMessage) -> None:
+        """Each trial begins with the script's first line."""
+        if isinstance(message, m.TrialStarted) and self.script_at:
+            self.script_to(0)
 
     def cancel(self, run: str) -> None:
         """Cut one run short."""
@@ -400,7 +409,16 @@ class Session:
         condition: str | None = None,
         trial: int | None = None,
     ) -> None:
-        """Set participant, condition or trial; each is checked first, then all are set."""
+        """Set participant, condition or trial; each is checked first, then all are set.
+
+        For another participant or trial the script begins with its first line.
+        """
+        before = self.identity.participant, self.identity.trial
+        self._set(participant, condition, trial)
+        if self.script_at and (self.identity.participant, self.identity.trial) != before:
+            self.script_to(0)
+
+    def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
         self.study.allow(participant)
         self.identity = self.identity.changed(self.experiment, participant, condition, trial)
         self.hub.publish(
@@ -412,7 +430,7 @@ class Session:
         participant, condition, trial = (
             args.get(name) for name in ("participant", "condition", "trial")
         )
-        self.set(
+        self._set(  # a step of an action, perhaps a line of the script, which goes on behind it
             participant if isinstance(participant, str) else None,
             condition if isinstance(condition, str) else None,
             trial if isinstance(trial, int) else None,

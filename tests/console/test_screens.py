@@ -232,6 +232,8 @@ async def test_the_console_leaves_it_to_the_robot_process_which_codes_there_are(
         await seat.type("ABCDEFGH")
         await seat.press("enter")
         await seat.until(lambda: "does not match the pattern" in seat.drawn())
+        await seat.type("1")  # what was said of another code is not said of this one
+        await seat.until(lambda: "does not match the pattern" not in seat.drawn())
 
 
 def test_trials() -> None:

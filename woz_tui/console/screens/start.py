@@ -141,6 +141,7 @@ class StartDialog(Form):
         if code == self._for:
             return
         self._for = code
+        self.complain("")
         self._propose(None)
         self._accepts = False
         self._awaited = self.picture.study.designed and bool(code)

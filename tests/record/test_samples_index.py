@@ -207,6 +207,7 @@ def _lies(text: str) -> Iterator[str]:
     yield made(entries[1:])
     yield made(entries[:-1])
     yield made(entries[::-1])
+    yield made([[-5, entries[0][1] + 5, *entries[0][2:]], *entries[1:]])
     for place in range(len(entries[0])):
         changed = json.loads(rest)
         entry = changed[len(changed) // 2]

@@ -172,9 +172,8 @@ class IndexBuilder:
 
     def leave(self, samples: Path, fd: int) -> None:
         """Put the index beside its file, if that is possible there."""
-        document = self.document(fd)
-        if document:
-            with suppress(OSError):
+        with suppress(OSError):
+            if document := self.document(fd):
                 replace(path_of(samples), document.decode(), mode=0o600)
 
 
@@ -187,17 +186,22 @@ def read_index(samples: Path, source: BinaryIO) -> list[IndexEntry] | None:
         if head.version != VERSION or head.crc != zlib.crc32(lines):
             return None
         entries = msgspec.json.decode(lines, type=list[IndexEntry])
+        return entries if _fits(head, entries, source) else None
     except (OSError, msgspec.MsgspecError):
         return None
+
+
+def _fits(head: _Head, entries: Sequence[IndexEntry], source: BinaryIO) -> bool:
+    """Whether the blocks lie one behind the other to the end of the file, which is the same."""
     status = fstat(source.fileno())
-    if not entries or head.size != status.st_size:
-        return None
+    if not entries or head.size != status.st_size or entries[0].offset < 0:
+        return False
     ends = [entry.offset + entry.size for entry in entries]
     if ends != [*(entry.offset for entry in entries[1:]), head.size]:
-        return None
-    if head.mtime_ns != status.st_mtime_ns and not all(_sums(entries, source)):
-        return None
-    return entries
+        return False
+    if min(entry.size for entry in entries) <= 0:
+        return False
+    return head.mtime_ns == status.st_mtime_ns or all(_sums(entries, source))
 
 
 def _sums(entries: Sequence[IndexEntry], source: BinaryIO) -> Iterator[bool]:

@@ -77,6 +77,11 @@ class _Head(msgspec.Struct, frozen=True):
     crc: int
 
 
+def is_long(fd: int) -> bool:
+    """Whether an open file of samples is long enough to have an index."""
+    return fstat(fd).st_size >= SMALLEST
+
+
 def path_of(samples: Path) -> Path:
     """Where the index of a file of samples lies."""
     return samples.with_suffix(".index")
@@ -164,7 +169,7 @@ class IndexBuilder:
     def document(self, fd: int) -> bytes:
         """The index as it is written; empty if the file is short or not as it should be."""
         status = fstat(fd)
-        if not self._sound or status.st_size != self._end or self._end < SMALLEST:
+        if not self._sound or status.st_size != self._end or not is_long(fd):
             return b""
         entries = msgspec.json.encode(self._entries)
         head = _Head(VERSION, status.st_size, status.st_mtime_ns, zlib.crc32(entries))

@@ -27,6 +27,7 @@ from woz_tui.record.samples_index import (
     IndexEntry,
     StaleIndexError,
     entry_of,
+    is_long,
     read_index,
 )
 from woz_tui.record.stream import Item, batches, items_in
@@ -79,6 +80,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
         found.actions += batch
     found.damage.backwards = 0  # counted anew, among the samples
     weave = _Weave(found.actions, found.damage)
+    ended = any(isinstance(action, SessionEnd) for action in found.actions[-_NEAR_END:])
     for path in files.samples:
         source = _open(path, opened)
         index = read_index(path, source) if indexed and source is not None else None
@@ -86,7 +88,7 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
             _headed(path, source, index[0].offset, found.damage)
             found.blocks += map(partial(_indexed, source), index)
             continue
-        builder = IndexBuilder()
+        builder = IndexBuilder() if ended and source and is_long(source.fileno()) else None
         for chunk in chunks_of(path, found.damage, block):
             quick = entries_in(chunk)
             entries = list[Entry](quick) or _looked_at(chunk, found.damage)
@@ -94,11 +96,9 @@ def _in_place(files: LogFiles, opened: ExitStack, block: int, indexed: bool) -> 
                 low, high = weave.take(entries)
                 read = partial(_piece, source, len(chunk.data or b""), chunk.offset)
                 found.blocks.append(Block(read, low, high, lasts(quick or entries)))
-            if source is not None:
+            if builder is not None and source is not None:
                 builder.take(source.fileno(), chunk, quick)
-        if source is not None and any(
-            isinstance(action, SessionEnd) for action in found.actions[-_NEAR_END:]
-        ):
+        if builder is not None and source is not None:
             builder.leave(path, source.fileno())
     weave.end()
     return found

@@ -201,7 +201,7 @@ class WayIn:
         except ssl.SSLError as error:
             raise ConnectionLost(f"no TLS with {endpoint}: {error.reason or error}") from error
         except OSError as error:
-            raise ConnectionLost(f"cannot connect to {endpoint}: {_told(error)}") from error
+            raise ConnectionLost(f"cannot connect to {endpoint}: {_reason(error)}") from error
         except ValueError as error:  # a name that no machine can have; UnicodeError is one, too
             raise ConnectionLost(f"cannot connect to {endpoint.host!r}: {error}") from error
         return connection
@@ -221,5 +221,5 @@ class WayIn:
         return connection
 
 
-def _told(error: OSError) -> str:
+def _reason(error: OSError) -> str:
     return error.strerror or str(error) or type(error).__name__

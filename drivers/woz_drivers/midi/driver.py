@@ -150,7 +150,7 @@ class MidiPanel(PassiveDriver):
         if self._watch is not None:
             self._watch.cancel()
             await asyncio.gather(self._watch, return_exceptions=True)
-        lights = self._lights.wanted(()) + self._layout.end if self._with_lights else b""
+        lights = self._lights.bytes_for(()) + self._layout.end if self._with_lights else b""
         await self._port.close(lights)
 
     # -- the panel -----------------------------------------------------------------------------
@@ -234,7 +234,7 @@ class MidiPanel(PassiveDriver):
             knob.look(self._state(knob.fitted.on))
         lit = [name for name, button in self._buttons.items() if self._is_lit(button)]
         if self._with_lights and self._port.ready:
-            self._port.write(self._lights.wanted(lit))
+            self._port.write(self._lights.bytes_for(lit))
         waiting = {
             name: knob.target(self._state(knob.fitted.on))
             for name, knob in self._knobs.items()
@@ -291,7 +291,7 @@ class Lights:
         """A panel that was just plugged in: nobody knows what it shows."""
         self._shown.clear()
 
-    def wanted(self, lit: Iterable[str]) -> bytes:
+    def bytes_for(self, lit: Iterable[str]) -> bytes:
         """The bytes after which exactly the lamps `lit` are on; they count as sent."""
         names = set(lit)
         out = bytearray()

@@ -37,7 +37,7 @@ class Autonomy(Part):
     def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
-        self._asked = settings.asked(of_verb("autonomy", "collision").values())
+        self._asked = settings.initial_values(of_verb("autonomy", "collision").values())
 
     @classmethod
     def verbs(cls, settings: PepperSettings) -> tuple[Verb, ...]:

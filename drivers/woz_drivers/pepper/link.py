@@ -107,7 +107,7 @@ async def open_link(
     except TimeoutError:
         raise unreachable(address, None, f"no answer of NAOqi within {within:g} s") from None
     except socket.gaierror:
-        raise unknown(address) from None
+        raise unknown_host(address) from None
     except errors.LoginError:
         raise wrong_password(address, settings.password, bool(secret)) from None
     except errors.QiError as error:
@@ -338,7 +338,7 @@ def unreachable(address: Address, number: int | None, text: str) -> DeviceLostEr
     )
 
 
-def unknown(address: Address) -> DeviceLostError:
+def unknown_host(address: Address) -> DeviceLostError:
     """No host has this name."""
     return DeviceLostError(
         f"no host is called {address.shown}",

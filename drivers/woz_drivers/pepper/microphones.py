@@ -220,9 +220,9 @@ class Listening:
                 f"no sound came within {_COMES_WITHIN_S:g} s",
                 "record_sound works on the robot itself",
             ) from None
-        return {**self._told(), "channels": first.channels, "robot_time": first.robot_s}
+        return {**self._about(), "channels": first.channels, "robot_time": first.robot_s}
 
-    def _told(self) -> dict[str, Json]:
+    def _about(self) -> dict[str, Json]:
         return {"file": self.file, "t": self._context.t(self._t_us), "rate": _HEARD_HZ}
 
     def _heard(self, channels: Any, samples: Any, stamp_: Any, buffer: Any) -> None:
@@ -261,7 +261,7 @@ class Listening:
                 "look at the disk",
             )
         seconds = round(written.frames / _HEARD_HZ, 3)
-        return {**self._told(), "seconds": seconds, "missing": self._bad}
+        return {**self._about(), "seconds": seconds, "missing": self._bad}
 
     async def _leave(self) -> None:
         """Have the robot send nothing more; the service here is gone in any case."""

@@ -87,7 +87,7 @@ class Reading:
         while self._loop is asyncio.current_task():
             self._soon.clear()
             values = await self._values()
-            against = conflicts(values, self._uses.now(), self._wanted.asked)
+            against = conflicts(values, self._uses.now(), self._wanted.by_name)
             self._tell(values, self._wanted.differing(values), against)
             with contextlib.suppress(TimeoutError):
                 async with asyncio.timeout(EVERY_S):
@@ -163,14 +163,14 @@ class Wanted:
         self._by_argument = {
             (one.verb, one.argument): one for one in SETTINGS.values() if one.name not in NEVER
         }
-        self._asked = settings.asked(SETTINGS.values())
+        self._asked = settings.initial_values(SETTINGS.values())
         if "eyes" in self._asked:
             self._asked["eyes"] = _color(settings.eyes)
         self._doubted: frozenset[str] = frozenset()
 
     @property
-    def asked(self) -> Mapping[str, Json]:
-        """All of it."""
+    def by_name(self) -> Mapping[str, Json]:
+        """Every wanted value, by the name of its setting."""
         return self._asked
 
     def note(self, verb: str, args: Mapping[str, Json]) -> None:

@@ -404,7 +404,7 @@ def face(value: Any) -> Face | None:
     faces = [one for one in entries if _size(one) is not None]
     if not faces:
         return None if entries else NOBODY
-    known = _known(max(faces, key=lambda one: _size(one) or 0.0))
+    known = _face_of(max(faces, key=lambda one: _size(one) or 0.0))
     if known is not None and not known.name and len(faces) == 1:
         return Face(_over_time(entries[-1]), known.score)
     return known
@@ -421,7 +421,7 @@ def _size(entry: Any) -> float | None:
     return None if width is None or height is None else abs(width * height)
 
 
-def _known(entry: Any) -> Face | None:
+def _face_of(entry: Any) -> Face | None:
     extra = item(entry, 1)
     if isinstance(item(extra, 0), (list, tuple)):
         extra = item(extra, 0)

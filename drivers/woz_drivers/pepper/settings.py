@@ -139,12 +139,12 @@ class PepperSettings(Section):
                 color({"color": self.eyes}, "color")
             except RejectedError as error:
                 found.append(("eyes", f"{error.what}; {error.remedy}"))
-        for name, value in self.asked(of_section("Voice")).items():
+        for name, value in self.initial_values(of_section("Voice")).items():
             if isinstance(value, int | float) and not SETTINGS[name].allows(value):
                 found.append((SETTINGS[name].file, f"takes {SETTINGS[name].numbers}"))
         return found
 
-    def asked(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:
+    def initial_values(self, settings: Iterable[RobotSetting]) -> dict[str, Json]:
         """What the file asks for of these, by name; the rest is left as the robot has it."""
         found: dict[str, Json] = {}
         for one in settings:

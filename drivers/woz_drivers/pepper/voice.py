@@ -40,7 +40,7 @@ class Voice(Part):
     def __init__(self, robot: Robot, settings: PepperSettings, context: DriverContext) -> None:
         super().__init__(robot, settings, context)
         #: Asked for last, by the robot file or by a command: set again after a loss.
-        self._asked = settings.asked(SOUNDS)
+        self._asked = settings.initial_values(SOUNDS)
         self._endings = Endings()
         #: In per cent, as last read; only the expected duration depends on it.
         self._speed = settings.voice.speed or 100.0

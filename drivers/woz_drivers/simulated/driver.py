@@ -89,7 +89,7 @@ class SimulatedRobot(Driver):
         visitor = self._visitor
         self._sight = Sight(context) if visitor else None
         self._ears = Ears(name, context, self._publisher, visitor.hearing) if visitor else None
-        self._moves = verbs.known(settings)
+        self._moves = verbs.playable_moves(settings)
         self._roles = verbs.roles(settings)
         self.volume = 0.7
         self.mode = settings.modes[0]

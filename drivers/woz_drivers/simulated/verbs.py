@@ -96,7 +96,7 @@ MOVES: Mapping[str, Move] = {
 }
 
 
-def known(settings: Settings) -> dict[str, Move]:
+def playable_moves(settings: Settings) -> dict[str, Move]:
     """Our gestures, and those that the robot file adds: these take their time and move nothing."""
     return dict(MOVES) | {name: Move(seconds) for name, seconds in settings.moves.items()}
 
@@ -184,7 +184,9 @@ def _body(settings: Settings) -> tuple[Verb, ...]:
             "play",
             "play a gesture by name",
             (
-                Argument("move", "choice", required=True, choices=tuple(sorted(known(settings)))),
+                Argument(
+                    "move", "choice", required=True, choices=tuple(sorted(playable_moves(settings)))
+                ),
                 Argument("speed", "number", "2 is twice as fast", default=1.0, range=Range(0.1, 4)),
                 Argument("amplitude", "number", "size", default=1.0, range=Range(0, 2)),
             ),

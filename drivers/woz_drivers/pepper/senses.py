@@ -101,7 +101,6 @@ class Senses(Part):
     def lost(self) -> None:
         """Nothing is known any more."""
         self._polling.cancel()
-        self._battery = None
         self._all_silent("the robot is not there")
 
     async def read(self) -> Mapping[str, Json]:
@@ -121,6 +120,7 @@ class Senses(Part):
         self._context.sensor(sensor, "stale", why)
 
     def _all_silent(self, why: str) -> None:
+        self._battery = None
         for sensor in self._sensors:
             self._silent(sensor, why)
 

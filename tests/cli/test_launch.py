@@ -15,8 +15,8 @@ from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
 from woz_tui.cli import main
 from woz_tui.cli.launch import Launch, LaunchError, host_arguments
-from woz_tui.cli.options import next_session
 from woz_tui.host import place
+from woz_tui.host.place import next_session
 
 pytestmark = pytest.mark.real_clock
 
@@ -119,7 +119,7 @@ def test_a_socket_folder_of_somebody_else_is_told_in_a_sentence(
     monkeypatch.delenv("WOZ_SOCKET")
     monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
     (tmp_path / "woz").symlink_to(tmp_path / "elsewhere")
-    assert main(["host", str(tmp_path / "none.yaml")]) == 1
+    assert main(["host", str(ROOT / "experiments" / "demo.yaml")]) == 1
     assert "woz: " in capsys.readouterr().err
 
 

@@ -18,7 +18,9 @@ import pytest
 
 from tests.fakes.terminal import ROOT
 from tests.host.rude import installed
+from woz_tui.cli.launch import Launch
 from woz_tui.host.place import answers
+from woz_tui.record.names import present, session_code
 
 pytestmark = pytest.mark.real_clock
 
@@ -37,11 +39,20 @@ CLOSED = ("sh", "-c", 'exec "$@" <&- >&- 2>&-', "sh")
 class RobotProcess:
     """`woz host` on a rude driver."""
 
-    def __init__(self, folder: Path, rudeness: str, closed: bool = False) -> None:
+    def __init__(
+        self,
+        folder: Path,
+        rudeness: str,
+        closed: bool = False,
+        more: tuple[str, ...] = (),
+        changes: tuple[tuple[str, str], ...] = (),
+    ) -> None:
         self.folder = folder
         experiment = installed(folder, rudeness)
+        for old, new in changes:
+            experiment.write_text(experiment.read_text().replace(old, new))
         self.socket = folder / "s"
-        words = ["host", str(experiment), "--recordings", str(folder / "rec")]
+        words = ["host", str(experiment), "--recordings", str(folder / "rec"), *more]
         words += [] if closed else ["--announce"]
         self.process = subprocess.Popen(
             [*(CLOSED if closed else ()), sys.executable, "-c", WOZ, *words],
@@ -95,9 +106,11 @@ class RobotProcess:
 
 
 @contextlib.contextmanager
-def robot(folder: Path, rudeness: str = "", closed: bool = False) -> Iterator[RobotProcess]:
+def robot(
+    folder: Path, rudeness: str = "", closed: bool = False, **how: Any
+) -> Iterator[RobotProcess]:
     """A robot process that is gone when the block ends."""
-    started = RobotProcess(folder, rudeness, closed)
+    started = RobotProcess(folder, rudeness, closed, **how)
     try:
         yield started
     finally:
@@ -183,3 +196,81 @@ def test_closed_standard_streams_are_no_place_for_a_log_or_a_socket(tmp_path: Pa
         assert {str((numbers / name).readlink()) for name in "012"} == {os.devnull}
         assert host.ask('{"kind":"end","ref":1,"reason":"enough"}')[-1]["ok"]
         assert host.ended() == 0
+
+
+# -- who takes part --------------------------------------------------------------------------------
+
+#: A condition for each participant, and a line that depends on it.
+DESIGN = """\
+title: Rude
+conditions: [warm]
+design: {order: fixed}
+"""
+
+
+def test_a_participant_of_the_command_line_gets_the_proposed_order(tmp_path: Path) -> None:
+    with robot(
+        tmp_path, more=("--participant", "P07"), changes=(("title: Rude\n", DESIGN),)
+    ) as host:
+        host.announced()
+        *_, begun, _ = host.ask(
+            '{"kind":"trial","ref":1,"what":"begin"}', '{"kind":"end","ref":2,"reason":"enough"}'
+        )
+        assert begun["ok"], begun
+        assert host.ended() == 0
+        kinds = {line["kind"]: line for line in host.log()}
+        assert kinds["condition.assigned"]["participant"] == "P07"
+        assert kinds["trial.started"]["condition"] == "warm"
+
+
+def test_a_condition_of_the_command_line_is_a_choice(tmp_path: Path) -> None:
+    words = ("--participant", "P07", "--condition", "warm")
+    with robot(tmp_path, more=words, changes=(("title: Rude\n", DESIGN),)) as host:
+        host.announced()
+        host.ask('{"kind":"end","ref":1,"reason":"enough"}')
+        assert host.ended() == 0
+        assert "condition.assigned" not in {line["kind"] for line in host.log()}
+
+
+@pytest.mark.parametrize(
+    ("chosen", "name"), [(("P07",), "_P07_S01"), (("P07", "P08"), "_S01"), ((), "_S01")]
+)
+def test_the_chosen_participant_stands_in_the_names_of_the_files(
+    tmp_path: Path, chosen: tuple[str, ...], name: str
+) -> None:
+    with robot(tmp_path) as host:
+        announced = Path(host.announced()["log"])
+        host.ask(
+            *(json.dumps({"kind": "set", "ref": 1, "participant": code}) for code in chosen),
+            '{"kind":"end","ref":9,"reason":"enough"}',
+        )
+        assert host.ended() == 0
+        time_of_start = announced.name.partition("_")[0]
+        names = {path.name.removeprefix(time_of_start) for path in (tmp_path / "rec").iterdir()}
+        assert names == {f"{name}.jsonl", f"{name}.samples.jsonl", f"{name}.host.log"}
+        assert present(announced).name == f"{time_of_start}{name}.jsonl"
+        assert host.log()[-1]["kind"] == "session.end"
+
+
+def test_sessions_that_start_at_once_have_codes_of_their_own(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.delenv("WOZ_SOCKET", raising=False)
+    monkeypatch.setenv("XDG_RUNTIME_DIR", str(tmp_path))
+    monkeypatch.setenv("PYTHONPATH", f"{tmp_path}:{ROOT}")
+    words = [str(installed(tmp_path, "")), "--recordings", str(tmp_path / "rec")]
+    launches = [Launch(words) for _ in range(3)]
+    try:
+        robots = [launch.wait(WAIT_S) for launch in launches]
+        assert {robot.socket.stem for robot in robots} == {"S01", "S02", "S03"}
+        assert {session_code(robot.log.stem) for robot in robots} == {"S01", "S02", "S03"}
+        # Started again after it was lost, a session is found where it was.
+        assert robots[0].again == [
+            "--name",
+            robots[0].socket.stem,
+            "--session",
+            robots[0].socket.stem,
+        ]
+    finally:
+        for launch in launches:
+            launch.abandon()

@@ -78,7 +78,7 @@ def run(arguments: Namespace) -> int:
             process.HostOptions(
                 experiment=arguments.experiment,
                 identity=who,
-                name=arguments.name or who.session,
+                name=arguments.name,
                 recordings=arguments.recordings,
                 spill=arguments.spill,
                 announce=arguments.announce,

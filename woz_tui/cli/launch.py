@@ -13,6 +13,8 @@ import time
 from dataclasses import dataclass
 from pathlib import Path
 
+from woz_tui.record.names import session_code
+
 #: How long the robot process may take until it says where it listens, in seconds.
 START_WAIT_S = 30.0
 #: How long one that is not wanted any more may take to end by itself, in seconds.
@@ -31,6 +33,12 @@ class RobotProcess:
     log: Path
     host_log: Path
     pid: int
+
+    @property
+    def again(self) -> list[str]:
+        """Arguments with which `woz host` has the same session's code and socket again."""
+        session = session_code(self.log.stem)
+        return ["--name", self.socket.stem, *(("--session", session) if session else ())]
 
 
 class Launch:

@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import os
-import re
 from argparse import ArgumentParser, Namespace
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from woz_tui.experiment.builtins import BUILTIN, Builtin
-from woz_tui.host import place
 from woz_tui.session.identity import Identity
-
-#: `..._S07.jsonl`, its segments and doubles `..._S07-2.samples.jsonl`.
-_SESSION = re.compile(r"_S(\d{1,6})(?:[.-]|$)")
 
 
 def add_session(parser: ArgumentParser) -> None:
@@ -46,22 +41,14 @@ def add_pictures(parser: ArgumentParser) -> None:
 
 
 def identity(arguments: Namespace) -> Identity:
-    """The codes, with the next free session code where none was given."""
+    """The codes; the robot process finds a session code where none was given."""
     return Identity(
-        session=arguments.session or next_session(arguments.recordings, place.running()),
+        session=arguments.session,
         participant=arguments.participant,
         condition=arguments.condition,
         wizard=arguments.wizard,
         seed=arguments.seed,
     )
-
-
-def next_session(recordings: Path, sockets: Iterable[Path] = ()) -> str:
-    """`S` and one more than the highest number among the logs and the sockets in use."""
-    logs = recordings.glob("*.jsonl") if recordings.is_dir() else ()
-    names = [*(path.name for path in logs), *(f"_{path.stem}" for path in sockets)]
-    numbers = [int(match.group(1)) for name in names if (match := _SESSION.search(name))]
-    return f"S{max(numbers, default=0) + 1:02d}"
 
 
 # -- a wizard's own keymap file --------------------------------------------------------------------

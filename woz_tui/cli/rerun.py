@@ -13,10 +13,10 @@ from pathlib import Path
 from woz_tui.cli import rerun_table as table
 from woz_tui.cli.failure import explained
 from woz_tui.cli.launch import Launch, host_arguments
-from woz_tui.cli.options import next_session
 from woz_tui.cli.replay_changed import changed, redactor_of, wrong
 from woz_tui.cli.screen import open_both
 from woz_tui.experiment.shape import Experiment, ExperimentError
+from woz_tui.record.names import present
 from woz_tui.replay.plan import Plan
 from woz_tui.session.redactor import Redactor
 
@@ -162,18 +162,15 @@ def _host_words(prepared: _Prepared, arguments: argparse.Namespace) -> list[str]
     """Behind `woz host`. Nobody takes part in a re-run, so it has no participant and no condition;
     its log lies beside the original.
     """
-    from woz_tui.host import place  # noqa: PLC0415
-
     recordings = getattr(arguments, "recordings", None) or prepared.log.absolute().parent
-    session = next_session(recordings, place.running())
     seed = prepared.plan.seed
     return [
         *host_arguments(
             prepared.experiment.path,
             recordings=recordings,
             spill=None,
-            name=session,
-            codes={"session": session, "seed": str(seed) if seed else ""},
+            name="",
+            codes={"seed": str(seed) if seed else ""},
         ),
         "--rerun",
         str(prepared.log),
@@ -194,10 +191,10 @@ def _in_console(words: list[str]) -> int:
     from woz_tui.cli.screen import ScreenOptions  # noqa: PLC0415
 
     # Nobody starts it again from the console: the robot would begin from the beginning.
-    opened = open_both(words, lambda socket: ScreenOptions(socket=socket))
+    opened = open_both(words, lambda robot: ScreenOptions(socket=robot.socket))
     if opened is None:
         return 1
     if opened.left == "detached":
         print("The session goes on, without driving; `woz attach` brings you back.")
-    print(f"Log: {opened.robot.log}")
+    print(f"Log: {present(opened.robot.log)}")
     return opened.code

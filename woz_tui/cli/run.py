@@ -9,9 +9,10 @@ from pathlib import Path
 
 from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
-from woz_tui.cli.launch import RobotProcess, host_arguments
+from woz_tui.cli.launch import host_arguments
 from woz_tui.cli.options import add_keymap, add_pictures, add_session, builtins, identity
 from woz_tui.cli.screen import open_both
+from woz_tui.record.names import present
 
 
 def add(parser: ArgumentParser) -> None:
@@ -41,10 +42,10 @@ def _play(arguments: Namespace, experiment: Path) -> int:
     command = _host_command(arguments, experiment)
     opened = open_both(
         command,
-        lambda socket: screen.ScreenOptions(
-            socket=socket,
+        lambda robot: screen.ScreenOptions(
+            socket=robot.socket,
             ask_participant=not arguments.participant,
-            restart=command,
+            restart=[*command, *robot.again],
             builtins=own_keys,
             pictures=arguments.pictures,
         ),
@@ -52,7 +53,7 @@ def _play(arguments: Namespace, experiment: Path) -> int:
     if opened is None:
         return 1
     if opened.code != 128 + signal.SIGHUP:  # the terminal is gone: nobody reads this
-        _farewell(opened.left, opened.robot)
+        _farewell(opened.left, opened.robot.log)
     return opened.code
 
 
@@ -62,7 +63,7 @@ def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
         experiment,
         recordings=arguments.recordings,
         spill=arguments.spill,
-        name=arguments.name or who.session,
+        name=arguments.name,
         codes={
             "session": who.session,
             "participant": who.participant,
@@ -74,7 +75,7 @@ def _host_command(arguments: Namespace, experiment: Path) -> list[str]:
     )
 
 
-def _farewell(left: str, robot: RobotProcess) -> None:
+def _farewell(left: str, log: Path) -> None:
     if left == "detached":
         print("The session goes on; `woz attach` brings you back.")
-    print(f"Log: {robot.log}")
+    print(f"Log: {present(log)}")

@@ -165,8 +165,10 @@ class Opened:
     launch: Launch
 
 
-def open_both(command: list[str], options: Callable[[Path], ScreenOptions]) -> Opened | None:
-    """Start `woz host` with `command` and a console on its socket with `options`; returns when the
+def open_both(
+    command: list[str], options: Callable[[RobotProcess], ScreenOptions]
+) -> Opened | None:
+    """Start `woz host` with `command` and a console with `options` on it; returns when the
     console is left. None: the robot process did not start, and its words were printed.
 
     A robot process whose console does not open is ended.
@@ -175,7 +177,7 @@ def open_both(command: list[str], options: Callable[[Path], ScreenOptions]) -> O
     try:
         load_modules()
         robot = launch.wait()
-        console = make_console(options(robot.socket))
+        console = make_console(options(robot))
     except LaunchError as error:
         print(error, file=sys.stderr)
         return None

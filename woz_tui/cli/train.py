@@ -14,10 +14,9 @@ from woz_tui.cli import screen
 from woz_tui.cli.failure import explained
 from woz_tui.cli.launch import host_arguments
 from woz_tui.cli.numbers import number
-from woz_tui.cli.options import add_keymap, builtins, next_session
+from woz_tui.cli.options import add_keymap, builtins
 from woz_tui.cli.screen import ScreenOptions, open_both
 from woz_tui.console.text_console import TextConsole
-from woz_tui.host import place
 from woz_tui.session.identity import check_code
 from woz_tui.training.history import Score, history, score_of
 
@@ -83,7 +82,8 @@ def _train(arguments: Namespace) -> int:
     check_code(arguments.wizard, "wizard")
     own_keys = builtins(arguments)
     opened = open_both(
-        _host_command(arguments), lambda socket: ScreenOptions(socket=socket, builtins=own_keys)
+        _host_command(arguments),
+        lambda robot: ScreenOptions(socket=robot.socket, builtins=own_keys),
     )
     if opened is None:
         return 1
@@ -93,14 +93,12 @@ def _train(arguments: Namespace) -> int:
 
 
 def _host_command(arguments: Namespace) -> list[str]:
-    session = next_session(arguments.recordings, place.running())
     words = host_arguments(
         arguments.experiment,
         recordings=arguments.recordings,
         spill=None,
-        name=arguments.name or session,
+        name=arguments.name,
         codes={
-            "session": session,
             "wizard": arguments.wizard,
             "seed": str(arguments.seed or random.SystemRandom().randrange(1, 1 << 31)),
         },

@@ -2,16 +2,24 @@
 
 from __future__ import annotations
 
+import fcntl
 import os
+import re
 import socket
 import stat
-from contextlib import suppress
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager, suppress
 from pathlib import Path
 
 #: Longest path that fits into a Unix socket's address.
 MAX_PATH = 107
 #: Consoles and programs that may wait to be let in.
 BACKLOG = 128
+#: How long a session waits for others that start at the same moment, in seconds.
+START_WAIT_S = 10.0
+#: `..._S07.jsonl`, its segments and doubles `..._S07-2.samples.jsonl`.
+_SESSION = re.compile(r"_S(\d{1,6})(?:[.-]|$)")
 
 
 class PlaceError(OSError):
@@ -89,6 +97,38 @@ def _made(path: Path) -> float:
         return path.stat().st_mtime
     except OSError:
         return 0.0
+
+
+@contextmanager
+def starting() -> Iterator[None]:
+    """Let only one session of this user at a time choose its code, its socket and its files.
+
+    Who cannot wait any longer, or has no folder for the lock, goes on without: at worst the start
+    is refused because the socket is in use.
+    """
+    lock = -1
+    with suppress(OSError):
+        lock = os.open(folder() / "starting.lock", os.O_RDWR | os.O_CREAT | os.O_CLOEXEC, 0o600)
+    try:
+        until = time.monotonic() + START_WAIT_S
+        while lock >= 0 and time.monotonic() < until:
+            try:
+                fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
+                break
+            except OSError:
+                time.sleep(0.01)
+        yield
+    finally:
+        if lock >= 0:
+            os.close(lock)
+
+
+def next_session(recordings: Path, sockets: Iterable[Path] = ()) -> str:
+    """`S` and one more than the highest number among the logs and the sockets in use."""
+    logs = recordings.glob("*.jsonl") if recordings.is_dir() else ()
+    names = [*(path.name for path in logs), *(f"_{path.stem}" for path in sockets)]
+    numbers = [int(match.group(1)) for name in names if (match := _SESSION.search(name))]
+    return f"S{max(numbers, default=0) + 1:02d}"
 
 
 def bind(path: Path) -> socket.socket:

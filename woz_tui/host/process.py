@@ -10,9 +10,10 @@ import json
 import logging
 import os
 import signal
+import socket
 import sys
 import threading
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,11 +24,12 @@ from woz_tui.core.machine.scheduling import ask_for_short_turns
 from woz_tui.experiment.decode import load
 from woz_tui.experiment.shape import Experiment
 from woz_tui.host.desk import Desk
-from woz_tui.host.place import bind, socket_path
+from woz_tui.host.place import bind, next_session, running, socket_path, starting
 from woz_tui.host.server import Host
 from woz_tui.plugins import Catalogue, installed
+from woz_tui.record.names import name_after
 from woz_tui.record.recorder import Recorder, stem
-from woz_tui.session.identity import Identity, check_code, check_participant
+from woz_tui.session.identity import AskError, Identity, check_code, check_participant
 from woz_tui.session.profiles import Profiles
 from woz_tui.session.session import Session
 
@@ -56,7 +58,8 @@ log = logging.getLogger(__name__)
 class HostOptions:
     """What `woz host` was told.
 
-    `name` is the socket's; `recordings` the folder of logs; `spill` a second folder for when the
+    `name` is the socket's (empty: the session's code); a session without a code gets the next free
+    one. `recordings` the folder of logs; `spill` a second folder for when the
     first one fails. `announce` writes one JSON line with socket and log to standard output.
     `profile` is what the wizard may use at the beginning; empty: everything. `rerun`: which log's
     commands are run again. `training`: a wizard is trained, and nothing moves.
@@ -123,7 +126,8 @@ def _fill_standard_streams() -> None:
 
 
 def _check_identity(identity: Identity, experiment: Experiment) -> None:
-    check_code(identity.session, "session")
+    if identity.session:
+        check_code(identity.session, "session")
     if identity.wizard:
         check_code(identity.wizard, "wizard")
     if identity.participant:
@@ -140,25 +144,17 @@ async def _serve(
 ) -> int:
     signal.signal(signal.SIGHUP, signal.SIG_IGN)  # a closed terminal does not end the session
     clock = RealClock()
-    path = socket_path(options.name)
-    listener = bind(path)
     sessions: list[Session] = []
 
     def recorder_moved(state: m.RecorderState) -> None:
         for session in sessions:  # none yet while the recorder makes its files
             session.recorder_moved(state)
 
-    name = stem(clock.wall(), options.identity.participant, options.identity.session)
-    recorder = Recorder(
-        options.recordings,
-        name,
-        clock,
-        spill=options.spill,
-        on_state=recorder_moved,
-        defer=functools.partial(asyncio.get_running_loop().call_later, SYNC_AFTER_S),
-    )
-    session = Session(experiment, _offered(options, catalogue), options.identity, recorder, clock)
+    identity, path, listener, recorder = _begin_files(options, clock, recorder_moved)
+    session = Session(experiment, _offered(options, catalogue), identity, recorder, clock)
     sessions.append(session)
+    participants: set[str] = set()
+    session.hub.listen(functools.partial(_note_participant, participants))
     if options.profile:
         session.use_profile(options.profile, "start")
     desk = Desk(session, lambda: _read(options, catalogue))
@@ -169,6 +165,8 @@ async def _serve(
     reason = "crashed"
     try:
         await session.open()
+        if training is None:
+            await _assign_proposed(session)
         host.listen(listener)
         if options.announce:
             _announce(path, recorder)
@@ -189,9 +187,65 @@ async def _serve(
                 training.end()
         finally:  # whatever that came to: the robot rests and the log is finished
             await session.close(reason)
+            _name_log(recorder.path, participants)
             await host.close()
             _leave_within(EXIT_LIMIT_S)
     return 0
+
+
+def _begin_files(
+    options: HostOptions, clock: RealClock, moved: Callable[[m.RecorderState], None]
+) -> tuple[Identity, Path, socket.socket, Recorder]:
+    """Session code, socket and log, while no other session of this user chooses its own."""
+    identity = options.identity
+    with starting():
+        if not identity.session:
+            identity = replace(identity, session=next_session(options.recordings, running()))
+        path = socket_path(options.name or identity.session)
+        listener = bind(path)
+        recorder = Recorder(
+            options.recordings,
+            stem(clock.wall(), identity.participant, identity.session),
+            clock,
+            spill=options.spill,
+            on_state=moved,
+            defer=functools.partial(asyncio.get_running_loop().call_later, SYNC_AFTER_S),
+        )
+    return identity, path, listener, recorder
+
+
+async def _assign_proposed(session: Session) -> None:
+    """Give the participant of the command line the order that the start dialog would propose;
+    whoever names a condition there has chosen.
+    """
+    who, study = session.identity, session.study
+    if not who.participant or who.condition or session.experiment.study.design is None:
+        return
+    try:
+        proposal = await asyncio.to_thread(study.propose, who.participant)
+        study.assign(who.participant, [*proposal.order])
+    except AskError as error:
+        session.hub.publish(
+            m.Notice(
+                level="warning",
+                text=f"{who.participant} has no order of conditions yet: {error.reason}",
+                remedy=error.hint or "choose the participant again",
+            )
+        )
+
+
+def _note_participant(participants: set[str], message: m.AnyMessage) -> None:
+    if isinstance(message, m.SessionChanged) and message.participant:
+        participants.add(message.participant)
+
+
+def _name_log(path: Path, participants: set[str]) -> None:
+    """The one participant that was chosen stands in the names of the files; of several, none."""
+    if len(participants) == 1:
+        try:
+            name_after(path, *participants)
+        except OSError as error:
+            log.warning("the log keeps its name: %s", error)
 
 
 def _offered(options: HostOptions, catalogue: Catalogue) -> Mapping[str, type[Driver]]:

@@ -50,6 +50,33 @@ def session_code(name: str) -> str:
     return found["session"] if found else ""
 
 
+def name_after(log: Path, participant: str) -> None:
+    """Put the participant into the names of a session that is over: its log and what is beside it.
+
+    Nothing is renamed if the log has a participant, is spread over several files, or if one of the
+    new names is taken. Raises `OSError` if the folder does not let it.
+    """
+    found = _STEM.fullmatch(log.stem)
+    if found is None or found["participant"] or not log.is_file():
+        return
+    start, _, rest = log.stem.partition("_")
+    new = f"{start}_{check_code('participant', participant)}_{rest}"
+    beside = [path for path in log.parent.iterdir() if path.name.startswith(f"{log.stem}.")]
+    names = [FileName.parse(path.name) for path in beside]
+    targets = [path.with_name(new + path.name.removeprefix(log.stem)) for path in beside]
+    if any(name and name.number > 1 for name in names) or any(map(os.path.lexists, targets)):
+        return
+    for path, target in zip(beside, targets, strict=True):
+        path.rename(target)
+
+
+def present(log: Path) -> Path:
+    """The log as it is called now: see `name_after`."""
+    start, _, rest = log.name.partition("_")
+    named = log.parent.glob(f"{start}_*_{rest}") if rest and not log.exists() else ()
+    return next(iter(named), log)
+
+
 @dataclass(frozen=True, slots=True)
 class FileName:
     """The parts of a log file's name. `number` counts segments from 1."""

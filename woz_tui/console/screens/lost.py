@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from pathlib import Path
 
 from textual.content import Content
 
 from woz_tui.console.cells import Row
 from woz_tui.console.screens.choice import Choice
 from woz_tui.console.screens.dialog import ConsoleApp
+from woz_tui.record.names import present
 
 
 def open_lost(app: ConsoleApp) -> None:
@@ -21,6 +23,11 @@ def close_lost(app: ConsoleApp) -> None:
     """The robot process is back: nothing to choose any more."""
     if isinstance(app.dialog, LostDialog):
         app.close_dialog()
+
+
+def _log(announced: str) -> str:
+    """Where the log is now: at the end it may have got the participant's code."""
+    return str(present(Path(announced))) if announced else ""
 
 
 class LostDialog(Choice):
@@ -36,7 +43,7 @@ class LostDialog(Choice):
             ((f"{self.glyphs.error} {picture.lost}", "bad"),),
             (("No key reaches the robot from here until it is back, not even the stop.", "plain"),),
             (("Everything up to this moment is in the log:", "plain"),),
-            ((picture.log or "(no log was announced)", "strong"),),
+            ((_log(picture.log) or "(no log was announced)", "strong"),),
         ]
 
     def choices(self) -> Sequence[Content]:
@@ -67,7 +74,7 @@ class EndedDialog(Choice):
         return [
             ((f"It was ended: {self.picture.ended}.", "plain"),),
             (("The log is finished:", "plain"),),
-            ((self.picture.log, "strong"),),
+            ((_log(self.picture.log), "strong"),),
         ]
 
     def choices(self) -> Sequence[Content]:

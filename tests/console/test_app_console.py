@@ -3,6 +3,7 @@ from __future__ import annotations
 import asyncio
 import subprocess
 import sys
+from dataclasses import replace
 
 import pytest
 from textual import events
@@ -15,6 +16,7 @@ from woz_tui.console.screen_app import BEAT
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.views import ActionView, PanelView
+from woz_tui.experiment.builtins import BUILTIN
 from woz_tui.experiment.terminals import KITTY
 
 NOW = scenes.NOW
@@ -175,6 +177,16 @@ async def test_a_refusal_is_shown_where_the_hints_are() -> None:
         )
         await seat.press("space")
         await seat.until(lambda: "the script is at its end" in seat.text("StopBar"))
+
+
+async def test_a_refusal_names_the_key_that_helps_as_it_is_bound_here() -> None:
+    moved = [replace(key, chord="ctrl+n") if key.id == "start" else key for key in BUILTIN]
+    async with sitting(builtins=moved) as seat:
+        seat.feed.answers[r.AskScript] = lambda _, ref: r.Reply(
+            ref=ref, ok=False, reason="nobody", hint="choose", command="start"
+        )
+        await seat.press("space")
+        await seat.until(lambda: "nobody (^N: choose)" in seat.text("StopBar"))
 
 
 async def test_messages_in_a_burst_are_painted_at_most_ten_times_a_second() -> None:

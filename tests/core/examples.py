@@ -348,6 +348,7 @@ def answers() -> list[r.AnyAnswer]:
         ),
         r.Reply(ref=4, ok=True, run="a00001"),
         r.Reply(ref=5, ok=False, reason="stale: the press was 4.0 s old", hint="press it again"),
+        r.Reply(ref=6, ok=False, reason="no participant is set", command="start"),
         r.Reply(ref=17, ok=True, data=["Speech: 'Bye' is new"]),
         r.Pulse(t=2_000_000),
         r.Pulse(t=3_000_000, dropped=40),

@@ -103,7 +103,7 @@ def test_refusals(tmp_path: Path) -> None:
         assert (
             refused(stage, "begin") == "no condition is set; choose the participant's order first"
         )
-        assert refused(stage, "done") == "no trial is under way"
+        assert refused(stage, "done") == "no trial is under way; begin one"
         assert refused(stage, "resume") == "there is no break"
         assert refused(stage, "break", "break") == "there is a break already"
         stage.session.set(condition="cold")

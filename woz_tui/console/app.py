@@ -88,6 +88,7 @@ class Console(ScreenApp):
             self.picture,
             ArrowSteps(keyboard),
             news=self.news,
+            key=self._key,
             later=self.call_later,
             over=functools.partial(self.exit, "ended"),
         )

@@ -26,6 +26,7 @@ class Desk:
         picture: What is known.
         arrows: How far the arrow keys go.
         news: Shows a sentence above the hints.
+        key: The key of one of the console's own commands, as a cap shows it.
         later: Calls with a reply once the console has worked through what it has.
         over: Called when the session that was ended from here is over.
     """
@@ -37,11 +38,12 @@ class Desk:
         arrows: ArrowSteps,
         *,
         news: Callable[[str, str], None],
+        key: Callable[[str], str],
         later: Callable[[OnReply, r.Reply], object],
         over: Callable[[], None],
     ) -> None:
         self._feed, self._picture, self.arrows = feed, picture, arrows
-        self._news, self._later, self._over = news, later, over
+        self._news, self._key, self._later, self._over = news, key, later, over
         self._waiting: dict[int, OnReply] = {}
         self._watching: dict[int, OnPicture] = {}
         #: Whether the session is being ended from here.
@@ -86,8 +88,9 @@ class Desk:
     def refused(self, reply: r.Reply) -> None:
         """Show above the hints why something was not done."""
         if not reply.ok:
-            hint = f" ({reply.hint})" if reply.hint else ""
-            self._news(f"{reply.reason}{hint}", "warn")
+            key = self._key(reply.command) if reply.command else ""
+            hint = ": ".join(part for part in (key, reply.hint) if part)
+            self._news(f"{reply.reason} ({hint})" if hint else reply.reason, "warn")
 
     def play(self, action: str) -> None:
         """Play an action that was found by typing."""

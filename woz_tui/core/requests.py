@@ -293,14 +293,15 @@ class Reply(
 ):
     """The answer to one request; not part of the session's stream and never logged.
 
-    `run` names what was started. `reason` says why not, `hint` what would help. `data` carries
-    what the request asked for.
+    `run` names what was started. `reason` says why not, `hint` what would help, and
+    `command` which of the console's own keys (its id). `data` carries what the request asked for.
     """
 
     ref: int
     ok: bool
     reason: str = ""
     hint: str = ""
+    command: str = ""
     run: str = ""
     data: Json = None
 

@@ -336,7 +336,7 @@ def _refused(client: Client, request: AnyRequest, error: AskError) -> Reply:
     hint = error.hint
     if client.view is not None and error.conditions:
         hint = f"there are {', '.join(client.view.redactor.labels(error.conditions))}"
-    return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint)
+    return Reply(ref=request.ref, ok=False, reason=error.reason, hint=hint, command=error.command)
 
 
 def _seen(client: Client, reply: Reply, instead: Mapping[str, str]) -> Reply:

@@ -16,10 +16,16 @@ CODE = re.compile(r"[A-Za-z0-9]{1,16}")
 
 
 class AskError(ValueError):
-    """What was asked for cannot be done; `hint` says what would help, or lists `conditions`."""
+    """What was asked for cannot be done; `hint` says what would help, or lists `conditions`.
 
-    def __init__(self, reason: str, hint: str = "", conditions: Sequence[str] = ()) -> None:
+    `command` is the id of the console's key (`experiment.builtins`) that helps.
+    """
+
+    def __init__(
+        self, reason: str, hint: str = "", conditions: Sequence[str] = (), command: str = ""
+    ) -> None:
         super().__init__(reason)
+        self.command = command
         self.reason = reason
         self.hint = f"there are {', '.join(conditions)}" if conditions else hint
         self.conditions = conditions

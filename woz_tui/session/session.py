@@ -17,7 +17,7 @@ from woz_tui.core.clock import Clock, Standstill, timestamp
 from woz_tui.core.driver import Ask, Driver, Performer
 from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
-from woz_tui.experiment.shape import Call, Experiment, Place
+from woz_tui.experiment.shape import Action, Call, Experiment, Place
 from woz_tui.record.names import media_folder
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
@@ -32,7 +32,7 @@ from woz_tui.session.robot import Robot
 from woz_tui.session.runner import Origin, Refusal, Runner
 from woz_tui.session.shaping import Shaper
 from woz_tui.session.study import LiveStudy
-from woz_tui.session.utterances import remedy, utterances
+from woz_tui.session.utterances import no_value, utterances
 from woz_tui.session.variables import Values
 from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
 from woz_tui.timeline.state import SessionState
@@ -239,11 +239,17 @@ class Session:
             self.runner.refuse(name, panel, origin, reason)
             if stale:
                 raise AskError(f"{name!r} not played ({stale})", AGAIN)
-            raise AskError(reason)
+            raise AskError(reason, command=self._mends(action))
         run, refused = self.runner.play(action, origin, when_busy)
         if refused:
-            raise AskError(refused, remedy(refused))
+            raise no_value(refused)
         return run
+
+    def _mends(self, action: Action | None) -> str:
+        """The console's key with which the action could be played; empty: none."""
+        if action is None or self.ended or action.locked or self.locked.get(action.panel, False):
+            return ""
+        return "release" if self.bus.latched else "profile"
 
     def _why_not(self, name: str) -> str:
         if self.ended:
@@ -335,9 +341,9 @@ class Session:
     def script_next(self, origin: Origin, stale: str = "") -> str:
         """Play the script's next line and move on; its run id. `stale` as for `play`."""
         if self.script_at >= len(self.experiment.script):
-            raise AskError(
-                "the script is at its end" if self.experiment.script else "there is no script"
-            )
+            if not self.experiment.script:
+                raise AskError("there is no script", "add script: [...] to the file")
+            raise AskError("the script is at its end", "one line back", command="script_back")
         run = self.play(self.experiment.script[self.script_at], origin, stale=stale)
         self.script_to(self.script_at + 1)
         return run

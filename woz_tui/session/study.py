@@ -171,9 +171,15 @@ class LiveStudy:
     def _between_trials(self) -> None:
         trial, questionnaire = self.state.trial, self.state.questionnaire
         if trial is not None:
-            raise AskError(f"trial {trial.started.trial} is under way", "end it first")
+            raise AskError(
+                f"trial {trial.started.trial} is under way", "end it first", command="trial"
+            )
         if questionnaire is not None:
-            raise AskError(f"the questionnaire {questionnaire.name!r} is under way", "end it first")
+            raise AskError(
+                f"the questionnaire {questionnaire.name!r} is under way",
+                "end it first",
+                command="trial",
+            )
 
     # -- trials and breaks -------------------------------------------------------------------------
 
@@ -192,24 +198,27 @@ class LiveStudy:
                 self._end_break(text, tells)
             case _:
                 if self.state.trial is None:
-                    raise AskError("no trial is under way")
+                    raise AskError("no trial is under way", "begin one", command="trial")
                 self._end_break("")
                 self._end_trial(what, text, tells)
 
     def _begin_trial(self) -> None:
         state = self.state
         if not state.participant:
-            raise AskError("no participant is set", "choose one first")
+            raise AskError("no participant is set", "choose one first", command="start")
         self._between_trials()
         number = state.next_trial
         if number > state.planned > 0:
             raise AskError(
                 f"all {state.planned} trials of {state.participant} are over",
                 "choose the next participant, or set the trial to run one again",
+                command="start",
             )
         condition = state.condition_of(number) or state.condition
         if self._read().conditions and not condition:
-            raise AskError("no condition is set", "choose the participant's order first")
+            raise AskError(
+                "no condition is set", "choose the participant's order first", command="start"
+            )
         identity = self._identity()
         if (identity.condition, identity.trial) != (condition, number):
             changed = condition if condition != identity.condition else None

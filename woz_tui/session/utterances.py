@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import Experiment, Together
 from woz_tui.experiment.template import VISITOR
+from woz_tui.session.identity import AskError
 from woz_tui.session.variables import MissingError, filled
 
 #: The verb and its argument that hold an utterance.
@@ -37,8 +38,12 @@ def _text(value: Json, values: Mapping[str, str]) -> str:
     return text if isinstance(text, str) else ""
 
 
-def remedy(refused: str) -> str:
-    """Where the value comes from that `refused`, a variable's refusal, says is missing."""
+def no_value(refused: str) -> AskError:
+    """The refusal of a line whose variable has no value, with where the value comes from."""
     if refused.startswith(f"{{{VISITOR}}}"):
-        return "nobody is known: say who stands there, or wait for a face or a handshake"
-    return "set it with the start dialog"
+        return AskError(
+            refused,
+            "nobody is known: say who stands there, or wait for a face or a handshake",
+            command="engagement",
+        )
+    return AskError(refused, "choose participant and condition", command="start")

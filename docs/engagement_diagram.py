@@ -45,6 +45,18 @@ LABELS: Mapping[tuple[State, State], tuple[float, float, float]] = {
     (State.REPLIES, State.KNOWN): (0.34, 0, 6),
 }
 
+#: Where the arrows of `timeouts.absent` leave a state: right of its middle, and up or down. They
+#: all go to Wait, and are drawn short so that they cross nothing.
+LEAVES: Mapping[State, tuple[int, int]] = {
+    State.HANDSHAKE: (60, -1),
+    State.USER_SPEAKS: (60, -1),
+    State.THINKS: (60, -1),
+    State.REPLIES: (60, 1),
+    State.ROBOT_SPEAKS: (60, 1),
+}
+SHORT = 34
+
+ABSENT = "nobody has been there for `timeouts.absent`, where it is set"
 #: The conditions in words, by the state left and the outcome, in the table's order.
 CONDITIONS: Mapping[str, tuple[str, ...]] = {
     "Wait end": ("somebody ends it by hand",),
@@ -62,17 +74,22 @@ CONDITIONS: Mapping[str, tuple[str, ...]] = {
     "EngagedWithUnknown recognized": ("engaged, and identity has a name after all",),
     "Handshake eng2know": ("the handshake found a name",),
     "Handshake eng2unknow": ("the handshake failed", "`handshake.seconds` have passed"),
+    "Handshake human_absence": (ABSENT,),
     "EngagedWithKnown error": ("not engaged, for `timeouts.lost` at least",),
     "EngagedWithKnown listening": ("somebody begins to speak",),
     "EngagedWithKnown speaking": ("the robot begins to speak",),
     "UserSpeaks done": ("the speech has ended",),
     "UserSpeaks error": ("nothing was understood", "`timeouts.listening` has passed"),
+    "UserSpeaks human_absence": (ABSENT,),
     "RobotThinks done": ("the answer begins",),
     "RobotThinks error": ("`timeouts.thinking` has passed",),
+    "RobotThinks human_absence": (ABSENT,),
     "RobotReplies done": ("the answer is over, spoken or stopped",),
     "RobotReplies error": ("`timeouts.talking` has passed",),
+    "RobotReplies human_absence": (ABSENT,),
     "RobotSpeaks done": ("its sentence is over, spoken or stopped",),
     "RobotSpeaks error": ("`timeouts.talking` has passed",),
+    "RobotSpeaks human_absence": (ABSENT,),
 }
 
 
@@ -132,6 +149,11 @@ def arrows() -> Iterator[Arrow]:
         pairs.setdefault((edge.source, edge.target), []).append(edge)
     for (source, target), edges in pairs.items():
         begin, end = PLACES[source], PLACES[target]
+        if all(edge.unnamed for edge in edges):
+            right, way = LEAVES[source]
+            x, y = begin[0] + right, begin[1] + way * (HALF_HIGH + 2)
+            yield Arrow(tuple(edges), (x, y), (x, y + way * SHORT))
+            continue
         across, down = end[0] - begin[0], end[1] - begin[1]
         length = math.hypot(across, down)
         aside = ASIDE[abs(down) > abs(across)] if (target, source) in pairs else 0.0
@@ -168,6 +190,9 @@ def drawn_arrow(arrow: Arrow) -> str:
 def label(arrow: Arrow) -> str:
     """The words beside an arrow, on its left."""
     first = arrow.edges[0]
+    if first.unnamed:
+        x, y = arrow.at(0.7)
+        return f'<text class="{origin(first)}" x="{x + 8:.0f}" y="{y + 4:.0f}">to Wait</text>'
     share, right, below = LABELS.get((first.source, first.target), (0.5, 0.0, 0.0))
     x, y = arrow.at(share)
     across, down = arrow.end[0] - arrow.begin[0], arrow.end[1] - arrow.begin[1]
@@ -222,7 +247,7 @@ def key() -> str:
     rows = (
         ("paper", "in the paper's figure, with its letter"),
         ("program", "only in the published program"),
-        ("ours", "added here"),
+        ("ours", "added here; those to Wait with timeouts.absent"),
     )
     return "".join(
         f'<path class="{kind}" d="M30 {HEIGHT - 78 + 24 * row}h46"/>'

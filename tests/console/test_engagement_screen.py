@@ -71,11 +71,11 @@ def test_every_edge_of_the_table_has_a_line(glyphs: Glyphs) -> None:
     edges = {
         frozenset((edge.source.value, edge.target.value))
         for edge in EDGES
-        if edge.target is not State.STOP
+        if edge.target is not State.STOP and not edge.unnamed
     }
     assert pairs == edges
     for edge in EDGES:
-        if edge.target is not State.STOP:
+        if edge.target is not State.STOP and not edge.unnamed:
             rows = diagram(edge.target, [(edge.source, edge.target)], glyphs)
             assert (len(rows), {length(row) for row in rows}) == (HEIGHT, {WIDTH})
             assert f"[{edge.target}]" in text(rows)
@@ -83,6 +83,14 @@ def test_every_edge_of_the_table_has_a_line(glyphs: Glyphs) -> None:
             assert taken == len(line_of(edge.source, edge.target)) > 0
             for state in set(STATES) - {edge.target.value}:
                 assert f" {state} " in f" {text(rows)} ".replace("\n", " ").replace("─", " ")
+
+
+@pytest.mark.parametrize("glyphs", [UNICODE, ASCII], ids=["unicode", "ascii"])
+def test_a_way_that_the_drawing_has_no_line_for_shows_both_states(glyphs: Glyphs) -> None:
+    rows = diagram("Wait", [("RobotThinks", "Wait")], glyphs)
+    assert "[Wait]" in text(rows)
+    looks = {piece.strip(): look for row in rows for piece, look in row}
+    assert looks["RobotThinks"] == "plain"
 
 
 def test_the_last_edge_has_an_arrow_to_where_it_went() -> None:
@@ -144,6 +152,14 @@ def test_limits_are_told_where_the_host_tells_them() -> None:
     picture.take([engaged.welcome(settings={"engagement": {}})], 0)
     assert picture.engaged.shown is not None
     assert " of " in text(whole_rows(picture, picture.engaged.shown, Frame(96, 28, NOW)))
+
+
+def test_a_state_that_its_visitor_has_left_says_when_it_ends() -> None:
+    gone = msgspec.structs.replace(engaged.signs()["presence"], verdict=0)
+    shown = engaged.shown("RobotThinks", signs=engaged.signs(presence=gone))
+    assert "ends 10 s after the visitor left" in drawn(shown, absent=10.0)
+    assert "after the visitor left" not in drawn(shown)
+    assert "after the visitor left" not in drawn(engaged.shown("RobotThinks"), absent=10.0)
 
 
 def test_by_hand_and_stale_are_said_in_words() -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from dataclasses import replace
 
 import pytest
 from hypothesis import given
@@ -40,6 +41,10 @@ BEYOND = {
     ("RobotReplies", "EngagedWithKnown", "error"),
     ("RobotSpeaks", "EngagedWithKnown", "error"),
     ("EngagedWithUnknown", "EngagedWithKnown", "recognized"),
+    *(
+        (busy, "Wait", "human_absence")
+        for busy in ("Handshake", "UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks")
+    ),
 }
 
 
@@ -189,6 +194,51 @@ def test_whoever_leaves_while_they_talk_is_noticed_afterwards(state: State) -> N
     ]
 
 
+@pytest.mark.parametrize("state", [State.HANDSHAKE, *BUSY])
+def test_no_state_outlives_its_visitor_where_the_file_says_so(state: State) -> None:
+    visit = Visit(timeouts=Timeouts(absent=10.0))
+    if state is State.HANDSHAKE:
+        visit.meet()
+    else:
+        visit.engage()
+        for event in BUSY[state]:
+            visit.event(event)
+    assert visit.model.state is state
+    assert visit.wait(9, **GONE) == []
+    assert visit.wait(5, **WITH) == [], "they came back, and the limit begins anew"
+    assert visit.wait(9, **GONE) == []
+    (change,) = visit.wait(2, **GONE)
+    assert arrow(change) == (state.value, "Wait", "human_absence")
+    assert not change.forced
+
+
+def test_a_sensor_that_falls_silent_has_seen_nobody_since() -> None:
+    visit = Visit(timeouts=Timeouts(absent=10.0), stale=2.0).engage()
+    for event in BUSY[State.THINKS]:
+        visit.event(event)
+    assert [arrow(change) for change in visit.wait(13)] == [
+        ("RobotThinks", "Wait", "human_absence")
+    ]
+
+
+def test_a_state_that_was_forced_with_nobody_there_stands() -> None:
+    visit = Visit(timeouts=Timeouts(absent=10.0))
+    visit.model.force("RobotThinks")
+    assert visit.wait(60, **GONE) == []
+    visit.see(**WITH)
+    assert [arrow(change) for change in visit.wait(11, **GONE)] == [
+        ("RobotThinks", "Wait", "human_absence")
+    ]
+
+
+def test_by_hand_the_extension_is_never_meant() -> None:
+    """What `force` did in a log of before, it does."""
+    edge = edge_to(State.THINKS, "Wait")
+    assert (edge.target, edge.outcome) == (State.WAIT, "forced")
+    with pytest.raises(ValueError, match="neither a state nor an outcome"):
+        edge_to(State.THINKS, "human_absence")
+
+
 @given(
     st.sampled_from(list(State)), st.sampled_from([None, *Event]), st.tuples(*[st.booleans()] * 3)
 )
@@ -200,6 +250,19 @@ def test_every_step_follows_an_edge(
     if edge is not None:
         assert edge in edges_from(state)
         assert (edge.source.value, edge.target.value, edge.outcome) in PAPER | BEYOND
+
+
+@given(
+    st.sampled_from(list(State)),
+    st.sampled_from([None, *Event]),
+    st.tuples(*[st.booleans()] * 3),
+    st.floats(0, 1e9),
+)
+def test_without_the_setting_nobodys_absence_takes_an_edge(
+    state: State, event: Event | None, view: tuple[bool, bool, bool], seconds: float
+) -> None:
+    there = View(event, *view, elapsed=1.0)
+    assert taken(state, there) is taken(state, replace(there, absent_for=seconds))
 
 
 @given(st.lists(st.sampled_from([None, *Event]), max_size=40), st.booleans())

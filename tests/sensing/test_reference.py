@@ -10,7 +10,7 @@ from typing import Any
 from hypothesis import given
 from hypothesis import strategies as st
 
-from woz_tui.experiment.engagement import EngagementSettings
+from woz_tui.experiment.engagement import EngagementSettings, Timeouts
 from woz_tui.sensing.rows import Rows
 
 UNKNOWN = "Unknown"
@@ -64,11 +64,25 @@ class Plain:
 
 
 class Machine:
-    """The table of the paper as a function; a handshake is begun three times at most."""
+    """The table of the paper as a function; a handshake is begun three times at most.
 
-    def __init__(self) -> None:
+    `absent`: the limit of the extension in seconds; None: the paper's table alone.
+    """
+
+    def __init__(self, absent: Fraction | None = None) -> None:
         self.state = "Wait"
         self.failed = 0
+        self.absent = absent
+        self.seen: Fraction | None = None
+        self.gone = Fraction(0)
+
+    def look(self, t: Fraction, present: bool) -> None:
+        """For how long nobody has been there by now; before the first row, all the time."""
+        if present:
+            self.seen = None
+        elif self.seen is None:
+            self.seen = t
+        self.gone = Fraction(0) if present else t - (self.seen or Fraction(0))
 
     def step(self, event: str | None, present: bool, engaged: bool, known: bool) -> str | None:
         found = self.edge(event, present, engaged, known)
@@ -114,7 +128,11 @@ class Machine:
         for holds, outcome, to in by_signs.get(self.state, ()):
             if holds:
                 return outcome, to
-        return None
+        over = self.absent is not None and not present and self.gone >= self.absent
+        return ("human_absence", "Wait") if over and self.state in BUSY else None
+
+
+BUSY = ("Handshake", "UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks")
 
 
 EVENTS = [
@@ -159,13 +177,20 @@ class Visitors:
     st.integers(1, 6),
     st.sampled_from(["0", "0.1", "0.3", "0.5", "0.7", "1"]),
     st.sampled_from(["zero-fill", "partial", "hold"]),
+    st.sampled_from([None, "0.1", "2", "7.5"]),
 )
 def test_the_model_says_what_the_plain_one_says(
-    seed: int, n: int, threshold: str, start_up: str
+    seed: int, n: int, threshold: str, start_up: str, absent: str | None
 ) -> None:
-    model = Rows(EngagementSettings(samples=n, threshold=float(threshold), start_up=start_up))
+    """Without `timeouts.absent` there is the paper's table and nothing else."""
+    limit = Timeouts(absent=None if absent is None else float(absent))
+    settings = EngagementSettings(
+        samples=n, threshold=float(threshold), start_up=start_up, timeouts=limit
+    )
+    model = Rows(settings)
     plain = {key: Plain(n, threshold, start_up) for key in ODD}
-    machine, visitors = Machine(), Visitors(random.Random(seed))
+    machine = Machine(None if absent is None else Fraction(absent))
+    visitors = Visitors(random.Random(seed))
     for _ in range(150):
         row = visitors.row()
         said = model.take(row)
@@ -173,6 +198,7 @@ def test_the_model_says_what_the_plain_one_says(
             sign.hear(Fraction(visitors.milliseconds, 1000), _meant(key, row[key]))
         verdicts = {key: plain[key].verdict() for key in ("presence", "gaze", "distance")}
         name = plain["id"].name()
+        machine.look(Fraction(visitors.milliseconds, 1000), verdicts["presence"] == 1)
         outcomes = [
             machine.step(event, verdicts["presence"] == 1, all(verdicts.values()), name != UNKNOWN)
             for event in row["events"] or [None]

@@ -6,6 +6,7 @@ import asyncio
 from dataclasses import replace
 from pathlib import Path
 
+import msgspec
 import pytest
 
 from tests.session.engaged import PLAIN, WIZARD, Guide, Room, guided, in_room
@@ -16,6 +17,7 @@ from woz_tui.experiment.engagement import (
     SignSettings,
     Timeouts,
 )
+from woz_tui.sensing.stream import Follower
 from woz_tui.session.identity import AskError
 
 KNOWN_STATE = "EngagedWithKnown"
@@ -258,6 +260,45 @@ def test_a_timeout_comes_without_any_message(tmp_path: Path) -> None:
     entered, left = room.of(m.EngagementChanged)[:2]
     assert left.outcome == "error"
     assert left.t - entered.t == pytest.approx(5_000_000, abs=5000)
+
+
+def test_the_absence_of_the_visitor_ends_the_state_and_not_the_sentence(tmp_path: Path) -> None:
+    """And the log gives the same transitions once more, with the setting and without it."""
+    settings = replace(PLAIN, timeouts=Timeouts(absent=5.0))
+
+    async def scenario(room: Room) -> None:
+        await engaged(room)
+        await room.hears(1)
+        await room.visit(4, presence=0, gaze=0, distance=4.0)
+        said = room.tell("say", text="Behind you.")
+        await room.visit(0.4, presence=0, gaze=0, distance=4.0)
+        assert room.path[-1] == "RobotReplies"
+        await room.visit(3, presence=0, gaze=0, distance=4.0)
+        (end,) = [line for line in room.of(m.Done) if line.command == said]
+        gone = room.of(m.EngagementChanged)[-1]
+        assert (gone.was, gone.now, gone.outcome) == ("RobotReplies", "Wait", "human_absence")
+        assert gone.t < end.t, "the sentence went on"
+
+    room = in_room(tmp_path, scenario, guided(tmp_path, settings))
+    follower = Follower(PLAIN)
+    again = [change for line in room.lines for change in follower.take(line)]
+    assert [change.now for change in again] == room.path
+    changes = room.of(m.EngagementChanged)
+    assert [change.t for change in again] == pytest.approx([line.t for line in changes], abs=5000)
+    before = Follower(PLAIN)
+    old = [_without_absent(line) for line in room.lines]
+    found = [change.now for line in old for change in before.take(line)]
+    assert found[-3:] == [KNOWN_STATE, "PersonDetected", "Wait"], "after the answer, as before"
+
+
+def _without_absent(line: m.AnyMessage) -> m.AnyMessage:
+    """The settings as a log has them that was written before there was this one."""
+    if not isinstance(line, m.EngagementAdopted):
+        return line
+    limits = line.settings["timeouts"]
+    assert isinstance(limits, dict)
+    kept = {name: value for name, value in limits.items() if name != "absent"}
+    return msgspec.structs.replace(line, settings={**line.settings, "timeouts": kept})
 
 
 def test_another_participant_begins_anew(tmp_path: Path) -> None:

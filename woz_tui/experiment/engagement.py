@@ -106,6 +106,11 @@ class Timeouts:
     talking: Annotated[
         float | None, Seconds(0.1, 3600), Doc("the robot's utterance never ends: give up")
     ] = 120.0
+    absent: Annotated[
+        float | None,
+        Seconds(0.1, 3600),
+        Doc("nobody is there while somebody speaks or the robot thinks: Wait (beyond the table)"),
+    ] = None
 
 
 @dataclass(frozen=True, slots=True)

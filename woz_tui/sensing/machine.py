@@ -49,9 +49,10 @@ class View:
     """All that an edge may look at.
 
     `engaged`: the condition E as it stands now; `lost_for`: seconds for which it has failed, 0
-    while it holds. `nameless_for`: seconds for which E has held without a name. `elapsed`: seconds
-    in this state. `tries_left`: handshakes that this visitor may still have. `known`: there is a
-    name. `reason`: what the signs say, in words.
+    while it holds. `nameless_for`: seconds for which E has held without a name. `absent_for`:
+    seconds for which nobody has been there, 0 while somebody is. `elapsed`: seconds in this state.
+    `tries_left`: handshakes that this visitor may still have. `known`: there is a name.
+    `reason`: what the signs say, in words.
     """
 
     event: Event | None
@@ -62,6 +63,7 @@ class View:
     elapsed: float = 0.0
     lost_for: float = 0.0
     nameless_for: float = 0.0
+    absent_for: float = 0.0
     tries_left: int = 1
     timeouts: Timeouts = field(default_factory=Timeouts)
     handshake: HandshakeSettings = field(default_factory=HandshakeSettings)
@@ -73,7 +75,8 @@ class Edge:
     and `{absence}` for those by which nobody is there.
 
     `letter` is the figure's; an edge without one comes from the published program (`listing`) or
-    is an extension of this one, which only a setting switches on.
+    is an extension of this one, which only a setting switches on. `unnamed`: nobody means it who
+    names its state or outcome: `force` had its own meaning there before the edge was added.
     """
 
     source: State
@@ -83,6 +86,7 @@ class Edge:
     why: str
     letter: str = ""
     listing: bool = False
+    unnamed: bool = False
 
 
 def _on(event: Event) -> Callable[[View], bool]:
@@ -105,6 +109,17 @@ def _lost(view: View) -> bool:
 
 def _nameless(view: View) -> bool:
     return view.engaged and not view.known and view.nameless_for >= view.timeouts.unrecognized
+
+
+def _absent(view: View) -> bool:
+    limit = view.timeouts.absent
+    return limit is not None and view.absent_for >= limit
+
+
+def _gone(state: State) -> Edge:
+    """Out of a state that the paper does not leave before it is over, though the visitor has."""
+    why = "nobody is there any more: {absence}"
+    return Edge(state, State.WAIT, "human_absence", _absent, why, unnamed=True)
 
 
 def _greets(view: View) -> bool:
@@ -148,6 +163,7 @@ EDGES: tuple[Edge, ...] = (
         State.HANDSHAKE, State.UNKNOWN, "eng2unknow",
         lambda view: view.elapsed >= view.handshake.seconds, "the handshake took too long", "h",
     ),
+    _gone(State.HANDSHAKE),
     Edge(State.KNOWN, State.DETECTED, "error", _lost, "engagement lost: {reason}", "f"),
     Edge(
         State.KNOWN, State.USER_SPEAKS, "listening", _on(Event.SPEECH_START), "somebody speaks", "l"
@@ -165,15 +181,19 @@ EDGES: tuple[Edge, ...] = (
         State.USER_SPEAKS, State.KNOWN, "error",
         _after("listening"), "the speech does not end", listing=True,
     ),
+    _gone(State.USER_SPEAKS),
     Edge(State.THINKS, State.REPLIES, "done", _on(Event.THINK_DONE), "there is an answer", "n"),
     Edge(State.THINKS, State.KNOWN, "error", _after("thinking"), "nobody has answered"),
+    _gone(State.THINKS),
     Edge(State.REPLIES, State.KNOWN, "done", _on(Event.REPLY_DONE), "the answer is over", "o"),
     Edge(State.REPLIES, State.KNOWN, "error", _after("talking"), "the answer does not end"),
+    _gone(State.REPLIES),
     Edge(
         State.ROBOT_SPEAKS, State.KNOWN, "done",
         _on(Event.SAY_DONE), "the robot's sentence is over", "q",
     ),
     Edge(State.ROBOT_SPEAKS, State.KNOWN, "error", _after("talking"), "the speech does not end"),
+    _gone(State.ROBOT_SPEAKS),
 )
 
 # fmt: on
@@ -193,6 +213,11 @@ def edges_from(state: State) -> tuple[Edge, ...]:
     return _FROM.get(state, ())
 
 
+def named_from(state: State) -> tuple[Edge, ...]:
+    """Those of them that `force` may mean."""
+    return tuple(edge for edge in edges_from(state) if not edge.unnamed)
+
+
 def taken(state: State, view: View) -> Edge | None:
     """The first arrow out of `state` that holds, or None."""
     return next((edge for edge in edges_from(state) if edge.when(view)), None)
@@ -209,16 +234,17 @@ def edge_to(state: State, to: str) -> Edge:
     Where the table has no such arrow its outcome is `forced`. Raises `ValueError` with a sentence
     if there is no such state or outcome, or if it is the present state.
     """
-    for edge in edges_from(state):
+    edges = named_from(state)
+    for edge in edges:
         if to == edge.outcome:
             return edge
     if to == state:
         raise ValueError(f"it is {to} already")
     if to not in {each.value for each in State}:
-        leave = ", ".join(dict.fromkeys(edge.outcome for edge in edges_from(state)))
+        leave = ", ".join(dict.fromkeys(edge.outcome for edge in edges))
         known = f" ({leave})" if leave else ""
         raise ValueError(f"{to!r} is neither a state nor an outcome of {state}{known}")
-    arrows = (edge for edge in edges_from(state) if edge.target == to)
+    arrows = (edge for edge in edges if edge.target == to)
     return next(arrows, Edge(state, State(to), "forced", lambda _: True, "{reason}"))
 
 

@@ -77,6 +77,8 @@ class Engagement:
         self._engaged = False
         self._turned = t
         self._nameless_since = t
+        self._there = False
+        self._left = t
         self._stands: tuple[bool, bool, bool] | None = None
 
     # -- what comes in --------------------------------------------------------------------------
@@ -286,7 +288,7 @@ class Engagement:
         return self.signs.present, self._engaged, self.known
 
     def _look(self) -> None:
-        """Notice when the condition, or the name, comes and goes."""
+        """Notice when the condition, the name, or whoever is there comes and goes."""
         now = self._time.now
         engaged = self.signs.engaged(now)
         recognised = self._recognised()
@@ -298,6 +300,9 @@ class Engagement:
         if engaged != self._engaged:
             self._engaged = engaged
             self._turned = now
+        if self.signs.present != self._there:
+            self._there = not self._there
+            self._left = now
         if not engaged or self.known:
             self._nameless_since = now
         if self._stands is not None and self._stands != self._verdict():
@@ -314,6 +319,7 @@ class Engagement:
             elapsed=(now - self.since) / SECOND,
             lost_for=0.0 if self._engaged else (now - self._turned) / SECOND,
             nameless_for=(now - self._nameless_since) / SECOND,
+            absent_for=0.0 if self._there else (now - self._left) / SECOND,
             tries_left=(1 if shakes.by == "robot" else shakes.attempts) - self._failed,
             timeouts=self.settings.timeouts,
             handshake=shakes,
@@ -389,6 +395,8 @@ class Engagement:
             yield self.since + microseconds(limit)
         if self.state is State.HANDSHAKE:
             yield self.since + microseconds(self.settings.handshake.seconds)
+        if timeouts.absent is not None and not self._there:
+            yield self._left + microseconds(timeouts.absent)
         if not self._engaged:
             yield self._turned + microseconds(timeouts.lost)
         elif not self.known:

@@ -13,7 +13,7 @@ from woz_tui.core.messages import Json
 from woz_tui.experiment.engagement import CONDITION, SIGNS
 from woz_tui.experiment.sensed import SENSOR, identity_of, nonsense, sensed
 from woz_tui.experiment.visitor_names import name_of
-from woz_tui.sensing.machine import Event, State, edges_from
+from woz_tui.sensing.machine import Event, State, named_from
 from woz_tui.sensing.model import Change, Engagement
 
 ALL = "all"
@@ -49,7 +49,7 @@ def _sense(model: Engagement, args: Args) -> dict[str, Json]:
 
 def _force(model: Engagement, args: Args) -> dict[str, Json]:
     to = args["to"]
-    leaving = dict.fromkeys(edge.outcome for edge in edges_from(model.state))
+    leaving = dict.fromkeys(edge.outcome for edge in named_from(model.state))
     if to == model.state:
         raise ValueError(f"it is {to} already")
     if to in set(State) or to in leaving:

@@ -10,7 +10,7 @@ from woz_tui.core.messages import EngagementShown, Json
 from woz_tui.core.requests import AskVerb
 from woz_tui.experiment.engagement import STATES
 from woz_tui.experiment.verbs import ENGAGEMENT
-from woz_tui.sensing.machine import State, edges_from
+from woz_tui.sensing.machine import State, named_from
 
 RUN, STEP, SENSOR = "run", "step", "sensor"
 
@@ -79,7 +79,7 @@ def ways(shown: EngagementShown | None) -> list[tuple[str, str]]:
     to, then all other states with nothing behind them.
     """
     here = shown.state if shown is not None else ""
-    edges = edges_from(State(here)) if here in set(State) else ()
+    edges = named_from(State(here)) if here in set(State) else ()
     found = dict.fromkeys((edge.outcome, edge.target.value) for edge in edges)
     reached = {state for _, state in found}
     rest = [state for state in STATES if state not in reached and state != here]

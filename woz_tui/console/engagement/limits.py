@@ -14,12 +14,27 @@ _LIMITS = {
     "RobotReplies": ("talking", "to reply"),
     "RobotSpeaks": ("talking", "to speak"),
 }
+#: States that `absent` ends.
+_BUSY = ("Handshake", "UserSpeaks", "RobotThinks", "RobotReplies", "RobotSpeaks")
 #: From this share of a limit on it is amber.
 _SOON = 0.75
 
 
 def running(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
     """`12 of 60 s to speak`, for the state as it stands."""
+    return [*_state_limit(picture, shown, now), *_absent(picture, shown)]
+
+
+def _absent(picture: ConsoleState, shown: m.EngagementShown) -> list[Piece]:
+    """That a state ends soon because nobody is there."""
+    limit = picture.settings.engagement.timeouts.get("absent")
+    presence = shown.signs.get("presence")
+    if not limit or shown.state not in _BUSY or presence is None or presence.verdict != 0:
+        return []
+    return [(f"ends {limit:g} s after the visitor left", "muted")]
+
+
+def _state_limit(picture: ConsoleState, shown: m.EngagementShown, now: int) -> list[Piece]:
     limits = picture.settings.engagement
     name, words = _LIMITS.get(shown.state, ("", ""))
     limit: float | None

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import re
 import sys
 from pathlib import Path
 
@@ -251,7 +252,8 @@ def test_on_a_real_terminal(tmp_path: Path) -> None:
         terminal.wait_text("REC")
         terminal.send("\x1b[D")
         terminal.wait_text("pitch   +3.0")
-        terminal.send(" ")
+        terminal.wait_for(lambda screen: re.search(r"REC +(0\.[2-9]|[1-9])", screen) is not None)
+        terminal.send(" ")  # not within the first sample's time
         terminal.wait_text("recorded:")
         assert terminal.wait_exit() == 0
     samples = read_move(file, EYEPI).layers[0].samples

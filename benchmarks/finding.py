@@ -1,0 +1,199 @@
+"""How many keys it takes to find and play one action of many, and how much must be read for it.
+
+    python benchmarks/finding.py [EXPERIMENT] [--size 80x24] [--quick]
+
+Four ways, each tried for every action on the real console, which must ask the robot process for
+just this action:
+
+letter   the wizard knows its key
+page     she sees the panels and turns the page (tab) until its button stands there, then its key
+finder   `:`, as many letters of its name as put it on the finder's first line, enter
+words    `:`, as much of a word of its sentence, enter: she remembers what it says, not its name
+
+Rows are lines of the screen that are read on the way: each page down to the button, the finder's
+first line. Seconds are an estimate by the keystroke-level model (S. Card, T. Moran and A. Newell,
+The keystroke-level model for user performance time with interactive systems, CACM 23 (1980)
+396-410): M 1.35 s once, to know what to press, and K 0.28 s a key; a key with shift or ctrl counts
+as one. Nobody's time was taken.
+"""
+
+from __future__ import annotations
+
+import argparse
+import asyncio
+import re
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from benchmarks.figures import percentile, table, verdict
+from docs import demo_session
+from tests.console.driving import Sitting, sitting
+from woz_tui.console.cells import Cells
+from woz_tui.console.panels import Panels
+from woz_tui.console.screens.find import FindDialog
+from woz_tui.core.requests import AskAction, Welcome
+from woz_tui.core.views import ActionView
+from woz_tui.experiment.decode import load
+from woz_tui.session.identity import Identity
+
+#: Seconds: to press a key, to know what to press.
+K, M = 0.28, 1.35
+#: The wizard knows which action she wants; it plays within so many seconds.
+GOAL = 2.0
+ROOT = Path(__file__).parent.parent
+
+
+@dataclass(frozen=True)
+class Way:
+    """Keys that were pressed and rows that were read until the right action was played."""
+
+    keys: int
+    rows: int
+
+    @property
+    def seconds(self) -> float:
+        """By the keystroke-level model."""
+        return M + K * self.keys
+
+
+def sentence(seat: Sitting, action: ActionView) -> str:
+    """What the action says, as the console shows it before it is played."""
+    return seat.console.picture.filled(" ".join(action.utterances))
+
+
+async def played(seat: Sitting, keys: Sequence[str]) -> str:
+    """Press the keys; the action that was asked for."""
+    seat.feed.asked.clear()
+    await seat.press(*keys)
+    last = seat.feed.last(AskAction)
+    return last.action if isinstance(last, AskAction) else ""
+
+
+async def by_letter(seat: Sitting, action: ActionView) -> Way | None:
+    """Its key, or the keys of its sequence."""
+    cap = seat.console.caps.get(action.name)
+    keys = cap.chord.split(" ") if cap is not None and cap.chord else []
+    if not keys or await played(seat, keys) != action.name:
+        return None
+    return Way(len(keys), 0)
+
+
+async def by_page(seat: Sitting, action: ActionView) -> Way | None:
+    """Turn pages until the button is there."""
+    panels = seat.console.query_one(Panels)
+    count = len(seat.console.picture.panels)
+    panels.board = type(panels.board)(panels.board.caps)
+    seat.console.paint()
+    await seat.settle()
+    rows = turned = 0
+    while (row := _row(panels, action)) is None:
+        if turned > count:
+            return None
+        rows, turned = rows + panels.size.height, turned + 1
+        await seat.press("tab")
+    letter = await by_letter(seat, action)
+    return None if letter is None else Way(turned + letter.keys, rows + row + 1)
+
+
+def _row(panels: Cells, action: ActionView) -> int | None:
+    label = action.label
+    lines = panels.text.splitlines()
+    return next(
+        (at for at, line in enumerate(lines) if re.search(rf"\s{re.escape(label)}(\s|$)", line)),
+        None,
+    )
+
+
+async def by_finder(seat: Sitting, action: ActionView, typed: Iterator[str]) -> Way | None:
+    """The shortest of `typed` that puts it on the first line."""
+    await seat.press(":")
+    dialog = seat.console.dialog
+    assert isinstance(dialog, FindDialog)
+    found = next((text for text in typed if _first(dialog, text) == action.label), None)
+    if found is None:
+        await seat.press("ctrl+q")
+        return None
+    await seat.type(found)
+    return Way(len(found) + 2, 1) if await played(seat, ["enter"]) == action.name else None
+
+
+def _first(dialog: FindDialog, typed: str) -> str:
+    hits = dialog.matching(typed)
+    return hits[0].name if hits else ""
+
+
+def beginnings(text: str) -> Iterator[str]:
+    """The first letter, the first two ... in lower case."""
+    return (text[:length].lower() for length in range(1, len(text) + 1))
+
+
+def words(text: str) -> Iterator[str]:
+    """The beginnings of all its words, the shortest first."""
+    each = {word.lower() for word in re.findall(r"\w{3,}", text)}
+    found = {word[:length] for word in each for length in range(3, len(word) + 1)}
+    return iter(sorted(found, key=lambda begun: (len(begun), begun)))
+
+
+def attached(experiment: Path) -> Welcome:
+    """What a console hears that attaches a second after the session began."""
+    conditions = load(experiment, demo_session.catalogue()).conditions
+    who = Identity("P01", next(iter(conditions), ""))
+    return demo_session.demo((), 1.0, str(experiment.with_suffix("")), who=who)
+
+
+async def measure(first: Welcome, size: tuple[int, int], most: int) -> dict[str, list[Way | None]]:
+    """Every way for every action that has a button, or for the first `most`."""
+    found: dict[str, list[Way | None]] = {"letter": [], "page": [], "finder": [], "words": []}
+    async with sitting(first, size=size) as seat:
+        actions = [action for panel in seat.console.picture.panels for action in panel.actions]
+        for action in actions[:most]:
+            found["letter"].append(await by_letter(seat, action))
+            found["page"].append(await by_page(seat, action))
+            found["finder"].append(await by_finder(seat, action, beginnings(action.label)))
+            if action.utterances:
+                found["words"].append(await by_finder(seat, action, words(sentence(seat, action))))
+    return found
+
+
+def main() -> None:
+    """Measure and print."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n", maxsplit=1)[0])
+    parser.add_argument(
+        "experiment", nargs="?", type=Path, default=ROOT / "experiments/interview.yaml"
+    )
+    parser.add_argument("--size", default="80x24", help="columns x rows of the screen")
+    parser.add_argument("--quick", action="store_true", help="six actions only")
+    arguments = parser.parse_args()
+    width, height = (int(part) for part in arguments.size.split("x"))
+    found = asyncio.run(
+        measure(
+            attached(arguments.experiment.resolve()),
+            (width, height),
+            6 if arguments.quick else 10_000,
+        )
+    )
+    rows = []
+    for name, ways in found.items():
+        there = [way for way in ways if way is not None]
+        if not there:
+            rows.append([name, f"0 of {len(ways)}"])
+            continue
+        columns: list[str] = []
+        for each in ([way.keys for way in there], [way.rows for way in there]):
+            columns += [f"{percentile(each, 0.5):.0f}", f"{max(each)}"]
+        seconds = [way.seconds for way in there]
+        columns += [f"{percentile(seconds, 0.5):.2f}", f"{max(seconds):.2f}"]
+        count = f"{len(there)} of {len(ways)}"
+        rows.append([name, count, *columns, verdict(max(seconds), GOAL)])
+    head = ["way", "found", "keys p50", "most", "rows p50", "most", "s p50", "most", f"{GOAL:g} s"]
+    width_of = max(len(row) for row in [head, *rows])
+    table(
+        f"{arguments.experiment.name} at {arguments.size}",
+        head,
+        [[*row, *[""] * (width_of - len(row))] for row in rows],
+    )
+
+
+if __name__ == "__main__":
+    main()

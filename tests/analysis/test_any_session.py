@@ -20,10 +20,10 @@ from woz_tui.analysis.gather import Options
 from woz_tui.analysis.html.page import render
 from woz_tui.analysis.methods import paragraphs
 from woz_tui.analysis.report import Report
-from woz_tui.analysis.rows import CUE_FATES
+from woz_tui.analysis.rows import CUE_RESULTS
 from woz_tui.analysis.session import NoSessionError, Wanted, examine
 from woz_tui.analysis.study import Studies
-from woz_tui.analysis.tidy import Folder
+from woz_tui.analysis.tidy import table_files
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 
@@ -92,7 +92,7 @@ def used(figures: SessionFigures, report: Report) -> None:
         assert all(sentence for each in paragraphs(facts) for sentence in each.sentences)
     if report.timeline is not None:
         assert "</html>" in render([report])
-    with tempfile.TemporaryDirectory() as folder, Folder(Path(folder)) as sheets:
+    with tempfile.TemporaryDirectory() as folder, table_files(Path(folder)) as sheets:
         sheets.add(figures)
 
 
@@ -134,11 +134,11 @@ def test_cues_have_one_fate_and_reactions_are_in_the_window(
 ) -> None:
     figures = figures_of(timed(course), Options(all_trials=True))
     for cue in figures.cues:
-        assert cue.fate in CUE_FATES
-        assert (cue.reaction_us is not None) == (cue.fate == "answered")
+        assert cue.result in CUE_RESULTS
+        assert (cue.reaction_us is not None) == (cue.result == "answered")
         assert cue.reaction_us is None or 0 <= cue.reaction_us <= figures.window_us
     markers = sum(isinstance(message, m.Marker) for message, _ in course)
-    assert sum(cue.sort == "marker" for cue in figures.cues) == markers
+    assert sum(cue.cue_type == "marker" for cue in figures.cues) == markers
 
 
 @settings(max_examples=30, deadline=None)

@@ -87,7 +87,7 @@ def test_an_engagement_says_where_it_began_and_how_it_ended() -> None:
     it.add(20, m.SessionChanged(condition="cold"))
     it.state(30, "EngagedWithKnown", "Wait", outcome="lost").end(40)
     figures = told(it)
-    rows = [(each.state, each.condition, each.outcome) for each in figures.visits]
+    rows = [(each.state, each.condition, each.left_by) for each in figures.visits]
     assert ("engaged", "warm", "lost") in rows
     assert ("EngagedWithKnown", "warm", "lost") in rows
     assert {part.condition: part.engagement.episodes.n for part in figures.parts} == {

@@ -14,7 +14,7 @@ def told(it: Told, options: Options | None = None) -> SessionFigures:
 
 def fates(figures: SessionFigures) -> list[tuple[str, str, float | None]]:
     return [
-        (cue.sort, cue.fate, None if cue.reaction_us is None else cue.reaction_us / SECOND)
+        (cue.cue_type, cue.result, None if cue.reaction_us is None else cue.reaction_us / SECOND)
         for cue in figures.cues
     ]
 
@@ -45,7 +45,7 @@ def test_at_the_end_of_the_window_an_answer_still_counts() -> None:
 
 def test_who_speaks_on_wants_no_answer_to_what_came_before() -> None:
     it = Told().speech(1, 3).speech(4, 6, 2).act(7).end(20)
-    assert fates(told(it)) == [("speech", "overtaken", None), ("speech", "answered", 1.0)]
+    assert fates(told(it)) == [("speech", "superseded", None), ("speech", "answered", 1.0)]
 
 
 def test_what_is_overtaken_after_the_window_was_missed() -> None:
@@ -67,7 +67,7 @@ def test_an_answer_may_come_before_the_line_that_tells_of_the_cue() -> None:
 def test_an_act_just_before_the_end_of_speech_is_the_answer() -> None:
     it = Told().speech(1, 4).act(3.5).act(8).speech(20, 22, 2).act(20.9).end(60)
     figures = told(it)
-    assert fates(figures) == [("speech", "anticipated", None), ("speech", "missed", None)]
+    assert fates(figures) == [("speech", "answered_early", None), ("speech", "missed", None)]
     assert figures.whole.reactions["all"].times.n == 0
     assert figures.cues[0].action == "Hello"
 
@@ -91,7 +91,7 @@ def test_the_models_echo_of_an_anticipated_cue_counts_once() -> None:
         ),
     )
     figures = told(it.end(30))
-    assert [fate for _, fate, _ in fates(figures)] == ["anticipated", "anticipated"]
+    assert [fate for _, fate, _ in fates(figures)] == ["answered_early", "answered_early"]
     assert figures.whole.reactions["all"].cues == 1
 
 
@@ -99,7 +99,7 @@ def test_one_event_is_not_two_cues() -> None:
     it = Told().speech(1, 3)
     it.state(3.1, "UserSpeaks", "RobotThinks").act(5).end(20)
     figures = told(it)
-    assert [(cue.sort, cue.echo) for cue in figures.cues] == [
+    assert [(cue.cue_type, cue.echo) for cue in figures.cues] == [
         ("speech", False),
         ("engagement", True),
     ]
@@ -109,7 +109,7 @@ def test_one_event_is_not_two_cues() -> None:
 
 def test_a_state_that_is_left_wants_no_answer_any_more() -> None:
     it = Told().state(3, "UserSpeaks", "RobotThinks").state(6, "RobotThinks", "PersonDetected")
-    assert fates(told(it.act(7).end(20))) == [("engagement", "overtaken", None)]
+    assert fates(told(it.act(7).end(20))) == [("engagement", "superseded", None)]
 
 
 def test_which_states_are_cues_can_be_said() -> None:
@@ -149,7 +149,7 @@ def test_trained_cues_are_judged_by_the_training() -> None:
     assert (training.cues, training.right, training.wrong, training.missed) == (5, 2, 1, 1)
     assert (training.uncalled, training.score) == (1, 0.4)
     assert seconds(training.times.values) == [0.1, 0.2, 0.4]
-    assert [cue.fate for cue in figures.cues] == [
+    assert [cue.result for cue in figures.cues] == [
         *("answered", "answered", "missed", "answered", "cut")
     ]
     assert "all" not in figures.whole.reactions

@@ -16,7 +16,7 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.gather import Options
 from woz_tui.analysis.measures import measured
 from woz_tui.analysis.session import examine
-from woz_tui.analysis.tidy import Folder
+from woz_tui.analysis.tidy import table_files
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
 
@@ -79,7 +79,7 @@ def test_time_that_differs_is_told_by_trial_and_the_loss_of_the_robot_is_none_of
     assert [each.changed for each in figures.differences] == [True, True, False, False, True, False]
     assert [each.cut for each in figures.differences] == [False] * 5 + [True]
     blinking = figures.differences[0]
-    assert (blinking.driver, blinking.value, blinking.wanted) == ("pepper", "true", "false")
+    assert (blinking.driver, blinking.value, blinking.wanted) == ("pepper", True, False)
 
 
 def test_main_figures() -> None:
@@ -95,7 +95,7 @@ def test_a_session_without_settings_has_none() -> None:
     assert values["settings_known_s"] == 0
     assert values["settings_differ_s"] is None
     assert values["settings_differ_share"] is None
-    assert figures.differences == ()
+    assert figures.differences == []
 
 
 def test_what_is_as_asked_for_is_known_and_no_difference() -> None:
@@ -109,9 +109,9 @@ def test_another_value_is_another_row() -> None:
     it.add(3, shown({"volume": 0.6}, volume=0.9)).add(4, shown({"volume": 0.5}, volume=0.9))
     figures = told(it.end(9))
     assert [(each.value, each.wanted, each.end // SECOND) for each in figures.differences] == [
-        ("0.8", "0.6", 3),
-        ("0.9", "0.6", 4),
-        ("0.9", "0.5", 9),
+        (0.8, 0.6, 3),
+        (0.9, 0.6, 4),
+        (0.9, 0.5, 9),
     ]
     [together] = by_trial(figures.differences)
     assert (together.values, together.wanted, together.us) == (
@@ -171,15 +171,16 @@ def test_a_trial_that_is_only_numbered_divides_it_too() -> None:
 
 
 def test_a_table_has_them_for_other_programs(tmp_path: Path) -> None:
-    with Folder(tmp_path) as sheets:
+    with table_files(tmp_path) as sheets:
         sheets.add(told(drifting().end(60)))
-    with (tmp_path / "differences.csv").open(encoding="utf-8", newline="") as file:
+    with (tmp_path / "settings.csv").open(encoding="utf-8", newline="") as file:
         table = list(csv.DictReader(file, strict=True))
-    names = ("setting", "trial", "condition", "value", "wanted", "length_s", "changed", "cut")
+    names = ("setting", "trial", "condition", "value", "wanted", "duration", "changed", "cut")
+    table = [row for row in table if row["differs"] == "true"]
     found = [[row[name] for name in names] for row in table]
-    assert found[0] == ["blinking", "1", "warm", "true", "false", "8", "true", "false"]
-    assert found[-1] == ["blinking", "", "cold", "true", "false", "10", "false", "true"]
-    assert sum(float(row["length_s"]) for row in table if row["setting"] == "blinking") == 33
+    assert found[0] == ["blinking", "1", "warm", "true", "false", "8.000000", "true", "false"]
+    assert found[-1] == ["blinking", "", "cold", "true", "false", "10.000000", "false", "true"]
+    assert sum(float(row["duration"]) for row in table if row["setting"] == "blinking") == 33
 
 
 def test_the_timeline_draws_each_from_its_beginning_to_its_end() -> None:

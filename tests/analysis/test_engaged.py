@@ -125,4 +125,4 @@ def test_what_changes_while_the_model_is_off_is_no_state_and_no_cue() -> None:
 
 def test_a_model_that_is_switched_off_waits_for_no_answer() -> None:
     it = Told().add(0, SETTINGS).state(2, "UserSpeaks", "RobotThinks").add(4, switched("off"))
-    assert [cue.fate for cue in told(it.act(6).end(9)).cues] == ["overtaken"]
+    assert [cue.result for cue in told(it.act(6).end(9)).cues] == ["superseded"]

@@ -15,8 +15,8 @@ from woz_tui.analysis.figures import SessionFigures
 from woz_tui.analysis.groups import Grouped, Row, totals
 from woz_tui.analysis.measures import MEASURES
 from woz_tui.analysis.session import examine
-from woz_tui.analysis.sheets import SHEETS
-from woz_tui.analysis.tidy import Folder, dictionary, rounded
+from woz_tui.analysis.tables import rounded
+from woz_tui.analysis.tidy import table_files
 from woz_tui.core import messages as m
 from woz_tui.core.cleaning import cell
 
@@ -61,7 +61,7 @@ def test_somebody_with_two_sessions_counts_once() -> None:
         return Row("x", who, "c", "S", {measure.name: value for measure in MEASURES})
 
     [total] = totals([row("P01", 1.0), row("P01", 3.0), row("P02", 6.0), row("P03", None)])
-    acts = total.values["acts"]
+    acts = total.values["wizard_actions"]
     assert (total.participants, total.rows) == (3, 4)
     assert (acts.n, acts.mean) == (2, 4.0)
     assert acts.sd == pytest.approx(8.0**0.5)
@@ -96,7 +96,7 @@ def test_trainings_and_re_runs_are_no_sessions_of_participants(tmp_path: Path) -
     trained = Told(session="T01").add(1, given, right).end(9)
     again = Told(session="S09").add(1, m.RerunStarted(original="x", original_session="S01")).end(9)
     found = Grouped()
-    with Folder(tmp_path) as folder:
+    with table_files(tmp_path) as folder:
         for it in (trained, again, Told().act(1).end(9)):
             figures = figures_of(in_time(it))
             found.add(figures)
@@ -128,7 +128,7 @@ def test_figures_can_be_said_in_json(tmp_path: Path) -> None:
     assert told["whole"]["press"]["n"] == 2
     assert told["cues"][0]["reaction_us"] == SECOND
     [experiment] = json.loads(json.dumps(plain.grouped(grouped(tmp_path)), allow_nan=False))
-    assert experiment["conditions"][0]["values"]["acts"]["mean"] == 1.0
+    assert experiment["conditions"][0]["values"]["wizard_actions"]["mean"] == 1.0
 
 
 # -- CSV ------------------------------------------------------------------------------------------
@@ -143,31 +143,24 @@ def tables(folder: Path) -> dict[str, list[dict[str, str]]]:
 
 @pytest.fixture
 def written(tmp_path: Path) -> dict[str, list[dict[str, str]]]:
-    with Folder(tmp_path / "csv") as folder:
+    with table_files(tmp_path / "csv") as folder:
         for figures in sessions(tmp_path / "logs"):
             folder.add(figures)
         folder.add(answered("P09", "warm", 4.0, None))
     return tables(tmp_path / "csv")
 
 
-def test_every_column_is_in_the_dictionary(written: dict[str, list[dict[str, str]]]) -> None:
-    told = {(row["file"], row["column"]) for row in written["columns"]}
-    assert set(written) == {sheet.name for sheet in SHEETS} | {"questionnaires_wide", "columns"}
-    for name, rows in written.items():
-        for column in [] if name == "columns" or not rows else rows[0]:
-            items = "(item)" if column.startswith("ux.") else column
-            assert (f"{name}.csv", items) in told
-    assert all(meaning for _, _, _, meaning in dictionary())
-
-
 def test_rows_are_tidy(written: dict[str, list[dict[str, str]]]) -> None:
-    rows = written["sessions"]
+    rows = written["conditions"]
     assert [(row["participant"], row["condition"]) for row in rows] == [
         *(("P01", "warm"), ("P01", "cold"), ("P02", "warm"), ("P02", "cold"), ("P09", "warm"))
     ]
     assert [row["reaction_median_s"] for row in rows] == ["2", "2", "5", "4", ""]
-    assert {row["log_whole"] for row in rows} == {"true"}
-    assert [(row["fate"], row["reaction_s"]) for row in written["reactions"]] == [
+    assert [(row["session"], row["damage"]) for row in written["sessions"]][:4] == [
+        (f"S0{number}", "") for number in range(1, 5)
+    ]
+    cues = [(row["result"], row["response_time"].rstrip("0.")) for row in written["cues"]]
+    assert cues == [
         *(("answered", "1"), ("answered", "3"), ("answered", "2"), ("missed", "")),
         *(("answered", "5"), ("answered", "4")),
     ]
@@ -185,8 +178,8 @@ def test_answers_are_long_and_wide(written: dict[str, list[dict[str, str]]]) -> 
 
 
 def test_cells() -> None:
-    assert [cell(rounded(value)) for value in (None, True, 2.0, 0.1234567894, "a", 3)] == [
-        *("", "true", "2", "0.123456789", "a", "3")
+    assert [cell(rounded(value)) for value in (None, True, 2.0, 0.1234567894, 3)] == [
+        *("", "true", "2", "0.123456789", "3")
     ]
 
 
@@ -206,7 +199,7 @@ def test_no_text_is_a_formula_to_a_spreadsheet(tmp_path: Path) -> None:
         questionnaire=_FORMULA, item="+i", question=_FORMULA, text=_FORMULA, answered_us=1
     )
     it.add(4, answer).add(5, m.TrialEnded(trial=1, outcome="done", text=_FORMULA)).end(6)
-    with Folder(tmp_path) as folder:
+    with table_files(tmp_path) as folder:
         folder.add(figures_of(in_time(it)))
     files = [path.read_text(encoding="utf-8") for path in tmp_path.glob("*.csv")]
     assert any(f"'{_FORMULA}".replace('"', '""') in text for text in files)
@@ -217,15 +210,15 @@ def test_tables_are_for_their_owner_only_as_logs_are(tmp_path: Path) -> None:
     before = tmp_path / "tables" / "sessions.csv"
     before.parent.mkdir()
     before.touch(0o644)
-    with Folder(before.parent) as folder:
+    with table_files(before.parent) as folder:
         folder.add(figures_of(in_time(Told().act(1).end(2))))
     assert {path.stat().st_mode & 0o777 for path in before.parent.iterdir()} == {0o600}
 
 
 def test_texts_with_commas_and_lines_stay_in_their_cell(tmp_path: Path) -> None:
     it = Told().add(1, m.Marker(text='a, "b"\nc', source="wizard")).act(2).end(3)
-    with Folder(tmp_path) as folder:
+    with table_files(tmp_path) as folder:
         folder.add(figures_of(in_time(it)))
-    text = (tmp_path / "reactions.csv").read_text(encoding="utf-8")
+    text = (tmp_path / "cues.csv").read_text(encoding="utf-8")
     [row] = csv.DictReader(text.splitlines(keepends=True))
-    assert re.sub(r"\s+", " ", row["what"]) == 'a, "b" c'
+    assert re.sub(r"\s+", " ", row["label"]) == 'a, "b" c'

@@ -114,7 +114,7 @@ def test_a_command_on_the_spot_ends_as_it_did() -> None:
     for end in ends:
         say = m.Command(command=end.command, verb="say", args={}, driver="robot", source="key")
         it.add(1, say, end)
-    direct = lanes(it.end(9))["(direct)"].intervals
+    direct = lanes(it.end(9))["(improvised)"].intervals
     assert [each.outcome for each in direct] == ["timed_out", "superseded"]
 
 

@@ -44,11 +44,11 @@ def test_a_study_in_sentences(tmp_path: Path) -> None:
         "What the wizard could choose from was not recorded. "
         "In all, 5 actions were asked for, all by key. All of them were carried out. "
         "No restriction of what the wizard could see was recorded. "
-        "Of 5 acts by hand, 0 (0.0 %) were marked as mistakes. "
+        "Of 5 wizard actions, 0 (0.0 %) were marked as mistakes. "
         "Of 6 cues that wanted an answer, the wizard answered 5 within 10 s (83.3 %). "
         "The reaction time was 3 s in the median (95 % quantile 4.8 s, longest 5 s). "
-        "The time from the request of an act to its start in the robot was 1.0 ms in the median "
-        "(95 % quantile 1.0 ms, longest 1.0 ms), over 5 acts. "
+        "The time from the request of a wizard action to its start in the robot was 1.0 ms in the "
+        "median (95 % quantile 1.0 ms, longest 1.0 ms), over 5 wizard actions. "
         "No line was lost from the logs."
     )
 
@@ -60,7 +60,7 @@ def test_one_of_each_is_singular() -> None:
     assert "In all, 1 participant took part in 1 session of 1.0 min." in found
     assert "by 1 wizard (W2), who led 1 session." in found
     assert "In all, 1 action was asked for, by key. It was carried out." in found
-    assert "Of 1 act by hand, 1 (100.0 %) was marked as a mistake." in found
+    assert "Of 1 wizard action, 1 (100.0 %) was marked as a mistake." in found
     assert "The emergency stop was pressed once in 1 session." in found
     assert "No line was lost from the log." in found
     assert not re.search(r"\b1 \w+s (was|were)\b|\b1 were\b", found)

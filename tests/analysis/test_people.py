@@ -16,7 +16,7 @@ from woz_tui.analysis.html.page import render
 from woz_tui.analysis.methods import paragraphs
 from woz_tui.analysis.session import Wanted, examine
 from woz_tui.analysis.study import Facts, Studies
-from woz_tui.analysis.tidy import Folder
+from woz_tui.analysis.tidy import table_files
 from woz_tui.cli.report_many import show
 from woz_tui.cli.report_page import page
 from woz_tui.core import messages as m
@@ -77,12 +77,12 @@ def test_totals_are_of_those_who_took_part() -> None:
     assert len(found.of("guide.yaml")) == 3
     [warm] = found.totals("guide.yaml")
     assert (warm.condition, warm.participants, warm.rows) == ("warm", 1, 1)
-    acts, length = warm.values["acts"], warm.values["duration_s"]
+    acts, length = warm.values["wizard_actions"], warm.values["duration"]
     assert (acts.n, acts.mean, acts.sd) == (1, 2.0, None)
     assert (length.n, length.mean) == (1, 60.0)
     assert warm.values["cues_missed"].mean == 0
     [told_so] = plain.grouped(found)[0]["conditions"]
-    assert (told_so["participants"], told_so["values"]["acts"]["n"]) == (1, 1)
+    assert (told_so["participants"], told_so["values"]["wizard_actions"]["n"]) == (1, 1)
 
 
 def test_the_sentences_are_of_those_who_took_part() -> None:
@@ -91,7 +91,7 @@ def test_the_sentences_are_of_those_who_took_part() -> None:
         "In all, 1 participant took part in 1 session of 1.0 min. The condition warm had 1"
     )
     assert "In all, 2 actions were asked for" in found
-    assert "Of 2 acts by hand, 0 (0.0 %) were marked as mistakes." in found
+    assert "Of 2 wizard actions, 0 (0.0 %) were marked as mistakes." in found
     assert "Of 1 cue that wanted an answer, the wizard answered 1" in found
     assert "No participant was recorded" not in found
     assert "left out" not in found
@@ -137,7 +137,7 @@ def test_sessions_that_are_run_without_codes_count_each() -> None:
     sessions = [told(Told(participant="", session=name).act(1).end(5)) for name in ("S01", "S02")]
     assert [counting(each) for each in sessions] == [[("", True)], [("", True)]]
     [warm] = grouped(*sessions).totals("guide.yaml")
-    assert (warm.participants, warm.values["acts"].n) == (2, 2)
+    assert (warm.participants, warm.values["wizard_actions"].n) == (2, 2)
     found = text(*sessions)
     assert "There were 2 sessions" in found
     assert "No participant was recorded in 2 sessions." in found
@@ -178,17 +178,17 @@ def test_a_session_in_which_nobody_took_part_is_left_out() -> None:
 
 
 def test_tables_say_what_counts(tmp_path: Path) -> None:
-    with Folder(tmp_path) as folder:
+    with table_files(tmp_path) as folder:
         folder.add(told(late()))
 
     def column(sheet: str, *names: str) -> list[tuple[str, ...]]:
         rows = csv.DictReader((tmp_path / f"{sheet}.csv").read_text(encoding="utf-8").splitlines())
         return [tuple(row[name] for name in names) for row in rows]
 
-    assert column("sessions", "participant", "counted") == [
+    assert column("conditions", "participant", "counted") == [
         *(("", "false"), ("P70", "false"), ("P07", "true"))
     ]
-    assert column("reactions", "participant", "counted") == [("", "false"), ("P07", "true")]
+    assert column("cues", "participant", "counted") == [("", "false"), ("P07", "true")]
 
 
 def test_the_terminal_names_what_is_in_no_total() -> None:
@@ -196,7 +196,7 @@ def test_the_terminal_names_what_is_in_no_total() -> None:
     show(page(stream, 80), grouped(told(late())))
     found = " ".join(stream.getvalue().split())
     assert "1 session, 1 participant" in found
-    assert "in no total: P70, nobody (no participant, or less than 10 s of one" in found
+    assert "Excluded: time before a participant was set, P70 (less than 10 s" in found
     assert "warm (n = 1)" in found
     assert "none (n" not in found
     stream = io.StringIO()
@@ -210,8 +210,8 @@ def test_the_page_names_what_is_in_no_total(tmp_path: Path) -> None:
     it.written(tmp_path, STEM.replace("P07_S01", "P09_S02"))
     paths = sorted(tmp_path.glob("*.jsonl"))
     found = render([examine(path, wanted=Wanted(timeline=True), places=[]) for path in paths])
-    assert ">nobody</bdi></a><small> (in no total)</small>" in found
-    assert ">P70</bdi></a><small> (in no total)</small>" in found
+    assert ">no participant</bdi></a><small> (excluded)</small>" in found
+    assert ">P70</bdi></a><small> (excluded)</small>" in found
     assert ">P09</bdi></a></th>" in found
     assert "(2 participants, 2 rows)" in found
     assert "no condition" not in found

@@ -15,7 +15,7 @@ from hypothesis import given, settings
 
 from tests.analysis.told import figures_of
 from tests.timeline.courses import SECOND, damaged, recordings, start, timed
-from woz_tui.analysis import sheets
+from woz_tui.analysis import tables
 from woz_tui.analysis.figures import ENDS, Part, SessionFigures
 from woz_tui.analysis.gather import Options
 from woz_tui.analysis.html import items
@@ -23,7 +23,6 @@ from woz_tui.analysis.lanes import drawing_of
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.experiment.verbs import PERFORMERS
-from woz_tui.export import tables
 from woz_tui.export.course import Session
 from woz_tui.export.extract import Extractor
 from woz_tui.export.tiers import Span, tiers_of
@@ -45,8 +44,7 @@ def us(seconds: object) -> int:
 class Tables:
     """All that is written of one session, as rows of the tables."""
 
-    report: dict[str, list[Row]]
-    export: dict[str, list[Row]]
+    rows: dict[str, list[Row]]
     tiers: dict[str, list[Span]]
     lanes: dict[str, list[items.Item]]
     figures: SessionFigures
@@ -54,7 +52,7 @@ class Tables:
 
     def events(self, kind: str) -> list[Row]:
         """Those of this kind in `events.csv`."""
-        return [row for row in self.export["events"] if row["kind"] == kind]
+        return [row for row in self.rows["events"] if row["kind"] == kind]
 
     def tier(self, name: str) -> list[tuple[int, int]]:
         """When each of the spans begins and ends."""
@@ -71,26 +69,16 @@ def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
     messages = [line for line in lines if not wire.is_sample(line)]
     figures = figures_of(messages, Options(all_trials=True))
     session, timeline = exported(messages), timeline_of(messages)
-    rows: list[tuple[tables.Table[Any], Sequence[object]]] = [
-        (tables.EVENTS, session.events),
-        (tables.ENGAGEMENT, session.engagement),
-        (tables.ANSWERS, session.answers),
-        (tables.SETTINGS, session.settings),
-    ]
     return Tables(
-        report={
-            sheet.name: [
-                {column.name: _cell(column.of(entry)) for column in sheet.columns}
-                for entry in sheet.rows(figures)
-            ]
-            for sheet in sheets.SHEETS
-        },
-        export={
+        rows={
             table.name: [
-                {column.name: _cell(column.cell(session, row)) for column in table.columns}
-                for row in rows_of_it
+                {column.name: _cell(column.cell(figures, row)) for column in table.columns}
+                for row in rows
             ]
-            for table, rows_of_it in rows
+            for table, rows in (
+                (tables.EVENTS, session.events),
+                *((table, table.rows(figures)) for table in tables.FIGURES),
+            )
         },
         tiers={tier.name: tier.spans for tier in tiers_of(session)},
         lanes={row.title: list(row.items) for row in items.rows(drawing_of(timeline))},
@@ -142,35 +130,35 @@ def by_part(it: Tables, of: Callable[[Part], dict[tuple[object, ...], int]]) -> 
 
 def from_to(rows: Iterable[Row]) -> list[tuple[int, int]]:
     """When each event of an export began and ended."""
-    times = [(us(row["onset_s"]), us(row["duration_s"] or 0)) for row in rows]
+    times = [(us(row["onset"]), us(row["duration"] or 0)) for row in rows]
     return sorted((begin, begin + duration) for begin, duration in times)
 
 
 def check_states(it: Tables) -> None:
     """Time in states of the engagement model and engaged: by condition, and each stay."""
-    stays = it.export["engagement"]
+    stays = it.rows["engagement"]
     engaged = [row for row in stays if row["state"] in ENGAGED]
     whose = ("participant", "condition")
-    assert added(stays, "duration_s", *whose) == by_part(it, lambda p: {(): p.engagement.on_us})
-    assert added(stays, "duration_s", *whose, "state") == by_part(
+    assert added(stays, "duration", *whose) == by_part(it, lambda p: {(): p.engagement.on_us})
+    assert added(stays, "duration", *whose, "state") == by_part(
         it, lambda p: {(name,): state.us for name, state in p.engagement.states.items()}
     )
-    assert added(engaged, "duration_s", *whose) == by_part(
+    assert added(engaged, "duration", *whose) == by_part(
         it, lambda p: {(): p.engagement.engaged_us}
     )
-    whole = [row for row in it.report["episodes"] if row["state"] == "engaged"]
-    assert added(whole, "length_s") == added(engaged, "duration_s")
-    states = [row for row in it.report["episodes"] if row["state"] != "engaged"]
+    whole = [row for row in it.rows["episodes"] if row["state"] == "engaged"]
+    assert added(whole, "duration") == added(engaged, "duration")
+    states = [row for row in it.rows["episodes"] if row["state"] != "engaged"]
     events = it.events("engagement")
-    assert added(states, "length_s", "state") == added(stays, "duration_s", "state")
-    assert added(states, "length_s", *WHOSE, "state") == added(
-        ({**row, "state": row["label"]} for row in events), "duration_s", *WHOSE, "state"
+    assert added(states, "duration", "state") == added(stays, "duration", "state")
+    assert added(states, "duration", *WHOSE, "state") == added(
+        ({**row, "state": row["label"]} for row in events), "duration", *WHOSE, "state"
     )
     assert counted(states, "state", "visitor") == counted(
         ({**row, "state": row["label"], "visitor": visitor(row)} for row in events),
         *("state", "visitor"),
     )
-    begins = sorted((us(row["begin_s"]), us(row["end_s"])) for row in states)
+    begins = sorted((us(row["onset"]), us(row["onset"]) + us(row["duration"])) for row in states)
     assert begins == from_to(events) == it.tier("engagement") == it.lane("engagement")
 
 
@@ -182,11 +170,11 @@ def check_trials(it: Tables) -> None:
     """Trials with whose they were and how they ended, and breaks."""
     events = it.events("trial")
     assert [
-        (*(row[name] for name in WHOSE), us(row["begin_s"]), row["outcome"] or "open")
-        for row in it.report["trials"]
-    ] == [(*(row[name] for name in WHOSE), us(row["onset_s"]), row["outcome"]) for row in events]
-    assert [us(row["length_s"]) for row in it.report["trials"] if row["outcome"]] == [
-        us(row["duration_s"]) for row in events if row["outcome"] != "open"
+        (*(row[name] for name in WHOSE), us(row["onset"]), row["outcome"] or "open")
+        for row in it.rows["trials"]
+    ] == [(*(row[name] for name in WHOSE), us(row["onset"]), row["outcome"]) for row in events]
+    assert [us(row["duration"]) for row in it.rows["trials"] if row["outcome"]] == [
+        us(row["duration"]) for row in events if row["outcome"] != "open"
     ]
     breaks = sorted((each.begin, each.end) for each in it.figures.breaks)
     assert breaks == from_to(it.events("break")) == it.tier("breaks")
@@ -214,12 +202,12 @@ def check_actions(it: Tables) -> None:
         for row in it.events("command")
         if not row["run"] and row["driver"] not in PERFORMERS and row["verb"] != "control"
     ]
-    assert from_to(direct) == it.lane("(direct)")
+    assert from_to(direct) == it.lane("(improvised)")
     assert counted(direct, "participant", "condition") == by_part(it, lambda p: {(): p.direct})
     wrong = [row for row in events if row["mistake"] and row["source"] != "engagement"]
     assert counted(wrong, "participant", "condition") == by_part(it, lambda p: {(): p.mistakes})
     hands = [row for row in [*events, *direct] if row["source"] != "engagement"]
-    assert sorted(us(row["latency_s"]) for row in hands if row["latency_s"] != "") == list(
+    assert sorted(us(row["latency"]) for row in hands if row["latency"] != "") == list(
         it.figures.whole.press.values
     )
 
@@ -227,7 +215,7 @@ def check_actions(it: Tables) -> None:
 def check_speech(it: Tables) -> None:
     events = it.events("speech")
     ended = [row for row in events if row["outcome"] not in ("open", "lost")]
-    assert added(ended, "duration_s", "participant", "condition") == by_part(
+    assert added(ended, "duration", "participant", "condition") == by_part(
         it, lambda part: {(): part.speech.total}
     )
     assert from_to(events) == it.tier("visitor speech") == it.lane("visitor speaks")
@@ -235,18 +223,13 @@ def check_speech(it: Tables) -> None:
 
 def check_settings(it: Tables) -> None:
     """Settings that differ, by whose they are and one by one."""
-    rows, events = it.report["differences"], it.events("difference")
-    settings = [row for row in it.export["settings"] if row["differs"] is True]
+    rows = [row for row in it.rows["settings"] if row["differs"] is True]
+    events = it.events("difference")
     keys = (*WHOSE, "driver", "setting")
-    times = added(rows, "length_s", *keys)
-    assert times == added(settings, "duration_s", *keys)
-    assert times == added(({**row, "setting": row["label"]} for row in events), "duration_s", *keys)
-    assert counted(rows, *keys, "value", "wanted") == counted(
-        ({**row, **{name: str(row[name]) for name in ("value", "wanted")}} for row in settings),
-        *(*keys, "value", "wanted"),
-    )
-    pieces = sorted((us(row["begin_s"]), us(row["end_s"])) for row in rows)
-    assert pieces == from_to(events) == from_to(settings) == it.tier("settings that differ")
+    named = [{**row, "setting": row["label"]} for row in events]
+    assert added(rows, "duration", *keys) == added(named, "duration", *keys)
+    pieces = from_to(rows)
+    assert pieces == from_to(events) == it.tier("settings that differ")
     together = it.lane("settings differ")
     assert sum(end - begin for begin, end in pieces) == sum(end - begin for begin, end in together)
 
@@ -262,11 +245,7 @@ def check_moments(it: Tables) -> None:
     assert counted(it.events("marker"), *whose) == by_part(it, lambda part: {(): part.markers})
     assert counted(it.events("note"), *whose) == by_part(it, lambda part: {(): part.notes})
     assert sorted((each.questionnaire, each.t) for each in it.figures.rounds) == sorted(
-        (row["label"], us(row["onset_s"])) for row in it.events("questionnaire")
-    )
-    keys = (*WHOSE, "questionnaire", "round", "item", "value", "skipped")
-    assert counted(it.report["questionnaires"], *keys) == counted(
-        it.export["questionnaires"], *keys
+        (row["label"], us(row["onset"])) for row in it.events("questionnaire")
     )
 
 
@@ -334,17 +313,17 @@ def test_an_engagement_that_begins_before_a_condition_and_covers_it_is_one_in_ev
     assert {name: each.episodes.n for name, each in engaged.items()} == {
         "neutral": 1, "empathic": 0, "funny": 0,
     }  # fmt: skip
-    [row] = [row for row in it.report["episodes"] if row["state"] == "engaged"]
-    assert (row["condition"], row["trial"], row["length_s"]) == ("neutral", 1, 95)
-    stays = [row for row in it.export["engagement"] if row["state"] == "EngagedWithKnown"]
+    [row] = [row for row in it.rows["episodes"] if row["state"] == "engaged"]
+    assert (row["condition"], row["trial"], us(row["duration"])) == ("neutral", 1, 95 * SECOND)
+    stays = [row for row in it.rows["engagement"] if row["state"] == "EngagedWithKnown"]
     assert [
-        (row["condition"], row["trial"], us(row["duration_s"]), row["changed"]) for row in stays
+        (row["condition"], row["trial"], us(row["duration"]), row["changed"]) for row in stays
     ] == [
         ("neutral", 1, 10 * SECOND, True),
         ("empathic", 2, 60 * SECOND, False),
         ("funny", 3, 25 * SECOND, False),
     ]
     [event] = [row for row in it.events("engagement") if row["label"] == "EngagedWithKnown"]
-    assert (event["condition"], us(event["duration_s"])) == ("neutral", 95 * SECOND)
+    assert (event["condition"], us(event["duration"])) == ("neutral", 95 * SECOND)
     assert (10 * SECOND, 105 * SECOND) in it.tier("engagement")
     assert (10 * SECOND, 105 * SECOND) in it.lane("engagement")

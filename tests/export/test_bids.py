@@ -80,7 +80,7 @@ def test_a_visit_is_valid(tmp_path: Path) -> None:
     assert (hello["onset"], hello["duration"], hello["label"]) == ("2.000000", "1.500000", "Hello")
     note = next(row for row in events if row["trial_type"] == "note")
     assert (note["duration"], note["text"]) == ("0", "a child␊has joined")
-    assert [row["value"] for row in table(dataset / f"{beh}_beh.tsv")] == ["6.0", "n/a"]
+    assert [row["value"] for row in table(dataset / f"{beh}_beh.tsv")] == ["6", "n/a"]
     assert table(dataset / "participants.tsv") == [
         {"participant_id": "sub-P07", "conditions": "warm, cold"}
     ]

@@ -124,11 +124,11 @@ def test_a_state_that_crosses_trials_is_one_event_and_its_times_add_up_by_trial(
     session = session_of(tmp_path, course)
     events = [event for event in session.events if event.label == "Engaged"]
     assert [(each.begin, each.end, each.trial) for each in events] == [(1_000_000, 6_000_000, None)]
-    rows = [each for each in session.engagement if each.label == "Engaged"]
+    rows = [each for each in session.figures.stays if each.state == "Engaged"]
     assert [(row.condition, row.trial, row.duration, row.changed) for row in rows] == [
-        ("warm", None, 1_000_000, True),
+        ("warm", -1, 1_000_000, True),
         ("cold", 1, 3_000_000, False),
-        ("cold", None, 1_000_000, False),
+        ("cold", -1, 1_000_000, False),
     ]
 
 
@@ -215,8 +215,13 @@ def test_a_break_belongs_to_no_trial_also_where_numbers_are_set_by_hand(tmp_path
 
 def test_the_last_answer_counts_and_has_its_scale(tmp_path: Path) -> None:
     session = session_of(tmp_path, visit())
-    friendly, other = session.answers
-    assert (friendly.value, friendly.low, friendly.high, friendly.took) == (6.0, 1, 7, 500_000)
+    friendly, other = session.figures.answers
+    assert (friendly.value, friendly.low, friendly.high, friendly.answered_us) == (
+        6.0,
+        1,
+        7,
+        500_000,
+    )
     assert (other.item, other.text, other.value) == ("else", "-it blinked", None)
 
 
@@ -255,7 +260,9 @@ def test_a_questionnaire_whose_beginning_is_lost_begins_with_its_first_answer(
     assert (event.label, event.begin, event.end, event.outcome) == (
         *("q", 1_000_000, 2_000_000, "done"),
     )
-    assert [(each.item, each.round, each.value) for each in session.answers] == [("a", 1, 3.0)]
+    assert [(each.item, each.round, each.value) for each in session.figures.answers] == [
+        ("a", 1, 3.0)
+    ]
 
 
 def test_what_came_before_the_first_code_belongs_to_nobody(tmp_path: Path) -> None:

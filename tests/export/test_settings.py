@@ -46,7 +46,7 @@ def drifting() -> list[Timed]:
 
 
 def of(rows: Rows, setting: str) -> list[tuple[str, ...]]:
-    columns = ("trial", "onset_s", "duration_s", "value", "wanted", "differs", "changed")
+    columns = ("trial", "onset", "duration", "value", "wanted", "differs", "changed")
     return [tuple(row[name] for name in columns) for row in rows if row["setting"] == setting]
 
 
@@ -70,7 +70,7 @@ def test_every_change_is_a_row(tmp_path: Path) -> None:
 def test_differences_and_conflicts_are_events(tmp_path: Path) -> None:
     rows = read_back(course_to(tmp_path, "csv", drifting()) / "events.csv")
     found = [
-        (row["kind"], row["label"], row["onset_s"], row["duration_s"], row["text"], row["outcome"])
+        (row["kind"], row["label"], row["onset"], row["duration"], row["text"], row["outcome"])
         for row in rows
         if row["kind"] in ("difference", "conflict")
     ]
@@ -121,36 +121,22 @@ def test_bids_has_the_events_and_says_what_they_are(tmp_path: Path) -> None:
 def test_rows_of_a_setting_follow_one_another_to_the_end(
     tmp_path: Path, messages: list[tuple[m.AnyMessage, int]]
 ) -> None:
-    """And what of them differs is what the report says, and what the events say."""
+    """And they are those of the report, and what of them differs is what the events say."""
     course: list[Timed] = [(0, start())]
     for message, after in messages:
         course.append((course[-1][0] + after, message))
     session = session_of(tmp_path, course)
-    for key in {(each.driver, each.name) for each in session.settings}:
-        rows = [each for each in session.settings if (each.driver, each.name) == key]
+    for key in {(each.driver, each.setting) for each in session.figures.settings}:
+        rows = [each for each in session.figures.settings if (each.driver, each.setting) == key]
         assert [each.end for each in rows] == [*(each.begin for each in rows[1:]), session.duration]
         assert rows[0].changed
-    differing = [each for each in session.settings if each.differs]
+    differing = [each for each in session.figures.settings if each.differs]
     events = [each for each in session.events if each.kind == "difference"]
-    assert sorted((each.begin, each.end, each.name, each.trial) for each in differing) == sorted(
-        (each.begin, each.end or 0, each.label, each.trial) for each in events
+    assert sorted((each.begin, each.end, each.setting, each.trial) for each in differing) == sorted(
+        (each.begin, each.end or 0, each.label, -1 if each.trial is None else each.trial)
+        for each in events
     )
-    report = examine(session.log).figures
-    assert _together([(each.name, each.trial, each.end - each.begin) for each in differing]) == (
-        _together(
-            [
-                (each.setting, each.trial if each.trial >= 0 else None, each.end - each.begin)
-                for each in report.differences
-            ]
-        )
-    )
-
-
-def _together(times: list[tuple[str, int | None, int]]) -> dict[tuple[str, int | None], int]:
-    found: dict[tuple[str, int | None], int] = {}
-    for name, trial, us in times:
-        found[name, trial] = found.get((name, trial), 0) + us
-    return {key: us for key, us in found.items() if us}
+    assert examine(session.log).figures.settings == session.figures.settings
 
 
 def test_a_log_that_is_torn_is_exported_up_to_its_last_line(tmp_path: Path) -> None:
@@ -172,7 +158,11 @@ def test_a_setting_that_is_named_no_more_is_changed_and_not_lost(tmp_path: Path)
     session = session_of(tmp_path, course)
     (difference,) = [each for each in session.events if each.kind == "difference"]
     assert (difference.begin, difference.end, difference.outcome) == (1_000_000, 2_000_000, "")
-    rows = [(each.begin, each.differs) for each in session.settings if each.name == "blinking"]
+    rows = [
+        (each.begin, each.differs)
+        for each in session.figures.settings
+        if each.setting == "blinking"
+    ]
     assert rows == [(1_000_000, True), (2_000_000, None)]
 
 

@@ -8,8 +8,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from tests.export.logs import WORDS
-from woz_tui.core.cleaning import guarded, one_line, visible
-from woz_tui.export.text import letters, seconds
+from woz_tui.core.cleaning import guarded, one_line, seconds, visible
+from woz_tui.export.text import letters
 
 _ANY = st.one_of(WORDS, st.text(st.characters(), max_size=10))
 

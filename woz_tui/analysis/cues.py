@@ -41,7 +41,7 @@ Placed = tuple[Context, Cue]
 
 @dataclass(slots=True)
 class _Open:
-    sort: str
+    cue_type: str
     t: int
     what: str
     context: Context
@@ -50,7 +50,7 @@ class _Open:
 
 class _Cues:
     """Matches cues with acts, line by line. A cue is open until the next act, the end of the
-    window, or until it is overtaken: by another one of its sort, by the visitor going on to speak,
+    window, or until it is superseded: by another one of its type, by the visitor going on to speak,
     or by the engagement model leaving the state. One that is not a marker may be answered before
     it comes.
     """
@@ -61,7 +61,7 @@ class _Cues:
         #: Where the present line is.
         self.t = self.seq = 0
         self._open: dict[str, _Open] = {}
-        self._anticipated: _Open | None = None
+        self._early: _Open | None = None
         self._acts: deque[Act] = deque(maxlen=_KEPT)
         self.found: list[Placed] = []
 
@@ -78,7 +78,7 @@ class _Cues:
 
     def speaks(self, spoken: e.Utterance) -> None:
         """The visitor begins to speak."""
-        self._overtake("speech")
+        self._supersede("speech")
 
     def spoke(self, spoken: e.Utterance) -> None:
         """Has spoken: the line of it comes later than the end."""
@@ -91,29 +91,29 @@ class _Cues:
 
     def waited(self, state: e.ModelState) -> None:
         """And leaves it, or is switched off."""
-        self._overtake("engagement")
+        self._supersede("engagement")
 
     def marker(self, marker: m.Marker) -> None:
         """Somebody sets a marker."""
         self._give("marker", self.t, marker.text)
 
-    def _give(self, sort: str, t: int, what: str, since: int | None = None) -> None:
-        """A cue at `t`. An act after `since` may have anticipated it; None: nothing can."""
-        self._overtake(sort)
-        cue = _Open(sort, t, what, self._at(self.t, self.seq))
+    def _give(self, cue_type: str, t: int, what: str, since: int | None = None) -> None:
+        """A cue at `t`. An act after `since` may have answered it early; None: nothing can."""
+        self._supersede(cue_type)
+        cue = _Open(cue_type, t, what, self._at(self.t, self.seq))
         others = [each for each in self._open.values() if not each.echo]
-        if self._anticipated is not None:
-            others.append(self._anticipated)
+        if self._early is not None:
+            others.append(self._early)
         cue.echo = any(abs(t - each.t) <= ECHO_US for each in others)
         early = None if since is None else self._act(max(since, t - EARLY_US), t)
         if early is not None:
             if not cue.echo:
-                self._anticipated = cue
-            self._close(cue, "anticipated", action=early.label, run=id_of(early))
+                self._early = cue
+            self._close(cue, "answered_early", action=early.label, run=id_of(early))
         elif (already := self._act(t + 1, self.t)) is not None:
             self._answer(cue, already)
         else:
-            self._open[sort] = cue
+            self._open[cue_type] = cue
 
     def _act(self, begin: int, end: int) -> Act | None:
         """The first act in this time, both ends included."""
@@ -125,10 +125,10 @@ class _Cues:
                 first = act
         return first
 
-    def _overtake(self, sort: str) -> None:
-        cue = self._open.pop(sort, None)
+    def _supersede(self, cue_type: str) -> None:
+        cue = self._open.pop(cue_type, None)
         if cue is not None:
-            self._close(cue, "missed" if self._late(cue) else "overtaken")
+            self._close(cue, "missed" if self._late(cue) else "superseded")
 
     def _late(self, cue: _Open) -> bool:
         return self.t - cue.t > self._window
@@ -140,11 +140,16 @@ class _Cues:
         else:
             self._close(cue, "answered", reaction_us=reaction, action=act.label, run=id_of(act))
 
-    def _close(self, cue: _Open, fate: str, **answer: Any) -> None:
+    def _close(self, cue: _Open, result: str, **answer: Any) -> None:
         row = Cue(
-            **placed(cue.context), sort=cue.sort, t=cue.t, what=cue.what, fate=fate, echo=cue.echo,
+            **placed(cue.context),
             **answer,
-        )  # fmt: skip
+            cue_type=cue.cue_type,
+            t=cue.t,
+            what=cue.what,
+            result=result,
+            echo=cue.echo,
+        )
         self.found.append((cue.context, row))
 
 
@@ -184,7 +189,9 @@ def cues_of(
 def trained_cues(timeline: Timeline) -> Iterator[Placed]:
     """The cues of a training, as it judged them."""
     for cue in timeline.of(e.Cue):
-        given = Cue(**placed(cue.context), sort="training", t=cue.begin, what=cue.label, fate="cut")
+        given = Cue(
+            **placed(cue.context), cue_type="training", t=cue.begin, what=cue.label, result="cut"
+        )
         answer = cue.answered
         if answer is None or cue.outcome == e.Outcome.VOID:  # a stop or the end: nobody's failure
             yield cue.context, given
@@ -193,7 +200,7 @@ def trained_cues(timeline: Timeline) -> Iterator[Placed]:
             cue.context,
             replace(
                 given,
-                fate="answered" if cue.outcome in _REACTED else "missed",
+                result="answered" if cue.outcome in _REACTED else "missed",
                 reaction_us=answer.reaction_us if answer.reaction_us >= 0 else None,
                 action=answer.action,
                 run=answer.run,
@@ -210,7 +217,7 @@ def training_of(timeline: Timeline, cues: Sequence[Placed]) -> Training | None:
     if not given and not answers:
         return None
     judged = Counter(answer.judged for answer in answers)
-    times = (cue.reaction_us for _, cue in cues if cue.fate == "answered")
+    times = (cue.reaction_us for _, cue in cues if cue.result == "answered")
     return Training(
         cues=sum(cue.outcome != e.Outcome.VOID for cue in given),
         right=judged["right"],

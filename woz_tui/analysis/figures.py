@@ -8,16 +8,17 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
+from operator import attrgetter
 
 from woz_tui.analysis.rows import (
     Answer,
     ConsoleChange,
     Cue,
-    Difference,
     Mark,
     PanelOffer,
     Restriction,
     Round,
+    Setting,
     Shaping,
     Span,
     Stop,
@@ -74,25 +75,25 @@ class VerbTimes:
 
 @dataclass(frozen=True, slots=True)
 class Reactions:
-    """The cues of one sort (or of all): `CUE_FATES` counted, and the reaction times."""
+    """The cues of one type (or of all): `CUE_RESULTS` counted, and the reaction times."""
 
-    fates: Mapping[str, int]
+    results: Mapping[str, int]
     times: Series
 
     @property
     def cues(self) -> int:
         """How many."""
-        return sum(self.fates.values())
+        return sum(self.results.values())
 
     @property
     def answered(self) -> int:
         """Answered in time."""
-        return self.fates.get("answered", 0)
+        return self.results.get("answered", 0)
 
     @property
     def missed(self) -> int:
         """Not answered in time."""
-        return self.fates.get("missed", 0)
+        return self.results.get("missed", 0)
 
 
 @dataclass(frozen=True, slots=True)
@@ -146,7 +147,7 @@ class Part:
         took: From an action's request to its end, of those that were done.
         verbs: Commands by verb.
         gaps: Between two acts by hand (actions and direct commands), one after the other.
-        reactions: By sort of cue; `all` leaves echoes out.
+        reactions: By type of cue; `all` leaves echoes out.
         mistakes: Acts that the wizard called a mistake.
         held: How long actions were held back by shaping.
         settings_us: How long settings of a robot were known, and `differing_us` of that how long
@@ -278,6 +279,7 @@ class SessionFigures:
     participant: str
     participants: tuple[str, ...]
     condition: str
+    conditions: tuple[str, ...]
     wizard: str
     software: str
     schema: int
@@ -293,6 +295,7 @@ class SessionFigures:
     parts: tuple[Part, ...]
     cues: tuple[Cue, ...]
     visits: tuple[Visit, ...]
+    stays: tuple[Visit, ...]
     trials: tuple[Trial, ...]
     breaks: tuple[Span, ...]
     stops: tuple[Stop, ...]
@@ -304,7 +307,7 @@ class SessionFigures:
     profiles: tuple[str, ...]
     consoles: tuple[ConsoleChange, ...]
     lost_drivers: tuple[Span, ...]
-    differences: tuple[Difference, ...]
+    settings: tuple[Setting, ...]
     drivers: tuple[str, ...]
     restrictions: tuple[Restriction, ...]
     shaping: tuple[Shaping, ...]
@@ -313,3 +316,12 @@ class SessionFigures:
     order: tuple[str, ...]
     order_method: str
     wholeness: Wholeness
+    seed: int | None = None
+    lines: int = 0
+    redacted: bool = False
+
+    @property
+    def differences(self) -> list[Setting]:
+        """Times in which a setting was other than asked for, the earliest first."""
+        found = [each for each in self.settings if each.differs]
+        return sorted(found, key=attrgetter("begin", "driver", "setting"))

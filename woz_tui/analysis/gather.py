@@ -61,6 +61,7 @@ def figures_of(
         return context.participant in people and timeline.counts(context)
 
     whole, *parts = _parts(tallies, trials, people, options)
+    conditions = tuple(_each(tally.condition for tally in tallies))
     plan = _first_plan(timeline)
     return SessionFigures(
         path=path,
@@ -68,7 +69,8 @@ def figures_of(
         session=start.session if start else "",
         participant=_named(tallies, people),
         participants=tuple(_each(_of(tallies, people))),
-        condition=", ".join(_each(tally.condition for tally in tallies)),
+        condition=", ".join(conditions),
+        conditions=conditions,
         wizard=start.wizard if start else "",
         software=" ".join(filter(None, map(start.software.get, ("name", "version"))))
         if start
@@ -86,6 +88,7 @@ def figures_of(
         parts=tuple(parts),
         cues=tuple(_listed(cues, counted)),
         visits=tuple(rows.visits(timeline)),
+        stays=tuple(rows.stays(timeline, counted)),
         trials=trials,
         breaks=tuple(rows.breaks(timeline)),
         stops=tuple(rows.stops(timeline)),
@@ -97,7 +100,7 @@ def figures_of(
         profiles=tuple(dict.fromkeys(each.label for each in timeline.of(e.Profile))),
         consoles=tuple(rows.consoles(timeline)),
         lost_drivers=tuple(rows.lost_drivers(timeline)),
-        differences=tuple(rows.differences(timeline, counted)),
+        settings=tuple(rows.settings(timeline, counted)),
         drivers=tuple(rows.drivers(timeline)),
         restrictions=tuple(rows.restrictions(timeline)),
         shaping=tuple(rows.shapings(timeline)),
@@ -105,6 +108,7 @@ def figures_of(
         rerun_of=next((each.label for each in reversed(timeline.of(e.Rerun))), ""),
         order=tuple(assigned.order) if assigned else (),
         order_method=assigned.method if assigned else "",
+        seed=start.seed if start else None,
         wholeness=Wholeness(ended=ended is not None),
     )
 

@@ -97,7 +97,7 @@ PLACES = 2048
 #: The step with which a curve begins, in microseconds.
 _STEP = 50_000
 #: Name of the lane of commands that belong to no action: a sentence typed on the spot.
-DIRECT = "(direct)"
+DIRECT = "(improvised)"
 #: Facts of one action, and characters of one.
 _FACTS, _WORDS = 12, 200
 #: A lane: its sort, its name.

@@ -17,7 +17,8 @@ class Measure:
     """A figure that is one number.
 
     Attributes:
-        name: As in CSV, JSON and docs/report.md; it ends in the unit where there is one.
+        name: As in CSV, JSON and docs/tables.md; it ends in the unit where there is one, but for
+            `duration`.
         unit: `s`, `ms`, `share` (0..1), `per minute` or empty (a count).
         meaning: Its definition.
         short: The head of a column.
@@ -65,7 +66,7 @@ def _cues_of(sort: str, words: str) -> tuple[Measure, ...]:
 
 MEASURES: tuple[Measure, ...] = (
     Measure(
-        "duration_s", "s",
+        "duration", "s",
         "time in this condition; of a whole session from its first to its last line of actions",
         "length", lambda part: part.us / 1e6,
     ),
@@ -88,25 +89,26 @@ MEASURES: tuple[Measure, ...] = (
     Measure("actions_open", "", "actions whose end is not in the log", "open",
             lambda part: part.outcomes.open),
     Measure(
-        "actions_by_hand", "", "actions that a human asked for: whose `source` is neither "
-        "`engagement`, `program` nor `replay`", "by hand", lambda part: part.by_hand,
+        "prepared_actions", "", "actions that a human asked for: whose `source` is neither "
+        "`engagement`, `program` nor `replay`", "prepared", lambda part: part.by_hand,
     ),
     Measure(
-        "direct_commands", "", "commands by hand that belong to no action: a sentence typed on "
+        "improvised_actions", "", "commands by hand that belong to no action: a sentence typed on "
         "the spot, a movement with the arrow keys; knobs on their way, and what goes to the "
-        "session itself or the engagement model, are not counted", "direct",
+        "session itself or the engagement model, are not counted", "improvised",
         lambda part: part.direct,
     ),
     Measure(
-        "acts", "", "acts by hand: `actions_by_hand` + `direct_commands`", "acts",
+        "wizard_actions", "", "`prepared_actions` + `improvised_actions`", "acts",
         lambda part: part.acts,
     ),
     Measure(
-        "acts_per_minute", "per minute", "`acts` / `duration_s` x 60; empty without time",
+        "wizard_actions_per_minute", "per minute",
+        "`wizard_actions` / `duration` x 60; empty without time",
         "per min", lambda part: part.per_minute,
     ),
     Measure(
-        "gap_median_s", "s", "median time from one act by hand to the next one, from request to "
+        "gap_median_s", "s", "median time from one wizard action to the next one, from request to "
         "request, with no change of condition or trial and no break between them", "gap",
         lambda part: seconds(part.gaps.median),
     ),
@@ -115,7 +117,7 @@ MEASURES: tuple[Measure, ...] = (
     Measure("gap_max_s", "s", "longest of these gaps", "gap max",
             lambda part: seconds(part.gaps.most)),
     Measure(
-        "press_median_ms", "ms", "median time from the request of an act by hand to the first "
+        "press_median_ms", "ms", "median time from the request of a wizard action to the first "
         "start of a robot's driver for it; waits before that, being held back by shaping and the "
         "queue behind an earlier act are part of it",
         "press", lambda part: milliseconds(part.press.median),
@@ -136,20 +138,20 @@ MEASURES: tuple[Measure, ...] = (
         "cues", "", "events that want an answer: cues of speech, engagement and marker, each "
         "event once (without echoes)", "cues", lambda part: reactions(part).cues,
     ),
-    Measure("cues_answered", "", "cues that an act by hand answered within the window",
+    Measure("cues_answered", "", "cues that a wizard action answered within the window",
             "answered", lambda part: reactions(part).answered),
-    Measure("cues_anticipated", "", "cues that an act by hand answered up to a second before they "
-            "came: there is no reaction time", "anticipated",
-            lambda part: reactions(part).fates.get("anticipated", 0)),
-    Measure("cues_missed", "", "cues that no act by hand answered within the window", "missed",
+    Measure("cues_answered_early", "", "cues that a wizard action answered up to a second before "
+            "they came: there is no reaction time", "early",
+            lambda part: reactions(part).results.get("answered_early", 0)),
+    Measure("cues_missed", "", "cues that no wizard action answered within the window", "missed",
             lambda part: reactions(part).missed),
-    Measure("cues_overtaken", "", "cues that were overtaken before an answer: by another one of "
-            "their sort, by the visitor going on to speak, by the model leaving the state",
-            "overtaken", lambda part: reactions(part).fates.get("overtaken", 0)),
+    Measure("cues_superseded", "", "cues that were superseded before an answer: by another one of "
+            "their type, by the visitor going on to speak, by the model leaving the state",
+            "superseded", lambda part: reactions(part).results.get("superseded", 0)),
     Measure("cues_cut", "", "cues whose window was still open when the log ended", "cut",
-            lambda part: reactions(part).fates.get("cut", 0)),
+            lambda part: reactions(part).results.get("cut", 0)),
     Measure(
-        "reaction_median_s", "s", "median time from a cue to the act by hand that answered it",
+        "reaction_median_s", "s", "median time from a cue to the wizard action that answered it",
         "react", lambda part: seconds(reactions(part).times.median),
     ),
     Measure("reaction_p95_s", "s", "95 % quantile of this time", "react p95",
@@ -200,11 +202,11 @@ MEASURES: tuple[Measure, ...] = (
             "speech s", lambda part: part.speech.total / 1e6),
     Measure(
         "mistakes", "",
-        "acts by hand that were labelled with `mistake`, each once; not knobs on their way",
+        "wizard actions that were labelled with `mistake`, each once; not knobs on their way",
         "mistakes",
         lambda part: part.mistakes,
     ),
-    Measure("mistake_rate", "share", "`mistakes` / `acts`; empty without acts", "mist. %",
+    Measure("mistake_rate", "share", "`mistakes` / `wizard_actions`; empty without acts", "mist. %",
             lambda part: part.mistake_rate),
     Measure(
         "stops",

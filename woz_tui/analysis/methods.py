@@ -240,7 +240,7 @@ def _acted(facts: Facts) -> Iterator[str]:
     else:
         yield f"Of these, {listed(ends)}."
     if facts.direct:
-        yield f"Besides, {some(facts.direct, 'command')} {were(facts.direct)} given on the spot."
+        yield f"Besides, {some(facts.direct, 'improvised action')} {were(facts.direct)} played."
 
 
 _ENDS = {
@@ -275,12 +275,12 @@ def _performance(facts: Facts) -> Iterator[str]:
     if facts.acts:
         marked = f"{facts.mistakes} ({_per_cent(facts.mistakes, facts.acts)})"
         what = "marked as a mistake" if facts.mistakes == 1 else "marked as mistakes"
-        yield (f"Of {some(facts.acts, 'act')} by hand, {marked} {was(facts.mistakes)} {what}.")
+        yield f"Of {some(facts.acts, 'wizard action')}, {marked} {was(facts.mistakes)} {what}."
     yield from _reacted(facts)
     if facts.press.n:
         yield (
-            f"The time from the request of an act to its start in the robot was"
-            f" {_spread(facts.press, _fine, 'ms')}, over {some(facts.press.n, 'act')}."
+            f"The time from the request of a wizard action to its start in the robot was"
+            f" {_spread(facts.press, _fine, 'ms')}, over {some(facts.press.n, 'wizard action')}."
         )
     if facts.stops:
         yield (
@@ -292,27 +292,27 @@ def _performance(facts: Facts) -> Iterator[str]:
         yield f"It did not reach {names}, which {was(len(facts.unreached))} not connected."
 
 
-#: Fates of cues to which an answer was not due within the window, in words.
+#: Results of cues to which an answer was not due within the window, in words.
 _NOT_DUE = {
-    "anticipated": "answered before they came",
-    "overtaken": "overtaken",
+    "answered_early": "answered before they came",
+    "superseded": "superseded",
     "cut": "cut off by the end",
 }
 
 
 def _reacted(facts: Facts) -> Iterator[str]:
-    cues = sum(facts.fates.values())
+    cues = sum(facts.results.values())
     if not cues:
         return
-    due = facts.fates["answered"] + facts.fates["missed"]
+    due = facts.results["answered"] + facts.results["missed"]
     share = ""
     if due:
-        others = [words for fate, words in _NOT_DUE.items() if facts.fates[fate]]
+        others = [words for result, words in _NOT_DUE.items() if facts.results[result]]
         left = f" of those {neither(others)}" if others else ""
-        share = f" ({_per_cent(facts.fates['answered'], due)}{left})"
+        share = f" ({_per_cent(facts.results['answered'], due)}{left})"
     yield (
         f"Of {some(cues, 'cue')} that wanted an answer, the wizard answered"
-        f" {facts.fates['answered']} within {_seconds(facts.window_us)} s"
+        f" {facts.results['answered']} within {_seconds(facts.window_us)} s"
         f"{share}."
     )
     if facts.reactions.n:

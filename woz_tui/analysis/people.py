@@ -4,14 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 
-from woz_tui.analysis.figures import Part
+from woz_tui.analysis.figures import Part, SessionFigures
 from woz_tui.analysis.rows import Answer, Trial
 from woz_tui.analysis.tally import Tally
+from woz_tui.timeline.context import Context
+from woz_tui.timeline.timeline import Timeline
 
 #: Somebody with less time than this, and without anything done, was a slip in the code.
 SLIP_US = 10_000_000
 #: What the time without a participant is called in a session that had one.
-NOBODY = "nobody"
+NOBODY = "no participant"
 
 
 def taking_part(
@@ -35,6 +37,14 @@ def taking_part(
     return {code for code, us in times.items() if code and (code in busy or us >= SLIP_US)}
 
 
+def counts(timeline: Timeline, figures: SessionFigures, context: Context) -> bool:
+    """Whether what happens in this context counts: somebody takes part, and in no trial that was
+    aborted or excluded.
+    """
+    somebody = context.participant in figures.participants or not figures.participant
+    return somebody and timeline.counts(context)
+
+
 def called(participant: str, *, counted: bool) -> str:
     """The code, as a table names it; empty in sessions without codes."""
     return participant or ("" if counted else NOBODY)
@@ -42,11 +52,10 @@ def called(participant: str, *, counted: bool) -> str:
 
 def not_counted(rows: Iterable[tuple[str, bool]]) -> str:
     """A sentence about rows (participant, counted) that no mean contains; empty without any."""
-    names = sorted({called(who, counted=False) for who, counted in rows if not counted})
-    if not names:
-        return ""
-    short = f"less than {SLIP_US / 1e6:g} s of one and nothing done"
-    return f"in no total: {', '.join(names)} (no participant, or {short})"
+    names = sorted({who for who, counted in rows if not counted})
+    told = ["time before a participant was set"] if "" in names else []
+    told += [f"{who} (less than {SLIP_US / 1e6:g} s and nothing played)" for who in names if who]
+    return f"Excluded: {', '.join(told)}" if told else ""
 
 
 def counted_parts(parts: Iterable[Part]) -> list[Part]:

@@ -1,6 +1,6 @@
-"""The tables of docs/report.md, out of the code that computes the figures.
+"""docs/tables.md: figures and columns, out of the code that computes them.
 
-    python -m woz_tui.analysis.reference docs/report.md
+    python -m woz_tui.analysis.reference docs/tables.md
 
 writes them anew; a test keeps them fresh.
 """
@@ -10,23 +10,30 @@ from __future__ import annotations
 import sys
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 from woz_tui.analysis.measures import MEASURES
-from woz_tui.analysis.sheets import SESSIONS, SHEETS, Sheet
-from woz_tui.analysis.tidy import DICTIONARY, WIDE, dictionary
+from woz_tui.analysis.tables import CONDITIONS, EVENTS, FIGURES, SAMPLES, Table, answers_wide
 from woz_tui.record.reference import replaced
 
-BEGIN = "<!-- tables: begin (python -m woz_tui.analysis.reference docs/report.md) -->"
+BEGIN = "<!-- tables: begin (python -m woz_tui.analysis.reference docs/tables.md) -->"
 END = "<!-- tables: end -->"
+#: All of them, in the order of the page.
+TABLES: tuple[Table[Any], ...] = (
+    *FIGURES,
+    answers_wide(["<questionnaire>.<item>"]),
+    EVENTS,
+    SAMPLES,
+)
 
 
 def tables() -> str:
     """All figures and all columns as Markdown."""
-    return "\n".join([*_figures(), *_files()])
+    return "\n".join([*_figures(), *(line for table in TABLES for line in _table(table))])
 
 
 def _figures() -> Iterator[str]:
-    yield "### Main figures"
+    yield "## Main figures"
     yield ""
     yield "| figure | unit | definition |"
     yield "|---|---|---|"
@@ -34,38 +41,20 @@ def _figures() -> Iterator[str]:
         yield f"| `{measure.name}` | {measure.unit} | {measure.meaning} |"
 
 
-def _files() -> Iterator[str]:
-    for sheet in SHEETS:
-        yield ""
-        yield f"### `{sheet.name}.csv`"
-        yield ""
-        yield f"{sheet.meaning[:1].upper()}{sheet.meaning[1:]}."
-        yield ""
-        yield "| column | unit | meaning |"
-        yield "|---|---|---|"
-        yield from _columns(sheet)
+def _table(table: Table[Any]) -> Iterator[str]:
     yield ""
-    yield f"### `{WIDE}.csv`"
+    yield f"## `{table.name}.csv`"
     yield ""
-    yield "The answers once more: one row for each round of a questionnaire, with a column for each"
-    yield "item."
+    yield table.meaning
     yield ""
-    yield "| column | unit | meaning |"
-    yield "|---|---|---|"
-    for file, column, unit, meaning in dictionary():
-        if file == f"{WIDE}.csv":
-            yield f"| `{column}` | {unit} | {meaning} |"
-    yield ""
-    yield f"`{DICTIONARY}.csv` has these tables for programs: `file`, `column`, `unit`, `meaning`."
-
-
-def _columns(sheet: Sheet) -> Iterator[str]:
-    figures = {measure.name for measure in MEASURES} if sheet is SESSIONS else set()
-    for column in sheet.columns:
+    yield "| column | type | unit | meaning |"
+    yield "|---|---|---|---|"
+    figures = {measure.name for measure in MEASURES} if table is CONDITIONS else set()
+    for column in table.columns:
         if column.name not in figures:
-            yield f"| `{column.name}` | {column.unit} | {column.meaning} |"
+            yield f"| `{column.name}` | {column.type} | {column.unit} | {column.meaning} |"
     if figures:
-        yield "| *all main figures* | | one column each, see above |"
+        yield "| *all main figures* | | | one column each, see above |"
 
 
 def refreshed(page: str) -> str:

@@ -18,11 +18,13 @@ from woz_tui.timeline.episodes import NOT_COUNTED
 from woz_tui.timeline.timeline import Timeline
 
 M = TypeVar("M", bound=m.Message)
+#: Whether what happened in a context counts.
+Counted = Callable[[Context], bool]
 
 #: What can be a cue. `training` are those of `woz train`.
-CUE_SORTS = ("speech", "engagement", "marker", "training")
+CUE_TYPES = ("speech", "engagement", "marker", "training")
 #: What can become of a cue.
-CUE_FATES = ("answered", "anticipated", "missed", "overtaken", "cut")
+CUE_RESULTS = ("answered", "answered_early", "missed", "superseded", "cut")
 #: The name under which an unbroken engagement stands among the visits.
 ENGAGED_VISIT = "engaged"
 #: The source of markers that the preflight list sets.
@@ -34,23 +36,23 @@ class Cue:
     """Something that wants an answer, and what the wizard made of it.
 
     Attributes:
-        sort: One of `CUE_SORTS`.
+        cue_type: One of `CUE_TYPES`.
         t: Its moment.
-        what: The state, the number of the utterance, the marker's text, the trained cue's sort.
-        fate: One of `CUE_FATES`.
+        what: The state, the number of the utterance, the marker's text, the trained cue's type.
+        result: One of `CUE_RESULTS`.
         reaction_us: To the act that answered it; None: nothing did.
         action: Name of that action, or the verb of a command that belonged to none.
         run: Id of that run, or of the command.
         echo: It followed within a second of another open cue and stands for the same event, so
-            the figures over all sorts leave it out.
+            the figures over all types leave it out.
         judged: Of trained cues: right, wrong or missed.
         trial: Number of the trial, -1 outside.
     """
 
-    sort: str
+    cue_type: str
     t: int
     what: str
-    fate: str
+    result: str
     reaction_us: int | None = None
     action: str = ""
     run: str = ""
@@ -74,6 +76,11 @@ class Trial:
     outcome: str
     text: str
     actions: int
+
+    @property
+    def duration(self) -> int | None:
+        """How long it was; None: it never ended."""
+        return None if self.end is None else self.end - self.begin
 
     @property
     def counted(self) -> bool:
@@ -121,33 +128,52 @@ class Mark:
     source: str = ""
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True, slots=True, kw_only=True)
 class Visit:
-    """A stay in a state of the engagement model, or (`state` is `engaged`) an unbroken engagement.
+    """A stay in a state of the engagement model, or (`state` is `engaged`) an unbroken engagement;
+    or the piece of it within one context.
 
-    Participant, condition, trial and visitor are those of its beginning; of an engagement the
-    visitor who was recognised last. `cut`: it was not over when the log, or the model, ended.
+    Attributes:
+        entered_by: The transition that led to it, and `left_by` the one that ended it.
+        visitor: Who was known as it began; of an engagement who was recognised last.
+        forced: The wizard led to it, or decided a verdict on which it rests.
+        why: Why it was entered, in words.
+        changed: It began then; else it is a further piece of what went on.
+        cut: It was not over when the log, or the model, ended.
+        trial: Number of the trial, -1 outside; as participant and condition, of its beginning.
     """
 
     state: str
     begin: int
     end: int
-    outcome: str = ""
+    entered_by: str = ""
+    left_by: str = ""
     visitor: str = ""
+    forced: bool = False
+    why: str = ""
+    changed: bool = True
     cut: bool = False
     participant: str = ""
     condition: str = ""
     trial: int = -1
+    counted: bool = True
+
+    @property
+    def duration(self) -> int:
+        """How long it was."""
+        return self.end - self.begin
 
 
-@dataclass(frozen=True, slots=True)
-class Difference:
-    """A robot's setting was other than asked for, within one trial, condition or break.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Setting:
+    """A robot's setting had one value, within one trial, condition or break.
 
     Attributes:
         setting: Its name.
-        value: What the robot had, in words.
-        wanted: What was asked for.
+        value: What the robot had.
+        wanted: What was asked for, where it differs.
+        differs: The robot had something else than what was asked for; None: unknown, since the
+            robot was lost or does not tell it any more.
         begin: When it was read so.
         end: When it was read otherwise, the robot was lost, or trial, condition or break changed.
         changed: It began then; else it goes on from before such a change.
@@ -155,10 +181,12 @@ class Difference:
         trial: Number of the trial, -1 outside.
     """
 
+    seq: int
     driver: str
     setting: str
-    value: str
-    wanted: str
+    value: m.Json
+    wanted: m.Json
+    differs: bool | None
     begin: int
     end: int
     changed: bool = True
@@ -168,10 +196,15 @@ class Difference:
     trial: int = -1
     counted: bool = True
 
+    @property
+    def duration(self) -> int:
+        """How long it was so."""
+        return self.end - self.begin
+
 
 @dataclass(frozen=True, slots=True)
 class Answer:
-    """The last answer to an item in one round of a questionnaire.
+    """The last answer to an item in one round of a questionnaire; `t` is when it was given.
 
     `value` is None for texts and for what was left out; `low` and `high` are None unless the item
     is a scale.
@@ -184,6 +217,7 @@ class Answer:
     value: float | None
     text: str
     skipped: bool
+    t: int
     answered_us: int | None
     low: float | None = None
     high: float | None = None
@@ -348,36 +382,67 @@ def marks(timeline: Timeline) -> Iterator[Mark]:
 
 
 def visits(timeline: Timeline) -> list[Visit]:
-    """Stays in states and engagements, by when they were over."""
+    """Stays in states and engagements as they were, by when they were over."""
     found = [_visit(each, each.state) for each in timeline.of(e.ModelState)]
     found += [_visit(each, ENGAGED_VISIT) for each in timeline.of(e.Engagement)]
     return sorted(found, key=lambda visit: visit.end)
 
 
-def _visit(each: e.ModelState | e.Engagement, state: str) -> Visit:
-    end = each.begin + each.duration
-    place = placed(each.context).values()
-    return Visit(state, each.begin, end, each.reason, each.visitor, each.cut, *place)
-
-
-def differences(timeline: Timeline, counted: Callable[[Context], bool]) -> list[Difference]:
-    """All times in which a setting was other than asked for, by context; the earliest first."""
-    found = _differences(timeline, counted)
-    return sorted(found, key=attrgetter("begin", "driver", "setting"))
-
-
-def _differences(timeline: Timeline, counted: Callable[[Context], bool]) -> Iterator[Difference]:
-    for each in timeline.of(e.Setting):
-        if not each.differs:
-            continue
+def stays(timeline: Timeline, counted: Counted) -> Iterator[Visit]:
+    """Stays in states, clipped to contexts."""
+    for each in timeline.of(e.ModelState):
         parts = timeline.parts(each)
         for part in parts:
-            yield Difference(
+            yield replace(
+                _visit(each, each.state),
                 **placed(part.context),
+                begin=part.begin,
+                end=part.end,
+                changed=part is parts[0],
+                cut=each.cut and part is parts[-1],
+                counted=counted(part.context),
+            )
+
+
+def _visit(each: e.ModelState | e.Engagement, state: str) -> Visit:
+    entered = each.entered
+    return Visit(
+        **placed(each.context),
+        state=state,
+        begin=each.begin,
+        end=each.begin + each.duration,
+        entered_by=entered.outcome if entered is not None else "",
+        left_by=each.reason,
+        visitor=each.visitor,
+        forced=entered is not None and entered.forced,
+        why=entered.why if entered is not None else "",
+        cut=each.cut,
+    )
+
+
+def settings(timeline: Timeline, counted: Counted) -> list[Setting]:
+    """What robots had set, by context and time; of one moment as the driver lists them."""
+    shown = timeline.state.robots.shown.values()
+    places = {(line.driver, name): at for line in shown for at, name in enumerate(line.values)}
+
+    def order(row: Setting) -> tuple[int, ...]:
+        return row.begin, row.seq, row.end, places.get((row.driver, row.setting), len(places))
+
+    return sorted(_settings(timeline, counted), key=order)
+
+
+def _settings(timeline: Timeline, counted: Counted) -> Iterator[Setting]:
+    for each in timeline.of(e.Setting):
+        parts = timeline.parts(each)
+        for part in parts:
+            yield Setting(
+                **placed(part.context),
+                seq=each.seq,
                 driver=each.driver,
                 setting=each.name,
-                value=worded(each.value),
-                wanted=worded(each.wanted),
+                value=each.value,
+                wanted=each.wanted,
+                differs=each.differs,
                 begin=part.begin,
                 end=part.end,
                 changed=part is parts[0],
@@ -417,6 +482,7 @@ def answers(timeline: Timeline) -> Iterator[Answer]:
                 value=None if answer.skipped else answer.value,
                 text=answer.text,
                 skipped=answer.skipped,
+                t=answer.t,
                 answered_us=answer.answered_us if answer.answered_us >= 0 else None,
                 low=_number(item.get("low")),
                 high=_number(item.get("high")),

@@ -78,12 +78,14 @@ def _examined(
 ) -> Report:
     damage = Damage()
     timeline, curves, roll = Timeline(), Curves(), Roll()
-    some = False
+    lines, some = 0, False
     for message in messages(path, damage, places=places, samples=wanted.curves):
         roll.take(message)
         if isinstance(message, Line):
+            lines += not message.sample
             continue
         some = True
+        lines += not is_sample(message)
         if is_sample(message):
             curves.take(message)  # a session lasts from its first to its last line of actions
         else:
@@ -97,4 +99,4 @@ def _examined(
     if wanted.verified:
         whole = verified(whole, path, places)
     drawing = drawing_of(timeline, curves) if wanted.timeline or wanted.curves else None
-    return Report(replace(figures, wholeness=whole), drawing)
+    return Report(replace(figures, wholeness=whole, lines=lines), drawing)

@@ -62,7 +62,7 @@ class Facts:
     direct: int = 0
     mistakes: int = 0
     press: Series = field(default_factory=Series)
-    fates: Counter[str] = field(default_factory=Counter)
+    results: Counter[str] = field(default_factory=Counter)
     reactions: Series = field(default_factory=Series)
     stops: int = 0
     stopped_sessions: int = 0
@@ -143,7 +143,7 @@ class Facts:
     def _answers(self, figures: SessionFigures) -> None:
         for part in counted_parts(figures.parts):
             if ALL_CUES in part.reactions:
-                self.fates.update(part.reactions[ALL_CUES].fates)
+                self.results.update(part.reactions[ALL_CUES].results)
                 self.reactions.extend(part.reactions[ALL_CUES].times)
         stops = sum(stop.scope == "all" for stop in figures.stops)  # not those of driving alone
         self.stops += stops

@@ -17,12 +17,12 @@ from woz_tui.analysis.figures import (
     StateTimes,
     VerbTimes,
 )
-from woz_tui.analysis.rows import CUE_FATES, CUE_SORTS, Cue
+from woz_tui.analysis.rows import CUE_RESULTS, CUE_TYPES, Cue
 from woz_tui.analysis.series import Series
 
 #: Action, panel, source, end.
 CountKey = tuple[str, str, str, str]
-#: Cues of all sorts but the trained ones, each event once.
+#: Cues of all types but the trained ones, each event once.
 ALL_CUES = "all"
 
 
@@ -167,15 +167,15 @@ def _ordered(counts: Counter[str], order: Sequence[str]) -> dict[str, int]:
 
 
 def _reactions(cues: Sequence[Cue]) -> dict[str, Reactions]:
-    sorts = {sort: [cue for cue in cues if cue.sort == sort] for sort in CUE_SORTS}
-    sorts[ALL_CUES] = [cue for cue in cues if cue.sort != "training" and not cue.echo]
-    return {sort: _reaction(found) for sort, found in sorts.items() if found}
+    types = {each: [cue for cue in cues if cue.cue_type == each] for each in CUE_TYPES}
+    types[ALL_CUES] = [cue for cue in cues if cue.cue_type != "training" and not cue.echo]
+    return {each: _reaction(found) for each, found in types.items() if found}
 
 
 def _reaction(cues: Sequence[Cue]) -> Reactions:
-    fates = Counter(cue.fate for cue in cues)
+    results = Counter(cue.result for cue in cues)
     times = Series(cue.reaction_us for cue in cues if cue.reaction_us is not None)
-    return Reactions(_ordered(fates, CUE_FATES), times)
+    return Reactions(_ordered(results, CUE_RESULTS), times)
 
 
 def _engagement(total: Tally) -> Engagement:

@@ -75,18 +75,18 @@ def run(arguments: argparse.Namespace) -> int:
 
 def _report(arguments: argparse.Namespace) -> int:
     from woz_tui.analysis.groups import Grouped  # noqa: PLC0415
-    from woz_tui.analysis.tidy import Folder  # noqa: PLC0415
+    from woz_tui.analysis.tidy import table_files  # noqa: PLC0415
 
     reading = Reading(arguments)
     grouped = Grouped()
     kept: list[Report] = []
     sessions: list[object] = []
     try:
-        with Folder(arguments.csv) if arguments.csv else nullcontext() as folder:
+        with table_files(arguments.csv) if arguments.csv else nullcontext() as files:
             for report in reading.reports(_wanted(arguments, len(reading.paths))):
                 grouped.add(report.figures)
-                if folder is not None:
-                    folder.add(report.figures)
+                if files is not None:
+                    files.add(report.figures)
                 if arguments.json:
                     sessions.append(_plain(report))
                 if arguments.html or len(reading.paths) == 1:

@@ -11,9 +11,16 @@ from woz_tui.cli.report_page import NONE, Page, clock, digits, in_unit, s, some,
 
 #: Columns, those first that are worth most; as many are shown as there is room for.
 _COLUMNS = (
-    *("duration_s", "acts", "cues", "cues_missed", "reaction_median_s", "press_median_ms"),
+    *("duration", "wizard_actions", "cues", "cues_missed", "reaction_median_s", "press_median_ms"),
     *("engaged_share", "mistakes", "stops", "actions_failed", "episodes", "press_p95_ms"),
-    *("acts_per_minute", "gap_median_s", "reaction_p95_s", "actions_refused", "markers", "notes"),
+    *(
+        "wizard_actions_per_minute",
+        "gap_median_s",
+        "reaction_p95_s",
+        "actions_refused",
+        "markers",
+        "notes",
+    ),
 )
 _WHO = ("who", "condition", "session")
 #: Between two columns.
@@ -117,13 +124,11 @@ def _head(measure: Measure) -> str:
 
 
 def _unit(measure: Measure) -> str:
-    return (
-        f" {measure.unit}" if measure.unit in ("s", "ms") and measure.name != "duration_s" else ""
-    )
+    return f" {measure.unit}" if measure.unit in ("s", "ms") and measure.name != "duration" else ""
 
 
 def _cell(measure: Measure, value: float | None) -> str:
-    if measure.name == "duration_s":
+    if measure.name == "duration":
         return clock(None if value is None else value * 1e6)
     return in_unit(value, measure.unit)
 
@@ -146,8 +151,8 @@ def _totals(page: Page, totals: Sequence[ConditionTotal]) -> None:
 def _total(measure: Measure, total: Total, participants: int) -> str:
     if total.mean is None:
         return NONE
-    factor = 1e6 if measure.name == "duration_s" else 1.0
-    if measure.name == "duration_s":
+    factor = 1e6 if measure.name == "duration" else 1.0
+    if measure.name == "duration":
         told = clock(total.mean * factor)
         spread = "" if total.sd is None else f" ({clock(total.sd * factor)})"
     elif measure.unit == "share":

@@ -12,7 +12,7 @@ from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.measures import BY_NAME, Measure
 from woz_tui.analysis.people import called, not_counted
 from woz_tui.analysis.report import Report
-from woz_tui.analysis.rows import CUE_FATES
+from woz_tui.analysis.rows import CUE_RESULTS
 from woz_tui.analysis.series import Series
 from woz_tui.analysis.tally import ALL_CUES
 from woz_tui.cli.report_around import around
@@ -40,8 +40,15 @@ _LETTERS = 26
 TOP = 12
 #: The main figures of a session, in groups; a figure that does not exist in it is left out.
 _MAIN = (
-    ("duration_s", "trials", "acts", "acts_per_minute", "actions", "actions_done"),
-    ("actions_failed", "actions_stopped", "actions_refused", "actions_open", "direct_commands"),
+    (
+        "duration",
+        "trials",
+        "wizard_actions",
+        "wizard_actions_per_minute",
+        "actions",
+        "actions_done",
+    ),
+    ("actions_failed", "actions_stopped", "actions_refused", "actions_open", "improvised_actions"),
     ("gap_median_s", "press_median_ms", "press_p95_ms", "press_max_ms"),
     ("cues", "cues_answered", "cues_missed", "reaction_median_s", "reaction_p95_s"),
     ("settings_differ_s", "settings_differ_share"),
@@ -49,10 +56,9 @@ _MAIN = (
     ("mistakes", "mistake_rate", "stops", "markers", "notes", "actions_held", "held_median_s"),
 )
 _WORDS = {
-    "duration_s": "length",
-    "acts": "acts by hand",
-    "acts_per_minute": "acts a minute",
-    "gap_median_s": "gap between acts, median",
+    "duration": "length",
+    "wizard_actions_per_minute": "wizard actions per minute",
+    "gap_median_s": "gap between them, median",
     "press_median_ms": "key to robot, median",
     "press_p95_ms": "key to robot, p95",
     "press_max_ms": "key to robot, longest",
@@ -64,7 +70,7 @@ _WORDS = {
     "settings_differ_share": "of the time known",
     "speech_s": "speech of the visitor",
     "held_median_s": "held back, median",
-    "mistake_rate": "mistakes by acts",
+    "mistake_rate": "mistakes by wizard actions",
 }
 
 
@@ -153,7 +159,7 @@ def _plain(name: str) -> str:
 
 
 def _cell(measure: Measure, value: float | None) -> str:
-    if measure.name == "duration_s":
+    if measure.name == "duration":
         return clock(None if value is None else value * 1e6)
     text = in_unit(value, measure.unit)
     unit = measure.unit if measure.unit in ("s", "ms") and value is not None else ""
@@ -206,13 +212,14 @@ def _reactions(figures: SessionFigures) -> Block:
     found = figures.whole.reactions
     if not found:
         return []
-    fates = [fate for fate in CUE_FATES if any(each.fates.get(fate) for each in found.values())]
-    made = table("cue", "given", *fates, "median s", "p95", "max")
-    for sort, each in found.items():
-        counts = (str(each.fates.get(fate, "")) for fate in fates)
-        made.add_row(sort, str(each.cues), *counts, *_spread(each.times, s))
+    results = [each for each in CUE_RESULTS if any(it.results.get(each) for it in found.values())]
+    heads = (each.replace("_", " ") for each in results)
+    made = table("cue", "given", *heads, "median s", "p95", "max")
+    for cue_type, each in found.items():
+        counts = (str(each.results.get(result, "")) for result in results)
+        made.add_row(cue_type, str(each.cues), *counts, *_spread(each.times, s))
     window = figures.window_us / 1e6
-    return [bold(f"Reactions: cue to the next act by hand (window {window:g} s)"), made]
+    return [bold(f"Reactions: cue to the next wizard action (window {window:g} s)"), made]
 
 
 def _reaction_bars(page: Page, figures: SessionFigures) -> Block:

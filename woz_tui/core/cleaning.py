@@ -80,6 +80,12 @@ def cell(value: str | float | bool | None, *, text: bool = True) -> str:
     return repr(value)
 
 
+def seconds(us: int) -> str:
+    """Microseconds as seconds with all six places, never in another notation."""
+    sign, us = ("-", -us) if us < 0 else ("", us)
+    return f"{sign}{us // 1_000_000}.{us % 1_000_000:06d}"
+
+
 def _picture(found: re.Match[str]) -> str:
     code = ord(found[0])
     if code < 0x20:

@@ -14,13 +14,14 @@ from pathlib import PurePath
 from typing import Any, get_args
 
 from woz_tui import __version__
+from woz_tui.analysis.rows import Answer
+from woz_tui.analysis.tables import ANSWERS, EVENTS, Cell, Column, Table
 from woz_tui.core.cleaning import cell, one_line
 from woz_tui.core.messages import AnyMessage, Reading
-from woz_tui.export.course import Answer, Event, Session
+from woz_tui.export.course import Event, Session
 from woz_tui.export.exporter import Exporter, Options, Told
 from woz_tui.export.folder import Folder
 from woz_tui.export.sources import Source
-from woz_tui.export.tables import ANSWERS, EVENTS, Cell, Column, Table
 from woz_tui.export.text import letters
 from woz_tui.record.log import Damage
 
@@ -80,7 +81,7 @@ class BidsExporter(Exporter):
 
     def _participant(self, session: Session, code: str) -> str:
         events = [event for event in session.events if event.participant == code]
-        answers = [answer for answer in session.answers if answer.participant == code]
+        answers = [answer for answer in session.figures.answers if answer.participant == code]
         label = self._label(session, code)
         known = self._conditions.setdefault(label, [])
         conditions = dict.fromkeys(event.condition for event in events if event.condition)
@@ -215,15 +216,15 @@ _MOMENTS = {
     str(kind.__struct_config__.tag): (kind.__doc__ or "").strip().partition("\n\n")[0]
     for kind in get_args(AnyMessage)
 }
-#: BIDS has its own names for these, and wants the first three first.
-_RENAMED = {"onset_s": "onset", "duration_s": "duration", "kind": "trial_type"}
+#: BIDS has its own name for this one, and wants the first three columns first.
+_RENAMED = {"kind": "trial_type"}
 _OF_EVENTS = (
-    *("onset_s", "duration_s", "kind", "label", "panel", "action", "verb", "driver", "source"),
-    *("outcome", "latency_s", "mistake", "condition", "trial", "text", "run", "seq"),
+    *("onset", "duration", "kind", "label", "panel", "action", "verb", "driver", "source"),
+    *("outcome", "latency", "mistake", "condition", "trial", "counted", "text", "run", "seq"),
 )
 _OF_ANSWERS = (
-    *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "answered_s"),
-    *("onset_s", "condition", "trial", "question"),
+    *("questionnaire", "round", "item", "value", "low", "high", "text", "skipped", "response_time"),
+    *("onset", "condition", "trial", "question"),
 )
 
 
@@ -260,7 +261,7 @@ def write_answers(
     """`<stem>_beh.tsv` and its sidecar: answers to questionnaires."""
     columns = _columns(ANSWERS, _OF_ANSWERS)
     rows = (
-        [bids_cell(of.cell(session, answer), text=of.type == "string") for of in columns]
+        [bids_cell(of.cell(session.figures, answer), text=of.type == "string") for of in columns]
         for answer in answers
     )
     write_table(folder, f"{stem}_beh.tsv", [column.name for column in columns], rows)
@@ -296,9 +297,9 @@ def _level(kind: str) -> str:
 
 
 def _event_cell(session: Session, event: Event, column: Column[Any]) -> Cell:
-    if column.name == "duration_s" and event.end is None:
+    if column.name == "duration" and event.end is None:
         return 0  # as BIDS has it of moments
-    return column.cell(session, event)
+    return column.cell(session.figures, event)
 
 
 def _meaning(column: Column[Any]) -> dict[str, str]:

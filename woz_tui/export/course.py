@@ -4,22 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from datetime import UTC, datetime
+from datetime import datetime
 from pathlib import Path
 
+from woz_tui.analysis.figures import SessionFigures
+from woz_tui.analysis.gather import figures_of
+from woz_tui.analysis.tables import wall_time
 from woz_tui.core.messages import Json, SessionStart
+from woz_tui.timeline.timeline import timeline_of
 
+#: Of a session of which nothing is known.
+NO_FIGURES = figures_of(timeline_of(()))
 #: The outcome of what had not ended when the log did.
 OPEN = "open"
 
 
 @dataclass(slots=True, kw_only=True)
 class Owned:
-    """Something that belongs to a participant, a condition and a trial; trial None: to none."""
+    """Something that belongs to a participant, a condition and a trial; trial None: to none.
+    `counted`: somebody took part, and in no trial that was aborted or excluded.
+    """
 
     participant: str = ""
     condition: str = ""
     trial: int | None = None
+    counted: bool = True
 
 
 @dataclass(slots=True, kw_only=True)
@@ -39,8 +48,6 @@ class Event(Owned):
         latency: For actions and commands, from the request to the driver's start.
         acted: When the driver started, for commands.
         mistake: The wizard said that this action was one.
-        changed: It began here; else it is a further part of something that went on while
-            participant, condition or trial changed.
         details: Everything else that the log says of it.
     """
 
@@ -63,58 +70,12 @@ class Event(Owned):
     latency: int | None = None
     acted: int | None = None
     mistake: bool = False
-    changed: bool = True
     details: dict[str, Json] = field(default_factory=dict)
 
     @property
     def duration(self) -> int:
         """How long it lasted; 0 for a moment."""
         return 0 if self.end is None else self.end - self.begin
-
-
-@dataclass(slots=True, kw_only=True)
-class Answer(Owned):
-    """The last answer to an item in one round of a questionnaire; `at` is when it was given.
-
-    `value` on the scale from `low` to `high`, or `text`; `took` microseconds from its being shown.
-    """
-
-    seq: int
-    at: int
-    questionnaire: str
-    round: int
-    item: str
-    question: str
-    value: float | None = None
-    text: str = ""
-    low: float | None = None
-    high: float | None = None
-    took: int | None = None
-    skipped: bool = False
-
-
-@dataclass(slots=True, kw_only=True)
-class Setting(Owned):
-    """A robot's setting `name` from a change of it, or of whose time it is, to the next one.
-
-    `differs` is None while it is unknown: the robot is lost, or does not tell it any more. `wanted`
-    counts where it differs; else the robot had what was asked for, or nobody had asked.
-    """
-
-    seq: int
-    begin: int
-    end: int
-    driver: str
-    name: str
-    value: Json = None
-    wanted: Json = None
-    differs: bool | None = None
-    changed: bool = True
-
-    @property
-    def duration(self) -> int:
-        """How long it held."""
-        return self.end - self.begin
 
 
 @dataclass(frozen=True, slots=True)
@@ -134,9 +95,7 @@ class Session:
         log: The log's file from which it was read; its other files lie beside it.
         start: What the first line says; None if that line is lost.
         events: By time of beginning.
-        engagement: States of the engagement model, once for each participant, condition and trial.
-        answers: By time; the last one to each item.
-        settings: What robots had set, by time.
+        figures: What the report computes of it.
         clips: Recorded sound that is there still.
         duration: Time of the last line.
         end_reason: What the last line says; empty if it is lost.
@@ -149,9 +108,7 @@ class Session:
     log: Path
     start: SessionStart | None = None
     events: list[Event] = field(default_factory=list)
-    engagement: list[Event] = field(default_factory=list)
-    answers: list[Answer] = field(default_factory=list)
-    settings: list[Setting] = field(default_factory=list)
+    figures: SessionFigures = NO_FIGURES
     clips: list[Clip] = field(default_factory=list)
     duration: int = 0
     end_reason: str = ""
@@ -177,11 +134,7 @@ class Session:
     @property
     def started(self) -> datetime | None:
         """The wall clock at 0, in UTC; None if the log does not say or dates were taken out."""
-        try:
-            wall = datetime.fromisoformat(self.clock.get("wall_at_t0", ""))
-            return wall.astimezone(UTC) if wall.tzinfo else wall.replace(tzinfo=UTC)
-        except (ValueError, OverflowError):
-            return None
+        return wall_time(self.clock.get("wall_at_t0", ""))
 
     @property
     def participants(self) -> list[str]:

@@ -4,10 +4,11 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import closing
+from dataclasses import replace
 from pathlib import Path
 
 from woz_tui.export.bids import BidsExporter
-from woz_tui.export.course import Session
+from woz_tui.export.course import NO_FIGURES, Session
 from woz_tui.export.csv_files import CsvExporter
 from woz_tui.export.eaf import EafExporter
 from woz_tui.export.exporter import Exporter, Options, Told
@@ -48,6 +49,7 @@ def export(
         for source in sources:
             session = read(source, redact=options.redact)
             session.name = names.apart(session.name)
+            session.figures = replace(session.figures, stem=session.name)
             told.append(_told(session, exporter.add(session, source)))
             yield told[-1]
         exporter.finish(told)
@@ -56,7 +58,7 @@ def export(
 def _told(session: Session, notes: list[str]) -> Told:
     """Keeps no events: those of hundreds of sessions would fill the memory."""
     told = Told(session, notes, session.participants, len(session.events))
-    session.events, session.engagement, session.answers, session.settings = [], [], [], []
+    session.events, session.figures = [], NO_FIGURES
     return told
 
 

@@ -8,11 +8,10 @@ from pathlib import Path
 from typing import ClassVar
 
 from woz_tui import __version__
-from woz_tui.core.cleaning import one_line
+from woz_tui.core.cleaning import one_line, seconds
 from woz_tui.export.course import Session
 from woz_tui.export.folder import README, SIGN, Folder
 from woz_tui.export.sources import Source
-from woz_tui.export.text import seconds
 
 _TIMES = (
     "All times are in seconds since the beginning of the session, on a clock that never jumps. "

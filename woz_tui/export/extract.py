@@ -6,16 +6,17 @@ takes the messages as they were recorded.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
+from woz_tui.analysis.gather import figures_of
+from woz_tui.analysis.people import counts
 from woz_tui.analysis.rows import worded
 from woz_tui.core import messages as m
-from woz_tui.export.course import OPEN, Answer, Clip, Event, Owned, Session, Setting
+from woz_tui.export.course import OPEN, Clip, Event, Owned, Session
 from woz_tui.record.log import Line
-from woz_tui.timeline import episodes
 from woz_tui.timeline.context import Context, Span
 from woz_tui.timeline.episodes import (
     Action,
@@ -27,6 +28,7 @@ from woz_tui.timeline.episodes import (
     Moment,
     Outcome,
     Questionnaire,
+    Setting,
     Stop,
     Trial,
     Utterance,
@@ -120,6 +122,8 @@ class Extractor:
         #: Where the files lie that the log names.
         self._folder = folder
         self._timeline = Timeline(passing=True)
+        #: Of what may be shown: figures have texts, too.
+        self._shown = Timeline()
         #: Lines of which events are made when all is known, by `seq`.
         self._lines: dict[int, Mapping[str, Any]] = {}
 
@@ -133,6 +137,8 @@ class Extractor:
             message = line.message  # all that is shown of settings is in the timeline
         if message is not None:
             self._timeline.take(message)
+        if line.message is not None:
+            self._shown.take(line.message)
         match line.message:
             case m.SessionStart():
                 self.session.start = line.message
@@ -152,20 +158,19 @@ class Extractor:
         session, timeline = self.session, self._timeline
         timeline.finish()
         session.duration = max(session.duration, timeline.end)
+        self._shown.finish()
+        figures = figures_of(self._shown, stem=session.name)
+        session.figures = replace(figures, lines=session.lines, redacted=session.redacted)
         for event in session.events:
-            _belongs(event, timeline.contexts.at(event.begin, event.seq))
+            self._belongs(event, timeline.contexts.at(event.begin, event.seq))
         for episode in timeline.episodes:
             made = self._event(episode)
             if made is None:
                 continue
-            _belongs(made, episode.context)
+            self._belongs(made, episode.context)
             session.events.append(made)
-            if isinstance(episode, ModelState):
-                session.engagement += _by_context(made, timeline.parts(episode))
         session.clips += self._clips()
-        session.answers += sorted(self._answers(), key=lambda answer: (answer.at, answer.seq))
-        session.settings, differing = settings_of(timeline)
-        session.events += differing
+        session.events += self._settings()
         session.events.sort(key=lambda event: (event.begin, event.seq))
 
     # -- events -----------------------------------------------------------------------------------
@@ -281,34 +286,20 @@ class Extractor:
             if path.is_file():
                 yield Clip(path, spoken.begin)
 
-    def _answers(self) -> Iterator[Answer]:
-        """The last answer to each item in each round of a questionnaire."""
-        rounds: dict[str, int] = {}
-        scales: dict[tuple[str, str], dict[str, Any]] = {}
-        for asked in self._timeline.of(Questionnaire):
-            name = asked.name
-            rounds[name] = rounds.get(name, 0) + 1
-            for item in asked.started.items if asked.started is not None else ():
-                scales[name, str(item.get("name", ""))] = item
-            for answer in asked.answers.values():
-                scale = scales.get((name, answer.item), {})
-                given = Answer(
-                    seq=answer.seq,
-                    at=answer.t,
-                    questionnaire=name,
-                    round=rounds[name],
-                    item=answer.item,
-                    question=self._text(answer, "question"),
-                    value=None if answer.skipped else answer.value,
-                    text="" if answer.skipped else self._text(answer, "text"),
-                    low=_number(scale.get("low")),
-                    high=_number(scale.get("high")),
-                    took=answer.answered_us if answer.answered_us >= 0 else None,
-                    skipped=answer.skipped,
-                )
-                _belongs(given, asked.context)
-                given.trial = asked.trial
-                yield given
+    def _settings(self) -> Iterator[Event]:
+        """Settings that differed and conflicts: one for each part of an episode."""
+        for each in self._timeline.episodes:
+            if isinstance(each, Conflict) or (isinstance(each, Setting) and each.differs):
+                parts = self._timeline.parts(each)
+                for part in parts:
+                    event = _setting(each, part, last=part is parts[-1])
+                    self._belongs(event, part.context)
+                    yield event
+
+    def _belongs(self, row: Owned, context: Context) -> None:
+        row.participant, row.condition = context.participant, context.condition
+        row.trial = context.trial
+        row.counted = counts(self._timeline, self.session.figures, context)
 
 
 #: What becomes an event, and how.
@@ -325,84 +316,12 @@ _EVENTS: Mapping[type[Episode], Callable[[Extractor, Any], Event | None]] = {
 }
 
 
-def _belongs(row: Owned, context: Context) -> None:
-    row.participant, row.condition = context.participant, context.condition
-    row.trial = context.trial
-
-
-def _by_context(event: Event, parts: Sequence[Span]) -> Iterator[Event]:
-    """The event once for each part of its episode."""
-    for part in parts:
-        piece = replace(event, begin=part.begin, end=part.end, changed=part is parts[0])
-        _belongs(piece, part.context)
-        yield piece
-
-
-def _number(value: object) -> float | None:
-    return value if isinstance(value, int | float) and not isinstance(value, bool) else None
-
-
-# -- robots' settings ------------------------------------------------------------------------------
-
-
 #: The outcome of a difference that was not seen to end, because its robot was lost.
 LOST = "lost"
-#: An episode, one of its parts, all of them.
-_Piece = tuple[episodes.Setting | Conflict, Span, tuple[Span, ...]]
 
 
-def settings_of(timeline: Timeline) -> tuple[list[Setting], list[Event]]:
-    """Rows of all settings, and events of those that differed and of conflicts: one for each part
-    of an episode, by time.
-    """
-    pieces = [
-        (each, part, parts)
-        for each in timeline.episodes
-        if isinstance(each, episodes.Setting | Conflict)
-        for parts in [timeline.parts(each)]
-        for part in parts
-    ]
-    shown = timeline.state.robots.shown.values()
-    places = {(line.driver, name): at for line in shown for at, name in enumerate(line.values)}
-
-    def order(piece: _Piece) -> tuple[int, ...]:
-        """By time; of one moment as the driver lists them."""
-        each, part, _ = piece
-        return part.begin, each.seq, part.end, places.get((each.driver, each.label), len(places))
-
-    pieces.sort(key=order)
-    rows = [
-        _row(each, part, changed=part is parts[0])
-        for each, part, parts in pieces
-        if isinstance(each, episodes.Setting)
-    ]
-    events = [
-        _setting_event(each, part, last=part is parts[-1])
-        for each, part, parts in pieces
-        if isinstance(each, Conflict) or each.differs
-    ]
-    return rows, events
-
-
-def _row(each: episodes.Setting, part: Span, *, changed: bool) -> Setting:
-    row = Setting(
-        seq=each.seq,
-        begin=part.begin,
-        end=part.end,
-        driver=each.driver,
-        name=each.name,
-        value=each.value,
-        wanted=each.wanted,
-        differs=each.differs,
-        changed=changed,
-    )
-    _belongs(row, part.context)
-    return row
-
-
-def _setting_event(each: episodes.Setting | Conflict, part: Span, *, last: bool) -> Event:
+def _setting(each: Setting | Conflict, part: Span, *, last: bool) -> Event:
     event = Event(seq=each.seq, begin=part.begin, end=part.end, kind="conflict", driver=each.driver)
-    _belongs(event, part.context)
     if last and each.cut:
         event.outcome = OPEN
     if isinstance(each, Conflict):

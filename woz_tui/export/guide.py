@@ -1,4 +1,4 @@
-"""The tables of docs/export.md, written from the code.
+"""The lists of docs/export.md, written from the code.
 
     python -m woz_tui.export.guide docs/export.md
 
@@ -8,37 +8,11 @@ writes them anew; a test keeps them fresh.
 from __future__ import annotations
 
 import sys
-from collections.abc import Collection, Iterator, Mapping
+from collections.abc import Collection, Mapping
 from pathlib import Path
-from typing import Any
 
 from woz_tui.export import redaction
-from woz_tui.export.tables import (
-    ANSWERS,
-    ENGAGEMENT,
-    EVENTS,
-    SAMPLES,
-    SESSIONS,
-    SETTINGS,
-    Table,
-)
-
-
-def columns() -> str:
-    """All columns of all CSV tables."""
-    tables: list[Table[Any]] = [EVENTS, ENGAGEMENT, ANSWERS, SETTINGS, SESSIONS, SAMPLES]
-    return "\n\n".join("\n".join(_table(table)) for table in tables)
-
-
-def _table(table: Table[Any]) -> Iterator[str]:
-    yield f"### `{table.name}.csv`"
-    yield ""
-    yield table.meaning
-    yield ""
-    yield "| column | type | unit | meaning |"
-    yield "|---|---|---|---|"
-    for column in table.columns:
-        yield f"| `{column.name}` | {column.type} | {column.unit} | {column.meaning} |"
+from woz_tui.record.reference import replaced
 
 
 def kept() -> str:
@@ -67,18 +41,13 @@ def _words(kind: str, fields: Mapping[str, Collection[str]]) -> str:
     return f"A lone word or a colour, in {kind}: " + ", ".join(names) + "."
 
 
-PARTS = {"columns": columns, "kept": kept}
+BEGIN = "<!-- kept: begin (python -m woz_tui.export.guide docs/export.md) -->"
+END = "<!-- kept: end -->"
 
 
 def renewed(page: str) -> str:
-    """The page with the tables as they are now."""
-    for name, part in PARTS.items():
-        begin, end = f"<!-- {name}: begin", f"<!-- {name}: end -->"
-        head, _, rest = page.partition(begin)
-        comment, _, rest = rest.partition("-->")
-        _, _, tail = rest.partition(end)
-        page = f"{head}{begin}{comment}-->\n\n{part()}\n\n{end}{tail}"
-    return page
+    """The page with the lists as they are now."""
+    return replaced(page, BEGIN, END, kept())
 
 
 if __name__ == "__main__":

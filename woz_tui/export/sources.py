@@ -9,6 +9,7 @@ from pathlib import Path
 
 import msgspec
 
+from woz_tui.analysis.figures import Wholeness
 from woz_tui.core import wire
 from woz_tui.core.messages import Reading
 from woz_tui.export.course import Session
@@ -132,6 +133,8 @@ def read(source: Source, *, redact: bool = False) -> Session:
     if session.lines and session.start is None:
         session.damage.append("the first line is missing: nobody's codes are known")
     session.name = _name(session)
+    whole = Wholeness(sentences=tuple(session.damage), ended=bool(session.end_reason))
+    session.figures = replace(session.figures, wholeness=whole)
     return session
 
 

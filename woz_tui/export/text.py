@@ -1,14 +1,8 @@
-"""Times and names as other programs can hold them."""
+"""Names as other programs can hold them."""
 
 from __future__ import annotations
 
 import re
-
-
-def seconds(us: int) -> str:
-    """Microseconds as seconds with all six places, never in another notation."""
-    sign, us = ("-", -us) if us < 0 else ("", us)
-    return f"{sign}{us // 1_000_000}.{us % 1_000_000:06d}"
 
 
 def letters(text: str, otherwise: str) -> str:

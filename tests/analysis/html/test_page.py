@@ -163,7 +163,7 @@ def test_sentences_typed_on_the_spot_have_a_lane(tmp_path: Path) -> None:
     story.tell(3.02, m.Dispatched(command="c1", driver="voice", latency_us=20_000))
     story.tell(5, m.TimedOut(command="c1", driver="voice", reason="it took too long"))
     [lane] = data(render([story.report(tmp_path)]), 1)["lanes"]
-    assert lane["title"] == "(direct)"
+    assert lane["title"] == "(improvised)"
     [[*what, facts]] = lane["items"]
     assert what == [3, 5, "say", "failed"]
     assert ["say", "Mind the step."] in facts
@@ -220,7 +220,7 @@ def test_a_report_without_a_timeline_is_a_page_too(tmp_path: Path) -> None:
 def test_figures_stand_in_the_page_as_they_were_found(text: str, tmp_path: Path) -> None:
     figures = ordinary("P01", "warm", "S01").report(tmp_path).figures
     plain = re.sub(r"<[^>]+>", " ", text)
-    assert f"{figures.whole.acts} acts" in plain
+    assert f"{figures.whole.acts} wizard actions" in plain
     assert "It was friendly." in plain
 
 

@@ -10,12 +10,12 @@ from woz_tui.analysis.measures import BY_NAME
 
 #: Name in an address -> title on the page, and the measure that it stands for.
 _MEASURES: dict[str, tuple[str, str]] = {
-    "acts": ("Acts by hand", "acts"),
-    "rate": ("Acts a minute", "acts_per_minute"),
+    "acts": ("Wizard actions", "wizard_actions"),
+    "rate": ("Wizard actions per minute", "wizard_actions_per_minute"),
     "reaction": ("Reaction time", "reaction_median_s"),
-    "anticipated": ("Anticipated cues", "cues_anticipated"),
+    "early": ("Cues answered early", "cues_answered_early"),
     "missed": ("Missed cues", "cues_missed"),
-    "overtaken": ("Overtaken cues", "cues_overtaken"),
+    "superseded": ("Superseded cues", "cues_superseded"),
     "press": ("Press to start", "press_median_ms"),
     "done": ("Request to end", "action_median_s"),
     "gaps": ("Gaps", "gap_median_s"),

@@ -68,7 +68,7 @@ def _cells(entry: Entry, part: Part) -> Iterator[Markup]:
     reactions = part.reactions.get("all")
     median = reactions.times.median if reactions else None
     who = called(part.participant, counted=part.counted) or DASH
-    left = None if part.counted else tag("small", " (in no total)")
+    left = None if part.counted else tag("small", " (excluded)")
     yield tag("th", _link(entry, who), left, scope="row")
     yield tag("td", said(part.condition))
     yield tag("td", said(figures.session))

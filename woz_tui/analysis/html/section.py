@@ -71,7 +71,7 @@ def section(entry: Entry, *, every_event: bool) -> Markup:
     """The session; `every_event`: the list of events is whole without a script, too."""
     figures = entry.figures
     damage = figures.wholeness.sentences
-    brief = f"{clock(figures.duration_us)}, {counted(figures.whole.acts, 'act')}"
+    brief = f"{clock(figures.duration_us)}, {counted(figures.whole.acts, 'wizard action')}"
     summary = tag(
         "summary",
         tag("h2", said(entry.title), id=f"{entry.name}-title"),
@@ -146,7 +146,7 @@ def _tiles(figures: SessionFigures) -> Iterator[Markup]:
     if whole.differing_us:
         more = f"of a robot: {percent(whole.differing_share)} of the time in which they were known"
         yield _tile("differing", duration(whole.differing_us), more)
-    yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of acts")
+    yield _tile("mistakes", str(whole.mistakes), f"{percent(whole.mistake_rate)} of wizard actions")
     ends = whole.outcomes
     more = f"actions failed: {ends.failed}, refused: {ends.refused}"
     yield _tile("stops", str(whole.stops), more)

@@ -10,7 +10,7 @@ from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
 from woz_tui.analysis.html.numbers import DASH, clock, duration, percent
 from woz_tui.analysis.people import called
-from woz_tui.analysis.rows import CUE_FATES, Answer
+from woz_tui.analysis.rows import CUE_RESULTS, Answer
 from woz_tui.analysis.series import Series
 
 
@@ -109,25 +109,25 @@ def verbs(figures: SessionFigures) -> Markup | None:
 
 
 def cues(figures: SessionFigures) -> Markup | None:
-    """Reaction times by the sort of cue."""
+    """Reaction times by the type of cue."""
     heads = [
         "Cue",
         "All",
         "Answered",
-        defined("anticipated", "Anticipated"),
+        defined("early", "Answered early"),
         defined("missed"),
-        defined("overtaken", "Overtaken"),
+        defined("superseded", "Superseded"),
         "Cut short",
     ]
     heads += [defined("reaction", "Median"), "p95", "Longest"]
     rows = [
         [
-            sort,
+            cue_type,
             str(found.cues),
-            *_counts(found.fates.get(fate, 0) for fate in CUE_FATES),
+            *_counts(found.results.get(each, 0) for each in CUE_RESULTS),
             *_spread(found.times),
         ]
-        for sort, found in figures.whole.reactions.items()
+        for cue_type, found in figures.whole.reactions.items()
         if found.cues
     ]
     window = f" (window {duration(figures.window_us)})" if figures.window_us else ""
@@ -160,7 +160,7 @@ def trials(figures: SessionFigures) -> Markup | None:
             str(trial.trial),
             said(trial.condition),
             clock(trial.begin),
-            duration(None if trial.end is None else trial.end - trial.begin),
+            duration(trial.duration),
             trial.outcome or "no end in the log",
             str(trial.actions),
             said(trial.text),

@@ -13,7 +13,14 @@ from woz_tui.analysis.report import Report
 
 #: Measures that conditions are compared by on the page; the CSV has all.
 _SHOWN = (
-    *("duration_s", "acts", "acts_per_minute", "gap_median_s", "cues", "cues_missed"),
+    *(
+        "duration",
+        "wizard_actions",
+        "wizard_actions_per_minute",
+        "gap_median_s",
+        "cues",
+        "cues_missed",
+    ),
     *("reaction_median_s", "press_median_ms", "action_median_s", "actions_failed"),
     *("engaged_share", "episodes", "episode_median_s", "mistake_rate", "stops"),
 )

@@ -1,0 +1,598 @@
+"""The tables of `woz report --csv` and `woz export`: the one place that says which columns there
+are and what they mean. CSV files, data dictionary, BIDS' sidecars and docs/tables.md come from it.
+
+Names are those of BIDS where it has some: `onset` and `duration` in seconds, `response_time`. A
+time without a unit in its name is in seconds; figures (medians, shares, sums) end in their unit.
+"""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from dataclasses import dataclass, replace
+from datetime import UTC, datetime
+from typing import Any, Generic, TypeVar
+
+import msgspec
+
+from woz_tui.analysis.figures import (
+    COMMAND_ENDS,
+    ENDS,
+    ActionCount,
+    Part,
+    SessionFigures,
+    Training,
+    VerbTimes,
+)
+from woz_tui.analysis.measures import MEASURES, Measure, milliseconds, seconds
+from woz_tui.analysis.rows import Answer, Cue, Setting, Trial, Visit, worded
+from woz_tui.core.cleaning import seconds as exact
+from woz_tui.core.messages import Json, Reading
+
+Row = TypeVar("Row")
+#: None: there is no value.
+Cell = str | int | float | bool | None
+
+
+@dataclass(frozen=True, slots=True)
+class Column(Generic[Row]):
+    """A column: its name, Frictionless type (string, number, integer, boolean, datetime), meaning,
+    how a row's cell is found, unit.
+    """
+
+    name: str
+    type: str
+    meaning: str
+    cell: Callable[[SessionFigures, Row], Cell]
+    unit: str = ""
+
+
+@dataclass(frozen=True, slots=True)
+class Table(Generic[Row]):
+    """Columns of one file; `rows` are what it has of a session, `key` the columns that together
+    tell rows apart.
+    """
+
+    name: str
+    meaning: str
+    columns: tuple[Column[Row], ...]
+    rows: Callable[[SessionFigures], Iterable[Row]]
+    key: tuple[str, ...] = ()
+
+
+def _nothing(_: SessionFigures) -> tuple[()]:
+    """Of tables whose rows are no figures: whoever reads the log has them."""
+    return ()
+
+
+def _value(value: Json) -> Cell:
+    """Numbers stay numbers, so that no guard stands before a negative one."""
+    return value if isinstance(value, int | float) else worded(value)
+
+
+def _json(value: Mapping[str, object]) -> Cell:
+    if not value:
+        return None
+    plain = msgspec.json.decode(msgspec.json.encode(value))
+    return json.dumps(plain, ensure_ascii=False, allow_nan=False)
+
+
+def _plain(type_: str, name: str, meaning: str) -> Column[Any]:
+    """An attribute of the row as it is."""
+    return Column(name, type_, meaning, lambda _, row: getattr(row, name))
+
+
+def _text(name: str, meaning: str, of: str = "") -> Column[Any]:
+    """An attribute that is a text; there is no value where it is empty."""
+    return Column(name, "string", meaning, lambda _, row: getattr(row, of or name) or None)
+
+
+def rounded(value: float | None) -> Cell:
+    """A figure with the digits that count, a whole one without a dot."""
+    if not isinstance(value, float):
+        return value
+    return int(value) if value.is_integer() and abs(value) < 1e15 else round(value, 9)
+
+
+def _time(name: str, meaning: str, of: str) -> Column[Any]:
+    """An attribute in microseconds, in seconds."""
+
+    def cell(_: SessionFigures, row: object) -> Cell:
+        us: int | None = getattr(row, of)
+        return None if us is None else exact(us)
+
+    return Column(name, "number", meaning, cell, "s")
+
+
+def _figure(
+    name: str, type_: str, meaning: str, of: Callable[[Any], Any], unit: str = ""
+) -> Column[Any]:
+    """A number that was computed."""
+    return Column(name, type_, meaning, lambda _, row: rounded(of(row)), unit)
+
+
+def _session(type_: str, name: str, meaning: str, of: str = "") -> Column[Any]:
+    """An attribute of the session."""
+
+    def cell(figures: SessionFigures, _: object) -> Cell:
+        found: Cell = getattr(figures, of or name)
+        return None if found == "" else found
+
+    return Column(name, type_, meaning, cell)
+
+
+_LOG = _session("string", "log", "name of the session's log, without `.jsonl`", "stem")
+_CODE = _session("string", "session", "the session's code")
+_PARTICIPANT = _text("participant", "the participant's code")
+_CONDITION = _text("condition", "the condition at this time")
+
+
+def wall_time(text: str) -> datetime | None:
+    """A moment of the wall clock, in UTC; None if the log does not say or dates were taken out."""
+    try:
+        wall = datetime.fromisoformat(text)
+        return wall.astimezone(UTC) if wall.tzinfo else wall.replace(tzinfo=UTC)
+    except (ValueError, OverflowError):
+        return None
+
+
+def _begun(figures: SessionFigures, _: object) -> Cell:
+    wall = wall_time(figures.started)
+    return wall.isoformat() if wall is not None else None
+
+
+_STARTED: Column[Any] = Column(
+    *("started", "datetime"),
+    "wall clock (UTC) at 0 of `onset`; empty: unknown, or dates were taken out",
+    _begun,
+)
+
+
+def _number(_: SessionFigures, row: Any) -> Cell:
+    trial: int | None = row.trial
+    return None if trial is None or trial < 0 else trial
+
+
+_WHOSE: tuple[Column[Any], ...] = (
+    *(_LOG, _CODE, _PARTICIPANT, _CONDITION),
+    Column("trial", "integer", "number of the trial; empty: in none", _number),
+)
+_ONSET = _time("onset", "beginning, from the session's start", "begin")
+_MOMENT = _time("onset", "its moment, from the session's start", "t")
+_DURATION = _time("duration", "from beginning to end", "duration")
+_SEQ = _plain("integer", "seq", "number of the line in the log")
+_COUNTED = _plain(
+    *("boolean", "counted"), "somebody took part, and in no trial that was aborted or excluded"
+)
+_PIECE = "false: only participant, condition, trial or a break did"
+
+
+# -- sessions and conditions ----------------------------------------------------------------------
+
+
+def _named(name: str, meaning: str, of: Callable[[SessionFigures], Cell]) -> Column[SessionFigures]:
+    return Column(name, "string", meaning, lambda figures, _: of(figures) or None)
+
+
+SESSIONS: Table[SessionFigures] = Table(
+    "sessions",
+    "One row for each session.",
+    (
+        *(_LOG, _CODE),
+        _named(
+            "participants", "codes of all who took part, with blanks between",
+            lambda it: " ".join(it.participants),
+        ),
+        _named(
+            "conditions", "all conditions in order, a JSON list",
+            lambda it: json.dumps(it.conditions, ensure_ascii=False),
+        ),
+        _session("string", "wizard", "the wizard's code"),
+        _session("string", "experiment", "the experiment file"),
+        _session("string", "experiment_sha256", "SHA-256 of the experiment file, hexadecimal"),
+        _session("string", "software", "the program that recorded it, and its version"),
+        _plain("integer", "schema", "version of the log's format"),
+        _plain("integer", "seed", "seed of everything random"),
+        _STARTED,
+        _time("duration", "from its first to its last line of actions", "duration_us"),
+        _session("string", "end", "why it ended; empty: the log has no end", "ended"),
+        Column(
+            *("training", "boolean", "a wizard was trained in it"),
+            lambda it, _: it.training is not None,
+        ),
+        _session("string", "rerun_of", "the log whose commands were run again"),
+        _plain("integer", "lines", "lines in the log, samples not counted"),
+        _named(
+            "damage", "what is wrong with the log; empty: nothing",
+            lambda it: "; ".join(it.wholeness.sentences),
+        ),
+        _plain("boolean", "redacted", "texts and dates were taken out"),
+    ),
+    lambda figures: (figures,),
+    key=("log",),
+)  # fmt: skip
+
+
+def _main(measure: Measure) -> Column[Part]:
+    kind = "number" if measure.unit else "integer"
+    return _figure(measure.name, kind, measure.meaning, measure.of, measure.unit)
+
+
+CONDITIONS: Table[Part] = Table(
+    "conditions",
+    "The main figures: one row for each participant and condition of a session.",
+    (
+        *(_LOG, _CODE, _PARTICIPANT, _CONDITION),
+        _plain("boolean", "counted", "totals contain it: somebody took part, and it is no slip"),
+        *map(_main, MEASURES),
+    ),
+    lambda figures: figures.parts,
+)
+
+
+# -- what happened --------------------------------------------------------------------------------
+
+
+EVENTS: Table[Any] = Table(
+    "events",
+    "What happened: one row each for an action, a command, a state of the engagement machine, a "
+    "sentence of the visitor, a trial, a marker and so on, by time. What lasts is in the condition "
+    "and trial in which it began.",
+    (
+        *_WHOSE,
+        _ONSET,
+        Column(
+            *("duration", "number", "from beginning to end; empty: a moment"),
+            lambda _, event: None if event.end is None else exact(event.duration),
+            "s",
+        ),
+        _text(
+            "kind",
+            "action, command, engagement, speech (the visitor's), trial, break, stop, "
+            "questionnaire; difference: a robot's setting was other than asked for; conflict: of "
+            "settings; of moments, the kind of the log's line: marker, note, sensor.changed ...",
+        ),
+        _text(
+            "label",
+            "which one of its kind: the action's name, the command's verb, the state, the trial, "
+            "the setting",
+        ),
+        _text("panel", "title of the action's panel"),
+        _text("action", "name of the action"),
+        _text("verb", "what a command does: say, play ..."),
+        _text("driver", "name of the driver"),
+        _text("source", "who asked: key, script, palette, midi, program, engagement, replay"),
+        _text("key", "the key that was pressed"),
+        _text(
+            "outcome",
+            "of actions and commands: done, failed, stopped, refused, timed_out, superseded; of "
+            "states the transition that led to them; of settings and speech lost: its driver was "
+            "lost; open: the log ended first",
+        ),
+        _time(
+            "latency",
+            "of actions and commands: from the request to the driver's start; of actions, to that "
+            "of their first command to a driver",
+            "latency",
+        ),
+        Column(
+            "mistake",
+            "boolean",
+            "of actions: the wizard labelled it a mistake",
+            lambda _, event: event.mistake if event.kind == "action" else None,
+        ),
+        _text(
+            "text",
+            "said, typed or recognised; of a difference what the robot had and what was wanted",
+        ),
+        _text("reason", "why it ended so, in words"),
+        _text("run", "ties an action, its commands and mistakes"),
+        _text("command", "id of the command"),
+        Column(
+            *("details", "string", "what else the log says, a JSON object"),
+            lambda _, event: _json(event.details),
+        ),
+        _COUNTED,
+        _SEQ,
+    ),
+    _nothing,
+)
+
+TRIALS: Table[Trial] = Table(
+    "trials",
+    "One row for each trial that was begun, those that do not count too.",
+    (
+        *_WHOSE,
+        _ONSET,
+        _time("duration", "until its end; empty if it has none", "duration"),
+        _text("outcome", "done, aborted or excluded; empty if it has no end"),
+        _text("text", "what the wizard remarked"),
+        _plain("boolean", "counted", "its data count: neither aborted nor excluded"),
+        _plain("integer", "actions", "actions that were asked for in it"),
+    ),
+    lambda figures: figures.trials,
+)
+
+
+def _counts(figures: SessionFigures) -> Iterator[tuple[Part, ActionCount]]:
+    return ((part, count) for part in figures.parts for count in part.counts)
+
+
+def _of_first(column: Column[Any]) -> Column[Any]:
+    """The column of rows that begin with the part to which they belong."""
+    return replace(column, cell=lambda figures, row: column.cell(figures, row[0]))
+
+
+_PARTS = (_LOG, _CODE, _of_first(_PARTICIPANT), _of_first(_CONDITION))
+
+
+def _count(name: str, meaning: str, of: Callable[[ActionCount], Cell], kind: str) -> Column[Any]:
+    return Column(name, kind, meaning, lambda _, row: of(row[1]))
+
+
+def _ended(end: str) -> Column[Any]:
+    return _count(
+        *(end, f"how often it ended so: {end}"), lambda it: getattr(it.outcomes, end), "integer"
+    )
+
+
+ACTIONS: Table[tuple[Part, ActionCount]] = Table(
+    "actions",
+    "One row for each participant, condition, action, panel and source: how often, and how it "
+    "ended.",
+    (
+        *_PARTS,
+        _count("action", "name of the action", lambda it: it.action, "string"),
+        _count("panel", "title of the panel", lambda it: it.panel or None, "string"),
+        _count(
+            *("source", "who asked: key, script, palette, midi, program, engagement ..."),
+            *(lambda it: it.source or None, "string"),
+        ),
+        _count("total", "how often it was asked for", lambda it: it.outcomes.total, "integer"),
+        *map(_ended, ENDS),
+    ),
+    _counts,
+)
+
+
+def _verbs(figures: SessionFigures) -> Iterator[tuple[Part, str, VerbTimes]]:
+    return ((part, *item) for part in figures.parts for item in part.verbs.items())
+
+
+def _how_many(end: str) -> Column[Any]:
+    return Column(
+        end, "integer", f"how many ended so: {end}", lambda _, row: row[2].ends.get(end, 0)
+    )
+
+
+def _spread(name: str, meaning: str, attribute: str, *, fine: bool) -> Iterator[Column[Any]]:
+    unit, convert = ("ms", milliseconds) if fine else ("s", seconds)
+
+    def column(figure: str, words: str, of: str) -> Column[Any]:
+        return _figure(
+            *(f"{name}_{figure}_{unit}", "number", f"{words} {meaning}"),
+            *(lambda row: convert(getattr(getattr(row[2], attribute), of)), unit),
+        )
+
+    yield column("median", "median", "median")
+    yield column("p95", "95 % quantile of the", "p95")
+    yield column("max", "longest", "most")
+
+
+LATENCIES: Table[tuple[Part, str, VerbTimes]] = Table(
+    "latencies",
+    "One row for each participant, condition and verb: a robot's commands and how long they took; "
+    "knobs on their way, and what a robot shows of the engagement model by itself, are not "
+    "counted.",
+    (
+        *_PARTS,
+        Column("verb", "string", "what was to be done", lambda _, row: row[1]),
+        Column("commands", "integer", "how many commands", lambda _, row: row[2].commands),
+        *map(_how_many, COMMAND_ENDS),
+        *_spread("dispatch", "time from a command's request to its start", "dispatched", fine=True),
+        *_spread("perform", "time from its start to `command.done`", "done", fine=False),
+    ),
+    _verbs,
+)
+
+CUES: Table[Cue] = Table(
+    "cues",
+    "One row for each cue, and what the wizard made of it.",
+    (
+        *_WHOSE,
+        _MOMENT,
+        _text("cue_type", "speech, engagement, marker or training"),
+        _text("label", "the utterance, the state, the marker's text, the trained cue", "what"),
+        _text("result", "answered, answered_early, missed, superseded or cut"),
+        _time("response_time", "from the cue to the act that answered it", "reaction_us"),
+        _text("action", "that act: the action's name, or a command's verb"),
+        _text("run", "id of that run or command in the log"),
+        _plain("boolean", "echo", "stands for the same event as another cue within 1 s"),
+        _text("judged", "of trained cues: right, wrong or missed"),
+        _COUNTED,
+    ),
+    lambda figures: figures.cues,
+)
+
+
+# -- engagement and settings ----------------------------------------------------------------------
+
+_STAY: tuple[Column[Visit], ...] = (
+    *_WHOSE,
+    _ONSET,
+    _DURATION,
+    _text("state", "name of the state"),
+    _text("entered_by", "name of the transition that led to it; empty: the machine began there"),
+    _text(
+        "left_by",
+        "name of the transition that ended it; empty: the log ended first, or the machine was "
+        "switched off",
+    ),
+    _text("visitor", "code of who was known"),
+    _plain("boolean", "forced", "the wizard led to it, or decided a verdict on which it rests"),
+    _text("why", "why it was entered, in words"),
+)
+_CUT = _plain("boolean", "cut", "the log, or the machine, ended before it did")
+
+ENGAGEMENT: Table[Visit] = Table(
+    "engagement",
+    "States of the engagement machine, clipped to trials: one row for each, from its beginning to "
+    "its end, and one more wherever participant, condition or trial change, so that times add up "
+    "by trial. While the machine is off it is in no state.",
+    (*_STAY, _plain("boolean", "changed", f"the state changed; {_PIECE}"), _CUT, _COUNTED),
+    lambda figures: figures.stays,
+)
+
+EPISODES: Table[Visit] = Table(
+    "episodes",
+    "Not clipped: one row for each stay in a state of the engagement machine, and for each "
+    "unbroken engagement (`engaged`), however many trials it spans; participant, condition, trial "
+    "and visitor are those of its beginning.",
+    (*_STAY, _CUT),
+    lambda figures: figures.visits,
+)
+
+SETTINGS: Table[Setting] = Table(
+    "settings",
+    "What robots had set, as it was read back from them: one row for each change of one setting, "
+    "and one more wherever participant, condition or trial change, so that times add up by trial. "
+    "Only robots that tell their settings are in it.",
+    (
+        *_WHOSE,
+        _ONSET,
+        _time("duration", "until the next row of this setting, or the session's end", "duration"),
+        _text("driver", "name of the driver"),
+        _text("setting", "name of the setting"),
+        Column(
+            "value",
+            "string",
+            "what the robot had: true, false, a number, a text, or JSON; empty: an empty text, or "
+            "unknown",
+            lambda _, each: None if each.differs is None else _value(each.value),
+        ),
+        Column(
+            "wanted",
+            "string",
+            "what was asked for, by the robot file or a command, where it differs",
+            lambda _, each: _value(each.wanted) if each.differs else None,
+        ),
+        _plain(
+            "boolean",
+            "differs",
+            "it was other than asked for; empty: unknown, since the robot was lost or did not tell",
+        ),
+        _plain("boolean", "changed", f"the setting changed; {_PIECE}"),
+        _plain("boolean", "cut", "the log ended before it did"),
+        _COUNTED,
+        _SEQ,
+    ),
+    lambda figures: figures.settings,
+)
+
+
+# -- answers, trainings, samples ------------------------------------------------------------------
+
+_ROUND: tuple[Column[Any], ...] = (
+    *_WHOSE,
+    _text("questionnaire", "name of the questionnaire"),
+    _plain("integer", "round", "how often it was put so far in this session, from 1"),
+)
+
+ANSWERS: Table[Answer] = Table(
+    "questionnaires",
+    "The last answer to each item in each round of a questionnaire.",
+    (
+        *_ROUND,
+        _text("item", "name of the item"),
+        _figure("value", "number", "the answer on the item's scale", lambda it: it.value),
+        _figure("low", "number", "lower end of the scale", lambda it: it.low),
+        _figure("high", "number", "upper end of the scale", lambda it: it.high),
+        Column(
+            *("text", "string", "the answer to an item without a scale"),
+            lambda _, answer: None if answer.skipped else answer.text or None,
+        ),
+        _plain("boolean", "skipped", "left out on purpose"),
+        _time("response_time", "from its being shown to the answer", "answered_us"),
+        _time("onset", "when it was answered, from the session's start", "t"),
+        _text("question", "the item's words"),
+    ),
+    lambda figures: figures.answers,
+    key=("log", "questionnaire", "round", "item"),
+)
+
+
+def answers_wide(items: Iterable[str]) -> Table[Mapping[str, Cell]]:
+    """A row for each round of a questionnaire, with a column for each of `items`, which are called
+    `<questionnaire>.<item>`.
+    """
+
+    def column(name: str) -> Column[Mapping[str, Cell]]:
+        return Column(
+            name, "string", "the number that was chosen, or the text that was typed",
+            lambda _, row: row.get(name),
+        )  # fmt: skip
+
+    return Table(
+        "questionnaires_wide",
+        "The answers once more: one row for each round of a questionnaire, and a column for each "
+        "item.",
+        (*(replace(each, cell=column(each.name).cell) for each in _ROUND), *map(column, items)),
+        _nothing,
+    )
+
+
+def rounds_wide(figures: SessionFigures) -> list[dict[str, Cell]]:
+    """The rows of `answers_wide`."""
+    rounds: dict[tuple[str, int], dict[str, Cell]] = {}
+    for answer in figures.answers:
+        key = (answer.questionnaire, answer.round)
+        if key not in rounds:
+            rounds[key] = {column.name: column.cell(figures, answer) for column in _ROUND}
+        told = answer.text if answer.value is None else rounded(answer.value)
+        rounds[key][f"{answer.questionnaire}.{answer.item}"] = None if answer.skipped else told
+    return list(rounds.values())
+
+
+TRAININGS: Table[Training] = Table(
+    "trainings",
+    "One row for each session in which a wizard was trained.",
+    (
+        *(_LOG, _CODE),
+        _session("string", "wizard", "the wizard's code"),
+        _STARTED,
+        _plain("integer", "cues", "lines `cue.given`, without those that became void"),
+        _plain("integer", "right", "cues that were answered rightly"),
+        _plain("integer", "wrong", "cues that were answered by another action"),
+        _plain("integer", "missed", "cues that were not answered in time"),
+        _plain("integer", "uncalled", "actions without a cue"),
+        _figure("score", "number", "`right` / `cues`", lambda it: it.score, "share"),
+        _figure(
+            *("reaction_median_s", "number", "median time to right and wrong answers"),
+            *(lambda it: seconds(it.times.median), "s"),
+        ),
+    ),
+    lambda figures: (figures.training,) if figures.training is not None else (),
+)
+
+SAMPLES: Table[Reading] = Table(
+    "samples",
+    "Every value of every sensor, by time.",
+    (
+        _LOG,
+        _time("onset", "time, from the session's start", "t"),
+        _text("sensor", "the quantity that is sensed"),
+        _plain("number", "value", "its value, in `unit`"),
+        _text("unit", "unit of `value`"),
+        _text("text", "what is not a number: an identity"),
+        _text("driver", "name of the driver"),
+        _plain("number", "raw", "what the device said, in its unit"),
+    ),
+    _nothing,
+)
+
+#: What is computed of a session's timeline: `woz report --csv` has these, `woz export` has them and
+#: those of single lines.
+FIGURES: tuple[Table[Any], ...] = (
+    *(SESSIONS, CONDITIONS, TRIALS, ACTIONS, LATENCIES, CUES, ENGAGEMENT, EPISODES, SETTINGS),
+    *(ANSWERS, TRAININGS),
+)

@@ -53,7 +53,7 @@ def test_errors_go_to_stderr_and_the_code_is_1(
 def test_the_table_says_what_each_key_does(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    assert checked(tmp_path, GOOD) == 0
+    assert checked(tmp_path, GOOD, "--keys") == 0
     printed = capsys.readouterr()
     assert printed.err == ""
     out = printed.out
@@ -71,7 +71,7 @@ def test_the_table_says_what_each_key_does(
 def test_warnings_and_the_drivers_verbs_follow_the_table(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    checked(tmp_path, GOOD)
+    checked(tmp_path, GOOD, "--all")
     out = capsys.readouterr().out
     assert "warning: panels[0].actions[5].sound: there is no file 'missing.wav'" in out
     assert "head (head)" in out
@@ -110,10 +110,41 @@ def test_the_table_keeps_to_the_width(
     columns: str,
 ) -> None:
     monkeypatch.setenv("COLUMNS", columns)
-    checked(tmp_path, GOOD)
+    checked(tmp_path, GOOD, "--all")
     out = capsys.readouterr().out
     widest = max(len(line) for line in out.splitlines() if "warning:" not in line)
     assert widest <= int(columns)
+
+
+def test_the_last_line_is_the_verdict(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    checked(tmp_path, GOOD)
+    *warnings, verdict = capsys.readouterr().out.splitlines()[1:]
+    assert len(warnings) == 2
+    assert verdict == "6 actions on 1 panel, no errors, 2 warnings"
+
+
+def test_keys_and_verbs_are_shown_when_they_are_asked_for(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    checked(tmp_path, GOOD)
+    out = capsys.readouterr().out
+    assert "instead of" not in out
+    assert "speed: number" not in out
+    checked(tmp_path, GOOD, "--keys")
+    out = capsys.readouterr().out
+    assert "instead of" in out
+    assert "speed: number" not in out
+
+
+@pytest.mark.parametrize(
+    ("written", "meant"),
+    [("gesture: nod", "play"), ("speech: Hi", "say"), ("hotkey: h", "key"), ("pla: nod", "play")],
+)
+def test_a_word_of_another_program_finds_ours(
+    tmp_path: Path, capsys: pytest.CaptureFixture[str], written: str, meant: str
+) -> None:
+    assert checked(tmp_path, panel(f"{{label: A, {written}}}", head=ROBOT)) == 1
+    assert f"unknown; did you mean {meant!r}?" in capsys.readouterr().err
 
 
 def test_json_for_programs(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
@@ -183,7 +214,7 @@ def test_the_engagement_model_in_a_few_lines(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     looks, who = "{key: g, label: Looks, toggle: gaze}", "{label: Who, visitor: V1}"
-    assert checked(tmp_path, panel(looks, who, head=MODEL)) == 0
+    assert checked(tmp_path, panel(looks, who, head=MODEL), "--all") == 0
     out = capsys.readouterr().out
     told: dict[str, str] = {}
     for line in out.splitlines():
@@ -228,7 +259,7 @@ def test_other_models(
 ) -> None:
     head = f"title: T\nrobot: {{drivers: {{eye: {{type: camera, sees: [{sees}]}}}}}}\n"
     text = panel("{label: A, mark: x}", head=f"{head}engagement: {{{settings}}}\n")
-    assert checked(tmp_path, text) == 0
+    assert checked(tmp_path, text, "--all") == 0
     assert about in " ".join(capsys.readouterr().out.split())
 
 

@@ -150,7 +150,7 @@ def checked(folder: Path, text: str, *options: str) -> int:
 
 
 def test_check_shows_the_study(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    assert checked(tmp_path, STUDY) == 0
+    assert checked(tmp_path, STUDY, "--all") == 0
     printed = capsys.readouterr().out.split("\nstudy")[1]
     told = [" ".join(line.split()) for line in printed.splitlines()]
     for line in (

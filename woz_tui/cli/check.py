@@ -1,4 +1,4 @@
-"""`woz check FILE`: every error of an experiment file, or its keys on the wizard's terminal."""
+"""`woz check FILE`: every error of an experiment file, what it offers, and a verdict."""
 
 from __future__ import annotations
 
@@ -48,21 +48,31 @@ def add(parser: ArgumentParser) -> None:
     """Declare the command's options."""
     parser.add_argument("file", type=Path, help="experiment file")
     parser.add_argument(
-        "--terminal",
-        choices=sorted(keys.TERMINALS),
-        help="the wizard's terminal (default: this one, by its environment)",
+        "--keys", action="store_true", help="the table of keys, as the wizard's terminal sends them"
     )
     parser.add_argument(
-        "--layout", choices=sorted(keys.LAYOUTS), help="the wizard's keyboard (default: the file's)"
+        "--all",
+        action="store_true",
+        help="everything: keys, the robot's verbs and sensors, engagement, study",
     )
-    parser.add_argument("--keymap", type=Path, help="a wizard's keymap file")
+    parser.add_argument(
+        "--terminal",
+        choices=sorted(keys.TERMINALS),
+        help="the keys on this terminal (default: the one you use, by its environment)",
+    )
+    parser.add_argument(
+        "--layout",
+        choices=sorted(keys.LAYOUTS),
+        help="the keys on this keyboard (default: the file's)",
+    )
+    parser.add_argument("--keymap", type=Path, help="the keys with a wizard's keymap file")
     parser.add_argument(
         "--format", choices=("text", "json"), default="text", help="json: one object, for programs"
     )
 
 
 def run(arguments: Namespace) -> int:
-    """Print errors to stderr and return 1, or print the keys and return 0."""
+    """Print errors to stderr and return 1, or what was asked for and the verdict, and return 0."""
     return explained(lambda: check(arguments, plugins.installed()), who="woz check")
 
 
@@ -82,7 +92,7 @@ def check(arguments: Namespace, catalogue: Mapping[str, type[Driver]]) -> int:
     if arguments.format == "json":
         print(json.dumps(_report(experiment, keymap, terminal, layout), indent=2))
     else:
-        _print(experiment, keymap, terminal, layout)
+        _print(experiment, keymap, terminal, layout, arguments)
     return 0
 
 
@@ -92,24 +102,49 @@ def _print_errors(problems: list[Problem], arguments: Namespace) -> None:
         print(json.dumps(found, indent=2))
     for problem in problems:
         print(problem, file=sys.stderr)
-    count = f"{len(problems)} error{'s' if len(problems) > 1 else ''}"
-    print(f"{arguments.file}: {count}", file=sys.stderr)
+    print(f"{arguments.file}: {_count(len(problems), 'error')}", file=sys.stderr)
 
 
 # -- for people -------------------------------------------------------------------------------
 
 
 def _print(
-    experiment: Experiment, keymap: keys.KeyMap, terminal: keys.Terminal, layout: str
+    experiment: Experiment,
+    keymap: keys.KeyMap,
+    terminal: keys.Terminal,
+    layout: str,
+    arguments: Namespace,
 ) -> None:
     console = TextConsole(page=_PAGE)
     console.print(Text(experiment.title, style="bold"))
-    console.print(f"keys on a {terminal.name} terminal with a {layout} keyboard", style="dim")
-    console.print(_keys_table(experiment, keymap))
-    for line in _moved_builtins(keymap):
-        console.print(Text(line))
-    for warning in (*map(str, experiment.warnings), *keymap.warnings):
+    asked = arguments.terminal or arguments.layout or arguments.keymap
+    if arguments.keys or arguments.all or asked:
+        console.print(f"keys on a {terminal.name} terminal with a {layout} keyboard", style="dim")
+        console.print(_keys_table(experiment, keymap))
+        for line in _moved_builtins(keymap):
+            console.print(Text(line))
+    if arguments.all:
+        _print_robot_and_study(console, experiment)
+    warnings = [*map(str, experiment.warnings), *keymap.warnings]
+    for warning in warnings:
         console.print(Text(warning, style="yellow"), soft_wrap=True)
+    console.print(Text(verdict(experiment, len(warnings)), style="bold"))
+
+
+def verdict(experiment: Experiment, warnings: int) -> str:
+    """The last line: how much there is, and how much is wrong with it."""
+    actions = sum(len(panel.actions) for panel in experiment.panels)
+    return (
+        f"{_count(actions, 'action')} on {_count(len(experiment.panels), 'panel')}, no errors,"
+        f" {_count(warnings, 'warning')}"
+    )
+
+
+def _count(number: int, what: str) -> str:
+    return f"{number or 'no'} {what}{'' if number == 1 else 's'}"
+
+
+def _print_robot_and_study(console: TextConsole, experiment: Experiment) -> None:
     for spec in experiment.drivers:
         console.print()
         console.print(Text(f"{spec.name} ({spec.type})", style="bold"))

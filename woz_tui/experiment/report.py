@@ -175,9 +175,56 @@ def hint(wrong: str, known: Iterable[str]) -> str:
     return "" if near is None else f"; did you mean {near!r}?"
 
 
+#: Words that people write for ours.
+_MEANT = {
+    ours: theirs.split()
+    for ours, theirs in {
+        "say": "speech speak says text tts talk utter utterance sentence",
+        "play": "gesture animation anim motion movement do",
+        "sound": "audio wav music beep",
+        "emotion": "face expression mood feeling",
+        "pose": "posture joints position",
+        "gaze": "look look_at eyes",
+        "home": "rest reset neutral",
+        "mark": "marker bookmark",
+        "wait": "pause sleep delay",
+        "steps": "sequence then do",
+        "label": "caption button title text name",
+        "help": "description tooltip comment",
+        "key": "hotkey shortcut keys binding",
+        "title": "name experiment study",
+        "robot": "robots device devices driver drivers",
+        "drivers": "devices hardware",
+        "panels": "panel groups pages boards buttons",
+        "actions": "buttons items entries lines commands",
+        "script": "scenario sequence order playlist",
+        "phases": "stages sections parts blocks chapters",
+        "repairs": "fallbacks fillers repair",
+        "language": "lang locale",
+        "keyboard": "layout",
+        "conditions": "condition groups levels arms",
+        "participants": "participant subjects pattern",
+        "variables": "vars values parameters",
+        "design": "counterbalancing counterbalance randomization order",
+        "questionnaires": "questionnaire survey surveys questions",
+        "items": "questions",
+        "preflight": "checklist checks",
+        "training": "practice tutorial",
+        "engagement": "attention interaction",
+        "locked": "disabled hidden",
+        "trials": "repetitions",
+        "seconds": "duration",
+    }.items()
+}
+
+
 def nearest(wrong: str, known: Iterable[str]) -> str | None:
-    """The known word that was probably meant, if one is near enough."""
+    """The known word that was probably meant, if one means the same or is near enough."""
     words = list(dict.fromkeys(known))
+    said = wrong.casefold().replace("-", "_")
+    for ours, theirs in _MEANT.items():
+        if said in theirs and ours in words and said not in words:
+            return ours
     folded = {word.casefold(): word for word in reversed(words[:MAX_COMPARED])}
     near = difflib.get_close_matches(wrong.casefold()[:80], folded, n=1, cutoff=0.6)
     return folded[near[0]] if near else None

@@ -179,6 +179,7 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.StopPressed(source="key"),
     m.Stopped(command="c00006", driver="voice", reason="stop pressed"),
     m.ActionStopped(run="a00005", action="Bye", reason="stop pressed"),
+    m.ActionSuperseded(run="a00006", action="Map", reason='replaced by "Bye"', by="a00007"),
     m.StopConfirmed(
         confirmed=["voice"],
         missing=["pepper", "base"],

@@ -35,6 +35,7 @@ def tell(folder: Path) -> None:
         until(lambda: it.recorder.path.parent == it.spill, "the second folder")
         for message in _afternoon():
             _say(it, message)
+            it.synced()
         _checkpoint(it)
         _say(it, m.SessionEnd(reason="wizard", sha256=it.recorder.digest()[0]))
     finally:
@@ -210,6 +211,10 @@ def _afternoon() -> list[m.AnyMessage]:
         m.StopReleased(source="key"),
         m.ActionRequested(run="r4", action="Nod", source="key", key="n"),
         m.ActionRefused(run="r4", action="Nod", reason="the panel is locked"),
+        m.ActionRequested(run="r5", action="Tell", source="key", key="t"),
+        m.ActionRequested(run="r6", action="Hello", source="key", key="h"),
+        m.ActionSuperseded(run="r5", action="Tell", reason='replaced by "Hello"', by="r6"),
+        m.ActionDone(run="r6", action="Hello"),
         m.DriverLost(driver="base", detail="no answer", remedy="check the cable"),
         m.Notice(level="warning", text="base is gone", remedy="check the cable"),
         m.ExperimentReloaded(experiment_sha256=SHA, changes=["panels[0]: one action more"]),

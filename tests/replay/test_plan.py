@@ -75,7 +75,7 @@ def test_a_command_is_repeated_at_the_moment_at_which_it_began(tmp_path: Path) -
         (
             command(),
             [m.Superseded(command="c1", by="c2")],
-            "never began: another one took its place",
+            "never began: it was replaced",
         ),
         (command(), [m.Stopped(command="c1", reason="stop pressed")], "never began: stop pressed"),
         (command(), [], "never began: the log ends"),

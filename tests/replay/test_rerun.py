@@ -109,7 +109,7 @@ def test_what_a_replacing_press_cut_short_is_cut_short_again(tmp_path: Path) -> 
     began = next(line for line in again.stage.lines if isinstance(line, m.Dispatched))
     assert cut.command == began.command
     assert abs(cut.t - began.t - 300_000) < 10
-    assert "took its place" in cut.reason
+    assert "replaced by" in cut.reason
     assert compare(played_in(log), played_in(again.log)).same
 
 

@@ -28,7 +28,7 @@ from woz_tui.analysis.rows import (
 from woz_tui.analysis.series import Series
 
 #: How a requested action can end; `open`: its end is not in the log.
-ENDS = ("done", "failed", "stopped", "refused", "open")
+ENDS = ("done", "failed", "stopped", "superseded", "refused", "open")
 #: How a command can end.
 COMMAND_ENDS = ("done", "failed", "timed_out", "refused", "stopped", "superseded", "open")
 
@@ -40,13 +40,14 @@ class Outcomes:
     done: int = 0
     failed: int = 0
     stopped: int = 0
+    superseded: int = 0
     refused: int = 0
     open: int = 0
 
     @property
     def total(self) -> int:
         """How often it was asked for."""
-        return self.done + self.failed + self.stopped + self.refused + self.open
+        return sum(getattr(self, end) for end in ENDS)
 
 
 @dataclass(frozen=True, slots=True)

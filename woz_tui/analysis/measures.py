@@ -83,7 +83,11 @@ MEASURES: tuple[Measure, ...] = (
     Measure("actions_failed", "", "actions that ended with `action.failed`", "failed",
             lambda part: part.outcomes.failed),
     Measure("actions_stopped", "", "actions that ended with `action.stopped`: by the stop, or "
-            "replaced by another one", "stopped", lambda part: part.outcomes.stopped),
+            "cut short (in logs of before, also replaced)", "stopped",
+            lambda part: part.outcomes.stopped),
+    Measure("actions_superseded", "", "actions that ended with `action.superseded`: a newer one "
+            "took the place of what was still to be done", "replaced",
+            lambda part: part.outcomes.superseded),
     Measure("actions_refused", "", "actions that ended with `action.refused`", "refused",
             lambda part: part.outcomes.refused),
     Measure("actions_open", "", "actions whose end is not in the log", "open",

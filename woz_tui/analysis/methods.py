@@ -247,6 +247,7 @@ _ENDS = {
     "done": ("was carried out", "were carried out"),
     "failed": ("failed", "failed"),
     "stopped": ("was stopped or replaced", "were stopped or replaced"),
+    "superseded": ("was replaced by a newer one", "were replaced by newer ones"),
     "refused": ("was refused", "were refused"),
     "open": ("has no end in the log", "have no end in the log"),
 }

@@ -160,11 +160,9 @@ class Bus:
         found = [lane.cancel(run, reason) for lane in self._lanes.values()]
         return any(found)
 
-    def withdraw(self, run: str, reason: str) -> bool:
-        """End every command of the run `run`, unless one of them is being carried out."""
-        if any(lane.performs(run) for lane in self._lanes.values()):
-            return False
-        return self.cancel(run, reason)
+    def performs(self, run: str) -> bool:
+        """Whether a command of the run `run` is being carried out, or the command of that id."""
+        return any(lane.performs(run) for lane in self._lanes.values())
 
     # -- who is connected --------------------------------------------------------------------
 

@@ -31,6 +31,7 @@ LOOK = {
     "failed": "bad",
     "refused": "warn",
     "stopped": "warn",
+    "replaced": "warn",
     "info": "muted",
     "warning": "warn",
     "error": "bad",

@@ -32,6 +32,7 @@ _LOOK = {
     State.FAILED: "bad",
     State.REFUSED: "warn",
     State.STOPPED: "warn",
+    State.REPLACED: "warn",
     State.LOCKED: "muted",
     State.UNREACHABLE: "muted",
 }

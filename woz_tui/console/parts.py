@@ -22,6 +22,7 @@ class State(enum.Enum):
     FAILED = "failed"
     REFUSED = "refused"
     STOPPED = "stopped"
+    REPLACED = "replaced"
     LOCKED = "locked"
     UNREACHABLE = "unreachable"
 

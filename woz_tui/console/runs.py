@@ -16,13 +16,18 @@ FAILURES = 200
 #: What is said of a command that was taken, but moves nothing before the robot's mode is over.
 LATER = "counts after the mode"
 #: The outcomes that look like another one.
-_LOOKS: dict[str, str] = {Word.TIMED_OUT: Word.FAILED, Word.SUPERSEDED: Word.STOPPED}
+_LOOKS: dict[str, str] = {Word.TIMED_OUT: Word.FAILED, Word.SUPERSEDED: "replaced"}
+
+
+def looks(outcome: str) -> str:
+    """How an outcome of the timeline is shown."""
+    return _LOOKS.get(outcome, outcome)
 
 
 @dataclass(frozen=True, slots=True)
 class Outcome:
-    """How a run ended; `how` is done, waits (done, but it counts later), failed, refused or
-    stopped.
+    """How a run ended; `how` is done, waits (done, but it counts later), failed, refused, stopped
+    or replaced.
     """
 
     run: str
@@ -180,7 +185,7 @@ class Runs:
     def _action(self, ended: m.ActionEnd, outcome: str, *, waits: bool = False) -> Outcome:
         what = self._texts.pop(ended.run, ended.action)
         remedy = self._remedies.pop(ended.run, "")
-        found = Outcome(ended.run, outcome, ended.t, ended.reason)
+        found = Outcome(ended.run, looks(outcome), ended.t, ended.reason)
         if waits and outcome == Word.DONE:
             found = Outcome(ended.run, "waits", ended.t, LATER)
         self.outcomes[ended.action] = found
@@ -201,7 +206,7 @@ class Runs:
             if ended.remedy:
                 keep(self._remedies, run, ended.remedy)
             return None  # its action's end is still to come
-        how = _LOOKS.get(command.outcome, command.outcome)
+        how = looks(command.outcome)
         if how == Word.FAILED:
             reason = f"{ended.driver}: {ended.reason}".strip(": ")
             self._fail(Failure(request.command, "", what, reason, ended.remedy, ended.t))

@@ -10,7 +10,7 @@ from woz_tui.console.engagement.seen import texts
 from woz_tui.console.engagement.words import why
 from woz_tui.console.parts import DriverView
 from woz_tui.console.robot.stopping import missing_words
-from woz_tui.console.runs import Outcome
+from woz_tui.console.runs import Outcome, looks
 from woz_tui.console.study.picture import Study
 from woz_tui.console.study.telling import TELLERS, line_of
 from woz_tui.console.wording import words
@@ -37,6 +37,8 @@ _VISITOR = {"met": "is back", "learnt": "is new", "profile": "is described"}
 _BACK_US = 3_000_000
 #: Verbs that move something by one step: pressed in a row, they are one line.
 _STEPPING = frozenset({"control", "nudge"})
+#: How the step before may stand, so that one more of the same is no line of its own.
+_STEPS_AGAIN = frozenset({"running", "done", "waits", "stopped", "replaced"})
 
 
 class Shown(Protocol):
@@ -80,8 +82,9 @@ class Shown(Protocol):
 class Event:
     """One line of the list.
 
-    `mark` names its glyph and colour (running, done, failed, refused, stopped, info, warning,
-    error, note, marker, driver, stop, forced, heard). A run's line gets its outcome when it ends.
+    `mark` names its glyph and colour (running, done, failed, refused, stopped, replaced, info,
+    warning, error, note, marker, driver, stop, forced, heard). A run's line gets its outcome when
+    it ends.
     """
 
     t: int
@@ -103,7 +106,7 @@ class Event:
         same = bool(self.run) and self.text == other.text and not self.mistake
         bare = not self.action and not other.action and not self.text.startswith("“")
         steps = self.stepping and self.action == other.action
-        if not (same and (bare or steps) and self.mark in ("running", "done", "waits", "stopped")):
+        if not (same and (bare or steps) and self.mark in _STEPS_AGAIN):
             return False
         self.t, self.mark, self.run, self.took_us = other.t, other.mark, other.run, None
         self.detail = other.detail
@@ -155,10 +158,12 @@ def _command(message: m.Command, shown: Shown) -> Event | None:
 
 def _action_end(message: m.ActionEnd, shown: Shown) -> Event | None:
     """Only reached if the beginning is not on the list, or not any more."""
-    left = isinstance(message, m.ActionStopped) and _is_effect(message.action, shown)
+    left = isinstance(message, m.ActionStopped | m.ActionSuperseded) and _is_effect(
+        message.action, shown
+    )
     if isinstance(message, m.ActionDone) or left:
         return None
-    how = OUTCOMES[type(message)]
+    how = looks(OUTCOMES[type(message)])
     return Event(message.t, how, shown.label(message.action), message.reason, run=message.run)
 
 
@@ -360,6 +365,7 @@ _TELLERS: dict[type[m.Message], Callable[[Any, Shown], Event | None]] = {
     m.ActionDone: _action_end,
     m.ActionFailed: _action_end,
     m.ActionStopped: _action_end,
+    m.ActionSuperseded: _action_end,
     m.ActionRefused: _action_end,
     m.SessionChanged: _session,
     m.SessionEnd: _session_end,

@@ -44,7 +44,9 @@ EVENTS = 400
 ENDS = 64
 #: Events that may tell what the wizard was not to see, when that changes in the middle.
 _TELLING = ("info", "forced", "heard")
-_LINGER = {"done": DONE_US, "refused": REFUSED_US, "stopped": STOPPED_US, "waits": STOPPED_US}
+_LINGER = {"done": DONE_US, "refused": REFUSED_US} | dict.fromkeys(
+    ("stopped", "replaced", "waits"), STOPPED_US
+)
 
 
 @dataclass(slots=True)

@@ -11,6 +11,9 @@ from woz_tui.core.envelope import Json, Message, Worded
 
 #: Verbs with which a robot shows by itself how the engagement model stands.
 SIGNALS = frozenset({"eyes", "screen", "sound"})
+#: Sources of what a hand asks for, or a program in its place; a body that asks for the sound of a
+#: move is none.
+HANDS = frozenset({"key", "script", "palette", "midi", "program"})
 
 
 class ActionRequested(
@@ -47,7 +50,15 @@ class ActionFailed(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag
 
 
 class ActionStopped(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.stopped"):
-    """The stop, or a replacing press, cut the action short."""
+    """The stop, the wizard or the end of what it belonged to cut the action short."""
+
+
+class ActionSuperseded(
+    ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.superseded"
+):
+    """A newer act of the wizard took the place of what was still to be done; `by` names it."""
+
+    by: str
 
 
 class ActionRefused(ActionEnd, frozen=True, kw_only=True, omit_defaults=True, tag="action.refused"):

@@ -20,6 +20,7 @@ from woz_tui.core.commands import (
     ActionRefused,
     ActionRequested,
     ActionStopped,
+    ActionSuperseded,
     Command,
     Dispatched,
     Done,
@@ -101,6 +102,7 @@ __all__ = [
     "ActionRefused",
     "ActionRequested",
     "ActionStopped",
+    "ActionSuperseded",
     "BodyChanged",
     "BreakEnded",
     "BreakStarted",
@@ -320,6 +322,7 @@ AnyMessage = (
     | ActionDone
     | ActionFailed
     | ActionStopped
+    | ActionSuperseded
     | ActionRefused
     | Command
     | Dispatched

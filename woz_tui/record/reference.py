@@ -32,7 +32,7 @@ FIELDS: dict[str, tuple[str, str]] = {
     "began": ("µs", "moment, on the `t` axis, at which it began"),
     "blurred": ("", "what is shown, but not legibly"),
     "brightness": ("", "of the lights, 0 to 1; absent: 1"),
-    "by": ("", "id of the command that took its place"),
+    "by": ("", "id of the command or the run that took its place"),
     "changes": ("", "what differs, one sentence each"),
     "check": ("", "the item of the preflight list, in words"),
     "clock": ("", "where `t` comes from, and the wall clock at `t` = 0"),

@@ -12,7 +12,7 @@ from woz_tui.record.log import Damage, Line, files_of, merge
 #: What asks for something, and the field that names it in the request and in its end.
 _OPENS = {"action.requested": "run", "command.requested": "command"}
 _CLOSES = {
-    **{f"action.{end}": "run" for end in ("done", "failed", "stopped", "refused")},
+    **{f"action.{end}": "run" for end in ("done", "failed", "stopped", "superseded", "refused")},
     **{
         f"command.{end}": "command"
         for end in ("done", "failed", "timed_out", "refused", "stopped", "superseded")

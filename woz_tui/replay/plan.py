@@ -229,7 +229,7 @@ def _step(command: Command) -> Step:
 
 
 def _why_cut(end: m.Stopped | m.Superseded) -> str:
-    return f"{end.by} took its place" if isinstance(end, m.Superseded) else end.reason
+    return f"replaced by {end.by}" if isinstance(end, m.Superseded) else end.reason
 
 
 def _never(end: m.End | None) -> str:
@@ -237,7 +237,7 @@ def _never(end: m.End | None) -> str:
         case None:
             return "it never began: the log ends before"
         case m.Superseded():
-            return "it never began: another one took its place"
+            return "it never began: it was replaced"
         case m.Stopped(reason=reason):
             return f"it never began: {reason}"
         case _:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from collections.abc import Callable, Mapping
 
 from woz_tui.core import messages as m
+from woz_tui.core.commands import HANDS
 from woz_tui.core.driver import Ask
 from woz_tui.experiment.profiles import CONTROL
 from woz_tui.experiment.shape import Action, Experiment, Profile
@@ -16,8 +17,6 @@ from woz_tui.session.runner import Refusal
 
 #: Verbs that count in every profile.
 _ALWAYS = frozenset({"mark", "note"})
-#: Sources of asks that are somebody's hand; a body that asks for the sound of a move is none.
-HANDS = frozenset({"key", "script", "palette", "midi", "program"})
 
 
 class Profiles:

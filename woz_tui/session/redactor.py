@@ -667,8 +667,9 @@ _PERCEIVED: Mapping[type[m.Message], Callable[[Redactor, Any], m.Message | None]
     m.PreflightChecked: Redactor._checked,
     m.SessionPlan: Redactor._plan_seen,
     m.Command: Redactor._effect,
+    m.ActionRequested: Redactor._effect,
     **dict.fromkeys(
-        (m.ActionRequested, m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionRefused),
+        (m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionSuperseded, m.ActionRefused),
         Redactor._effect,
     ),
 }

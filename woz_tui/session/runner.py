@@ -11,10 +11,12 @@ import msgspec
 
 from woz_tui.bus.bus import Bus
 from woz_tui.core import messages as m
+from woz_tui.core.commands import HANDS
 from woz_tui.core.driver import Verb
 from woz_tui.core.hub import Hub
 from woz_tui.experiment.shape import Action, Call, Together, Wait
-from woz_tui.experiment.verbs import ENGAGEMENT, SESSION
+from woz_tui.experiment.verbs import ENGAGEMENT, PERFORMERS, SESSION
+from woz_tui.sensing.stream import SPEECH
 from woz_tui.session.shaping import Shaper, answers
 from woz_tui.session.variables import MissingError, call_with
 
@@ -22,6 +24,8 @@ from woz_tui.session.variables import MissingError, call_with
 REMEMBERED = 2000
 #: What the robot does by itself, or does again, nobody's hand has asked for just now.
 _NO_HANDS = frozenset({ENGAGEMENT, "replay"})
+#: Lanes of the gaze and of the face: what is played there goes with what is said.
+_ACCOMPANYING = frozenset({"head", "face", "eyes"})
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +62,13 @@ class Run:
     timer: asyncio.TimerHandle | None = None
     problem: m.ActionEnd | None = None
     left: m.ActionEnd | None = None
+    ended: m.ActionEnd | None = None
+
+    @property
+    def still_to_come(self) -> list[Call]:
+        """The calls of the steps after the present one, or after the first if none has begun."""
+        later = self.steps[max(self.at, 0) + 1 :]
+        return [call for step in later if isinstance(step, tuple) for call in step]
 
 
 class Runner:
@@ -120,6 +131,8 @@ class Runner:
         calls = [call for step in steps if isinstance(step, tuple) for call in step]
         if not self._holds(run_id, action.name, origin, calls, lambda: self._begin(run)):
             self._advance(run)
+        if run.id in self._runs or isinstance(run.ended, m.ActionDone):
+            self._supersede(run.id, action.label, origin, calls)
         return run_id, ""
 
     def _begin(self, run: Run) -> None:
@@ -155,14 +168,25 @@ class Runner:
         if refusal is not None:
             return self._bus.refuse(command, refusal.code, refusal.reason)
 
+        refused: list[m.End] = []
+
+        def ended(end: m.End) -> None:
+            if isinstance(end, m.Refused):
+                refused.append(end)
+            if on_end is not None:
+                on_end(end)
+
         def submit() -> m.Command:
             self._held.pop(command.command, None)
             late = self._hub.now() + round(self.deadline * 1_000_000) if self.deadline else 0
-            return self._bus.submit(msgspec.structs.replace(command, deadline_us=late), on_end)
+            return self._bus.submit(msgspec.structs.replace(command, deadline_us=late), ended)
 
-        if not self._holds(command.command, call.verb, origin, [call], submit):
-            return submit()
-        self._held[command.command] = command, on_end
+        if self._holds(command.command, call.verb, origin, [call], submit):
+            self._held[command.command] = command, on_end
+        else:
+            command = submit()
+        if not refused:
+            self._supersede(command.command, call.verb, origin, [call])
         return command
 
     def _holds(
@@ -277,7 +301,7 @@ class Runner:
     def _ended(self, run: Run, end: m.End) -> None:
         run.pending.discard(end.command)
         if run.problem is None:
-            run.problem = _problem(run, end)
+            run.problem = self._problem(run, end)
         if run.pending or run.id not in self._runs:
             return
         over = run.problem or run.left
@@ -286,12 +310,66 @@ class Runner:
         else:
             self._advance(run)
 
+    def _problem(self, run: Run, end: m.End) -> m.ActionEnd | None:
+        reason = f"{end.driver}: {end.reason}" if end.reason else end.driver
+        match end:
+            case m.Done():
+                return None
+            case m.Stopped():
+                return m.ActionStopped(run=run.id, action=run.action.name, reason=end.reason)
+            case m.Superseded(by=by):
+                newer = next((each for each in self._runs.values() if by in each.pending), None)
+                if newer is not None:
+                    return _superseded(run, newer.id, newer.action.label)
+                return _superseded(run, by, self.played.get(by, by))
+            case m.Refused() if run.at == 0:
+                return m.ActionRefused(
+                    run=run.id, action=run.action.name, reason=reason, tells=end.tells
+                )
+            case _:
+                return m.ActionFailed(
+                    run=run.id, action=run.action.name, reason=reason, tells=end.tells
+                )
+
     def _finish(self, run: Run, end: m.ActionEnd) -> None:
         if self._runs.pop(run.id, None) is None:
             return
         if run.timer is not None:
             run.timer.cancel()
+        run.ended = end
         self._hub.publish(end)
+
+    # -- a newer act takes the place ----------------------------------------------------------
+
+    def _supersede(self, newer: str, label: str, origin: Origin, calls: list[Call]) -> None:
+        """Older actions do nothing any more after their present step, if the wizard's `newer` act
+        needs a lane that they would still need.
+
+        Otherwise their next step would cut it off, or come out of its context behind it. What is
+        spoken is not ended by what accompanies speech: the gaze, the face.
+        """
+        if origin.source not in HANDS:
+            return
+        needed = self._lanes(calls)
+        for run in list(self._runs.values()):
+            if run.id == newer:
+                continue
+            later = run.still_to_come
+            speaks = any(call.verb in SPEECH for call in later)
+            if self._lanes(later) & (self._lanes(calls, leading=True) if speaks else needed):
+                self.leave(run.id, _superseded(run, newer, label))
+
+    def _lanes(self, calls: list[Call], leading: bool = False) -> set[tuple[str, str]]:
+        """Driver and lane of each call; `leading`: without those of what accompanies speech."""
+        found = set()
+        for call in calls:
+            verb = self._verbs.get(call.driver, {}).get(call.verb)
+            if verb is None or call.driver in PERFORMERS:
+                continue
+            accompanies = verb.stream or verb.brief or verb.lane in _ACCOMPANYING
+            if not (leading and accompanies):
+                found.add((call.driver, verb.lane))
+        return found
 
     # -- cut short ---------------------------------------------------------------------------
 
@@ -308,20 +386,24 @@ class Runner:
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
         return found or run is not None
 
-    def leave(self, run_id: str, reason: str) -> None:
+    def leave(self, run_id: str, end: str | m.ActionEnd) -> None:
         """Finish the step that one run has begun, and drop those after it; one whose commands all
         wait behind others has not begun. What fails in that step is a failure all the same.
+
+        `end`: how it ends then, or why it is stopped.
         """
         run = self._runs.get(run_id)
         if run is None:
             return
-        left = m.ActionStopped(run=run.id, action=run.action.name, reason=reason)
+        if isinstance(end, str):
+            end = m.ActionStopped(run=run.id, action=run.action.name, reason=end)
         if not run.pending:
-            self._finish(run, left)
-        elif len(run.pending) == run.together and self._bus.withdraw(run.id, reason):
-            return
+            self._finish(run, end)
+        elif len(run.pending) == run.together and not self._bus.performs(run.id):
+            run.problem = end
+            self._bus.cancel(run.id, end.reason)
         elif run.at + 1 < len(run.steps):
-            run.left = left
+            run.left = end
 
     def stop_waiting(self, reason: str) -> None:
         """End the runs that are in a pause; those with commands on the bus end through them.
@@ -336,22 +418,7 @@ class Runner:
             self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
 
 
-def _problem(run: Run, end: m.End) -> m.ActionEnd | None:
-    reason = f"{end.driver}: {end.reason}" if end.reason else end.driver
-    match end:
-        case m.Done():
-            return None
-        case m.Stopped():
-            return m.ActionStopped(run=run.id, action=run.action.name, reason=end.reason)
-        case m.Superseded():
-            return m.ActionStopped(
-                run=run.id, action=run.action.name, reason=f"{end.by} took its place"
-            )
-        case m.Refused() if run.at == 0:
-            return m.ActionRefused(
-                run=run.id, action=run.action.name, reason=reason, tells=end.tells
-            )
-        case _:
-            return m.ActionFailed(
-                run=run.id, action=run.action.name, reason=reason, tells=end.tells
-            )
+def _superseded(run: Run, by: str, label: str) -> m.ActionSuperseded:
+    return m.ActionSuperseded(
+        run=run.id, action=run.action.name, reason=f'replaced by "{label}"', by=by
+    )

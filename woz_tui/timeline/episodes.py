@@ -38,7 +38,7 @@ class Outcome(enum.StrEnum):
     * open: no end is in the log, or so far.
     * done: action, command, trial, break, questionnaire, utterance, re-run; a stop of driving that
       was confirmed, which latches nothing.
-    * failed, refused, stopped: action, command. timed_out, superseded: command.
+    * failed, refused, stopped, superseded: action, command. timed_out: command.
     * aborted, excluded: trial. declined: questionnaire.
     * left: a questionnaire that nobody finished; a state of the engagement model, or the
       engagement, which the model left: `reason` is the outcome of the model's edge.
@@ -79,6 +79,7 @@ OUTCOMES: Mapping[type[m.Message], Outcome] = {
     m.ActionDone: Outcome.DONE,
     m.ActionFailed: Outcome.FAILED,
     m.ActionStopped: Outcome.STOPPED,
+    m.ActionSuperseded: Outcome.SUPERSEDED,
     m.ActionRefused: Outcome.REFUSED,
     m.Done: Outcome.DONE,
     m.Failed: Outcome.FAILED,

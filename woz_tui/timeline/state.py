@@ -675,7 +675,8 @@ CASES: dict[type[m.Message], _Case] = {
     m.RerunStarted: S._rerun_started,
     m.RerunEnded: S._rerun_ended,
     **dict.fromkeys(
-        (m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionRefused), S._action_ended
+        (m.ActionDone, m.ActionFailed, m.ActionStopped, m.ActionSuperseded, m.ActionRefused),
+        S._action_ended,
     ),
     **dict.fromkeys(
         (m.Done, m.Failed, m.TimedOut, m.Refused, m.Stopped, m.Superseded), S._command_ended

@@ -25,7 +25,7 @@ _CROSS = "M-4-5L0-1L4-5L5-4L1 0L5 4L4 5L0 1L-4 5L-5 4L-1 0L-5-4Z"
 SORTS: dict[str, Look] = {
     "done": Look("done"),
     "failed": Look("failed", _CROSS),
-    "stopped": Look("stopped", "M-4-4H4V4H-4Z"),
+    "stopped": Look("stopped or replaced", "M-4-4H4V4H-4Z"),
     "refused": Look("refused", "M0-5A5 5 0 1 0 0 5A5 5 0 1 0 0-5ZM-3.5-1H3.5V1H-3.5Z"),
     "open": Look(
         "no end in the log", "M-5-1.2H-2.6V1.2H-5ZM-1.2-1.2H1.2V1.2H-1.2ZM2.6-1.2H5V1.2H2.6Z"

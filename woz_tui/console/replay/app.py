@@ -16,14 +16,13 @@ from woz_tui.console.replay.commands import COMMANDS, ReplayKeyboard
 from woz_tui.console.replay.timeline import TimeBar
 from woz_tui.console.screen_app import BEAT
 from woz_tui.console.surface import Surface
+from woz_tui.core.commands import HANDS
 from woz_tui.core.messages import ActionRequested
 from woz_tui.core.requests import Reply, Welcome
 from woz_tui.experiment.keymap import key_map
 
 #: Beats between two paintings up to a rate.
 PACES = ((2.0, 1), (4.0, 2), (8.0, 3), (math.inf, 4))
-#: Who pressed, where a cap lights up.
-_HANDS = frozenset({"key", "script", "palette", "midi", "program"})
 
 
 class _Inbox(Inbox):
@@ -37,7 +36,7 @@ class _Inbox(Inbox):
         self.played.extend(
             message.action
             for message in batch
-            if isinstance(message, ActionRequested) and message.source in _HANDS
+            if isinstance(message, ActionRequested) and message.source in HANDS
         )
         super().heard(batch)
 

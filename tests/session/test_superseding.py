@@ -1,0 +1,211 @@
+"""Acts that need what older ones still want to use: nothing is cut out of the middle of another."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import pytest
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Puppet, Stage, action, call, experiment, together
+from woz_tui.core import messages as m
+from woz_tui.core.driver import Argument, Job, Verb
+from woz_tui.core.messages import Json
+from woz_tui.experiment.shape import Action, Panel, Wait
+from woz_tui.session.runner import Origin
+from woz_tui.timeline.episodes import Action as Played
+from woz_tui.timeline.episodes import Outcome
+from woz_tui.timeline.timeline import Timeline
+
+KEY = Origin("key", "x", "con1")
+
+
+class Guide(Puppet):
+    """Speaks, moves, looks and feels: each in a lane of its own, a second each time."""
+
+    @classmethod
+    def verbs(cls, settings: Any) -> tuple[Verb, ...]:
+        text = (Argument("text", "text", required=True),)
+        return (
+            Verb("say", "", text, lane="voice"),
+            Verb("play", "", (Argument("move", "text"),), lane="body"),
+            Verb("gaze", "", (Argument("yaw", "number"),), lane="head", stream=True),
+            Verb("nudge", "", (Argument("yaw", "number"),), lane="head", brief=True),
+            Verb("emotion", "", (Argument("emotion", "text"),), lane="face"),
+        )
+
+    async def perform(self, job: Job) -> Mapping[str, Json]:
+        self.calls.append((job.verb, dict(job.args)))
+        await asyncio.sleep(1.0)
+        return dict(job.args)
+
+
+def said(*texts: str) -> tuple[Any, ...]:
+    return tuple(together(call("say", text=text)) for text in texts)
+
+
+ACTIONS = (
+    replace(
+        action("Exhibit", *said("This is the whale.", "It is eleven metres long.", "Come.")),
+        when_busy="replace",
+    ),
+    action("Repeat", *said("Could you say that again?")),
+    action("Map", *said("Look at the map."), Wait(5), *said("We are here.")),
+    action(
+        "Feel",
+        together(call("say", text="I am"), call("emotion", emotion="happy")),
+        together(call("say", text="so glad."), call("gaze", yaw=10), call("emotion", emotion="x")),
+    ),
+    action("Happy", together(call("emotion", emotion="happy"))),
+    action("Wave", together(call("play", move="wave"))),
+    action("Dance", together(call("play", move="one")), together(call("play", move="two"))),
+    action("Look about", together(call("gaze", yaw=1)), Wait(1), together(call("gaze", yaw=-1))),
+    replace(action("Gong", *said("gong")), when_busy="refuse"),
+    action("Hello", *said("Hello {participant}")),
+)
+
+
+def scene(
+    tmp_path: Path, play: Callable[[Stage], Awaitable[None]], actions: tuple[Action, ...] = ACTIONS
+) -> Stage:
+    async def go() -> Stage:
+        made = experiment(tmp_path)
+        spec = replace(made.drivers[0], verbs=Guide.verbs(None))
+        made = replace(made, drivers=(spec,), panels=(Panel("All", actions, spec.place),))
+        stage = Stage(tmp_path, catalogue={"puppet": Guide}, made=made)
+        await stage.session.open()
+        await play(stage)
+        await asyncio.sleep(20)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def spoken(stage: Stage) -> list[Json]:
+    """What was said to its end."""
+    return [
+        line.sent["text"]
+        for line in stage.lines
+        if isinstance(line, m.Done) and "text" in line.sent and line.driver == "robot"
+    ]
+
+
+def ends(stage: Stage) -> dict[str, m.ActionEnd]:
+    return {line.action: line for line in stage.lines if isinstance(line, m.ActionEnd)}
+
+
+def pressed(*presses: tuple[float, str]) -> Callable[[Stage], Awaitable[None]]:
+    """Actions, each after so many seconds."""
+
+    async def play(stage: Stage) -> None:
+        for wait, name in presses:
+            await asyncio.sleep(wait)
+            stage.session.play(name, KEY)
+
+    return play
+
+
+def test_a_newer_act_is_not_cut_off_by_the_next_step_of_the_older_one(tmp_path: Path) -> None:
+    stage = scene(tmp_path, pressed((0, "Exhibit"), (0.6, "Repeat")))
+    assert spoken(stage) == ["This is the whale.", "Could you say that again?"]
+    over = ends(stage)
+    assert isinstance(over["Repeat"], m.ActionDone)
+    assert isinstance(over["Exhibit"], m.ActionSuperseded)
+    assert over["Exhibit"].by == over["Repeat"].run
+    assert over["Exhibit"].reason == 'replaced by "Repeat"'
+
+
+def test_a_step_that_is_running_gives_way_only_where_the_newer_one_says_so(tmp_path: Path) -> None:
+    stage = scene(tmp_path, pressed((0, "Map"), (0.6, "Exhibit")))
+    assert spoken(stage)[0] == "This is the whale."
+    assert isinstance(ends(stage)["Map"], m.ActionSuperseded)
+    assert ends(stage)["Map"].reason == 'replaced by "Exhibit"'
+
+
+def test_what_pauses_between_two_steps_is_over_at_once(tmp_path: Path) -> None:
+    stage = scene(tmp_path, pressed((0, "Map"), (2, "Repeat")))
+    assert spoken(stage) == ["Look at the map.", "Could you say that again?"]
+    assert ends(stage)["Map"].t < 2_500_000
+
+
+def test_what_has_not_begun_is_not_begun_any_more(tmp_path: Path) -> None:
+    stage = scene(tmp_path, pressed((0, "Repeat"), (0.1, "Map"), (0.1, "Hello")))
+    assert spoken(stage) == ["Could you say that again?", "Hello P07"]
+    assert ends(stage)["Map"].reason == 'replaced by "Hello"'
+
+
+@pytest.mark.parametrize("other", ["Wave", "Happy"])
+def test_what_needs_other_lanes_leaves_an_action_alone(tmp_path: Path, other: str) -> None:
+    stage = scene(tmp_path, pressed((0, "Map"), (0.6, other)))
+    assert spoken(stage) == ["Look at the map.", "We are here."]
+
+
+def test_all_remaining_steps_end_if_one_of_them_needs_the_lane(tmp_path: Path) -> None:
+    dance = action("Dance", *said("Now"), together(call("play", move="x")), *said("Done"))
+    stage = scene(tmp_path, pressed((0, "Dance"), (0.6, "Wave")), (*ACTIONS[:6], dance))
+    assert spoken(stage) == ["Now"]
+    assert isinstance(ends(stage)["Dance"], m.ActionSuperseded)
+
+
+def test_feelings_and_steps_of_the_gaze_end_no_speech(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Feel", KEY)
+        await asyncio.sleep(0.5)
+        stage.session.play("Happy", KEY)
+        stage.session.send("nudge", {"yaw": 5}, "", KEY)
+
+    stage = scene(tmp_path, play)
+    assert spoken(stage) == ["I am", "so glad."]
+
+
+def test_a_step_of_the_gaze_ends_what_only_looks_about(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Look about", KEY)
+        await asyncio.sleep(1.5)
+        stage.session.send("nudge", {"yaw": 5}, "", KEY)
+
+    stage = scene(tmp_path, play)
+    assert [args for verb, args in stage.puppet().calls if verb == "gaze"] == [{"yaw": 1}]
+    assert ends(stage)["Look about"].reason == 'replaced by "nudge"'
+
+
+def test_what_is_refused_replaces_nothing(tmp_path: Path) -> None:
+    stage = scene(tmp_path, pressed((0, "Map"), (0.5, "Gong")))
+    assert spoken(stage) == ["Look at the map.", "We are here."]
+
+
+def test_what_no_hand_asked_for_replaces_nothing(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Map", KEY)
+        await asyncio.sleep(0.5)
+        for source in ("engagement", "replay", "robot"):
+            stage.session.send("say", {"text": source}, "", Origin(source))
+
+    stage = scene(tmp_path, play)
+    assert spoken(stage)[-1] == "We are here."
+
+
+def test_a_typed_sentence_replaces_what_is_still_to_be_said(tmp_path: Path) -> None:
+    async def play(stage: Stage) -> None:
+        stage.session.play("Map", KEY)
+        await asyncio.sleep(0.5)
+        stage.session.send("say", {"text": "typed"}, "", KEY)
+
+    stage = scene(tmp_path, play)
+    assert spoken(stage) == ["Look at the map.", "typed"]
+    assert ends(stage)["Map"].by == "c00002"
+
+
+def test_the_timeline_counts_it_as_superseded(tmp_path: Path) -> None:
+    stage = scene(tmp_path, pressed((0, "Exhibit"), (0.6, "Repeat"), (3, "Exhibit")))
+    timeline = Timeline()
+    for line in stage.lines:
+        timeline.take(line)
+    timeline.finish()
+    outcomes = [each.outcome for each in timeline.of(Played)]
+    assert outcomes == [Outcome.SUPERSEDED, Outcome.DONE, Outcome.DONE]

@@ -198,7 +198,9 @@ def test_a_typed_sentence_replaces_what_is_still_to_be_said(tmp_path: Path) -> N
 
     stage = scene(tmp_path, play)
     assert spoken(stage) == ["Look at the map.", "typed"]
-    assert ends(stage)["Map"].by == "c00002"
+    over = ends(stage)["Map"]
+    assert isinstance(over, m.ActionSuperseded)
+    assert over.by == "c00002"
 
 
 def test_the_timeline_counts_it_as_superseded(tmp_path: Path) -> None:

@@ -51,6 +51,23 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.RecorderState(level="ok", lag_us=8200, path="2026-03-01T10-00-00_P07_S01.jsonl"),
     m.Notice(level="warning", text="the disk is slow", remedy="close other programs"),
     m.SessionChanged(condition="cold", trial=2),
+    m.ActionsFilled(
+        actions={
+            "Hello": [
+                [
+                    m.FilledCall(
+                        verb="say",
+                        args={"text": "Grüß Gott, P07!"},
+                        driver="voice",
+                        tells=("condition",),
+                        unfilled={"text": "..."},
+                    ),
+                    m.FilledCall(verb="play", args={"move": "nod"}, driver="head"),
+                ],
+                0.5,
+            ]
+        }
+    ),
     m.ActionRequested(
         run="a00001", action="Hello", panel="Speech", source="key", key="h", console="con1"
     ),

@@ -191,6 +191,45 @@ def test_a_locked_action_in_the_script_is_a_warning(tmp_path: Path) -> None:
     assert warning.path == "script[0]"
 
 
+CHOSEN = HEAD + "conditions: [cool, warm, text]\n"
+
+
+@pytest.mark.parametrize(
+    ("written", "texts"),
+    [
+        ("{any: [Hm., No]}", {"": ("Hm.", "No")}),
+        (
+            "{cool: Hi, warm: {any: [a, b]}, text: x}",
+            {"cool": ("Hi",), "warm": ("a", "b"), "text": ("x",)},
+        ),
+        ("{text: {cool: a, warm: b, text: c}}", {"cool": ("a",), "warm": ("b",), "text": ("c",)}),
+    ],
+)
+def test_texts_by_condition_and_variants_stand_in_place(
+    tmp_path: Path, written: str, texts: dict[str, tuple[str, ...]]
+) -> None:
+    if "text: x" in written:  # the name of an argument comes before that of a condition
+        written = f"{{text: {written}}}"
+    (call,) = only(tmp_path, f"{{label: A, say: {written}}}", CHOSEN).calls
+    assert call.args == {}
+    assert {name: choice.texts for name, choice in call.choices.items()} == {"text": texts}
+
+
+def test_a_file_of_each_condition_is_looked_for(tmp_path: Path) -> None:
+    (tmp_path / "a.wav").touch()
+    sound = "{label: A, sound: {cool: a.wav, warm: b.wav}}"
+    text = panel(sound, head=ROBOT + "conditions: [cool, warm]\n")
+    (warning,) = read(tmp_path, text).warnings
+    assert warning.path.endswith("sound.warm")
+    assert "b.wav" in warning.message
+
+
+def test_an_argument_called_like_a_condition_stays_the_argument(tmp_path: Path) -> None:
+    """As it was before texts could stand in place."""
+    (call,) = only(tmp_path, "{label: A, say: {text: Hi}}", CHOSEN).calls
+    assert (call.args, call.choices) == ({"text": "Hi"}, {})
+
+
 def test_a_byte_order_mark_and_windows_line_ends_change_nothing(tmp_path: Path) -> None:
     text = panel("{key: a, label: Führung, say: Grüß Gott}")
     plain = read(tmp_path, text)

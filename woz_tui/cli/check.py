@@ -29,6 +29,7 @@ from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import (
     Action,
     Call,
+    Choice,
     DriverSpec,
     Engagement,
     Experiment,
@@ -270,10 +271,21 @@ def _step(step: Step, mains: Mapping[str, str]) -> str:
 
 def _call(call: Call, mains: Mapping[str, str]) -> str:
     words = [call.verb]
-    for name, value in call.args.items():
-        words += [_value(value)] if name == mains.get(call.verb) else [name, _value(value)]
+    values = {name: _value(value) for name, value in call.args.items()}
+    values |= {name: _chosen(choice) for name, choice in call.choices.items()}
+    for name, value in values.items():
+        words += [value] if name == mains.get(call.verb) else [name, value]
     who = f" ({call.driver})" if "." in call.driver else ""
     return " ".join(words) + who
+
+
+def _chosen(choice: Choice) -> str:
+    """Every text with its condition, and variants side by side."""
+    each = (
+        (f"{condition}: " if condition else "") + " | ".join(map(_value, texts))
+        for condition, texts in choice.texts.items()
+    )
+    return f"{{{'; '.join(each)}}}"
 
 
 def _value(value: Json) -> str:

@@ -98,6 +98,32 @@ class Command(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="comman
         return self.source in ("midi", "replay") and self.verb == "control"
 
 
+class FilledCall(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """One verb of an action as it would be sent now; `tells` and `unfilled` as in `Command`."""
+
+    verb: str
+    args: dict[str, Json] = {}
+    driver: str = ""
+    tells: tuple[str, ...] = ()
+    unfilled: dict[str, Json] = {}
+
+
+class ActionsFilled(Message, frozen=True, kw_only=True, omit_defaults=True, tag="actions.filled"):
+    """What actions would do if they were played now: texts chosen, variables filled in.
+
+    `actions`: name -> its steps, one after the other: a pause in seconds, or verbs that begin
+    together, each with its `verb`, `args` and `driver`, and `tells` and `unfilled` as a command has
+    them. A variable that has no value yet stands as it is written. What is not named is as before.
+    """
+
+    actions: dict[str, list[list[FilledCall] | float]]
+
+    def after(self, before: ActionsFilled | None) -> ActionsFilled:
+        """With what was known before."""
+        known = before.actions if before is not None else {}
+        return msgspec.structs.replace(self, actions={**known, **self.actions})
+
+
 class Ack(Worded, frozen=True, kw_only=True, omit_defaults=True):
     """What became of a command. Only the subclasses are sent."""
 

@@ -19,6 +19,7 @@ from woz_tui.core.commands import (
     ActionFailed,
     ActionRefused,
     ActionRequested,
+    ActionsFilled,
     ActionStopped,
     ActionSuperseded,
     Command,
@@ -26,6 +27,7 @@ from woz_tui.core.commands import (
     Done,
     End,
     Failed,
+    FilledCall,
     Progress,
     Refused,
     StopConfirmed,
@@ -103,6 +105,7 @@ __all__ = [
     "ActionRequested",
     "ActionStopped",
     "ActionSuperseded",
+    "ActionsFilled",
     "BodyChanged",
     "BreakEnded",
     "BreakStarted",
@@ -128,6 +131,7 @@ __all__ = [
     "ExperimentReloaded",
     "FaceShown",
     "Failed",
+    "FilledCall",
     "Json",
     "LaneFaulted",
     "LaneRecovered",
@@ -324,6 +328,7 @@ AnyMessage = (
     | ActionStopped
     | ActionSuperseded
     | ActionRefused
+    | ActionsFilled
     | Command
     | Dispatched
     | Progress

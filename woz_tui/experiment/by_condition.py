@@ -1,19 +1,30 @@
-"""The section `variables`: texts for `{name}`, some of them another one in each condition.
+"""Texts that are not always the same: another one in each condition, or one of several variants.
 
 variables:
   exhibit: this whale
   greeting: {warm: "Hello {participant}, how nice to see you!", cold: "Hello."}
+
+In an action they stand in place:
+
+  say: {warm: "How nice!", cold: {any: ["Well.", "I see."]}}
 """
 
 from __future__ import annotations
 
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field
+from typing import TypeVar
 
 from woz_tui.experiment import template
 from woz_tui.experiment.nodes import Table
 from woz_tui.experiment.report import quoted
+from woz_tui.experiment.shape import Choice
 from woz_tui.experiment.spot import Spot, read_text
+
+#: What lists variants, where a condition's name could stand.
+ANY = "any"
+
+T = TypeVar("T")
 
 
 @dataclass(frozen=True, slots=True)
@@ -51,17 +62,62 @@ def read_variables(
     return Variables(always, depending)
 
 
+def is_choice(spot: Spot, conditions: Collection[str]) -> bool:
+    """Whether a mapping says what is chosen, and not something else."""
+    return isinstance(spot.node, Table) and any(
+        name == ANY or name in conditions for name in spot.node.entries
+    )
+
+
+def read_choice(
+    spot: Spot, conditions: Sequence[str], read: Callable[[Spot], str | None]
+) -> Choice | None:
+    """Texts by condition, variants, or variants by condition; None if any of it is wrong. `read`
+    reads one text.
+    """
+    wrong = False
+
+    def variants(entry: Spot) -> tuple[str, ...]:
+        nonlocal wrong
+        table = dict(entry.entries())
+        listed = table[ANY].list("a list of variants") if set(table) == {ANY} else [entry]
+        if listed == []:
+            table[ANY].error("no variant stands here")
+        found = [read(each) for each in listed or ()]
+        wrong = wrong or not found or None in found
+        return tuple(text for text in found if text is not None)
+
+    table = dict(spot.entries())
+    if ANY in table and ANY in conditions:
+        table[ANY].error(
+            f"{ANY!r} lists variants here, and cannot be the condition; give that another name"
+        )
+        return None
+    if ANY in table and len(table) > 1:
+        under = (
+            f", or under a condition: {{{conditions[0]}: {{{ANY}: [...]}}}}" if conditions else ""
+        )
+        table[ANY].error(f"stands alone{under}")
+        return None
+    chosen = {"": variants(spot)} if ANY in table else _each(spot, conditions, variants)
+    return None if wrong or set(chosen) not in ({""}, {*conditions}) else Choice(chosen)
+
+
 def texts(spot: Spot, conditions: Sequence[str]) -> dict[str, str]:
     """A text for each condition, none left out; what is wrong is reported."""
+    return _each(spot, conditions, lambda entry: read_text(entry) or "")
+
+
+def _each(spot: Spot, conditions: Sequence[str], read: Callable[[Spot], T]) -> dict[str, T]:
     if not conditions:
         spot.error("depends on the condition, but the file lists none; add conditions: [...]")
         return {}
     table = spot.table("a text for each condition") or {}
-    found: dict[str, str] = {}
+    found: dict[str, T] = {}
     unknown = False
     for condition, entry in table.items():
         if condition in conditions:
-            found[condition] = read_text(entry) or ""
+            found[condition] = read(entry)
         else:
             near = spot.report.hint(condition, conditions, or_list="there are")
             entry.error(f"there is no condition {quoted(condition)}{near}")

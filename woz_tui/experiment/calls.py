@@ -13,13 +13,14 @@ from woz_tui.core.driver import Argument
 from woz_tui.core.fields import Range
 from woz_tui.core.messages import Json
 from woz_tui.experiment import template
+from woz_tui.experiment.by_condition import is_choice, read_choice
 from woz_tui.experiment.nodes import Items, Scalar, Table
 from woz_tui.experiment.remarks import Looker
 from woz_tui.experiment.report import join, listed, quoted
 from woz_tui.experiment.robot import Offer, Robots
 from woz_tui.experiment.sensed import nonsense, without_a_sign
 from woz_tui.experiment.settings import resolved
-from woz_tui.experiment.shape import Call, Together
+from woz_tui.experiment.shape import Call, Choice, Together
 from woz_tui.experiment.spot import (
     Spot,
     read_flag,
@@ -33,6 +34,8 @@ from woz_tui.experiment.verbs import ENGAGEMENT, ENGAGEMENT_VERBS, PERFORMERS, W
 
 #: Nothing in an experiment takes longer than a day.
 _LONGEST = Range(0.0, 86_400.0, "s")
+#: Kinds of arguments for which another text may stand in each condition, or several variants.
+_CHOSEN = ("text", "choice", "file")
 _FIGURES: Mapping[str, Callable[[Spot, Range | None], Json]] = {
     "number": read_number,
     "whole": read_whole,
@@ -49,6 +52,7 @@ class Vocabulary:
     own: Mapping[str, Offer]
     variables: Collection[str]
     looker: Looker
+    conditions: Sequence[str] = ()
 
     def offers(self, verb: str) -> Sequence[Offer]:
         """Who offers the verb; those that need no driver come before any driver's."""
@@ -100,10 +104,12 @@ class CallReader:
         calls: list[Call] = []
         for name, entry in verbs.items():
             for offer in chosen[name]:
-                args = _Arguments(self._vocabulary, offer, entry).read(shares.get(name, {}))
+                arguments = _Arguments(self._vocabulary, offer, entry)
+                args = arguments.read(shares.get(name, {}))
                 if offer.driver == ENGAGEMENT and (why := nonsense(name, args)):
                     entry.error(why)
-                calls.append(Call(name, args, offer.driver, entry.place))
+                choices = arguments.choices
+                calls.append(Call(name, args, offer.driver, entry.place, choices=choices))
         self._same_lane(calls, verbs, chosen)
         return Together(tuple(calls))
 
@@ -268,11 +274,16 @@ class _Arguments:
 
     def __init__(self, vocabulary: Vocabulary, offer: Offer, spot: Spot) -> None:
         self._variables = vocabulary.variables
+        self._conditions = vocabulary.conditions
         self._looker = vocabulary.looker
         self._offer = offer
         self._verb = offer.verb
         self._spot = spot
         self._known = {argument.name: argument for argument in offer.verb.arguments}
+        # What moves the engagement model on is checked when the file is read.
+        self._chosen = () if offer.driver == ENGAGEMENT else _CHOSEN
+        #: The arguments that are chosen when the verb is played; known once it has been read.
+        self.choices: dict[str, Choice] = {}
 
     def read(self, beside: Mapping[str, Spot]) -> dict[str, Json]:
         given = self._under()
@@ -287,15 +298,36 @@ class _Arguments:
         whole = True
         for argument in self._verb.arguments:
             if argument.name in given and not self._misplaced(given[argument.name]):
-                args[argument.name] = self._value(given[argument.name], argument)
+                whole = self._take(given[argument.name], argument, args) and whole
             elif argument.required and argument.name not in given:
                 what = f" ({argument.summary})" if argument.summary else ""
                 spot, absent = self._spot, join(self._spot.path, argument.name)
                 spot.report.missing(spot.place, spot.path, f"needs {argument.name!r}{what}", absent)
                 whole = False
         if whole and None not in args.values():
-            self._looker.look(self._offer, args, given, self._spot)
+            self._looker.look(self._offer, args, given, self._spot, self.choices)
         return args
+
+    def _take(self, entry: Spot, argument: Argument, args: dict[str, Json]) -> bool:
+        """Read one argument; whether it is right, as far as no None among `args` says so."""
+        if not self._is_choice(entry, argument):
+            args[argument.name] = self._value(entry, argument)
+        elif (choice := self._choice(entry, argument)) is not None:
+            self.choices[argument.name] = choice
+        else:
+            return False
+        return True
+
+    def _is_choice(self, entry: Spot, argument: Argument) -> bool:
+        """Whether the text is another one in each condition, or one of several."""
+        return argument.kind in self._chosen and is_choice(entry, self._conditions)
+
+    def _choice(self, entry: Spot, argument: Argument) -> Choice | None:
+        def read(one: Spot) -> str | None:
+            text = self._value(one, argument)
+            return text if isinstance(text, str) else None
+
+        return read_choice(entry, self._conditions, read)
 
     def _misplaced(self, entry: Spot) -> bool:
         """Whether the verb's main argument holds what belongs to another one; reported."""
@@ -324,6 +356,8 @@ class _Arguments:
         if "on" not in self._known:
             entries.pop("on", None)  # whom it is for, see `CallReader`
         given = {name: entries.pop(name) for name in self._known if name in entries}
+        if not given and main is not None and self._is_choice(self._spot, main):
+            return {main.name: self._spot}
         if entries and main is not None and main.kind == "joints" and main.name not in given:
             joints = Table(
                 node.place, {name: node.entries[name] for name in entries}, dict(node.keys)
@@ -331,8 +365,12 @@ class _Arguments:
             spot = self._spot
             given[main.name] = Spot(joints, spot.path, spot.place, spot.report)
             return given
-        for entry in entries.values():
-            entry.unknown(self._known, f"{self._verb.name} takes")
+        chosen = self._conditions if main is not None and main.kind in self._chosen else ()
+        for name, entry in entries.items():
+            if name in chosen and main is not None:
+                entry.error(f"is a condition; its text stands under {main.name}: {{{name}: ...}}")
+            else:
+                entry.unknown([*self._known, *chosen], f"{self._verb.name} takes", [*self._known])
         return given
 
     # -- from a node to the value that a driver is given ------------------------------------------

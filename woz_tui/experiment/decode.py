@@ -100,6 +100,7 @@ class _Decoder:
             _own(session_verbs(conditions, titles(panels_spot)), section),
             dict.fromkeys((*filled, *variables.names)),
             Looker.of(self._path.absolute().parent, variables, conditions),
+            conditions,
         )
         steps = StepReader(vocabulary)
         panels = PanelReader(steps, layout)

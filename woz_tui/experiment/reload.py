@@ -225,7 +225,7 @@ def _essence(step: Step) -> object:
 
 
 def _spoken(call: Call) -> tuple[str, str, dict[str, object]]:
-    return call.driver, call.verb, dict(call.args)
+    return call.driver, call.verb, {**call.args, **call.choices}
 
 
 def _entries(what: str, old: Mapping[str, object], new: Mapping[str, object]) -> Iterable[str]:

@@ -14,6 +14,7 @@ from woz_tui.core.hiding import hidden
 from woz_tui.core.messages import Json
 from woz_tui.experiment import template
 from woz_tui.experiment.by_condition import Variables
+from woz_tui.experiment.shape import Choice
 from woz_tui.experiment.spot import Spot
 
 if TYPE_CHECKING:
@@ -28,34 +29,39 @@ class Looker:
 
     Attributes:
         folder: The experiment file's.
-        values: Texts of the variables, once for each condition; those that are not there are known
-            in the session only.
+        values: Texts of the variables, by condition; those that are not there are known in the
+            session only.
     """
 
     folder: Path
-    values: tuple[Values, ...]
+    values: Mapping[str, Values]
 
     @classmethod
     def of(cls, folder: Path, variables: Variables, conditions: Sequence[str]) -> Looker:
         """With the experiment's own variables."""
         always = variables.always
-        each = (
-            {
+        each = {
+            condition: {
                 name: _filled(texts[condition], always)
                 for name, texts in variables.by_condition.items()
                 if condition in texts
             }
             for condition in conditions or ("",)
-        )
-        return cls(folder, tuple({**always, **depending} for depending in each))
+        }
+        return cls(folder, {name: {**always, **depending} for name, depending in each.items()})
 
     def look(
-        self, offer: Offer, args: Mapping[str, Json], spots: Mapping[str, Spot], verb: Spot
+        self,
+        offer: Offer,
+        args: Mapping[str, Json],
+        spots: Mapping[str, Spot],
+        verb: Spot,
+        choices: Mapping[str, Choice],
     ) -> None:
         """Report what is odd about a command. `spots`: where each argument stands."""
         if verb.report.hopeless:
             return
-        for given in self._renderings(args):
+        for given in self._renderings(args, choices):
             told = {
                 finding.subject
                 for finding in _findings(offer, Written(offer.verb.name, given, self.folder), verb)
@@ -65,14 +71,19 @@ class Looker:
                 if name not in told:
                     spots.get(name, verb).error(SECRET)
 
-    def _renderings(self, args: Mapping[str, Json]) -> Iterator[dict[str, Json]]:
-        """The arguments as the conditions make them, each only once."""
+    def _renderings(
+        self, args: Mapping[str, Json], choices: Mapping[str, Choice]
+    ) -> Iterator[dict[str, Json]]:
+        """The arguments as conditions and variants make them, each only once."""
         found: list[dict[str, Json]] = []
-        for values in self.values:
-            given = {name: _rendered(value, values) for name, value in args.items()}
-            if given not in found:
-                found.append(given)
-                yield given
+        for condition, values in self.values.items():
+            variants = {name: choice.of(condition) for name, choice in choices.items()}
+            for index in range(max(map(len, variants.values()), default=1)):
+                chosen = {name: texts[index % len(texts)] for name, texts in variants.items()}
+                given = {n: _rendered(value, values) for n, value in {**args, **chosen}.items()}
+                if given not in found:
+                    found.append(given)
+                    yield given
 
 
 #: Why a file with a secret in it is refused.

@@ -20,6 +20,7 @@ from woz_tui.core import fields
 from woz_tui.core.driver import Argument, Driver, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.actions import WHEN_BUSY
+from woz_tui.experiment.by_condition import ANY
 from woz_tui.experiment.effects import ENTERED, ON_ENTER
 from woz_tui.experiment.engagement import EngagementSettings
 from woz_tui.experiment.layouts import LAYOUTS
@@ -235,7 +236,15 @@ _KINDS: Mapping[str, Schema] = {
     "seconds": SECONDS,
     "joints": _JOINTS,
     "poses": _POSES,
-    "file": {"type": "string"},
+}
+_ANY = mapping({ANY: {"type": "array", "items": TEXT, "minItems": 1}}, required=(ANY,))
+#: What may stand in the place of a text.
+_CHOSEN: Schema = {
+    "description": "a text for each condition, or {any: [...]}: variants in shuffled order",
+    "anyOf": [
+        _ANY,
+        {"type": "object", "additionalProperties": {"anyOf": [TEXT, _ANY]}, "minProperties": 2},
+    ],
 }
 _KEY: Schema = {
     "description": "a, A, !, F1, ctrl+a; c r: first c, then r",
@@ -310,6 +319,7 @@ def experiment_schema(
             "panel": _panel(),
             "action": _action(verbs),
             "step": _step(verbs),
+            "chosen": _CHOSEN,
         },
     }
 
@@ -480,7 +490,9 @@ def _argument(argument: Argument) -> Schema:
         return {"type": kind, **bounds(argument.range)}
     if argument.kind in _KINDS:
         return _KINDS[argument.kind]
-    return {"enum": list(argument.choices)} if argument.choices else TEXT
+    text = {"type": "string"} if argument.kind == "file" else TEXT
+    text = {"enum": list(argument.choices)} if argument.choices else text
+    return {"anyOf": [text, {"$ref": "#/$defs/chosen"}]}
 
 
 def _verbs(catalogue: Mapping[str, type[Driver]], tell: Callable[[str], None]) -> list[Verb]:

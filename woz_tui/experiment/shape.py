@@ -67,9 +67,33 @@ class DriverSpec:
 
 
 @dataclass(frozen=True, slots=True)
+class Choice:
+    """A text that is chosen when its action is played: condition -> its variants. One that does not
+    depend on the condition has them under an empty name.
+    """
+
+    texts: Mapping[str, tuple[str, ...]]
+
+    @property
+    def depends(self) -> bool:
+        """Whether the condition decides."""
+        return "" not in self.texts
+
+    @property
+    def every(self) -> tuple[str, ...]:
+        """All of its texts."""
+        return tuple(text for variants in self.texts.values() for text in variants)
+
+    def of(self, condition: str) -> tuple[str, ...]:
+        """The variants in this condition; nothing if it is none of those that the file names."""
+        return self.texts.get("" if not self.depends else condition, ())
+
+
+@dataclass(frozen=True, slots=True)
 class Call:
     """One verb, its checked arguments (variables still in place), the driver it goes to.
 
+    `choices` are the arguments that are chosen when it is played; they are not in `args` before.
     `tells` and `unfilled` as in `messages.Command`, once the variables are filled in.
     """
 
@@ -79,6 +103,7 @@ class Call:
     place: Place
     tells: tuple[str, ...] = ()
     unfilled: Mapping[str, Json] = field(default_factory=dict)
+    choices: Mapping[str, Choice] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, slots=True)

@@ -22,6 +22,7 @@ END = "<!-- tables: end -->"
 #: Unit (empty: none) and meaning of every field, by name: one name means one thing everywhere.
 FIELDS: dict[str, tuple[str, str]] = {
     "about": ("", "what is known of the visitor: `age_group`, `address`; absent: nothing"),
+    "actions": ("", "name of each action -> its steps: see the line's description"),
     "action": ("", "name of the action in the experiment file"),
     "answered": ("", "how many items were answered"),
     "answered_us": ("µs", "from the item's being shown to its answer; absent: not measured"),

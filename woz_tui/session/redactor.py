@@ -255,6 +255,8 @@ class Redactor:
             seen = change(self, message) if change is not None else message
         if isinstance(seen, m.Worded):
             seen = self._worded(seen)
+        elif isinstance(seen, m.ActionsFilled):
+            seen = self._filled(seen)
         if self.perception and seen is not None:
             hide = _PERCEIVED.get(type(seen))
             seen = hide(self, seen) if hide is not None else seen
@@ -281,6 +283,23 @@ class Redactor:
             case _:
                 words[names[0]] = HIDDEN
         return replace(message, **words)
+
+    def _filled(self, message: m.ActionsFilled) -> m.Message:
+        """Without texts that tell what is kept; it does not say which they are."""
+        if not self:
+            return message
+        actions: Any = {
+            name: [
+                step if isinstance(step, float | int) else [*map(self._filled_call, step)]
+                for step in steps
+            ]
+            for name, steps in message.actions.items()
+        }
+        return replace(message, actions=actions)
+
+    def _filled_call(self, call: m.FilledCall) -> m.FilledCall:
+        kept = any(map(self._keeps, call.tells))
+        return replace(call, args={**call.args, **call.unfilled}) if kept else call
 
     def _keeps(self, what: str) -> bool:
         return self.perception.keeps(what) or (self.blind and what in _CONDITION)

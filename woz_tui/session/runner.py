@@ -14,11 +14,11 @@ from woz_tui.core import messages as m
 from woz_tui.core.commands import HANDS
 from woz_tui.core.driver import Verb
 from woz_tui.core.hub import Hub
-from woz_tui.experiment.shape import Action, Call, Together, Wait
+from woz_tui.experiment.shape import Action, Call
 from woz_tui.experiment.verbs import ENGAGEMENT, PERFORMERS, SESSION
 from woz_tui.sensing.stream import SPEECH
 from woz_tui.session.shaping import Shaper, answers
-from woz_tui.session.variables import MissingError, call_with
+from woz_tui.session.variables import MissingError
 
 #: Runs and commands that can still be labelled as mistakes.
 REMEMBERED = 2000
@@ -78,7 +78,8 @@ class Runner:
         hub: Where everything is published.
         bus: Takes the commands.
         verbs: Each driver's verbs by name, for the time limits.
-        values: Gives the variables' present values.
+        fill: Gives an action's steps with their texts chosen and all variables filled in; raises
+            `MissingError`.
         deadline: Seconds a command may wait before it must have begun; 0 means for ever.
         shaper: Holds what answers a cue too soon; None: nothing does.
     """
@@ -88,7 +89,7 @@ class Runner:
         hub: Hub,
         bus: Bus,
         verbs: Mapping[str, Mapping[str, Verb]],
-        values: Callable[[], Mapping[str, str]],
+        fill: Callable[[Action], list[tuple[Call, ...] | float]],
         deadline: float,
         *,
         shaper: Shaper | None = None,
@@ -97,7 +98,7 @@ class Runner:
         self._shaper = shaper
         self._bus = bus
         self._verbs = verbs
-        self._values = values
+        self._fill = fill
         self.deadline = deadline
         self._runs: dict[str, Run] = {}
         self._actions = 0
@@ -122,7 +123,8 @@ class Runner:
         """Begin an action: run id, and why it was refused (empty: it was not)."""
         run_id = self._request(action.name, action.panel, origin)
         try:
-            steps = self._filled(action)
+            # All of them before the first: no action ends half-way because a value is missing.
+            steps = self._fill(action)
         except MissingError as error:
             self._hub.publish(m.ActionRefused(run=run_id, action=action.name, reason=str(error)))
             return run_id, str(error)
@@ -232,22 +234,6 @@ class Runner:
             )
         )
         return run
-
-    def _filled(self, action: Action) -> list[tuple[Call, ...] | float]:
-        """The steps with all variables filled in.
-
-        All are looked up before the first step, so that an action never ends half-way because a
-        value is missing.
-        """
-        values = self._values()
-        steps: list[tuple[Call, ...] | float] = []
-        for step in action.steps:
-            match step:
-                case Wait(seconds=seconds):
-                    steps.append(seconds)
-                case Together(calls=calls):
-                    steps.append(tuple(call_with(call, values) for call in calls))
-        return steps
 
     # -- step after step ---------------------------------------------------------------------
 

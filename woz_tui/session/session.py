@@ -35,6 +35,7 @@ from woz_tui.session.study import LiveStudy
 from woz_tui.session.utterances import no_value, utterances
 from woz_tui.session.variables import Values
 from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
+from woz_tui.session.wording import Wording
 from woz_tui.timeline.state import SessionState
 
 #: Seconds between two lines that tie the session's clock to the calendar.
@@ -136,11 +137,12 @@ class Session:
             unstopped=frozenset({ENGAGEMENT}),
         )
         self._crew = Crew(self.drivers, self.hub, self.bus.disconnected)
+        self.wording = Wording(self.hub, self.identity.seed, lambda: self.experiment, self.values)
         self.runner = Runner(
             self.hub,
             self.bus,
             by_name,
-            self.values,
+            self.wording.play,
             self.experiment.session.deadline,
             shaper=Shaper(self.hub, self.identity.seed),
         )
@@ -169,6 +171,7 @@ class Session:
         self.engagement.begin()
         self.study.begin()
         await self._crew.open()
+        self.wording.tell()
         self._tie_clock()
         self._look()
         self._checkpoint()
@@ -479,6 +482,7 @@ class Session:
         self.runner.deadline = experiment.session.deadline
         reloaded(self.hub, experiment, changes, telling)
         self.study.adopt()
+        self.wording.tell()
         kept = self.profiles.adopt(experiment)
         if kept:
             self.hub.publish(m.Notice(level="warning", text=kept, remedy="choose another profile"))

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 
 from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import Experiment, Together
+from woz_tui.experiment.shape import Call, Experiment, Together
 from woz_tui.experiment.template import VISITOR
 from woz_tui.session.identity import AskError
 from woz_tui.session.variables import MissingError, filled
@@ -24,10 +24,16 @@ def utterances(experiment: Experiment, values: Mapping[str, str]) -> dict[str, l
         for action in panel.actions:
             for step in action.steps:
                 for call in step.calls if isinstance(step, Together) else ():
-                    text = _text(call.args.get(TEXT), values) if call.verb == SAY else ""
-                    if text:
-                        found.setdefault(call.driver, {})[text] = None
+                    for written in _written(call, values) if call.verb == SAY else ():
+                        if text := _text(written, values):
+                            found.setdefault(call.driver, {})[text] = None
     return {driver: list(texts) for driver, texts in found.items()}
+
+
+def _written(call: Call, values: Mapping[str, str]) -> Iterable[Json]:
+    """What it may be asked to say in this condition, with the variables still in place."""
+    choice = call.choices.get(TEXT)
+    return choice.of(values.get("condition", "")) if choice else (call.args.get(TEXT),)
 
 
 def _text(value: Json, values: Mapping[str, str]) -> str:

@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 
 from woz_tui.core.messages import Json
-from woz_tui.experiment.shape import Call
-from woz_tui.experiment.template import fill
+from woz_tui.experiment.shape import Call, Choice
+from woz_tui.experiment.template import fill, names
+
+#: Chooses one of the variants.
+Pick = Callable[[Sequence[str]], str]
+#: Stands for a text that depends on the condition, where that is kept.
+UNTOLD = "..."
 
 
 class Values(dict[str, str]):
@@ -24,6 +29,14 @@ class Values(dict[str, str]):
         super().__init__(values)
         self.why = why
         self.tells = tells
+        #: Whether a variable without a value stays as it is written: nothing is played yet.
+        self.shown = False
+
+    def to_show(self) -> Values:
+        """The same, for texts that are shown before they are played."""
+        values = Values(self, self.why, self.tells)
+        values.shown = True
+        return values
 
 
 class MissingError(ValueError):
@@ -48,9 +61,10 @@ def _filled(value: Json, value_of: Callable[[str], str]) -> Json:
     return value
 
 
-def call_with(call: Call, values: Mapping[str, str]) -> Call:
-    """`call` with every variable filled in. Raises `MissingError`."""
-    args = {name: filled(value, values) for name, value in call.args.items()}
+def call_with(call: Call, values: Mapping[str, str], pick: Pick = lambda texts: texts[0]) -> Call:
+    """`call` with its texts chosen and every variable filled in. Raises `MissingError`."""
+    written = {**call.args, **_chosen(call.choices, values, pick)}
+    args = {name: filled(value, values) for name, value in written.items()}
     found: set[str] = set()
 
     def left(name: str) -> str:
@@ -58,13 +72,51 @@ def call_with(call: Call, values: Mapping[str, str]) -> Call:
         found.update(tells)
         return f"{{{name}}}" if tells else _value(name, values)
 
-    seen = {name: _filled(value, left) for name, value in call.args.items()}
+    seen = {name: _filled(value, left) for name, value in written.items()}
+    for name, choice in call.choices.items():
+        if choice.depends:
+            found.update(("condition", *_tells(choice, values)))
+            seen[name] = UNTOLD
     unfilled = {name: value for name, value in seen.items() if value != args[name]}
-    return replace(call, args=args, tells=tuple(sorted(found)), unfilled=unfilled)
+    chosen = replace(call, args=args, tells=tuple(sorted(found)), unfilled=unfilled)
+    return replace(chosen, choices={})
+
+
+def _chosen(
+    choices: Mapping[str, Choice], values: Mapping[str, str], pick: Pick
+) -> dict[str, Json]:
+    found: dict[str, Json] = {}
+    for name, choice in choices.items():
+        condition = values.get("condition", "")
+        texts = choice.of(condition)
+        if texts:
+            found[name] = pick(texts)
+        elif isinstance(values, Values) and values.shown:
+            found[name] = UNTOLD
+        else:
+            raise MissingError(f"its {name} {waiting(condition)}")
+    return found
+
+
+def _tells(choice: Choice, values: Mapping[str, str]) -> set[str]:
+    """What its variables tell, in whichever condition."""
+    known = values.tells if isinstance(values, Values) else {}
+    inner = {name for text in choice.every for name in names(text)}
+    return {each for name in inner for each in known.get(name, ())}
+
+
+def waiting(condition: str) -> str:
+    """Why what depends on the condition has no text; the condition is not named, since the wizard
+    may not be told.
+    """
+    waits = "the file has no text for the present one" if condition else "none is set"
+    return f"depends on the condition, and {waits}"
 
 
 def _value(name: str, values: Mapping[str, str]) -> str:
     text = values.get(name, "")
+    if not text and isinstance(values, Values) and values.shown:
+        return f"{{{name}}}"
     if not text:
         why = values.why.get(name, "") if isinstance(values, Values) else ""
         raise MissingError(f"{{{name}}} has no value yet{why and ': '}{why}")
@@ -76,15 +128,13 @@ def by_condition(
 ) -> tuple[dict[str, str], dict[str, str]]:
     """The variables that depend on the condition: those with a value now, and why others have none.
 
-    Their texts may hold the other variables, whose `values` are filled in. No condition is named,
-    since the wizard may not be told.
+    Their texts may hold the other variables, whose `values` are filled in.
     """
     now: dict[str, str] = {}
     why: dict[str, str] = {}
     for name, found in texts.items():
         if condition not in found:
-            waits = "the file has no text for the present one" if condition else "none is set"
-            why[name] = f"it depends on the condition, and {waits}"
+            why[name] = f"it {waiting(condition)}"
             continue
         try:
             now[name] = fill(found[condition], lambda inner: _value(inner, values))

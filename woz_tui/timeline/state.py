@@ -83,6 +83,7 @@ class SessionState:
         readings, sensors: The last value and the last state of each sensor.
         modes, faces, bodies, controls: The last of each, by driver; of controls all positions, what
             moved last at the end.
+        filled: What each action would do if it were played now.
         speaking: Utterances that go on, by driver and segment.
         profile, restriction: What restricts the wizard, if anything does.
         locks: What locked or unlocked panels since they were shown last.
@@ -114,6 +115,7 @@ class SessionState:
     controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
     speaking: dict[tuple[str, int], Utterance] = field(default_factory=dict)
     script: m.ScriptMoved | None = None
+    filled: m.ActionsFilled | None = None
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
     profile_changed: m.ProfileChanged | None = None
     profile: Profile | None = None
@@ -171,7 +173,7 @@ class SessionState:
 
     def _lines(self) -> Iterator[m.Message]:
         single = (self.start, self.end, self.plan, self.recorder, self.script, self.shaping)
-        for line in (*single, self.profile_changed, self.perception):
+        for line in (*single, self.filled, self.profile_changed, self.perception):
             if line is not None:
                 yield line
         for part in (self.study, self.model, self.robots):
@@ -264,7 +266,14 @@ class SessionState:
         self.study.assign(message)
         return self._moment(message)
 
+    def _reloaded(self, message: m.ExperimentReloaded) -> Iterable[Episode]:
+        self.filled = None
+        return self._moment(message)
+
     # -- actions and commands ---------------------------------------------------------------------
+
+    def _filled(self, message: m.ActionsFilled) -> None:
+        self.filled = message.after(self.filled)
 
     def _requested(self, message: m.ActionRequested) -> Iterable[Episode]:
         action = Action(begin=self.t, seq=message.seq, request=message)
@@ -686,6 +695,8 @@ CASES: dict[type[m.Message], _Case] = {
     ),
     # Moments, and nothing but moments.
     **dict.fromkeys((m.Marker, m.Note, m.Notice, m.VisitorChanged), S._moment),
-    **dict.fromkeys((m.ExperimentReloaded, m.RerunSent, m.RerunSkipped), S._moment),
+    **dict.fromkeys((m.RerunSent, m.RerunSkipped), S._moment),
+    m.ExperimentReloaded: S._reloaded,
+    m.ActionsFilled: S._filled,
     **dict.fromkeys((m.ClockTie, m.Checkpoint, m.Segment, m.ExperimentFiles), _pass_over),
 }

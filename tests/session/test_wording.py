@@ -1,0 +1,211 @@
+"""What actions say: by condition, in variants, and what consoles are told before it is played."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable, Mapping
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+from msgspec import structs
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Stage, action, call, experiment, together
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import Call, Choice, Experiment
+from woz_tui.experiment.study import Design, Study
+from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.redactor import Redactor
+from woz_tui.session.runner import Origin
+from woz_tui.session.study_view import study_settings
+from woz_tui.session.wording import variant
+
+KEY = Origin("key", "h", "con1")
+HM = ("Hm.", "Let me think.", "Well, well.")
+GREETINGS = {"warm": ("How nice, {participant}!", "Welcome!"), "cold": ("Hello.",)}
+
+
+def chosen(texts: Mapping[str, tuple[str, ...]]) -> Call:
+    return replace(call("say"), choices={"text": Choice(texts)})
+
+
+def made(folder: Path) -> Experiment:
+    plain = experiment(folder)
+    speech, *rest = plain.panels
+    more = (
+        action("Greet", together(chosen(GREETINGS), call("play", move="nod"))),
+        action("Filler", together(chosen({"": HM}))),
+    )
+    return replace(
+        plain,
+        panels=(replace(speech, actions=(*speech.actions, *more)), *rest),
+        conditions=("warm", "cold"),
+        study=Study(design=Design(blind={"warm": "A", "cold": "B"})),
+    )
+
+
+class Played(Stage):
+    """A session that plays one action after the other, and what came of it."""
+
+    async def play(self, *names: str) -> list[str]:
+        before = len(self.spoken)
+        for name in names:
+            self.session.play(name, KEY)
+            await asyncio.sleep(3)
+        return self.spoken[before:]
+
+    @property
+    def spoken(self) -> list[str]:
+        return [str(args["text"]) for verb, args in self.puppet().calls if verb == "say"]
+
+    def shown(self, name: str) -> str:
+        """What consoles were told that the action says."""
+        filled = self.session.state.filled
+        assert filled is not None
+        step = filled.actions[name][0]
+        assert isinstance(step, list)
+        return str(step[0].args["text"])
+
+
+def on_stage(
+    folder: Path,
+    scenario: Callable[[Played], Awaitable[None]],
+    identity: Identity | None = None,
+) -> Played:
+    async def go() -> Played:
+        stage = Played(
+            folder, identity=identity or Identity(participant="P07", seed=5), made=made(folder)
+        )
+        await stage.session.open()
+        await scenario(stage)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+# -- variants ------------------------------------------------------------------------------------
+
+
+@given(st.text(max_size=8), st.integers(2, 12), st.integers(0, 60))
+def test_no_variant_comes_again_before_all_were_used(key: str, size: int, turns: int) -> None:
+    first = turns * size
+    assert sorted(variant(key, first + n, size) for n in range(size)) == [*range(size)]
+
+
+@given(st.text(max_size=8), st.integers(2, 12), st.integers(0, 400))
+def test_no_variant_comes_twice_in_a_row(key: str, size: int, count: int) -> None:
+    assert variant(key, count, size) != variant(key, count + 1, size)
+
+
+def test_what_was_shown_is_what_is_played(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        for _ in range(7):
+            shown = stage.shown("Filler")
+            assert await stage.play("Filler") == [shown]
+        assert {*stage.spoken[:3]} == {*HM}
+
+    on_stage(tmp_path, scenario)
+
+
+def test_the_order_is_that_of_seed_participant_and_action(tmp_path: Path) -> None:
+    orders: list[list[str]] = []
+
+    async def scenario(stage: Played) -> None:
+        orders.append(await stage.play(*["Filler"] * 6))
+        stage.session.set(participant="P08")
+        orders.append(await stage.play(*["Filler"] * 6))
+        stage.session.set(participant="P07")
+        orders.append(await stage.play(*["Filler"] * 6))
+
+    on_stage(tmp_path / "one", scenario)
+    on_stage(tmp_path / "again", scenario)
+    first, other, anew = orders[:3]
+    assert first == anew
+    assert first != other
+    assert orders[3:] == orders[:3]
+
+
+def test_what_is_refused_uses_no_variant_up(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        shown = stage.shown("Filler")
+        stage.session.stop("key")
+        with pytest.raises(AskError):
+            stage.session.play("Filler", KEY)
+        stage.session.release("key")
+        assert await stage.play("Filler") == [shown]
+
+    on_stage(tmp_path, scenario)
+
+
+# -- conditions ----------------------------------------------------------------------------------
+
+
+def test_a_text_follows_the_condition(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        with pytest.raises(AskError) as caught:
+            await stage.play("Greet")
+        assert "depends on the condition, and none is set" in caught.value.reason
+        assert stage.shown("Greet") == "..."
+        stage.session.set(condition="cold")
+        assert stage.shown("Greet") == "Hello."
+        assert await stage.play("Greet", "Greet") == ["Hello.", "Hello."]
+        stage.session.set(condition="warm")
+        assert {*await stage.play("Greet", "Greet")} == {"How nice, P07!", "Welcome!"}
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_variable_without_a_value_is_shown_as_it_is_written(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        assert stage.shown("Hello") == "Hello {participant}"
+        stage.session.set(participant="P09")
+        assert stage.shown("Hello") == "Hello P09"
+
+    on_stage(tmp_path, scenario, Identity())
+
+
+def test_a_reload_tells_the_new_texts_and_forgets_what_is_gone(tmp_path: Path) -> None:
+    async def scenario(stage: Played) -> None:
+        now = stage.session.experiment
+        speech = replace(
+            now.panels[0], actions=(action("Filler", together(chosen({"": ("Oh!",)}))),)
+        )
+        stage.session.adopt(replace(now, panels=(speech,)), [])
+        assert stage.shown("Filler") == "Oh!"
+        assert stage.session.state.filled is not None
+        assert [*stage.session.state.filled.actions] == ["Filler"]
+
+    on_stage(tmp_path, scenario)
+
+
+def test_a_blind_wizard_is_told_the_same_in_every_condition(tmp_path: Path) -> None:
+    """Neither what is told nor how often may differ."""
+    told: dict[str, list[m.Message | None]] = {}
+    for condition in ("warm", "cold"):
+
+        async def scenario(stage: Played, condition: str = condition) -> None:
+            await stage.play("Greet", "Greet", "Filler")
+            redactor = Redactor(study_settings(stage.session.experiment))
+            told[condition] = [
+                replaced(redactor.message(line))
+                for line in stage.lines
+                if isinstance(line, m.ActionsFilled)
+            ]
+
+        who = Identity(participant="P07", condition=condition, seed=5)
+        on_stage(tmp_path / condition, scenario, who)
+    assert told["warm"] == told["cold"]
+    text = repr(told).casefold()
+    assert "let me think" in text
+    assert "nod" in text
+    assert "welcome!" not in text
+    assert "'hello.'" not in text
+
+
+def replaced(line: m.Message | None) -> m.Message | None:
+    """Without its time, which no test decides."""
+    return structs.replace(line, t=0, ts="", seq=0) if line is not None else None

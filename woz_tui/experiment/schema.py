@@ -179,7 +179,13 @@ def _design() -> Schema:
 def _scale() -> Schema:
     ends = {"type": "array", "items": TEXT, "minItems": 2, "maxItems": 2}
     return {
-        **mapping({"low": {"type": "integer"}, "high": {"type": "integer"}, "ends": ends}),
+        **mapping(
+            {
+                "low": {"type": "integer", "description": "the lowest number"},
+                "high": {"type": "integer", "description": "the highest number"},
+                "ends": {**ends, "description": "what the lowest and the highest are called"},
+            }
+        ),
         "description": "whole numbers from low to high, and what the ends are called",
     }
 
@@ -188,7 +194,7 @@ def _questionnaire() -> Schema:
     item = mapping(
         {
             "name": _NAME,
-            "question": TEXT,
+            "question": {**TEXT, "description": "as the participant reads it"},
             "scale": _scale(),
             "text": {**FLAG, "description": "a free text instead of a scale"},
             "optional": {**FLAG, "description": "may be left out"},
@@ -203,9 +209,14 @@ def _questionnaire() -> Schema:
                 "enum": list(WHENS),
                 "description": "at the end, after each trial or condition, or by hand alone",
             },
-            "introduction": TEXT,
+            "introduction": {**TEXT, "description": "what is said before the first item"},
             "scale": _scale(),
-            "items": {"type": "array", "items": {"oneOf": [TEXT, item]}, "minItems": 1},
+            "items": {
+                "type": "array",
+                "items": {"oneOf": [TEXT, item]},
+                "minItems": 1,
+                "description": "what is asked, in this order",
+            },
         },
         required=("items",),
     )
@@ -224,7 +235,12 @@ def _training() -> Schema:
     )
     schema = settings_schema(Training)
     schema["description"] = "what `woz train` does"
-    schema["properties"]["cues"] = {"type": "array", "items": cue, "minItems": 1}
+    schema["properties"]["cues"] = {
+        "type": "array",
+        "items": cue,
+        "minItems": 1,
+        "description": "what the visitor does, and which actions answer it",
+    }
     return schema
 
 
@@ -284,10 +300,23 @@ def experiment_schema(
                     "additionalProperties": robot,
                     "minProperties": 1,
                 },
-                "participants": mapping(
-                    {"pattern": {"type": "string", "description": "regular expression of codes"}}
-                ),
-                "conditions": {"type": "array", "items": TEXT, "uniqueItems": True},
+                "participants": {
+                    **mapping(
+                        {
+                            "pattern": {
+                                "type": "string",
+                                "description": "regular expression of codes",
+                            }
+                        }
+                    ),
+                    "description": "what participants' codes look like",
+                },
+                "conditions": {
+                    "type": "array",
+                    "items": TEXT,
+                    "uniqueItems": True,
+                    "description": "what differs between participants or trials",
+                },
                 "variables": {
                     "type": "object",
                     "description": "values for {name} in utterances; a mapping: by condition",
@@ -295,11 +324,22 @@ def experiment_schema(
                     "additionalProperties": {"oneOf": [TEXT, BY_CONDITION]},
                 },
                 "keyboard": {"enum": list(LAYOUTS), "description": "the wizard's keyboard"},
-                "session": settings_schema(SessionSettings),
-                "steps": settings_schema(Steps),
+                "session": {
+                    **settings_schema(SessionSettings),
+                    "description": "time limits of the session",
+                },
+                "steps": {
+                    **settings_schema(Steps),
+                    "description": "how far one press of an arrow key goes",
+                },
                 "engagement": _engagement(),
                 **study_properties(),
-                "panels": {"type": "array", "items": {"$ref": "#/$defs/panel"}, "minItems": 1},
+                "panels": {
+                    "type": "array",
+                    "items": {"$ref": "#/$defs/panel"},
+                    "minItems": 1,
+                    "description": "groups of actions, as they stand on the screen",
+                },
                 "profiles": {
                     "type": "object",
                     "description": "what a wizard may use, by the profile's name",
@@ -388,7 +428,10 @@ def _engagement() -> Schema:
 
 def _profile() -> Schema:
     names: Schema = {"type": "array", "items": TEXT}
-    return mapping({**dict.fromkeys(PROFILE_FIELDS, names), "hide": FLAG})
+    allowed = {
+        name: {**names, "description": f"{name} that may be used"} for name in PROFILE_FIELDS
+    }
+    return mapping({**allowed, "hide": {**FLAG, "description": "hide what may not be used"}})
 
 
 def _panel() -> Schema:
@@ -401,7 +444,11 @@ def _panel() -> Schema:
                 "items": TEXT,
                 "description": "verbs that nobody sends by hand while the panel is locked",
             },
-            "actions": {"type": "array", "items": {"$ref": "#/$defs/action"}},
+            "actions": {
+                "type": "array",
+                "items": {"$ref": "#/$defs/action"},
+                "description": "buttons, in this order",
+            },
         },
         required=("title",),
     )

@@ -1,0 +1,288 @@
+"""The reference page of the experiment file, out of the schema that is made from the code.
+
+`python -m docs.experiment_reference` writes `experiment-file.md` anew. Examples are what the
+experiments that come with woz-tui say, and else those in `EXAMPLES`.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import yaml
+
+from woz_tui.experiment.actions import ACTION_FIELDS
+from woz_tui.experiment.effects import ENTERED
+from woz_tui.experiment.engagement import SIGNS
+from woz_tui.experiment.schema import experiment_schema
+from woz_tui.experiment.verbs import WAIT, session_verbs
+from woz_tui.plugins import installed
+
+PAGE = Path(__file__).with_name("experiment-file.md")
+EXPERIMENTS = Path(__file__).parents[1] / "experiments"
+#: Whose examples come first: what is read most.
+FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")
+
+HEAD = """\
+# The experiment file
+
+*Made from the code by `python -m docs.experiment_reference`; `woz schema` gives the same to editors.*
+
+What becomes of a small file:
+
+```
+ title: Museum guide                          ┌ Museum guide ─────────────── REC 00:12 ─┐
+ robot: simulated                             │ ┌ 1 Speech ─────┐ ┌ 2 Gestures ──────┐  │
+ panels:                                      │ │ h  Hello      │ │ n  Nod           │  │
+   - title: Speech            ──────────────▶ │ │ q  Question   │ │                  │  │
+     actions:                  panels, keys,  │ └───────────────┘ └──────────────────┘  │
+       - key: h                labels         │                                         │
+         label: Hello                         │                                         │
+         say: Hello {participant}!  ───────▶  │ 00:11  Hello   "Hello P07!"      done   │
+   - title: Gestures           verbs of the   │                                         │
+     actions:                  robot          │                                         │
+       - {key: n, label: Nod, play: nod}      │                                         │
+ script: [Hello, Nod]       ───────────────▶  │ space: Hello                            │
+                               the next line  └─────────────────────────────────────────┘
+```
+
+`woz new` writes a file to begin with, `woz check FILE` finds every mistake with its line, and a session reads the
+file again with one key (ctrl+e) while it runs. Seconds may carry a unit (`300 ms`, `4 s`, `2 min`). Text needs quotes
+only where YAML needs them: `No`, `007` and `12:30` stay what they are.
+"""
+COLUMNS = """\
+| key | type | default | example | what it says |
+|---|---|---|---|---|
+"""
+VERBS = """\
+## Verbs
+
+What an action or a step does. `woz check --all FILE` lists the verbs of your robot with their arguments; each robot's
+page has them, too. These are there with every robot:
+
+| verb | example | what it does |
+|---|---|---|
+"""
+#: What no experiment of ours says, by path.
+EXAMPLES: dict[str, Any] = {
+    "robots": {"left": "eyepi.robot.yaml", "right": "eyepi.robot.yaml"},
+    "robot.name": "Sophie",
+    "session.stale_after": "2 s",
+    "panels.locked": True,
+    "panels.covers": ["drive", "nudge"],
+    "actions.on": "voice",
+    "actions.help": "only for children",
+    "actions.locked": True,
+    "actions.name": "Hello again",
+    "actions.when_busy": "replace",
+    "design.block": 4,
+    "design.seed": 7,
+    "design.within": False,
+    "questionnaires.name": "ux",
+    "training.count": 20,
+    "training.cues.window": "8 s",
+    **{f"engagement.{sign}": {"samples": 10} for sign in SIGNS},
+    "engagement.*.sensor": "camera.gaze",
+    "engagement.*.rate": 5,
+    "engagement.joint": {"glance": 0.7},
+    "engagement.sound": {"hang_over": "0.8 s"},
+    "engagement.sound.threshold": 0.05,
+    "engagement.handshake.yes": ["yes", "that is right"],
+    "engagement.handshake.no": ["no"],
+    "engagement.visitors": "visitors.json",
+    **{f"engagement.on_enter.{state}": {"eyes": "green"} for state in ENTERED},
+    "profiles.verbs": ["say"],
+}
+#: What sections within `engagement` are about.
+MEANINGS = {
+    **{f"engagement.{sign}": "this sign's own sensor and filter" for sign in SIGNS},
+    "engagement.joint": "the filter `joint`",
+    "engagement.sound": "what counts as speech",
+    "engagement.timeouts": "how long a state may last",
+    "engagement.handshake": "how somebody without a name is asked for it",
+    "engagement.attention": "what the robot turns to",
+}
+_VERB_WORDS = {"wait": 0.5, "mark": "smile", "note": "came late", "lock": "Speech"}
+
+
+def page() -> str:
+    """The whole page."""
+    schema = experiment_schema(installed())
+    found = _found()
+    parts = [HEAD, _section("Top level", "", schema["properties"], schema, found)]
+    for name, each in schema["properties"].items():
+        properties = _inner(each, schema)
+        if name in ("robot", "robots"):
+            continue  # drivers have pages of their own
+        if properties:
+            parts.append(_section(f"`{name}`", name, properties, schema, found))
+        if name == "panels":
+            action = schema["$defs"]["action"]["properties"]
+            own = {field: action[field] for field in ACTION_FIELDS if field in action}
+            parts.append(_section("An action", "actions", own, schema, found))
+            parts.append(VERBS + "".join(_verbs()))
+    return "\n".join(parts)
+
+
+def _section(heading: str, path: str, properties: Any, schema: Any, found: dict[str, Any]) -> str:
+    rows = "".join(
+        f"| `{name}` | {_kind(each, schema)} | {_default(each)} | {_example(where, each, schema, found)} |"
+        f" {_meaning(where, each, schema)} |\n"
+        for name, where, each in _keys(path, properties, schema)
+    )
+    return f"## {heading}\n\n{COLUMNS}{rows}"
+
+
+def _keys(path: str, properties: Any, schema: Any) -> Iterator[tuple[str, str, Any]]:
+    """Name in the table, path, schema; below a section also the keys within its keys."""
+    for name, each in properties.items():
+        where = f"{path}.{name}".lstrip(".")
+        yield name, where, each
+        inner = _inner(each, schema) if path not in ("", "panels", "actions") else {}
+        for below, more in (inner or {}).items():
+            yield f"{name}.{below}", f"{where}.{below}", more
+
+
+def _inner(each: Any, schema: Any) -> Any:
+    """The keys of a mapping, of a list's entries, or of the values of a mapping of names."""
+    for candidate in (each, each.get("items"), each.get("additionalProperties")):
+        for form in _forms(candidate, schema):
+            if form.get("properties"):
+                return form["properties"]
+    return {}
+
+
+def _forms(each: Any, schema: Any) -> Iterator[Any]:
+    if not isinstance(each, dict):
+        return
+    if "$ref" in each:
+        yield from _forms(schema["$defs"][each["$ref"].rpartition("/")[2]], schema)
+        return
+    yield each
+    for form in (*each.get("oneOf", ()), *each.get("anyOf", ())):
+        yield from _forms(form, schema)
+
+
+def _kind(each: Any, schema: Any) -> str:
+    names = dict.fromkeys(name for form in _forms(each, schema) if (name := _named(form, schema)))
+    return " or ".join(name for name in names if (name, "seconds") != ("number", [*names][-1]))
+
+
+def _named(form: Any, schema: Any) -> str:
+    """One form in a word or two."""
+    words = form.get("enum")
+    if words is not None:
+        if True in words:
+            return "yes or no"
+        shown = ", ".join(f"`{word}`" for word in words[:12])
+        return shown + (", ..." if len(words) > 12 else "")
+    match form.get("type"):
+        case "array":
+            return f"list of {_kind(form.get('items', {}), schema)}".replace("list of any", "list")
+        case "object":
+            return "mapping"
+        case "integer" | "number" as kind:
+            low, high = form.get("minimum"), form.get("maximum")
+            span = f", {low:g} to {high:g}" if None not in (low, high) else ""
+            return ("whole number" if kind == "integer" else "number") + span
+        case "string":
+            return "seconds" if "ms|s" in form.get("pattern", "") else "text"
+        case "null":
+            return "nothing"
+        case list():
+            return "text"
+    return ""
+
+
+def _default(each: Any) -> str:
+    if "default" not in each:
+        return ""
+    value = each["default"]
+    return f"`{str(value).lower() if isinstance(value, bool) else value}`"
+
+
+def _meaning(where: str, each: Any, schema: Any) -> str:
+    forms = [each, *_forms(each, schema)]
+    text = next((form["description"] for form in forms if "description" in form), "")
+    section, _, name = where.rpartition(".")
+    if not text and section.startswith("engagement."):
+        on_enter = section == "engagement.on_enter"
+        text = "done on entering this state" if on_enter else "as above, for this sign alone"
+    return str(text or MEANINGS.get(where, "")).replace("|", "\\|")
+
+
+def _example(path: str, each: Any, schema: Any, found: dict[str, Any]) -> str:
+    """What a file says, or what it could say."""
+    section, _, name = path.rpartition(".")
+    above = section.rpartition(".")[0]
+    value = EXAMPLES.get(path, found.get(path, each.get("default")))
+    if value is None and above:  # a sign's own filter is written as that of all
+        value = EXAMPLES.get(f"{above}.*.{name}", found.get(f"{above}.{name}"))
+    for form in _forms(each, schema):
+        if value is None and form.get("enum"):
+            value = form["enum"][0]
+    return "" if value is None else f"`{_flow(_plain(value))}`".replace("|", "\\|")
+
+
+def _plain(value: Any) -> Any:
+    """Numbers as such: files are read without guessing."""
+    match value:
+        case dict():
+            return {name: _plain(each) for name, each in value.items()}
+        case list():
+            return [*map(_plain, value)]
+        case str() if re.fullmatch(r"-?\d+(\.\d+)?", value):
+            return float(value) if "." in value else int(value)
+    return value
+
+
+def _flow(value: Any) -> str:
+    """YAML on one line, short."""
+    text = yaml.safe_dump(value, default_flow_style=True, width=10**6, allow_unicode=True)
+    text = text.removesuffix("...\n").strip()
+    return text if len(text) <= 60 else text[:57] + "..."
+
+
+def _found() -> dict[str, Any]:
+    """By path, the shortest value that our own experiments give it, the best known file first."""
+    files = sorted(EXPERIMENTS.glob("*.yaml"), key=lambda path: (path.name not in FIRST, path.name))
+    found: dict[str, Any] = {}
+    for file in files:
+        content = yaml.load(file.read_text(encoding="utf-8"), yaml.BaseLoader)  # noqa: S506
+        if isinstance(content, dict) and "panels" in content:
+            own: dict[str, Any] = {}
+            for name, value in content.items():
+                _collect(name, value, own)
+            found = {**own, **found}
+    return found
+
+
+def _collect(path: str, value: Any, found: dict[str, Any]) -> None:
+    if value is None or value == "":
+        return
+    if path not in found or len(str(value)) < len(str(found[path])):
+        found[path] = value
+    if isinstance(value, dict):
+        for name, inner in value.items():
+            _collect(f"{path}.{name}", inner, found)
+            if path in ("profiles", "phases"):
+                _collect(path, inner, found)
+    if isinstance(value, list):
+        for entry in value:
+            if isinstance(entry, dict):
+                for name, inner in entry.items():
+                    below = "actions" if path == "panels.actions" else path
+                    _collect(f"{below}.{name}", inner, found)
+
+
+def _verbs() -> Iterator[str]:
+    for verb in (*session_verbs(), WAIT):
+        argument = verb.arguments[0].name if verb.arguments else ""
+        value = _VERB_WORDS.get(verb.name, f"<{argument}>")
+        yield f"| `{verb.name}` | `{verb.name}: {value}` | {verb.summary} |\n"
+
+
+if __name__ == "__main__":
+    PAGE.write_text(page(), encoding="utf-8")

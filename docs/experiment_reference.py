@@ -28,7 +28,8 @@ FIRST = ("interview.yaml", "study.yaml", "demo.yaml", "guide.yaml")
 HEAD = """\
 # The experiment file
 
-*Made from the code by `python -m docs.experiment_reference`; `woz schema` gives the same to editors.*
+*Made from the code by `python -m docs.experiment_reference`. `woz schema` gives the same to
+editors.*
 
 What becomes of a small file:
 
@@ -48,9 +49,10 @@ What becomes of a small file:
                                the next line  └─────────────────────────────────────────┘
 ```
 
-`woz new` writes a file to begin with, `woz check FILE` finds every mistake with its line, and a session reads the
-file again with one key (ctrl+e) while it runs. Seconds may carry a unit (`300 ms`, `4 s`, `2 min`). Text needs quotes
-only where YAML needs them: `No`, `007` and `12:30` stay what they are.
+`woz new` writes a file to begin with, `woz check FILE` finds every mistake with its line, and a
+session reads the file again with one key (ctrl+e) while it runs. Seconds may carry a unit
+(`300 ms`, `4 s`, `2 min`). Text needs quotes only where YAML needs them: `No`, `007` and `12:30`
+stay what they are.
 """
 COLUMNS = """\
 | key | type | default | example | what it says |
@@ -59,8 +61,8 @@ COLUMNS = """\
 VERBS = """\
 ## Verbs
 
-What an action or a step does. `woz check --all FILE` lists the verbs of your robot with their arguments; each robot's
-page has them, too. These are there with every robot:
+What an action or a step does. `woz check --all FILE` lists the verbs of your robot with their
+arguments; each robot's page has them, too. These are there with every robot:
 
 | verb | example | what it does |
 |---|---|---|
@@ -128,8 +130,8 @@ def page() -> str:
 
 def _section(heading: str, path: str, properties: Any, schema: Any, found: dict[str, Any]) -> str:
     rows = "".join(
-        f"| `{name}` | {_kind(each, schema)} | {_default(each)} | {_example(where, each, schema, found)} |"
-        f" {_meaning(where, each, schema)} |\n"
+        f"| `{name}` | {_kind(each, schema)} | {_default(each)} |"
+        f" {_example(where, each, schema, found)} | {_meaning(where, each, schema)} |\n"
         for name, where, each in _keys(path, properties, schema)
     )
     return f"## {heading}\n\n{COLUMNS}{rows}"
@@ -178,22 +180,17 @@ def _named(form: Any, schema: Any) -> str:
             return "yes or no"
         shown = ", ".join(f"`{word}`" for word in words[:12])
         return shown + (", ..." if len(words) > 12 else "")
-    match form.get("type"):
-        case "array":
-            return f"list of {_kind(form.get('items', {}), schema)}".replace("list of any", "list")
-        case "object":
-            return "mapping"
-        case "integer" | "number" as kind:
-            low, high = form.get("minimum"), form.get("maximum")
-            span = f", {low:g} to {high:g}" if None not in (low, high) else ""
-            return ("whole number" if kind == "integer" else "number") + span
-        case "string":
-            return "seconds" if "ms|s" in form.get("pattern", "") else "text"
-        case "null":
-            return "nothing"
-        case list():
-            return "text"
-    return ""
+    kind = form.get("type")
+    if kind == "array":
+        return f"list of {_kind(form.get('items', {}), schema)}".removesuffix(" of any")
+    if kind in ("integer", "number"):
+        low, high = form.get("minimum"), form.get("maximum")
+        span = f", {low:g} to {high:g}" if None not in (low, high) else ""
+        return f"{'whole number' if kind == 'integer' else 'number'}{span}"
+    if "ms|s" in form.get("pattern", ""):
+        return "seconds"
+    plain = {"object": "mapping", "null": "nothing", "string": "text"}
+    return "text" if isinstance(kind, list) else plain.get(kind, "")
 
 
 def _default(each: Any) -> str:
@@ -206,7 +203,7 @@ def _default(each: Any) -> str:
 def _meaning(where: str, each: Any, schema: Any) -> str:
     forms = [each, *_forms(each, schema)]
     text = next((form["description"] for form in forms if "description" in form), "")
-    section, _, name = where.rpartition(".")
+    section = where.rpartition(".")[0]
     if not text and section.startswith("engagement."):
         on_enter = section == "engagement.on_enter"
         text = "done on entering this state" if on_enter else "as above, for this sign alone"
@@ -250,7 +247,7 @@ def _found() -> dict[str, Any]:
     files = sorted(EXPERIMENTS.glob("*.yaml"), key=lambda path: (path.name not in FIRST, path.name))
     found: dict[str, Any] = {}
     for file in files:
-        content = yaml.load(file.read_text(encoding="utf-8"), yaml.BaseLoader)  # noqa: S506
+        content = yaml.load(file.read_text(encoding="utf-8"), yaml.BaseLoader)
         if isinstance(content, dict) and "panels" in content:
             own: dict[str, Any] = {}
             for name, value in content.items():

@@ -74,7 +74,7 @@ def watch(name: str, size: tuple[int, int], seconds: float, warm: float) -> Cost
         bench(load=name == "load") as it,
         Terminal(command(name, it), it.environ(), rows=rows, columns=columns) as console,
     ):
-        console.wait_for(b"REC")
+        console.wait_for(b"Recording")
         console.press(OPENED.get(name, b""))
         time.sleep(warm)
         both = psutil.Process(console.process.pid), console.robot()

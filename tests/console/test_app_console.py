@@ -30,7 +30,7 @@ async def test_the_whole_session_is_on_the_screen(size: tuple[int, int]) -> None
     )
     async with sitting(first, size=size) as seat:
         drawn = seat.drawn()
-        for part in ("Museum guide", "P07", "● REC", "● head", "Speech", "Restoration room"):
+        for part in ("Museum guide", "P07", "● Recording", "● head", "Speech", "Restoration room"):
             assert part in drawn
         for part in ("▶ Map", "0.84 m personal", "2.1 s left", "▸ Map", "Esc stop"):
             assert part in drawn
@@ -103,9 +103,9 @@ async def test_sequences_wait_for_their_second_key() -> None:
 async def test_a_key_without_meaning_says_so() -> None:
     async with sitting() as seat:
         await seat.press("z")
-        assert "z plays nothing" in seat.text("StopBar")
+        assert "z is not assigned" in seat.text("StopBar")
         await seat.pass_time(30)
-        assert "plays nothing" not in seat.text("StopBar")
+        assert "is not assigned" not in seat.text("StopBar")
 
 
 @pytest.mark.parametrize("key", ["escape", "ctrl+c"])
@@ -260,13 +260,13 @@ async def test_a_watcher_is_told_that_it_watches() -> None:
 
 
 async def test_the_lines_state_is_the_feeds() -> None:
-    async with sitting() as seat:
+    async with sitting(size=(120, 36)) as seat:
         seat.feed.round_trip_us = 61_000
         await seat.pass_time(1.1)
-        assert "line  61 ms" in seat.text("Status")
+        assert "connection 61 ms" in seat.text("Status")
         seat.feed.line_ok = False
         await seat.pass_time(1.1)
-        assert "LINE STALLED" in seat.text("Status")
+        assert "CONNECTION STALLED" in seat.text("Status")
 
 
 async def test_ascii_and_sixteen_colours_for_the_linux_console() -> None:

@@ -231,9 +231,9 @@ def status(picture: ConsoleState, width: int = 80, line: Line | None = None) -> 
 
 def test_the_status_line_says_who_what_and_how_it_is() -> None:
     shown = status(pictured(), 120, Line(True, 23_000))
-    for part in ("Museum guide", "12:31", "P07", "warm", "trial 3", "session S01", "● REC"):
+    for part in ("Museum guide", "12:31", "P07", "warm", "trial 3", "session S01", "● Recording"):
         assert part in shown
-    assert "line  23 ms" in shown
+    assert "connection 23 ms" in shown
     assert "● head" in shown
 
 
@@ -246,9 +246,9 @@ def test_a_narrow_status_line_leaves_whole_parts_out() -> None:
 @pytest.mark.parametrize(
     ("level", "lag", "shown"),
     [
-        ("ok", 4_000, "● REC"),
-        ("warn", 300_000, "▲ REC 300 ms"),
-        ("alarm", 1_500_000, "REC 1500 ms LATE"),
+        ("ok", 4_000, "● Recording"),
+        ("warn", 300_000, "▲ Recording 300 ms late"),
+        ("alarm", 1_500_000, "RECORDING 1500 ms LATE"),
         ("failed", 0, "NOT RECORDED"),
     ],
 )
@@ -257,8 +257,8 @@ def test_the_recorders_levels(level: str, lag: int, shown: str) -> None:
 
 
 def test_a_slow_and_a_stalled_line_are_told() -> None:
-    assert "▲ line 200 ms" in status(pictured(), line=Line(True, 200_000))
-    assert "LINE STALLED" in status(pictured(), line=Line(False, None))
+    assert "▲ connection 200 ms" in status(pictured(), line=Line(True, 200_000))
+    assert "CONNECTION STALLED" in status(pictured(), line=Line(False, None))
 
 
 def test_lost_drivers_failures_and_missing_participants_are_told() -> None:

@@ -146,7 +146,7 @@ async def test_a_hold_of_a_run_that_is_unknown_shows_nothing() -> None:
         ("right", 1_240_000, "right, 1.2 s", "✓ Cue answered  1.2 s"),
         ("wrong", 2_000_000, "wrong, 2.0 s; right: Map (m)", "wrongly  2.0 s, right: Map"),
         ("missed", -1, "missed; right: Map (m)", "▲ Cue missed  right: Map"),
-        ("uncalled", -1, "nothing asked for it", "▲ Nothing asked for it"),
+        ("uncalled", -1, "no cue was waiting", "▲ No cue was waiting"),
     ],
 )
 async def test_a_trainee_is_told_how_it_was(

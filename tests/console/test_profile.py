@@ -85,7 +85,7 @@ async def test_a_profile_is_chosen_and_stands_in_the_top_line(size: tuple[int, i
         await seat.tell(m.ProfileChanged(profile="child", t=NOW), changed("child"))
         after = seat.text("Status").splitlines()[0]
         assert ("◇ profile child" if size[0] >= 100 else "◇ child") in after
-        for part in ("Museum guide", "P07", "warm", "trial 3", "REC"):
+        for part in ("Museum guide", "P07", "warm", "trial 3", "Recording"):
             assert after.index(part) == before.index(part), "nothing moves"
         assert "Gestures locked" in seat.text("Panels")
         assert "Profile child" in seat.text("Events")
@@ -187,7 +187,7 @@ def test_long_names_leave_room_for_time_and_recorder(width: int, glyphs: Glyphs)
     [top, _] = status_rows(picture, frame, Line())
     text = "".join(piece for piece, _ in top)
     assert len(text) == width
-    for part in ("12:31", "those who", "REC", "line"):
+    for part in ("12:31", "those who", "ecording", "connect"):
         assert part in text
     assert glyphs is UNICODE or text.isascii()
 

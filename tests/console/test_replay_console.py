@@ -116,7 +116,7 @@ async def test_it_says_what_it_is_and_of_which_session(size: tuple[int, int]) ->
         status = seat.text("Status")
         for part in (" REPLAY ", "Museum", "00:09", "2026-03-01", "log complete"):
             assert part in status
-        assert "REC" not in status
+        assert "Recording" not in status
         line = seat.text("StopBar").splitlines()[-1]
         for part in ("▶", "00:09 / 01:00", "●", "10:00:09 UTC", "1x", "? keys"):
             assert part in line
@@ -238,7 +238,7 @@ async def test_the_keys_of_the_session_are_shown_but_play_nothing() -> None:
     async with watching() as seat:
         assert "h" in seat.text("Panels")
         await seat.press("h")
-        assert "h plays nothing" in seat.text("StopBar")
+        assert "h is not assigned" in seat.text("StopBar")
         assert seat.feed.asked == []
 
 

@@ -244,10 +244,10 @@ def _end(process: subprocess.Popen[bytes]) -> None:
 
 
 def recording(terminal: FakeTerminal) -> None:
-    """Until the console knows its robot process: an empty circle before REC says that it waits,
+    """Until the console knows its robot process: "Not recording yet" says that it waits,
     and a key pressed then belongs to nothing.
     """
-    terminal.wait_for(lambda text: re.search(r"[^○o\s] REC", text) is not None)
+    terminal.wait_for(lambda text: re.search(r"[^○o\s] Recording", text) is not None)
 
 
 def end_session(terminal: FakeTerminal) -> None:

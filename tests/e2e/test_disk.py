@@ -36,7 +36,7 @@ def test_full_disk(lab: Lab) -> None:
     host.rlimit(resource.RLIMIT_FSIZE, (first.stat().st_size + 200, resource.RLIM_INFINITY))
     terminal.send("n")
     terminal.send(" ")
-    terminal.wait_for(lambda text: "REC TROUBLE" in text.split("\n")[0])
+    terminal.wait_for(lambda text: "RECORDING TROUBLE" in text.split("\n")[0])
     terminal.wait_text("Log: the disk is full")
     until(lambda: list(spill.glob("*.jsonl")), "a log in the second folder")
     host.rlimit(resource.RLIMIT_FSIZE, FREE)

@@ -50,7 +50,7 @@ def test_a_session_is_seen_again(lab: Lab) -> None:
     viewer.send("\x1b")
     viewer.wait_text("nothing moves")
     viewer.send("n")
-    viewer.wait_text("n plays nothing")
+    viewer.wait_text("n is not assigned")
     viewer.send("\x1b[F")
     viewer.wait_text("Session ended")
     viewer.send("g")

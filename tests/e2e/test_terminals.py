@@ -30,7 +30,7 @@ def test_sizes_and_a_resize_while_running(lab: Lab, columns: int, rows: int) -> 
 
 def test_a_size_that_comes_and_goes_leaves_a_whole_screen(lab: Lab) -> None:
     terminal = lab.run(lab.file("guide.yaml", scenes.guide()), columns=160, rows=50)
-    parts = ("Events ──", "Sensors ──", "Script ──", "Hello P01.", "attached", "● REC")
+    parts = ("Events ──", "Sensors ──", "Script ──", "Hello P01.", "attached", "● Recording")
     terminal.wait_for(lambda screen: all(part in screen for part in parts))
     for _ in range(5):
         terminal.resize(30, 8)

@@ -51,6 +51,22 @@ def test_a_press_becomes_commands_with_variables_filled_in(tmp_path: Path) -> No
     assert stage.kinds(m.ActionRequested, m.ActionEnd) == ["ActionRequested", "ActionDone"]
 
 
+def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        for _ in range(18):  # a second each; the seventeenth that waits is too many
+            stage.session.play("Hello", KEY)
+        await asyncio.sleep(15)
+        stage.session.play("Hello", KEY)
+        stage.session.play("Welcome", KEY, "replace")
+
+    stage = on_stage(tmp_path, scenario)
+    refused = [end.reason for end in stage.lines if isinstance(end, m.ActionRefused)]
+    assert refused[0] == "queue full (16): not played"
+    assert set(refused[1:]) == {"not said: robot was busy for 10 s"}
+    (stopped,) = [end.reason for end in stage.lines if isinstance(end, m.ActionStopped)]
+    assert stopped == 'replaced by "Welcome"'
+
+
 def test_together_and_steps_in_order_with_a_pause(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.play("Welcome", KEY)

@@ -199,7 +199,7 @@ class Lane:
             ticket.refuse("busy", f"{self.driver_name} is busy")
             return
         elif len(self._waiting) >= self._room_for(ticket):
-            ticket.refuse("full", f"{len(self._waiting)} commands are waiting already")
+            ticket.refuse("full", f"queue full ({len(self._waiting)})")
             return
         self._waiting.append((ticket, args))
         self._watch_deadline(ticket)
@@ -231,7 +231,8 @@ class Lane:
         for entry in self._waiting:
             if entry[0] is ticket:
                 self._waiting.remove(entry)
-                ticket.refuse("late", f"{self.driver_name} was busy past its deadline")
+                waited = (self._hub.now() - ticket.requested_us) / 1_000_000
+                ticket.refuse("late", f"{self.driver_name} was busy for {waited:.0f} s")
                 return
 
     # -- running -----------------------------------------------------------------------------
@@ -241,7 +242,7 @@ class Lane:
             ticket, args = self._waiting.popleft()
             deadline = ticket.command.deadline_us
             if deadline and self._hub.now() > deadline:
-                ticket.refuse("late", "its deadline had passed before it could begin")
+                ticket.refuse("late", "it waited too long")
                 continue
             self._start(ticket, args)
 

@@ -350,7 +350,7 @@ class Console(ScreenApp):
         if self.keyboard.press(chord, age_us=_age_us(event)):
             return True
         if name is None:
-            self.news(f"{key_name(chord, self.look.glyphs)} plays nothing")
+            self.news(f"{key_name(chord, self.look.glyphs)} is not assigned")
         elif dialog is not None and dialog.opened_by == self.commands[name].name:
             self.close_dialog()
         else:

@@ -38,8 +38,8 @@ def status_rows(picture: ConsoleState, frame: Frame, line: Line) -> list[Row]:
     """Two rows of the frame's width. What does not fit is left out from the right, as a whole."""
     glyphs, width = frame.glyphs, frame.width
     vitals = _log(picture, glyphs) or (
-        *(("  ", "plain"), *_recorder(picture, glyphs)),
-        *(("  ", "plain"), *_line(line, glyphs)),
+        *(("  ", "plain"), *_recorder(picture, frame)),
+        *(("  ", "plain"), *_line(line, frame)),
     )
     vitals = (*_profile(picture, frame), *vitals)
     failures = (*_seers(picture), *_failures(picture, glyphs, line.failures))
@@ -133,22 +133,25 @@ def _profile(picture: ConsoleState, frame: Frame) -> Row:
     return (("  ", "plain"), (f"{frame.glyphs.locked} {word}{shown}", "wait"))
 
 
-def _recorder(picture: ConsoleState, glyphs: Glyphs) -> Row:
+def _recorder(picture: ConsoleState, frame: Frame) -> Row:
+    """Whether the log is written; how far it lags, where there is room or it is too much."""
+    glyphs = frame.glyphs
     if picture.ended:
         return (("session over", "muted"),)
     if picture.lost:
         return ((f" {glyphs.error} ROBOT PROCESS LOST ", "alarm"),)
     recorder = picture.session.recorder
     if recorder is None:
-        return ((f"{glyphs.no} REC       ", "muted"),)
+        return ((f"{glyphs.no} Not recording yet", "muted"),)
     lag = millis(recorder.lag_us)
+    figure: Row = ((f"{f' ({lag})':<9}", "muted"),) if frame.width >= WORDY else ()
     levels: dict[str, Row] = {
-        "ok": ((f"{glyphs.yes} REC", "good"), (f" {lag:>6}", "muted")),
-        "warn": ((f"{glyphs.warning} REC {lag:>6}", "warn"),),
-        "alarm": ((f" {glyphs.error} REC {_alarm(recorder.lag_us)} ", "alarm"),),
+        "ok": ((f"{glyphs.yes} Recording", "good"), *figure),
+        "warn": ((f"{glyphs.warning} Recording {lag} late", "warn"),),
+        "alarm": ((f" {glyphs.error} RECORDING {_alarm(recorder.lag_us)} ", "alarm"),),
         "failed": ((f" {glyphs.error} NOT RECORDED ", "alarm"),),
     }
-    return levels.get(recorder.level, ((f"{glyphs.no} REC       ", "muted"),))
+    return levels.get(recorder.level, ((f"{glyphs.no} Not recording yet", "muted"),))
 
 
 def _log(picture: ConsoleState, glyphs: Glyphs) -> Row:
@@ -167,17 +170,18 @@ def _alarm(lag_us: int) -> str:
     return f"{millis(lag_us)} LATE" if lag_us >= LATE_US else "TROUBLE"
 
 
-def _line(line: Line, glyphs: Glyphs) -> Row:
-    round_trip = line.round_trip_us
+def _line(line: Line, frame: Frame) -> Row:
+    """How the terminal is reached; its round trip, where there is room or it is too long."""
+    glyphs, round_trip = frame.glyphs, line.round_trip_us
     if not line.well:
-        return ((f" {glyphs.error} LINE STALLED ", "alarm"),)
-    if round_trip is None:
-        return (("line", "muted"), (f" {glyphs.dash:>6} ", "muted"))
-    look = "warn" if round_trip >= SLOW_LINE_US else "muted"
-    if round_trip >= BAD_LINE_US:
-        look = "bad"
-    mark = f"{glyphs.warning} " if round_trip >= SLOW_LINE_US else ""
-    return ((f"{mark}line", look), (f" {millis(round_trip):>6} ", look))
+        return ((f" {glyphs.error} CONNECTION STALLED ", "alarm"),)
+    if round_trip is not None and round_trip >= SLOW_LINE_US:
+        look = "bad" if round_trip >= BAD_LINE_US else "warn"
+        return ((f"{glyphs.warning} connection {millis(round_trip)} ", look),)
+    if frame.width < WORDY:
+        return (("connected ", "muted"),)
+    shown = glyphs.dash if round_trip is None else millis(round_trip)
+    return ((f"connection {shown:<6} ", "muted"),)
 
 
 _HEALTH = {

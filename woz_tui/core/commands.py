@@ -179,7 +179,7 @@ class Stopped(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.s
 
 
 class Superseded(End, frozen=True, kw_only=True, omit_defaults=True, tag="command.superseded"):
-    """A newer setpoint or a replacing command took its place; `by` names it."""
+    """A newer setpoint or a replacing command replaced it; `by` names that one."""
 
     by: str
 

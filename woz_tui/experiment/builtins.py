@@ -35,7 +35,7 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("note", ",", "write a note into the log"),
     Builtin("mistake_last", "backspace", "the last action was a mistake"),
     Builtin("mistake", "ctrl+w", "choose the action that was a mistake"),
-    Builtin("cut", "ctrl+x", "cut short what was played last"),
+    Builtin("cut", "ctrl+x", "interrupt the last action"),
     Builtin("failures", "enter", "what has failed; marks it as seen"),
     Builtin("panel_next", "tab", "next panel"),
     Builtin("panel_back", "shift+tab", "panel before"),

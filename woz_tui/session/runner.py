@@ -254,7 +254,7 @@ class Runner:
         run.pending = {command.command for command in commands}
         run.together = len(commands)
         for command in commands:
-            self._bus.submit(command, functools.partial(self._ended, run))
+            self._bus.submit(command, functools.partial(self._ended, run, command.verb))
 
     def _command(
         self,
@@ -284,10 +284,10 @@ class Runner:
             unfilled=dict(call.unfilled),
         )
 
-    def _ended(self, run: Run, end: m.End) -> None:
+    def _ended(self, run: Run, verb: str, end: m.End) -> None:
         run.pending.discard(end.command)
         if run.problem is None:
-            run.problem = self._problem(run, end)
+            run.problem = self._problem(run, verb, end)
         if run.pending or run.id not in self._runs:
             return
         over = run.problem or run.left
@@ -296,8 +296,8 @@ class Runner:
         else:
             self._advance(run)
 
-    def _problem(self, run: Run, end: m.End) -> m.ActionEnd | None:
-        reason = f"{end.driver}: {end.reason}" if end.reason else end.driver
+    def _problem(self, run: Run, verb: str, end: m.End) -> m.ActionEnd | None:
+        reason = _reason(verb, end)
         match end:
             case m.Done():
                 return None
@@ -408,3 +408,13 @@ def _superseded(run: Run, by: str, label: str) -> m.ActionSuperseded:
     return m.ActionSuperseded(
         run=run.id, action=run.action.name, reason=f'replaced by "{label}"', by=by
     )
+
+
+def _reason(verb: str, end: m.End) -> str:
+    """Why a command has not worked, in words that do without the verb."""
+    match end:
+        case m.Refused(code="late", reason=reason):
+            return f"not said: {reason}" if verb == "say" else f"not played: {reason}"
+        case m.Refused(code="full", reason=reason):
+            return f"{reason}: not played"
+    return f"{end.driver}: {end.reason}" if end.reason else end.driver

@@ -19,7 +19,7 @@ def open_failures(app: ConsoleApp) -> None:
     elif app.picture.unseen():
         app.open_dialog(FailuresDialog())
     else:
-        app.news("nothing has failed that you have not seen")
+        app.news("No unseen failures")
 
 
 class FailuresDialog(Report):

@@ -22,7 +22,7 @@ _JUDGED = {
     "right": ("right", "good"),
     "wrong": ("wrong", "bad"),
     "missed": ("missed", "warn"),
-    "uncalled": ("nothing asked for it", "warn"),
+    "uncalled": ("no cue was waiting", "warn"),
 }
 
 

@@ -26,7 +26,7 @@ _JUDGED = {
     "right": ("done", "Cue answered"),
     "wrong": ("failed", "Cue answered wrongly"),
     "missed": ("warning", "Cue missed"),
-    "uncalled": ("warning", "Nothing asked for it"),
+    "uncalled": ("warning", "No cue was waiting"),
 }
 
 

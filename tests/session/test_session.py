@@ -63,7 +63,7 @@ def test_an_action_that_was_not_played_says_why_in_words_for_the_wizard(tmp_path
     refused = [end.reason for end in stage.lines if isinstance(end, m.ActionRefused)]
     assert refused[0] == "queue full (16): not played"
     assert set(refused[1:]) == {"not said: robot was busy for 10 s"}
-    (stopped,) = [end.reason for end in stage.lines if isinstance(end, m.ActionStopped)]
+    (stopped,) = [end.reason for end in stage.lines if isinstance(end, m.ActionSuperseded)]
     assert stopped == 'replaced by "Welcome"'
 
 

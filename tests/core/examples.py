@@ -20,7 +20,7 @@ from woz_tui.core import settings as s
 from woz_tui.core import wire
 from woz_tui.core.clock import timestamp
 from woz_tui.core.pictures import PictureShown
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.core.views import ActionView, PanelView, PhaseView
 
 GOLDEN = Path(__file__).parent / "golden"
 BEGIN = datetime(2026, 3, 1, 10, 0, 0, tzinfo=UTC)
@@ -190,7 +190,10 @@ _MESSAGES: tuple[m.AnyMessage, ...] = (
     m.Note(text="the visitor's phone rang"),
     m.Mistake(run="a00001", action="Hello", text="too early"),
     m.ScriptMoved(position=3),
+    m.PhaseChanged(phase="opening", source="trial", planned_us=120_000_000),
+    m.ScriptMoved(position=1, phase="opening", played=[0, 3], halted="failed"),
     m.PanelLocked(panel="Drive", locked=True),
+    m.PanelLocked(panel="Whales", locked=True, source="phase"),
     m.ProfileChanged(profile="child", source="palette"),
     m.ExperimentReloaded(experiment_sha256=SHA, changes=["Speech: 'Bye' is new"]),
     m.StopPressed(source="key"),
@@ -299,6 +302,8 @@ REQUESTS: tuple[r.AnyRequest, ...] = (
     r.AskMistake(ref=15, run="a00001", text="too early"),
     r.AskLock(ref=16, panel="Drive", locked=False),
     r.AskProfile(ref=21, profile="child", source="palette"),
+    r.AskPhase(ref=36, phase="whales", source="palette"),
+    r.AskPhase(ref=37, source="key", key=")", age_us=4_000_000, stale=True),
     r.AskReload(ref=17, dry_run=True),
     r.AskPreflight(ref=18),
     r.AskEnd(ref=19, reason="the visitor has left"),
@@ -395,6 +400,7 @@ def answers() -> list[r.AnyAnswer]:
             profile="child",
             allows={"child": s.Allowance(panels=["Speech"], hide=True)},
             engagement=s.ModelLimits({"listening": 60.0}, handshake=60.0, attempts=3),
+            phases=[PhaseView(name="whales", panels=["Speech"], after=["opening"], planned=120.0)],
             study=s.StudySettings(design=s.DesignView("latin-square", within=True, trials=3)),
         ),
         PictureShown(

@@ -185,7 +185,7 @@ def test_a_script_that_became_shorter_moves_its_position_for_everybody(tmp_path:
         session = stage.session
         session.script_to(2)
         session.adopt(replace(session.experiment, script=("Hello",)), ["shorter"])
-        assert session.script_at == 1
+        assert session.scripts.now.position == 1
 
     stage = on_stage(tmp_path, scenario)
     moves = [line.position for line in stage.lines if isinstance(line, m.ScriptMoved)]

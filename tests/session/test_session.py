@@ -143,7 +143,9 @@ def test_the_stop_ends_runs_in_a_command_and_runs_in_a_pause(tmp_path: Path) -> 
 def test_script_moves_on_and_ends(tmp_path: Path) -> None:
     async def scenario(stage: Stage) -> None:
         stage.session.script_next(KEY)
+        await asyncio.sleep(0.1)
         stage.session.script_next(KEY)
+        await asyncio.sleep(2)
         with pytest.raises(AskError, match="at its end"):
             stage.session.script_next(KEY)
         stage.session.script_to(0)
@@ -159,7 +161,7 @@ def test_a_refused_script_line_is_not_skipped(tmp_path: Path) -> None:
         stage.session.stop("key")
         with pytest.raises(AskError):
             stage.session.script_next(KEY)
-        assert stage.session.script_at == 0
+        assert stage.session.scripts.now.position == 0
 
     on_stage(tmp_path, scenario)
 
@@ -400,7 +402,7 @@ def test_stale_presses_of_all_kinds_are_refused_and_logged(tmp_path: Path) -> No
             stage.session.script_next(KEY, stale="stale: late")
         with pytest.raises(AskError, match="late"):
             stage.session.send("drive", {"x": 1.0}, "", KEY, stale="stale: late")
-        assert stage.session.script_at == 0
+        assert stage.session.scripts.now.position == 0
 
     stage = on_stage(tmp_path, scenario)
     assert [line.reason for line in stage.lines if isinstance(line, m.ActionRefused)] == [

@@ -358,25 +358,26 @@ def test_the_script_begins_anew_with_trial_and_participant(tmp_path: Path) -> No
     async def scenario(stage: Stage) -> None:
         session = stage.session
 
-        def play() -> None:
+        async def play() -> None:
             session.script_next(KEY)
-            positions.append(session.script_at)
+            positions.append(session.scripts.now.position)
+            await asyncio.sleep(2)
 
         session.set(participant="P01", condition="warm")
-        play()
+        await play()
         session.study.trial("begin", "")
-        play()
-        play()
+        await play()
+        await play()
         session.study.trial("done", "")
         session.study.trial("begin", "")
-        play()
+        await play()
         session.study.trial("done", "")
         session.set(participant="P02")
-        play()
+        await play()
         session.set(condition="cold")
-        play()
+        await play()
         session.set(trial=3)
-        play()
+        await play()
 
     on_stage(tmp_path, scenario)
     assert positions == [1, 1, 2, 1, 1, 2, 1]
@@ -388,6 +389,6 @@ def test_a_step_that_sets_the_trial_leaves_the_script_where_it_is(tmp_path: Path
         stage.session.script_next(KEY)
         stage.session.send("set", {"trial": 2}, "", KEY)
         await asyncio.sleep(0.1)
-        assert (stage.session.identity.trial, stage.session.script_at) == (2, 1)
+        assert (stage.session.identity.trial, stage.session.scripts.now.position) == (2, 1)
 
     on_stage(tmp_path, scenario)

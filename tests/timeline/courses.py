@@ -264,7 +264,15 @@ class Recording:
             m.ShapingChanged(floor_us=SECOND, jitter_us=0, cues=["speech"]),
             m.ProfileChanged(profile=self._chance.choice(["child", "adult", ""])),
             m.PanelLocked(panel="Drive", locked=self._chance.random() < 0.5),
-            m.ScriptMoved(position=self._chance.randint(0, 3)),
+            m.ScriptMoved(
+                position=self._chance.randint(0, 3),
+                phase=self._chance.choice(["", "opening"]),
+                played=[1],
+            ),
+            m.PhaseChanged(
+                phase=self._chance.choice(["opening", "whales", "closing", ""]),
+                source=self._chance.choice(["key", "trial", "session", "reload"]),
+            ),
         ]
         self._say(self._chance.choice(choices))
 

@@ -46,6 +46,7 @@ def held(state: SessionState) -> dict[str, Any]:
         "study": (study.participant, study.condition, study.next_trial, study.order, study.planned),
         "answers": study.questionnaire and study.questionnaire.answers,
         "due": (study.due, study.had, study.checks),
+        "phase": (study.phase and study.phase.changed, study.phases),
         "trial": (study.trial and study.trial.started, study.last_started, study.last_ended),
         "break": study.in_break and study.in_break.started,
         "model": (model.present, model.on, model.state, model.since, model.visitor, model.shown),
@@ -74,7 +75,7 @@ def held(state: SessionState) -> dict[str, Any]:
         "controls": {name: each.values for name, each in state.controls.items()},
         "speaking": {key: each.begin for key, each in state.speaking.items()},
         "wizard": (state.locks, state.profile_changed, state.shaping, state.perception),
-        "rest": (state.consoles, state.recorder, state.start, state.end, state.script),
+        "rest": (state.consoles, state.recorder, state.start, state.end, state.scripts),
         "cue": (state.cue and state.cue.given, state.rerun and state.rerun.started),
     }  # fmt: skip
 

@@ -57,7 +57,7 @@ def script_rows(picture: ConsoleState, frame: Frame) -> list[Row]:
 
 def _entry(picture: ConsoleState, index: int, frame: Frame) -> list[Row]:
     glyphs, name = frame.glyphs, picture.script[index]
-    played, following = index < picture.position, index == picture.position
+    played, following = index in picture.played, index == picture.position
     mark = glyphs.here if following else glyphs.done if played else " "
     look = "strong" if following else "muted" if played else "plain"
     label = clean(picture.label(name))

@@ -77,6 +77,10 @@ class Shown(Protocol):
         """What the wizard calls it."""
         ...
 
+    def heading(self, phase: str) -> str:
+        """What the screen calls a phase."""
+        ...
+
 
 @dataclass(slots=True)
 class Event:
@@ -320,7 +324,14 @@ def _mistake(message: m.Mistake, shown: Shown) -> Event:
     return Event(message.t, "note", f"Mistake: {what}", message.text)
 
 
-def _lock(message: m.PanelLocked, shown: Shown) -> Event:
+def _phase(message: m.PhaseChanged, shown: Shown) -> Event:
+    heading = shown.heading(message.phase)
+    return Event(message.t, "info", f"Phase {heading}" if heading else "No phase holds")
+
+
+def _lock(message: m.PanelLocked, shown: Shown) -> Event | None:
+    if message.source == "phase":
+        return None  # the phase has a line
     return Event(message.t, "info", f"{message.panel} {'locked' if message.locked else 'unlocked'}")
 
 
@@ -390,6 +401,7 @@ _TELLERS: dict[type[m.Message], Callable[[Any, Shown], Event | None]] = {
     m.Note: _note,
     m.Mistake: _mistake,
     m.PanelLocked: _lock,
+    m.PhaseChanged: _phase,
     m.ProfileChanged: _profile,
     m.ExperimentReloaded: _reloaded,
     m.ConsoleAttached: _attached,

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import deque
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from dataclasses import dataclass, field, replace
 
 import msgspec
@@ -30,7 +30,7 @@ from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.robots import RobotOutline
 from woz_tui.core.settings import Settings
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.core.views import ActionView, PanelView, PhaseView
 from woz_tui.core.wire import WireError, decode_message
 from woz_tui.session.redactor import Perception, Redactor
 from woz_tui.timeline.episodes import Stop, keep
@@ -64,7 +64,8 @@ class ConsoleState:
     #: Who took part in the session before, if the robot process was lost meanwhile.
     before: str = ""
     panels: tuple[PanelView, ...] = ()
-    script: tuple[str, ...] = ()
+    #: Lines of each script, by the phase whose it is; the file's own has no name.
+    scripts: dict[str, tuple[str, ...]] = field(default_factory=dict)
     #: Driver -> the verbs it offers.
     verbs: dict[str, list[str]] = field(default_factory=dict)
     variables: tuple[str, ...] = ()
@@ -126,9 +127,40 @@ class ConsoleState:
         return self.session.stop
 
     @property
+    def phase(self) -> PhaseView | None:
+        """The phase that holds, as the file has it."""
+        begun = self.session.study.phase
+        phases = self.settings.phases if begun is not None else ()
+        return next((each for each in phases if begun and each.name == begun.label), None)
+
+    @property
+    def script_name(self) -> str:
+        """Whose script Space plays: the phase's, or the file's (empty)."""
+        phase = self.phase
+        return phase.name if phase is not None and phase.script else ""
+
+    @property
+    def script(self) -> tuple[str, ...]:
+        """The lines of the script that Space plays."""
+        return self.scripts.get(self.script_name, ())
+
+    @property
+    def played(self) -> Collection[int]:
+        """Those of its lines that were played, from 0."""
+        moved = self.session.scripts.get(self.script_name)
+        old = range(self.position) if moved is not None else ()
+        return moved.played if moved is not None and moved.played is not None else old
+
+    @property
+    def halted(self) -> str:
+        """How the next line ended when it was played: the script stands still at it."""
+        moved = self.session.scripts.get(self.script_name)
+        return moved.halted if moved is not None else ""
+
+    @property
     def position(self) -> int:
-        """How many lines of the script have been played."""
-        moved = self.session.script
+        """The script's next line, from 0; its length at the end."""
+        moved = self.session.scripts.get(self.script_name)
         return 0 if moved is None else max(0, min(moved.position, len(self.script)))
 
     @property
@@ -266,6 +298,7 @@ class ConsoleState:
             steps=changed.steps or before.steps,
             allows=changed.allows,
             engagement=changed.engagement,
+            phases=changed.phases,
             study=changed.study or before.study,
         )
         if self.settings.study.blind and not before.study.blind:
@@ -291,7 +324,9 @@ class ConsoleState:
 
     def _plan(self, plan: r.Welcome | r.PanelsChanged, drivers: list[str]) -> None:
         self.title = plan.title
-        self.panels, self.script = tuple(plan.panels), tuple(plan.script)
+        self.panels = tuple(plan.panels)
+        own = {phase.name: tuple(phase.script) for phase in self.settings.phases}
+        self.scripts = {"": tuple(plan.script), **own}
         self.verbs = dict(plan.verbs)
         self.conditions = tuple(plan.conditions)
         self.keyboard = plan.keyboard
@@ -370,6 +405,10 @@ class ConsoleState:
         """The label of the action called `name`, or the name itself."""
         action = self.action(name)
         return action.label if action is not None else name
+
+    def heading(self, phase: str) -> str:
+        """What the screen calls a phase."""
+        return next((each.heading for each in self.settings.phases if each.name == phase), phase)
 
     def filled(self, words: str) -> str:
         """An utterance with the variables whose values the console knows."""

@@ -32,16 +32,38 @@ class Mistake(Worded, frozen=True, kw_only=True, omit_defaults=True, tag="mistak
 
 
 class ScriptMoved(Message, frozen=True, kw_only=True, omit_defaults=True, tag="script.moved"):
-    """The script's next line: `position` counts from 0; equal to the length at the end."""
+    """The script's next line: `position` counts from 0; equal to the length at the end.
+
+    `phase`: whose script; empty: that of the file. `played`: lines that were played, also those
+    that are being played; older logs do not say it, there it is all before `position`. `halted`:
+    the script stands still at this line, because it ended so (failed, refused, stopped).
+    """
 
     position: int
+    phase: str = msgspec.field(default_factory=str)
+    played: list[int] | None = None
+    halted: str = msgspec.field(default_factory=str)
+
+
+class PhaseChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="phase.changed"):
+    """A phase of the experiment begins; an empty `phase`: none holds from here on.
+
+    `source`: key, palette, program; trial, session (a participant or a trial was set, or the
+    session begins) or reload where it began with that. `planned_us`: how long it is to last (0:
+    nobody said).
+    """
+
+    phase: str = msgspec.field(default_factory=str)
+    source: str = msgspec.field(default_factory=lambda: "key")
+    planned_us: int = 0
 
 
 class PanelLocked(Message, frozen=True, kw_only=True, omit_defaults=True, tag="panel.locked"):
-    """A panel was locked or unlocked while running."""
+    """A panel was locked or unlocked while running; `source` is phase where that did it."""
 
     panel: str
     locked: bool
+    source: str = msgspec.field(default_factory=str)
 
 
 class ProfileChanged(Message, frozen=True, kw_only=True, omit_defaults=True, tag="profile.changed"):

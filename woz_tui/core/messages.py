@@ -66,6 +66,7 @@ from woz_tui.core.marks import (
     Mistake,
     Note,
     PanelLocked,
+    PhaseChanged,
     ProfileChanged,
     ScriptMoved,
 )
@@ -141,6 +142,7 @@ __all__ = [
     "Note",
     "PanelLocked",
     "PerceptionChanged",
+    "PhaseChanged",
     "PreflightChecked",
     "ProfileChanged",
     "Progress",
@@ -365,6 +367,7 @@ AnyMessage = (
     | Note
     | Mistake
     | ScriptMoved
+    | PhaseChanged
     | PanelLocked
     | ProfileChanged
     | ExperimentReloaded

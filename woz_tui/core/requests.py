@@ -13,7 +13,7 @@ import msgspec
 from woz_tui.core.envelope import Json
 from woz_tui.core.pictures import PictureFormat, PictureShown
 from woz_tui.core.settings import Allowance, ModelLimits, Settings, StudySettings
-from woz_tui.core.views import PanelView
+from woz_tui.core.views import PanelView, PhaseView
 
 PROTOCOL = 1
 
@@ -156,6 +156,19 @@ class AskLock(Request, frozen=True, kw_only=True, omit_defaults=True, tag="lock"
     locked: bool
 
 
+class AskPhase(Request, frozen=True, kw_only=True, omit_defaults=True, tag="phase"):
+    """Go on to the phase `phase` of the experiment; an empty one: to the next.
+
+    `key`, `age_us` and `stale` as for an action.
+    """
+
+    phase: str = ""
+    source: str = "program"
+    key: str = ""
+    age_us: int = 0
+    stale: bool = False
+
+
 class AskProfile(Request, frozen=True, kw_only=True, omit_defaults=True, tag="profile"):
     """Play with what a profile of the experiment allows; an empty one allows everything."""
 
@@ -272,6 +285,7 @@ AnyRequest = (
     | AskNote
     | AskMistake
     | AskLock
+    | AskPhase
     | AskProfile
     | AskReload
     | AskPreflight
@@ -313,8 +327,9 @@ class Welcome(
 
     `state` are messages of the stream that still hold (session start and changes, health of each
     driver, stop if pressed, commands and actions not yet ended, last reading of each sensor,
-    recorder state, script position, locks); a client treats them like any other. `recent` is the
-    tail of the log, oldest first, for the console's list. `seq` is the last one contained.
+    recorder state, position of each script, phase, locks); a client treats them like any other.
+    `recent` is the tail of the log, oldest first, for the console's list. `seq` is the last one
+    contained.
     `settings`: `stale_after` and `dead_man` in seconds, `participant_pattern`, and `joints`: joint
     -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
     what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
@@ -322,9 +337,9 @@ class Welcome(
     `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
     names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
     `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a
-    whole `handshake` and how many `attempts` it has; `study`: what the file says of the study, and
-    how it stands (see `docs/protocol.md`). `boot_id`: of the robot process's machine; a client with
-    the same one may stamp its requests with `sent_us`.
+    whole `handshake` and how many `attempts` it has; `phases`: those of the file; `study`: what the
+    file says of the study, and how it stands (see `docs/protocol.md`). `boot_id`: of the robot
+    process's machine; a client with the same one may stamp its requests with `sent_us`.
     """
 
     protocol: int
@@ -385,8 +400,8 @@ class PanelsChanged(
     msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True, tag_field="kind", tag="panels"
 ):
     """After a reload or a change of profile: the panels and the script as they are now, and the
-    variables' present values. `steps`, `profiles`, `profile`, `allows`, `engagement` and `study` as
-    in the welcome's `settings`.
+    variables' present values. `steps`, `profiles`, `profile`, `allows`, `engagement`, `phases` and
+    `study` as in the welcome's `settings`.
     """
 
     title: str
@@ -401,6 +416,7 @@ class PanelsChanged(
     profile: str = ""
     allows: dict[str, Allowance] = {}
     engagement: ModelLimits = ModelLimits()
+    phases: list[PhaseView] = []
     study: StudySettings | None = None
 
 

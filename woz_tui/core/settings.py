@@ -10,6 +10,7 @@ import msgspec
 from msgspec import UNSET, UnsetType
 
 from woz_tui.core.envelope import Json
+from woz_tui.core.views import PhaseView
 
 #: The highest number of one digit.
 _DIGIT = 9
@@ -157,5 +158,6 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     profile: str = ""
     allows: dict[str, Allowance] = {}
     engagement: ModelLimits = ModelLimits()
+    phases: list[PhaseView] = []
     study: StudySettings = StudySettings()
     replay: ReplayedLog | UnsetType = UNSET

@@ -26,3 +26,24 @@ class PanelView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
     actions: list[ActionView]
     locked: bool = False
     covers: list[str] = []
+
+
+class PhaseView(msgspec.Struct, frozen=True, kw_only=True, omit_defaults=True):
+    """A phase of the experiment: the panels that are in front in it (none: all), the lines of its
+    own script (none: the file's script goes on). It may begin once one of `after` has begun in the
+    trial (none: at any time). `planned` in seconds (0: nobody said). `lock_others`: panels that
+    only other phases have in front are locked.
+    """
+
+    name: str
+    title: str = ""
+    panels: list[str] = []
+    script: list[str] = []
+    after: list[str] = []
+    planned: float = 0.0
+    lock_others: bool = False
+
+    @property
+    def heading(self) -> str:
+        """Its title, or its name."""
+        return self.title or self.name

@@ -22,6 +22,7 @@ from woz_tui.experiment.effects import EngagementReader
 from woz_tui.experiment.engagement_check import check_engagement
 from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.nodes import Table
+from woz_tui.experiment.phases import read_phases
 from woz_tui.experiment.profiles import Known, read_profiles
 from woz_tui.experiment.remarks import Looker
 from woz_tui.experiment.report import Report, quoted
@@ -45,7 +46,7 @@ from woz_tui.experiment.verbs import ENGAGEMENT, SESSION, engagement_verbs, sess
 #: Everything that an experiment file may say at its top level.
 TOP_LEVEL = (
     *("title", "robot", "robots", "participants", "conditions", "variables", "keyboard"),
-    *("session", "steps", "panels", "script", "profiles", "engagement", *SECTIONS),
+    *("session", "steps", "panels", "script", "phases", "profiles", "engagement", *SECTIONS),
 )
 
 
@@ -122,6 +123,7 @@ class _Decoder:
             drivers=tuple(robots.drivers),
             panels=read,
             script=tuple(name for _, name in read_texts(table.get("script"))),
+            phases=read_phases(table.get("phases"), [panel.title for panel in read], actions),
             participant_pattern=_pattern(table.get("participants")),
             conditions=conditions,
             variables=variables.always,

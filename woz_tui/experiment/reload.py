@@ -83,6 +83,14 @@ def _rest(old: Experiment, new: Experiment) -> Iterable[str]:
         yield f"engagement is {'new' if old.engagement is None else 'gone'}"
     yield from _entries("profile", old.profiles, new.profiles)
     yield from _study(old.study, new.study)
+    yield from _entries(
+        "phase",
+        {phase.name: phase for phase in old.phases},
+        {phase.name: phase for phase in new.phases},
+    )
+    before, after = ({phase.name: None for phase in each.phases} for each in (old, new))
+    if [name for name in before if name in after] != [name for name in after if name in before]:
+        yield "phases are in another order"
     yield from _panels(old, new)
     yield from _actions(old, new)
     if old.script != new.script:

@@ -27,7 +27,7 @@ from woz_tui.experiment.layouts import LAYOUTS
 from woz_tui.experiment.profiles import FIELDS as PROFILE_FIELDS
 from woz_tui.experiment.robot import SIMULATED
 from woz_tui.experiment.settings import fields_of, note, split
-from woz_tui.experiment.shape import SessionSettings, Steps
+from woz_tui.experiment.shape import Phase, SessionSettings, Steps
 from woz_tui.experiment.study import SORTS, Design, Perception, Shaping, Training
 from woz_tui.experiment.study_sections import CODE, WHENS
 from woz_tui.experiment.verbs import WAIT, engagement_verbs, session_verbs
@@ -350,6 +350,12 @@ def experiment_schema(
                     "items": TEXT,
                     "description": "names of actions; space plays the next one",
                 },
+                "phases": {
+                    "type": "array",
+                    "items": _phase(),
+                    "minItems": 1,
+                    "description": "parts of a trial: what is in front, and which may follow",
+                },
             },
             required=("title", "panels"),
         ),
@@ -432,6 +438,15 @@ def _profile() -> Schema:
         name: {**names, "description": f"{name} that may be used"} for name in PROFILE_FIELDS
     }
     return mapping({**allowed, "hide": {**FLAG, "description": "hide what may not be used"}})
+
+
+def _phase() -> Schema:
+    schema = settings_schema(Phase)
+    del schema["required"]
+    for field in ("on_enter", "after"):
+        described = schema["properties"][field]["description"]
+        schema["properties"][field] = {**_ONE_OR_MORE, "description": described}
+    return {**schema, "anyOf": [{"required": ["name"]}, {"required": ["title"]}]}
 
 
 def _panel() -> Schema:

@@ -162,6 +162,35 @@ class Panel:
     covers: tuple[str, ...] = ()
 
 
+#: How long a phase may be planned to last.
+PLANNED = Seconds(1.0, 86_400.0)
+
+
+@dataclass(frozen=True, slots=True)
+class Phase:
+    """A part of a session or of a trial: what is in front in it, and what Space plays.
+
+    A panel that other phases name and this one does not is folded away; without `panels` all are
+    in front. Without a script of its own the experiment's goes on.
+    """
+
+    name: str
+    title: Annotated[str, Doc("what the screen shows (default: the name)")] = ""
+    panels: Annotated[tuple[str, ...], Doc("titles of the panels that are in front")] = ()
+    script: Annotated[tuple[str, ...], Doc("names of actions; space plays the next one")] = ()
+    on_enter: Annotated[tuple[str, ...], Doc("names of actions played when it begins")] = ()
+    after: Annotated[
+        tuple[str, ...], Doc("it can begin once one of these phases has begun in the trial")
+    ] = ()
+    planned: Annotated[float, PLANNED, Doc("how long it is to last")] = 0.0
+    lock_others: Annotated[bool, Doc("panels of other phases are locked, not only folded")] = False
+
+    @property
+    def heading(self) -> str:
+        """Its title, or its name."""
+        return self.title or self.name
+
+
 @dataclass(frozen=True, slots=True)
 class Profile:
     """What a wizard may use: actions of these panels and these actions; by themselves (from keys of
@@ -237,6 +266,8 @@ class Experiment:
     drivers: tuple[DriverSpec, ...]
     panels: tuple[Panel, ...]
     script: tuple[str, ...] = ()
+    #: In the order in which one follows the other, unless the wizard chooses otherwise.
+    phases: tuple[Phase, ...] = ()
     #: Regular expression that participant codes match as a whole.
     participant_pattern: str = "[A-Za-z0-9]{1,16}"
     conditions: tuple[str, ...] = ()
@@ -268,6 +299,10 @@ class Experiment:
                 if action.name == name:
                     return action
         return None
+
+    def phase(self, name: str) -> Phase | None:
+        """The phase called `name`, or None."""
+        return next((phase for phase in self.phases if phase.name == name), None)
 
     def driver(self, name: str) -> DriverSpec | None:
         """The driver called `name`, or None."""

@@ -142,6 +142,16 @@ def read_texts(
     return texts
 
 
+def one_or_more(spot: Spot | None, expected: str) -> Iterator[tuple[Spot, str]]:
+    """A text, or each of a list of texts, with where it stands."""
+    if spot is None:
+        return
+    for entry in spot.items() if isinstance(spot.node, Items) else (spot,):
+        text = read_filled(entry, expected)
+        if text is not None and text.strip():
+            yield entry, text
+
+
 def read_word(spot: Spot, choices: Iterable[str], expected: str = "one of") -> str | None:
     """One of `choices`."""
     words = tuple(choices)

@@ -32,6 +32,7 @@ from woz_tui.experiment.spot import (
     Spot,
     is_set,
     missing,
+    one_or_more,
     read_filled,
     read_flag,
     read_text,
@@ -398,7 +399,7 @@ def _cue(spot: Spot, actions: Mapping[str, Action]) -> TrainingCue | None:
     sort = read_word(sort_spot, SORTS) if sort_spot is not None else None
     answers = missing(table, "answers", spot, "names of actions")
     window = read(table["window"], float, (WINDOW,)) if "window" in table else None
-    says = [text for _, text in _one_or_more(table.get("says"), "what the visitor says")]
+    says = [text for _, text in one_or_more(table.get("says"), "what the visitor says")]
     if sort is None or answers is None:
         return None
     return TrainingCue(
@@ -410,7 +411,7 @@ def _cue(spot: Spot, actions: Mapping[str, Action]) -> TrainingCue | None:
 
 
 def _answers(spot: Spot, actions: Mapping[str, Action]) -> Iterator[str]:
-    given = [*_one_or_more(spot, "the name of an action, or a list of them")]
+    given = [*one_or_more(spot, "the name of an action, or a list of them")]
     if not given and isinstance(spot.node, Items) and not spot.node.nodes:
         spot.error("no action stands here")
     for entry, name in given:
@@ -421,13 +422,3 @@ def _answers(spot: Spot, actions: Mapping[str, Action]) -> Iterator[str]:
         elif action.locked:
             entry.warning(f"{quoted(name)} is locked, nobody can answer with it")
         yield name
-
-
-def _one_or_more(spot: Spot | None, expected: str) -> Iterator[tuple[Spot, str]]:
-    """A text, or each of a list of texts, with where it stands."""
-    if spot is None:
-        return
-    for entry in spot.items() if isinstance(spot.node, Items) else (spot,):
-        text = read_filled(entry, expected)
-        if text is not None and text.strip():
-            yield entry, text

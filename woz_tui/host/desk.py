@@ -24,6 +24,7 @@ from woz_tui.core.requests import (
     AskMarker,
     AskMistake,
     AskNote,
+    AskPhase,
     AskPicture,
     AskPreflight,
     AskProfile,
@@ -149,6 +150,8 @@ class Desk:
         if self._session.ended:
             raise AskError("the session is ending")
         match request:
+            case AskPhase(phase=phase, source=by, key=key):
+                self._session.phase(phase, Origin(by, key, client.name))
             case AskAssign(participant=participant, order=order):
                 study.assign(participant, order)
             case AskTrial(what=what, text=text):
@@ -223,7 +226,7 @@ class Desk:
     def _stale(self, request: AnyRequest) -> str:
         """Why it is too old to move anything; its time in the socket counts."""
         age_us = self._session.standstill.waited_us(request.sent_us)
-        if isinstance(request, AskAction | AskVerb | AskScript):
+        if isinstance(request, AskAction | AskVerb | AskScript | AskPhase):
             if request.stale:
                 return "stale: it came in a burst after the line had stalled"
             age_us += max(0, request.age_us)
@@ -324,6 +327,8 @@ def _undone(request: AnyRequest) -> str:
             return f"Panel {panel!r} not unlocked"
         case AskProfile():
             return "Profile not changed"
+        case AskPhase():
+            return "Phase not changed"
         case AskMistake(run=""):
             return "Last action not marked as a mistake"
         case AskEnd():

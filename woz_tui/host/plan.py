@@ -18,6 +18,7 @@ from woz_tui.host.views import (
     joint_limits,
     outlines,
     panel_views,
+    phase_views,
     verb_names,
 )
 from woz_tui.session.beginning import without_home
@@ -75,6 +76,7 @@ def plan_of(shown: Shown) -> m.SessionPlan:
             profile=shown.profile.name if shown.profile is not None else "",
             allows=allowances(experiment),
             engagement=engagement_limits(experiment),
+            phases=phase_views(experiment),
             study=shown.study or study_settings(experiment),
         ),
     )

@@ -7,10 +7,12 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Protocol
 
+import msgspec
+
 from woz_tui.core.driver import Driver
 from woz_tui.core.messages import Json
 from woz_tui.core.settings import Allowance, ModelLimits
-from woz_tui.core.views import ActionView, PanelView
+from woz_tui.core.views import ActionView, PanelView, PhaseView
 from woz_tui.experiment.profiles import FIELDS
 from woz_tui.experiment.sensors import published_names
 from woz_tui.experiment.shape import Action, Experiment, Panel, Profile
@@ -74,6 +76,11 @@ def _action_view(action: Action, profile: Profile | None) -> ActionView:
         ],
         locked=action.locked or (profile is not None and not profile.plays(action)),
     )
+
+
+def phase_views(experiment: Experiment) -> list[PhaseView]:
+    """All phases in the file's order."""
+    return [msgspec.convert(phase, PhaseView, from_attributes=True) for phase in experiment.phases]
 
 
 def verb_names(experiment: Experiment) -> dict[str, list[str]]:

@@ -43,5 +43,6 @@ def panels_changed(plan: m.SessionPlan) -> PanelsChanged:
         profile=settings.profile,
         allows=settings.allows,
         engagement=settings.engagement,
+        phases=settings.phases,
         study=settings.study,
     )

@@ -17,7 +17,7 @@ from woz_tui.core.clock import Clock, Standstill, timestamp
 from woz_tui.core.driver import Ask, Driver, Performer
 from woz_tui.core.feeds import Feeds
 from woz_tui.core.hub import Hub
-from woz_tui.experiment.shape import Action, Call, Experiment, Place
+from woz_tui.experiment.shape import Action, Call, Experiment, Phase, Place
 from woz_tui.record.names import media_folder
 from woz_tui.record.recorder import Recorder
 from woz_tui.session.asking import Asking, Told
@@ -26,16 +26,19 @@ from woz_tui.session.casting import make_drivers
 from woz_tui.session.crew import Crew
 from woz_tui.session.engagement import LiveEngagement
 from woz_tui.session.identity import AskError, Identity
+from woz_tui.session.phases import LivePhases
 from woz_tui.session.profiles import Profiles, by_hand, covered
 from woz_tui.session.recent import Recent
 from woz_tui.session.robot import Robot
 from woz_tui.session.runner import Origin, Refusal, Runner
+from woz_tui.session.script import Scripts
 from woz_tui.session.shaping import Shaper
 from woz_tui.session.study import LiveStudy
 from woz_tui.session.utterances import no_value, utterances
 from woz_tui.session.variables import Values
 from woz_tui.session.verbs import ENGAGEMENT, PERFORMERS, SESSION, VERBS, SessionVerbs
 from woz_tui.session.wording import Wording
+from woz_tui.timeline import episodes as e
 from woz_tui.timeline.state import SessionState
 
 #: Seconds between two lines that tie the session's clock to the calendar.
@@ -77,9 +80,23 @@ class Session:
         self.standstill = Standstill(self.clock)
         self.hub = Hub(self.clock, self.recorder.record)
         self.state, self.recent = SessionState(), Recent()
-        self.hub.listen(self.state.take)
+        self.hub.listen(self._take)
         self.hub.listen(self.recent.take)
-        self.hub.listen(self._begin_script)
+        self.phases = LivePhases(
+            self.hub.publish,
+            self.state.study,
+            read=lambda: self.experiment,
+            lock=lambda panel, locked: self._lock(panel, locked, "phase"),
+            is_locked=lambda panel: self.locked.get(panel, False),
+        )
+        self.scripts = Scripts(
+            self.hub.publish,
+            self.experiment,
+            phase=lambda: self.phases.name,
+            waits=self._waits,
+            latched=lambda: self.bus.latched,
+            withdraw=self._withdraw,
+        )
         begin(self.hub, self.identity, self.experiment, self.clock, self.recorder.spill)
         robot = Robot(
             self.hub,
@@ -96,6 +113,7 @@ class Session:
             read=lambda: self.experiment,
             identity=lambda: self.identity,
             set_trial=self.set,
+            trial_began=self._trial_began,
             logs=logs,
         )
         self.drivers = make_drivers(
@@ -170,6 +188,7 @@ class Session:
         """Let every driver look for its hardware; none of them can fail the session."""
         self.engagement.begin()
         self.study.begin()
+        self.phases.begin_anew("session")
         await self._crew.open()
         self.wording.tell()
         self._tie_clock()
@@ -240,10 +259,12 @@ class Session:
         reason = stale or self._why_not(name)
         if reason or action is None:
             self.runner.refuse(name, panel, origin, reason)
+            self.scripts.tell()
             if stale:
                 raise AskError(f"{name!r} not played ({stale})", AGAIN)
             raise AskError(reason, command=self._mends(action))
         run, refused = self.runner.play(action, origin, when_busy)
+        self.scripts.tell()
         if refused:
             raise no_value(refused)
         return run
@@ -263,7 +284,7 @@ class Session:
         if action.locked:
             return f"{name!r} is locked"
         if self.locked.get(action.panel, False):
-            return f"the panel {action.panel!r} is locked"
+            return f"the panel {action.panel!r} is locked{self.phases.why_locked(action.panel)}"
         if self.bus.latched and not self.engagement.believes(action):
             return "the stop is pressed"
         return self.profiles.no_action(action)
@@ -343,29 +364,50 @@ class Session:
 
     def script_next(self, origin: Origin, stale: str = "") -> str:
         """Play the script's next line and move on; its run id. `stale` as for `play`."""
-        if self.script_at >= len(self.experiment.script):
-            if not self.experiment.script:
-                raise AskError("there is no script", "add script: [...] to the file")
-            raise AskError("the script is at its end", "one line back", command="script_back")
-        run = self.play(self.experiment.script[self.script_at], origin, stale=stale)
-        self.script_to(self.script_at + 1)
+        run = self.play(self.scripts.next_line(), origin, stale=stale)
+        self.scripts.by_script.add(run)
         return run
 
     def script_to(self, position: int) -> None:
         """Move the script's position; 0 is its first line."""
-        if not 0 <= position <= len(self.experiment.script):
-            raise AskError(f"the script has {len(self.experiment.script)} lines")
-        self.hub.publish(m.ScriptMoved(position=position))
+        self.scripts.move(position)
 
-    @property
-    def script_at(self) -> int:
-        """The script's next line, counted from 0; its length at the end."""
-        return self.state.script.position if self.state.script is not None else 0
+    def _take(self, message: m.AnyMessage) -> None:
+        """A message of this session: scripts follow the actions."""
+        for episode in self.state.take(message):
+            if isinstance(episode, e.Action):
+                self.scripts.take(episode)
+        if isinstance(message, m.TrialEnded) and not self.ended:
+            self.phases.end()
 
-    def _begin_script(self, message: m.AnyMessage) -> None:
-        """Each trial begins with the script's first line."""
-        if isinstance(message, m.TrialStarted) and self.script_at:
-            self.script_to(0)
+    def _waits(self, run: str) -> bool:
+        """Whether a run was asked for and nothing of it has begun."""
+        action = self.state.actions.get(run)
+        return action is not None and action.dispatched is None
+
+    def _withdraw(self, run: str) -> None:
+        """Cut a line short that waits behind one that was not played."""
+        self._loop.call_soon(self.runner.cancel, run, "the line before it was not played")
+
+    # -- phases ------------------------------------------------------------------------------
+
+    def phase(self, name: str, origin: Origin) -> None:
+        """Go on to the phase `name`, or with an empty one to the next, and play what it begins
+        with.
+        """
+        phase = self.phases.wanted(name)
+        self.phases.enter(phase, origin.source)
+        self._play_on_enter(phase, origin)
+
+    def _play_on_enter(self, phase: Phase | None, origin: Origin) -> None:
+        """What is refused is in the log, and on every screen."""
+        for name in phase.on_enter if phase is not None else ():
+            with contextlib.suppress(AskError):
+                self.play(name, replace(origin, source="phase"))
+
+    def _trial_began(self) -> None:
+        self.scripts.begin_anew()
+        self._play_on_enter(self.phases.begin_anew("trial"), Origin("phase"))
 
     def cancel(self, run: str) -> None:
         """Cut one run short."""
@@ -420,12 +462,16 @@ class Session:
     ) -> None:
         """Set participant, condition or trial; each is checked first, then all are set.
 
-        For another participant or trial the script begins with its first line.
+        For another participant or trial scripts and phases begin anew.
         """
         before = self.identity.participant, self.identity.trial
         self._set(participant, condition, trial)
-        if self.script_at and (self.identity.participant, self.identity.trial) != before:
-            self.script_to(0)
+        if (self.identity.participant, self.identity.trial) == before:
+            return
+        self.scripts.begin_anew()
+        other = self.identity.participant != before[0]
+        if other or (self.study.state.last_started is None and self.study.state.trial is None):
+            self.phases.begin_anew("session")
 
     def _set(self, participant: str | None, condition: str | None, trial: int | None) -> None:
         self.study.allow(participant)
@@ -453,8 +499,11 @@ class Session:
         """Lock or unlock a panel."""
         if panel not in {known.title for known in self.experiment.panels}:
             raise AskError(f"there is no panel {panel!r}")
+        self._lock(panel, locked, "")
+
+    def _lock(self, panel: str, locked: bool, source: str) -> None:
         self.locked[panel] = locked
-        self.hub.publish(m.PanelLocked(panel=panel, locked=locked))
+        self.hub.publish(m.PanelLocked(panel=panel, locked=locked, source=source))
 
     # -- the file ----------------------------------------------------------------------------
 
@@ -489,6 +538,6 @@ class Session:
         for panel in experiment.panels:
             if before.get(panel.title) is not panel.locked:
                 self.lock(panel.title, panel.locked)
-        if self.script_at > len(experiment.script):
-            self.script_to(len(experiment.script))
+        self.phases.adopt()
+        self.scripts.adopt(experiment)
         self._prepare()

@@ -35,6 +35,7 @@ class LiveStudy:
         read: Gives the experiment as its file was read last.
         identity: Gives who takes part, and under which condition.
         set_trial: Sets participant, condition and trial; None leaves one as it is.
+        trial_began: Called when a trial has begun.
         logs: The folder with the logs of earlier sessions.
     """
 
@@ -46,10 +47,12 @@ class LiveStudy:
         read: Callable[[], Experiment],
         identity: Callable[[], Identity],
         set_trial: Callable[[str | None, str | None, int | None], None],
+        trial_began: Callable[[], None],
         logs: Path,
     ) -> None:
         self._hub, self._read = hub, read
         self._identity, self._set_trial = identity, set_trial
+        self._trial_began = trial_began
         #: What holds, and what the file says.
         self.state = state.study
         self.settings = self.state.settings = study_settings(read())
@@ -225,6 +228,7 @@ class LiveStudy:
             self._set_trial(None, changed, number)
         self._end_break("")
         self._hub.publish(m.TrialStarted(trial=number, condition=condition, planned=state.planned))
+        self._trial_began()
 
     def _end_trial(self, outcome: str, text: str, tells: tuple[str, ...] = ()) -> None:
         if (trial := self.state.trial) is not None:

@@ -14,7 +14,8 @@ class Context(msgspec.Struct, frozen=True, kw_only=True):
     `participant` and `condition` are codes, empty while nobody has set one. `trial` is the trial's
     number, None outside of trials and in breaks. `run` tells trials of one number apart: it is the
     `seq` of the line `trial.started`, None for a number that was only set by hand. `in_break`:
-    there is a break, inside a trial or outside.
+    there is a break, inside a trial or outside. `phase` is the name of the phase of the experiment,
+    empty while none holds and in breaks.
     """
 
     participant: str = ""
@@ -22,6 +23,7 @@ class Context(msgspec.Struct, frozen=True, kw_only=True):
     trial: int | None = None
     run: int | None = None
     in_break: bool = False
+    phase: str = ""
 
 
 class Span(msgspec.Struct, frozen=True):

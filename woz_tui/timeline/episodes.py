@@ -36,8 +36,8 @@ class Outcome(enum.StrEnum):
     need not be one of these in the log of another version.
 
     * open: no end is in the log, or so far.
-    * done: action, command, trial, break, questionnaire, utterance, re-run; a stop of driving that
-      was confirmed, which latches nothing.
+    * done: action, command, trial, phase, break, questionnaire, utterance, re-run; a stop of
+      driving that was confirmed, which latches nothing.
     * failed, refused, stopped, superseded: action, command. timed_out: command.
     * aborted, excluded: trial. declined: questionnaire.
     * left: a questionnaire that nobody finished; a state of the engagement model, or the
@@ -310,6 +310,26 @@ class Trial(Episode, frozen=True, kw_only=True):
     def text(self) -> str:
         """What the wizard remarked at its end."""
         return self.ended.text if self.ended else ""
+
+
+class Phase(Episode, frozen=True, kw_only=True):
+    """A phase of the experiment, breaks inside it included. `left` is what ended it: the change to
+    the next one, or the beginning or the end of a trial.
+    """
+
+    kind = "phase"
+    changed: m.PhaseChanged
+    left: m.PhaseChanged | m.TrialStarted | m.TrialEnded | None = None
+
+    @property
+    def label(self) -> str:
+        """Its name."""
+        return self.changed.phase
+
+    @property
+    def source(self) -> str:
+        """Key, palette, program, trial or session."""
+        return self.changed.source
 
 
 class Break(Episode, frozen=True, kw_only=True):

@@ -86,6 +86,7 @@ class SessionState:
         filled: What each action would do if it were played now.
         speaking: Utterances that go on, by driver and segment.
         profile, restriction: What restricts the wizard, if anything does.
+        scripts: Where each script stands, by the phase whose it is (empty: the file's).
         locks: What locked or unlocked panels since they were shown last.
         consoles: Those that are there.
         cue: The cue of a training that nobody has answered.
@@ -114,8 +115,8 @@ class SessionState:
     bodies: dict[str, m.BodyChanged] = field(default_factory=dict)
     controls: dict[str, m.ControlsMoved] = field(default_factory=dict)
     speaking: dict[tuple[str, int], Utterance] = field(default_factory=dict)
-    script: m.ScriptMoved | None = None
     filled: m.ActionsFilled | None = None
+    scripts: dict[str, m.ScriptMoved] = field(default_factory=dict)
     locks: dict[str, m.PanelLocked] = field(default_factory=dict)
     profile_changed: m.ProfileChanged | None = None
     profile: Profile | None = None
@@ -172,7 +173,7 @@ class SessionState:
         return sorted(lines.values(), key=lambda line: line.seq)
 
     def _lines(self) -> Iterator[m.Message]:
-        single = (self.start, self.end, self.plan, self.recorder, self.script, self.shaping)
+        single = (self.start, self.end, self.plan, self.recorder, self.shaping)
         for line in (*single, self.filled, self.profile_changed, self.perception):
             if line is not None:
                 yield line
@@ -182,7 +183,7 @@ class SessionState:
             yield from (each for each in (driver.before, driver.since, driver.health) if each)
         tables: tuple[dict[str, Any], ...] = (
             *(self.readings, self.sensors, self.modes, self.faces, self.bodies, self.controls),
-            *(self.locks, self.consoles),
+            *(self.scripts, self.locks, self.consoles),
         )
         for table in tables:
             yield from table.values()
@@ -553,6 +554,9 @@ class SessionState:
         ended = self.study.end_trial(message, self.t)
         return (*ended, *self._moment(message)) if stray else ended
 
+    def _phase(self, message: m.PhaseChanged) -> Iterable[Episode]:
+        return [*self.study.change_phase(message, self.t)] or self._moment(message)
+
     def _break_ended(self, message: m.BreakEnded) -> Iterable[Episode]:
         if self.study.in_break is None:
             return self._moment(message)
@@ -663,7 +667,8 @@ CASES: dict[type[m.Message], _Case] = {
     m.BodyChanged: _last_of("bodies", "driver"),
     m.ControlsMoved: S._controls,
     m.SettingsShown: lambda state, message: state.robots.show(message, state.t),
-    m.ScriptMoved: _as_moment(_last("script")),
+    m.ScriptMoved: _as_moment(_last_of("scripts", "phase")),
+    m.PhaseChanged: S._phase,
     m.PanelLocked: _as_moment(_last_of("locks", "panel")),
     m.ProfileChanged: S._profile,
     m.ConsoleAttached: _as_moment(_last_of("consoles", "console")),

@@ -1,4 +1,4 @@
-"""The study around a session: participant, condition, trials, breaks, questionnaires."""
+"""The study around a session: participant, condition, trials, phases, breaks, questionnaires."""
 
 from __future__ import annotations
 
@@ -12,7 +12,10 @@ from woz_tui.core import messages as m
 from woz_tui.core.settings import StudySettings
 from woz_tui.experiment.due import OVER, due_behind
 from woz_tui.timeline.context import Context
-from woz_tui.timeline.episodes import Break, Episode, Outcome, Questionnaire, Trial, keep
+from woz_tui.timeline.episodes import Break, Episode, Outcome, Phase, Questionnaire, Trial, keep
+
+#: Sources of a change with which the phases begin anew.
+ANEW = ("trial", "session")
 
 
 @dataclass(frozen=True, slots=True)
@@ -37,7 +40,9 @@ class StudyState:
         context: To whom and what this moment belongs.
         next_trial: The number of the next trial, or of the present one.
         assigned: The order of conditions that was given last, perhaps to somebody else (`order`).
-        trial, in_break, questionnaire: What is under way.
+        trial, phase, in_break, questionnaire: What is under way.
+        phases: Those that have begun since the trial or the participant's session began, by name:
+            the first line of each.
         last_started: Of trials.
         last_ended: How the participant's last trial ended; None: there was none.
         checks: Lines of the preflight list, by what was checked.
@@ -51,6 +56,8 @@ class StudyState:
     next_trial: int = 1
     assigned: m.ConditionsAssigned | None = None
     trial: Trial | None = None
+    phase: Phase | None = None
+    phases: dict[str, m.PhaseChanged] = field(default_factory=dict)
     in_break: Break | None = None
     questionnaire: Questionnaire | None = None
     last_started: m.TrialStarted | None = None
@@ -77,7 +84,7 @@ class StudyState:
     def copy(self) -> StudyState:
         """The same, to go on from here without changing this one."""
         other = copy.copy(self)
-        for name in ("checks", "had", "_rounds", "_sources"):
+        for name in ("phases", "checks", "had", "_rounds", "_sources"):
             setattr(other, name, dict(getattr(self, name)))
         return other
 
@@ -147,18 +154,18 @@ class StudyState:
         yield from self._sources.values()
         yield from self.checks.values()
         yield from self.had.values()
+        yield from self.phases.values()
         yield from self._rounds.values()
         study = (self.assigned, self.last_started, self._over, self._order_then)
         for line in study:
             if line is not None:
                 yield line
-        for episode in (self.trial, self.in_break, self.questionnaire):
-            if episode is not None:
-                yield from episode.lines
+        for episode in self.open():
+            yield from episode.lines
 
     def open(self) -> Iterator[Episode]:
         """What goes on."""
-        for episode in (self.trial, self.in_break, self.questionnaire):
+        for episode in (self.trial, self.phase, self.in_break, self.questionnaire):
             if episode is not None:
                 yield episode
 
@@ -226,6 +233,7 @@ class StudyState:
             trial=None if in_break else number,
             run=None if in_break or trial is None else trial.seq,
             in_break=in_break,
+            phase="" if in_break or self.phase is None else self.phase.label,
         )
         if context != self.context:
             self.context = context
@@ -235,6 +243,7 @@ class StudyState:
     def begin_trial(self, message: m.TrialStarted, t: int) -> Iterator[Episode]:
         """A trial begins, whatever was before: of what has no end in the log this is the end."""
         yield from self._cut_break(t)
+        yield from self._end_phase(message, t)
         if self.trial is not None:
             yield replace(self.trial, end=t, cut=True)
         self._begin_trials()
@@ -249,8 +258,9 @@ class StudyState:
         yield self.trial
 
     def end_trial(self, message: m.TrialEnded, t: int) -> Iterator[Episode]:
-        """A trial is over, and a break inside it with it."""
+        """A trial is over, and with it the phase and the break inside it."""
         yield from self._cut_break(t)
+        yield from self._end_phase(message, t)
         if self.trial is not None:
             yield replace(self.trial, end=t, outcome=message.outcome, ended=message)
         self.trial = None
@@ -262,6 +272,25 @@ class StudyState:
             self._over, self._had_since = message, frozenset()
             self._order_then = self.assigned
         self._enter()
+
+    def change_phase(self, message: m.PhaseChanged, t: int) -> Iterator[Episode]:
+        """Another phase holds, or none; with a trial or a session all of them begin anew."""
+        begun = {} if message.source in ANEW else self.phases
+        yield from self._end_phase(message, t)
+        self.phases = begun
+        if message.phase:
+            self.phase = Phase(begin=t, seq=message.seq, changed=message)
+            if message.phase not in begun:
+                keep(begun, message.phase, message)
+            yield self.phase
+        self._enter()
+
+    def _end_phase(
+        self, message: m.PhaseChanged | m.TrialStarted | m.TrialEnded, t: int
+    ) -> Iterator[Episode]:
+        if self.phase is not None:
+            yield replace(self.phase, end=t, outcome=Outcome.DONE, left=message)
+        self.phase, self.phases = None, {}
 
     def begin_break(self, message: m.BreakStarted, t: int) -> Iterator[Episode]:
         """What happens now belongs to no trial."""

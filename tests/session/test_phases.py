@@ -1,0 +1,184 @@
+"""Phases in a session: which holds, which may follow, what is played and locked."""
+
+from __future__ import annotations
+
+import asyncio
+from collections.abc import Awaitable, Callable
+from dataclasses import replace
+from pathlib import Path
+
+import pytest
+
+from tests.fakes.virtual_time import run_virtual
+from tests.session.rig import Stage, experiment
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import Experiment, Phase
+from woz_tui.experiment.study import Design, Study
+from woz_tui.session.identity import AskError
+from woz_tui.session.runner import Origin
+from woz_tui.session.session import Session
+
+KEY = Origin("key", ")", "con1")
+PHASES = (
+    Phase("opening", "Opening", ("Speech",), on_enter=("Hello",), planned=120.0),
+    Phase("ride", "The ride", ("Base",), after=("opening",), lock_others=True),
+    Phase("closing", after=("ride",)),
+)
+
+
+def on_stage(
+    tmp_path: Path,
+    scenario: Callable[[Stage], Awaitable[None]],
+    study: Study = Study(),  # noqa: B008 - frozen
+    phases: tuple[Phase, ...] = PHASES,
+) -> Stage:
+    async def go() -> Stage:
+        made = replace(experiment(tmp_path), phases=phases, study=study)
+        stage = Stage(tmp_path, made=made)
+        await stage.session.open()
+        await scenario(stage)
+        await stage.session.close("test")
+        return stage
+
+    return run_virtual(go())
+
+
+def changes(stage: Stage) -> list[tuple[str, str]]:
+    return [(line.phase, line.source) for line in stage.lines if isinstance(line, m.PhaseChanged)]
+
+
+def refused(session: Session, phase: str = "") -> str:
+    with pytest.raises(AskError) as caught:
+        session.phase(phase, KEY)
+    return caught.value.reason
+
+
+def test_one_after_the_other(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        assert session.phases.name == "opening"
+        assert refused(session, "closing") == "closing comes after The ride"
+        assert refused(session, "opening") == "Opening is the present phase"
+        assert refused(session, "lunch") == "there is no phase 'lunch'"
+        session.phase("", KEY)
+        session.phase("", KEY)
+        assert refused(session) == "closing is the last phase"
+        session.phase("ride", KEY)  # whatever has begun may begin again
+        session.phase("opening", KEY)
+        session.phase("closing", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    assert changes(stage) == [
+        ("opening", "session"),
+        *((name, "key") for name in ("ride", "closing", "ride", "opening", "closing")),
+    ]
+    first = next(line for line in stage.lines if isinstance(line, m.PhaseChanged))
+    assert first.planned_us == 120_000_000
+
+
+def test_what_a_phase_plays_when_somebody_enters_it(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.set(participant="P01")
+        session.phase("ride", KEY)
+        assert session.phases.name == "ride"
+        session.lock("Speech", False)
+        session.phase("opening", KEY)
+        await asyncio.sleep(2)
+
+    stage = on_stage(tmp_path, scenario)
+    played = [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+    assert [(line.action, line.source) for line in played] == [("Hello", "phase")]
+
+
+def test_panels_of_other_phases_are_locked_where_the_file_says_so(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.phase("ride", KEY)
+        with pytest.raises(AskError, match="'Speech' is locked in the phase The ride"):
+            session.play("Hello", KEY)
+        session.play("Go", KEY)
+        session.phase("closing", KEY)
+        session.lock("Base", True)
+        session.phase("opening", KEY)
+        assert session.locked["Base"]
+        session.phase("ride", KEY)
+        session.lock("Speech", False)
+        session.play("Welcome", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    locks = [
+        (line.panel, line.locked, line.source)
+        for line in stage.lines
+        if isinstance(line, m.PanelLocked)
+    ]
+    assert locks == [
+        ("Speech", True, "phase"),
+        ("Speech", False, "phase"),
+        ("Base", True, ""),
+        ("Speech", True, "phase"),
+        ("Speech", False, ""),
+    ]
+
+
+def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        assert session.phases.name == ""
+        session.study.assign("P01", ["warm", "cold"])
+        assert session.phases.name == ""
+        session.study.trial("begin", "")
+        assert session.phases.name == "opening"
+        session.phase("", KEY)
+        assert session.locked["Speech"]
+        session.study.trial("done", "")
+        assert session.phases.name == ""
+        assert not session.locked["Speech"]
+        session.study.trial("begin", "")
+        assert refused(session, "closing")
+
+    stage = on_stage(tmp_path, scenario, Study(design=Design()))
+    assert changes(stage) == [("opening", "trial"), ("ride", "key"), ("opening", "trial")]
+    trials = [line.action for line in stage.lines if isinstance(line, m.ActionRequested)]
+    assert trials == ["Hello", "Hello"]
+
+
+def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.phase("ride", KEY)
+        session.set(participant="P02")
+        assert session.phases.name == "opening"
+        assert refused(session, "closing")
+        session.set(condition="warm")
+
+    stage = on_stage(tmp_path, scenario)
+    assert changes(stage)[-1] == ("opening", "session")
+    assert not [line for line in stage.lines if isinstance(line, m.ActionRequested)]
+
+
+def test_a_reload_keeps_the_phase_where_it_still_is(tmp_path: Path) -> None:
+    def without(made: Experiment, name: str) -> Experiment:
+        return replace(made, phases=tuple(each for each in made.phases if each.name != name))
+
+    async def scenario(stage: Stage) -> None:
+        session = stage.session
+        session.phase("ride", KEY)
+        session.adopt(without(session.experiment, "closing"), ["phases"])
+        assert (session.phases.name, session.locked["Speech"]) == ("ride", True)
+        session.adopt(without(session.experiment, "ride"), ["phases"])
+        assert (session.phases.name, session.locked["Speech"]) == ("", False)
+        session.phase("", KEY)
+
+    stage = on_stage(tmp_path, scenario)
+    assert changes(stage)[-2:] == [("", "reload"), ("opening", "key")]
+
+
+def test_without_phases_nothing_is_said_of_them(tmp_path: Path) -> None:
+    async def scenario(stage: Stage) -> None:
+        stage.session.set(participant="P01", condition="warm")
+        stage.session.study.trial("begin", "")
+        assert refused(stage.session) == "the experiment has no phases"
+
+    stage = on_stage(tmp_path, scenario, phases=())
+    assert not changes(stage)

@@ -1,0 +1,141 @@
+"""Phases in the robot process: which holds, which may follow, what is locked in it."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from woz_tui.core import messages as m
+from woz_tui.experiment.shape import Experiment, Phase
+from woz_tui.session.identity import AskError
+from woz_tui.timeline.study import StudyState
+
+
+class LivePhases:
+    """See the module's text.
+
+    Args:
+        publish: Publishes that another one holds.
+        state: What holds in the study.
+        read: Gives the experiment as its file was read last.
+        lock: Locks or unlocks a panel.
+        is_locked: Whether a panel is locked.
+    """
+
+    def __init__(
+        self,
+        publish: Callable[[m.PhaseChanged], object],
+        state: StudyState,
+        *,
+        read: Callable[[], Experiment],
+        lock: Callable[[str, bool], None],
+        is_locked: Callable[[str], bool],
+    ) -> None:
+        self._publish, self._state, self._read = publish, state, read
+        self._lock, self._is_locked = lock, is_locked
+        #: Panels that are locked because another phase holds.
+        self.locked: set[str] = set()
+
+    @property
+    def name(self) -> str:
+        """The phase that holds; empty: none."""
+        return self._state.phase.label if self._state.phase is not None else ""
+
+    @property
+    def current(self) -> Phase | None:
+        """The same as the file has it."""
+        return self._read().phase(self.name)
+
+    # -- going on ----------------------------------------------------------------------------------
+
+    def wanted(self, name: str) -> Phase:
+        """The phase `name`, or with an empty one the next; raises `AskError` if it cannot begin."""
+        phases = self._read().phases
+        if not phases:
+            raise AskError("the experiment has no phases", "add them to the file: phases: [...]")
+        if not name:
+            return self._next()
+        phase = self._read().phase(name)
+        if phase is None:
+            listed = ", ".join(each.name for each in phases)
+            raise AskError(f"there is no phase {name!r}", f"there are {listed}")
+        if name == self.name:
+            raise AskError(f"{phase.heading} is the present phase")
+        if why := self.why_not(phase):
+            raise AskError(why)
+        return phase
+
+    def _next(self) -> Phase:
+        phases, current = self._read().phases, self.current
+        behind = phases[phases.index(current) + 1 :] if current is not None else phases
+        for phase in behind:
+            if not self.why_not(phase):
+                return phase
+        if current is not None and not behind:
+            raise AskError(f"{current.heading} is the last phase", "choose one from the list")
+        raise AskError("no later phase can begin yet", "choose one from the list")
+
+    def why_not(self, phase: Phase) -> str:
+        """Why it cannot begin; empty: it can. Whatever has begun once may begin again."""
+        first = self._read().phases[0]
+        if not phase.after or phase is first or self._state.phases.keys() & {*phase.after}:
+            return ""
+        named = [each.heading for each in self._read().phases if each.name in phase.after]
+        return f"{phase.heading} comes after {' or '.join(named)}"
+
+    def enter(self, phase: Phase | None, source: str) -> None:
+        """Let it hold from here on; None: none."""
+        self._publish(
+            m.PhaseChanged(
+                phase=phase.name if phase is not None else "",
+                source=source,
+                planned_us=round(phase.planned * 1_000_000) if phase is not None else 0,
+            )
+        )
+        self._lock_others(phase)
+
+    def begin_anew(self, source: str) -> Phase | None:
+        """Begin with the first one: with a trial, or else where the file has no design. In a study
+        with trials no phase holds until one begins.
+        """
+        experiment = self._read()
+        none = source != "trial" and experiment.study.design is not None
+        first = None if none or not experiment.phases else experiment.phases[0]
+        if first is not None or self.name:
+            self.enter(first, source)
+        return first
+
+    def adopt(self) -> None:
+        """Go on with a changed file: with the same phase, if it is still there."""
+        if self.name and self.current is None:
+            self.enter(None, "reload")
+        else:
+            self._lock_others(self.current)
+
+    def end(self) -> None:
+        """No phase holds any more, as the stream has said."""
+        self._lock_others(None)
+
+    def why_locked(self, panel: str) -> str:
+        """Which phase has locked a panel, for behind a sentence; empty: none has."""
+        phase = self.current
+        return f" in the phase {phase.heading}" if phase and panel in self.locked else ""
+
+    # -- locks -------------------------------------------------------------------------------------
+
+    def _lock_others(self, phase: Phase | None) -> None:
+        """Lock the panels of other phases where this one wants it; unlock what another has locked.
+        What a hand has locked stays so.
+        """
+        experiment = self._read()
+        others: set[str] = set()
+        if phase is not None and phase.lock_others:
+            others = {panel for each in experiment.phases for panel in each.panels}
+            others -= {*phase.panels} if phase.panels else others
+        there = {panel.title for panel in experiment.panels}
+        for panel in sorted((self.locked - others) & there):
+            self._lock(panel, False)
+        self.locked &= others
+        for panel in sorted(others - self.locked):
+            if not self._is_locked(panel):
+                self._lock(panel, True)
+                self.locked.add(panel)

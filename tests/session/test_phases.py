@@ -130,17 +130,17 @@ def test_with_a_design_phases_are_parts_of_trials(tmp_path: Path) -> None:
         session.study.trial("begin", "")
         assert session.phases.name == "opening"
         session.phase("", KEY)
-        assert session.locked["Speech"]
+        assert [*session.phases.locked] == ["Speech"]
         session.study.trial("done", "")
         assert session.phases.name == ""
-        assert not session.locked["Speech"]
+        session.play("Hello", KEY)
         session.study.trial("begin", "")
         assert refused(session, "closing")
 
     stage = on_stage(tmp_path, scenario, Study(design=Design()))
     assert changes(stage) == [("opening", "trial"), ("ride", "key"), ("opening", "trial")]
     trials = [line.action for line in stage.lines if isinstance(line, m.ActionRequested)]
-    assert trials == ["Hello", "Hello"]
+    assert trials == ["Hello", "Hello", "Hello"]
 
 
 def test_another_participant_begins_with_the_first_phase(tmp_path: Path) -> None:

@@ -83,8 +83,8 @@ async def room(folder: Path, panel: str) -> AsyncIterator[Room]:
     device = f"    type: midi\n    device: {fake.port}\n"
     (folder / "robot.yaml").write_text(f"drivers:{body}  panel:\n{device}{panel}")
     (folder / "it.yaml").write_text(
-        "title: it\nrobot: robot.yaml\nscript: [Hello, Hello]\npanels:\n  - title: P\n    actions:\n"
-        "      - {key: h, label: Hello, emotion: happy}\n"
+        "title: it\nrobot: robot.yaml\nscript: [Hello, Hello]\npanels:\n  - title: P\n"
+        "    actions:\n      - {key: h, label: Hello, emotion: happy}\n"
     )
     catalogue = plugins.installed()
     clock = RealClock()

@@ -29,10 +29,11 @@ def trials() -> Told:
 def test_an_aborted_trial_does_not_count() -> None:
     figures = told(trials())
     assert [(part.condition, part.actions, part.trials) for part in figures.parts] == [
-        ("", 1, 0),
         ("warm", 2, 1),
         ("cold", 1, 1),
+        ("", 1, 0),
     ]
+    assert [part.scope for part in figures.parts] == ["trials", "trials", "outside"]
     assert figures.whole.actions == 4
     assert figures.whole.us == (40 - 5) * SECOND
     assert [cue.counted for cue in figures.cues] == [False]

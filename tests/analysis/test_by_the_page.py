@@ -82,7 +82,7 @@ def test_a_press_counts_from_where_and_when_the_act_was_asked_for() -> None:
     assert (seconds(warm.press.values), seconds(cold.press.values)) == ([2], [])
 
 
-def test_an_engagement_says_where_it_began_and_how_it_ended() -> None:
+def test_an_engagement_is_clipped_in_figures_and_whole_where_it_is_listed() -> None:
     it = Told().add(0, SETTINGS).state(10, "Wait", "EngagedWithKnown")
     it.add(20, m.SessionChanged(condition="cold"))
     it.state(30, "EngagedWithKnown", "Wait", outcome="lost").end(40)
@@ -92,7 +92,7 @@ def test_an_engagement_says_where_it_began_and_how_it_ended() -> None:
     assert ("EngagedWithKnown", "warm", "lost") in rows
     assert {part.condition: part.engagement.episodes.n for part in figures.parts} == {
         "warm": 1,
-        "cold": 0,
+        "cold": 1,
     }
 
 

@@ -72,9 +72,9 @@ def test_time_that_differs_is_told_by_trial_and_the_loss_of_the_robot_is_none_of
     assert figures.whole.settings_us == (60 - 5 - 10) * SECOND
     assert figures.whole.differing_us == (8 + 5 + 5 + 5 + 10) * SECOND, "each moment counts once"
     assert [(part.condition, part.differing_us // SECOND) for part in figures.parts] == [
-        ("", 0),
-        ("warm", 8 + 5),
-        ("cold", 5 + 5 + 10),
+        ("warm", 8),
+        ("cold", 5 + 5),
+        ("", 5 + 10),
     ]
     assert [each.changed for each in figures.differences] == [True, True, False, False, True, False]
     assert [each.cut for each in figures.differences] == [False] * 5 + [True]
@@ -160,9 +160,9 @@ def test_an_aborted_trial_does_not_count_but_is_told() -> None:
     assert [(each.end // SECOND, each.counted) for each in figures.differences] == [
         (5, False),
         (7, True),
-        (9, True),
+        (9, False),
     ]
-    assert [each.counted for each in by_trial(figures.differences)] == [False, True, True]
+    assert [each.counted for each in by_trial(figures.differences)] == [False, True, False]
 
 
 def test_a_trial_that_is_only_numbered_divides_it_too() -> None:

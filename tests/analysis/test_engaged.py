@@ -87,13 +87,13 @@ def test_a_log_of_schema_1_has_a_model_if_it_ever_moved() -> None:
     assert told(Told().end(40)).whole.engagement.share is None
 
 
-def test_time_counts_in_its_condition_and_a_stay_where_it_begins() -> None:
+def test_time_counts_in_its_condition_and_a_stay_is_clipped_to_it() -> None:
     it = visit()
     it.add(50, m.SessionChanged(condition="cold")).end(100)
     warm, cold = told(it).parts
     assert (warm.engagement.on_us, cold.engagement.on_us) == (50 * SECOND, 50 * SECOND)
     assert (warm.engagement.engaged_us, cold.engagement.engaged_us) == (20 * SECOND, 10 * SECOND)
-    assert (warm.engagement.episodes.n, cold.engagement.episodes.n) == (1, 0)
+    assert (warm.engagement.episodes.n, cold.engagement.episodes.n) == (1, 1)
     assert told(it).whole.engagement.on_us == 100 * SECOND
 
 

@@ -20,6 +20,7 @@ from woz_tui.analysis.figures import ENDS, Part, SessionFigures
 from woz_tui.analysis.gather import Options
 from woz_tui.analysis.html import items
 from woz_tui.analysis.lanes import drawing_of
+from woz_tui.analysis.people import condition_in_words
 from woz_tui.core import messages as m
 from woz_tui.core import wire
 from woz_tui.experiment.verbs import PERFORMERS
@@ -33,6 +34,8 @@ from woz_tui.timeline.timeline import timeline_of
 Row = dict[str, Any]
 #: Participant, condition, trial.
 WHOSE = ("participant", "condition", "trial")
+#: Participant, and the condition or "outside trials".
+PART = ("participant", "part")
 
 
 def us(seconds: object) -> int:
@@ -72,7 +75,10 @@ def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
     return Tables(
         rows={
             table.name: [
-                {column.name: _cell(column.cell(figures, row)) for column in table.columns}
+                _with_part(
+                    {column.name: _cell(column.cell(figures, row)) for column in table.columns},
+                    timeline.has_trials,
+                )
                 for row in rows
             ]
             for table, rows in (
@@ -85,6 +91,12 @@ def tables_of(lines: Sequence[m.AnyMessage]) -> Tables:
         figures=figures,
         end=timeline.end,
     )
+
+
+def _with_part(row: Row, has_trials: bool) -> Row:
+    """The row, and to which part of the figures it belongs."""
+    outside = has_trials and row.get("trial", "") == ""
+    return {**row, "part": "outside trials" if outside else row.get("condition", "")}
 
 
 def _cell(value: object) -> object:
@@ -119,12 +131,16 @@ def counted(rows: Iterable[Row], *keys: str) -> Counter[tuple[object, ...]]:
     return Counter(tuple(row[key] for key in keys) for row in rows)
 
 
+def _part(part: Part) -> str:
+    return condition_in_words(part.condition, part.scope)
+
+
 def by_part(it: Tables, of: Callable[[Part], dict[tuple[object, ...], int]]) -> Counter[Any]:
     """A figure of the report by participant, condition and what `of` tells apart."""
     found: Counter[Any] = Counter()
     for part in it.figures.parts:
         for key, figure in of(part).items():
-            found[part.participant, part.condition, *key] += figure
+            found[part.participant, _part(part), *key] += figure
     return +found
 
 
@@ -138,7 +154,7 @@ def check_states(it: Tables) -> None:
     """Time in states of the engagement model and engaged: by condition, and each stay."""
     stays = it.rows["engagement"]
     engaged = [row for row in stays if row["state"] in ENGAGED]
-    whose = ("participant", "condition")
+    whose = PART
     assert added(stays, "duration", *whose) == by_part(it, lambda p: {(): p.engagement.on_us})
     assert added(stays, "duration", *whose, "state") == by_part(
         it, lambda p: {(name,): state.us for name, state in p.engagement.states.items()}
@@ -185,7 +201,7 @@ def check_trials(it: Tables) -> None:
 def check_actions(it: Tables) -> None:
     """Actions by condition, panel, source and end; each on its tier and lane; commands."""
     events = it.events("action")
-    keys = ("participant", "condition", "label", "panel", "source", "outcome")
+    keys = (*PART, "label", "panel", "source", "outcome")
     assert counted(events, *keys) == by_part(
         it,
         lambda part: {
@@ -203,9 +219,9 @@ def check_actions(it: Tables) -> None:
         if not row["run"] and row["driver"] not in PERFORMERS and row["verb"] != "control"
     ]
     assert from_to(direct) == it.lane("(improvised)")
-    assert counted(direct, "participant", "condition") == by_part(it, lambda p: {(): p.direct})
+    assert counted(direct, *PART) == by_part(it, lambda p: {(): p.direct})
     wrong = [row for row in events if row["mistake"] and row["source"] != "engagement"]
-    assert counted(wrong, "participant", "condition") == by_part(it, lambda p: {(): p.mistakes})
+    assert counted(wrong, *PART) == by_part(it, lambda p: {(): p.mistakes})
     hands = [row for row in [*events, *direct] if row["source"] != "engagement"]
     assert sorted(us(row["latency"]) for row in hands if row["latency"] != "") == list(
         it.figures.whole.press.values
@@ -215,9 +231,8 @@ def check_actions(it: Tables) -> None:
 def check_speech(it: Tables) -> None:
     events = it.events("speech")
     ended = [row for row in events if row["outcome"] not in ("open", "lost")]
-    assert added(ended, "duration", "participant", "condition") == by_part(
-        it, lambda part: {(): part.speech.total}
-    )
+    assert counted(ended, *PART) == by_part(it, lambda part: {(): part.utterances})
+    assert added(ended, "duration") == Counter({(): it.figures.whole.speech.total})
     assert from_to(events) == it.tier("visitor speech") == it.lane("visitor speaks")
 
 
@@ -240,7 +255,7 @@ def check_moments(it: Tables) -> None:
         (each.t, it.end if each.released is None else each.released) for each in it.figures.stops
     ) == from_to(it.events("stop"))
     assert from_to(it.events("stop")) == it.tier("stops") == it.lane("stop")
-    whose = ("participant", "condition")
+    whose = PART
     assert counted(it.events("stop"), *whose) == by_part(it, lambda part: {(): part.stops})
     assert counted(it.events("marker"), *whose) == by_part(it, lambda part: {(): part.markers})
     assert counted(it.events("note"), *whose) == by_part(it, lambda part: {(): part.notes})
@@ -307,12 +322,15 @@ def test_an_engagement_that_begins_before_a_condition_and_covers_it_is_one_in_ev
     it = check(ENGAGED_95_S)
     engaged = {part.condition: part.engagement for part in it.figures.parts}
     assert {name: each.engaged_us // SECOND for name, each in engaged.items()} == {
-        "neutral": 10, "empathic": 60, "funny": 25,
+        "neutral": 10, "empathic": 60, "funny": 25, "": 0,
     }  # fmt: skip
     assert engaged["empathic"].share == 1
-    assert {name: each.episodes.n for name, each in engaged.items()} == {
-        "neutral": 1, "empathic": 0, "funny": 0,
+    assert {name: list(each.episodes.values) for name, each in engaged.items()} == {
+        "neutral": [10 * SECOND], "empathic": [60 * SECOND], "funny": [25 * SECOND], "": [],
     }  # fmt: skip
+    whole = it.figures.whole.engagement
+    assert list(whole.episodes.values) == [95 * SECOND]
+    assert sum(each.visits for each in whole.states.values()) == 3
     [row] = [row for row in it.rows["episodes"] if row["state"] == "engaged"]
     assert (row["condition"], row["trial"], us(row["duration"])) == ("neutral", 1, 95 * SECOND)
     stays = [row for row in it.rows["engagement"] if row["state"] == "EngagedWithKnown"]

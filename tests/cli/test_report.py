@@ -105,7 +105,7 @@ def test_settings_that_differed_are_on_the_page_and_nothing_of_those_that_did_no
     _, out, _ = told(capsys, "report", it.written(here))
     assert max(map(len, lines(out))) <= 80
     rows = [" ".join(line.split()) for line in lines(out)]
-    assert "robot's settings differed 37.0 s 14.0 s 23.0 s" in rows
+    assert "robot's settings differed 37.0 s 9.00 s 20.0 s 8.00 s" in rows
     # Trial 1 until 0:29, trial 2 from 0:34; from 0:52 to 0:55 the robot was lost.
     table = rows.index("Robot's settings that were other than asked for")
     assert rows[table + 2 : table + 6] == [

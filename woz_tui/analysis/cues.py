@@ -6,6 +6,7 @@ import sys
 from collections import Counter, deque
 from collections.abc import Callable, Collection, Iterator, Sequence
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from operator import itemgetter
 from typing import Any
 
@@ -71,10 +72,15 @@ class _Cues:
         while self._open:
             self._answer(self._open.pop(next(iter(self._open))), act)
 
+    def border(self, _: object) -> None:
+        """Another trial, condition or participant, or a break: what comes now answers nothing."""
+        while self._open:
+            cue = self._open.pop(next(iter(self._open)))
+            self._close(cue, "missed" if self._late(cue) else "cut")
+
     def finish(self) -> None:
         """The log is over."""
-        for cue in self._open.values():
-            self._close(cue, "missed" if self._late(cue) else "cut")
+        self.border(None)
 
     def speaks(self, spoken: e.Utterance) -> None:
         """The visitor begins to speak."""
@@ -153,6 +159,10 @@ class _Cues:
         self.found.append((cue.context, row))
 
 
+def _place(context: Context) -> tuple[object, ...]:
+    return context.participant, context.condition, context.trial, context.run, context.in_break
+
+
 def cues_of(
     timeline: Timeline, acts: Sequence[Act], window_us: int, waiting: Collection[str]
 ) -> list[Placed]:
@@ -175,6 +185,9 @@ def cues_of(
     for _, marker in moments(timeline, m.Marker):
         if marker.source not in UNMEANT:
             lines.append((marker.t, marker.seq, cues.marker, marker))
+    for before, span in pairwise(timeline.spans):
+        if _place(span.context) != _place(before.context):
+            lines.append((span.begin, span.seq, cues.border, None))
     for t, seq, case, what in sorted(lines, key=itemgetter(0, 1)):
         cues.t, cues.seq = t, seq
         case(what)

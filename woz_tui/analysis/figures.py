@@ -33,6 +33,11 @@ ENDS = ("done", "failed", "stopped", "superseded", "refused", "open")
 COMMAND_ENDS = ("done", "failed", "timed_out", "refused", "stopped", "superseded", "open")
 
 
+#: What time a part is: that in trials of a condition, that outside of all trials, or, in a session
+#: without trials, all of it.
+TRIALS, OUTSIDE, SESSION = "trials", "outside", "session"
+
+
 @dataclass(frozen=True, slots=True)
 class Outcomes:
     """How often something was asked for, by how it ended."""
@@ -99,7 +104,7 @@ class Reactions:
 
 @dataclass(frozen=True, slots=True)
 class StateTimes:
-    """One state of the engagement model: visits that ended or were cut, and the time in it."""
+    """One state of the engagement model: visits, each clipped to a trial, and the time in it."""
 
     visits: int
     us: int
@@ -114,7 +119,7 @@ class Engagement:
         on_us: How long it was on.
         off_us: How long it was there but switched off.
         engaged_us: How long somebody was engaged (see `woz_tui.sensing.machine.ENGAGED`).
-        episodes: Lengths of unbroken engagement.
+        episodes: Lengths of unbroken engagement, clipped to trials.
         states: By name of the state.
         transitions: From -> to -> how often.
         forced: Transitions by the wizard.
@@ -136,7 +141,8 @@ class Engagement:
 
 @dataclass(frozen=True, slots=True)
 class Part:
-    """The figures of one condition of one participant in a session, or of all of it (`whole`).
+    """The figures of one condition of one participant in a session, of the time outside of trials,
+    or of all of it (`whole`). What lasts is clipped: its piece in this condition counts.
 
     Attributes:
         us: How long it lasted.
@@ -153,7 +159,9 @@ class Part:
         held: How long actions were held back by shaping.
         settings_us: How long settings of a robot were known, and `differing_us` of that how long
             at least one was other than asked for.
-        counted: It is somebody's who took part, so that totals over sessions contain it.
+        utterances: Of the visitor, which began in it; `speech` has the lengths of their pieces.
+        counted: It is somebody's who took part.
+        scope: `TRIALS`, `OUTSIDE` (of whatever condition) or `SESSION`.
     """
 
     participant: str
@@ -173,11 +181,18 @@ class Part:
     markers: int
     notes: int
     stops: int
+    utterances: int
     speech: Series
     held: Series
     settings_us: int = 0
     differing_us: int = 0
     counted: bool = True
+    scope: str = SESSION
+
+    @property
+    def in_means(self) -> bool:
+        """Whether means over participants contain it."""
+        return self.counted and self.scope != OUTSIDE
 
     @property
     def actions(self) -> int:

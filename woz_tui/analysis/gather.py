@@ -1,20 +1,24 @@
 """The figures of a session, counted over what its timeline has.
 
-What happened counts in the context in which it began, times count in that in which they passed.
+What happened counts in the context in which it began, times count in that in which they passed;
+episodes are clipped to trials. Time outside of trials is a part of its own.
 """
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from woz_tui.analysis import rows
 from woz_tui.analysis.acts import Act, acts_of, of_robot
 from woz_tui.analysis.cues import WAITING, WINDOW_US, cues_of, trained_cues, training_of
-from woz_tui.analysis.figures import Part, SessionFigures, Wholeness
-from woz_tui.analysis.people import taking_part
+from woz_tui.analysis.figures import OUTSIDE, SESSION, TRIALS, Part, SessionFigures, Wholeness
+from woz_tui.analysis.people import counts_in_means, taking_part
 from woz_tui.analysis.rows import Cue, PanelOffer, Trial
-from woz_tui.analysis.tally import Tally, part
+from woz_tui.analysis.series import Series
+from woz_tui.analysis.tally import Tally, part, together
 from woz_tui.core import messages as m
 from woz_tui.timeline import episodes as e
 from woz_tui.timeline.context import Context
@@ -37,6 +41,7 @@ class Options:
 
 
 DEFAULTS = Options()
+K = TypeVar("K")
 
 
 def figures_of(
@@ -58,9 +63,10 @@ def figures_of(
     people = taking_part(tallies, trials, answers)
 
     def counted(context: Context) -> bool:
-        return context.participant in people and timeline.counts(context)
+        return counts_in_means(timeline, people, context)
 
-    whole, *parts = _parts(tallies, trials, people, options)
+    whole = _whole(counting, trials, people, options)
+    parts = _parts(timeline, tallies, trials, people, options)
     conditions = tuple(_each(tally.condition for tally in tallies))
     plan = _first_plan(timeline)
     return SessionFigures(
@@ -118,7 +124,7 @@ class _Counting:
 
     def __init__(self, timeline: Timeline) -> None:
         self._timeline = timeline
-        self._tallies: dict[tuple[str, str, int | None], Tally] = {}
+        self._tallies: dict[tuple[str, str, int | None, bool], Tally] = {}
         #: The same by the `id` of contexts, which the timeline keeps.
         self._of: dict[int, Tally] = {}
         for span in timeline.spans:
@@ -128,8 +134,9 @@ class _Counting:
         """Where it counts."""
         found = self._of.get(id(context))
         if found is None:
-            key = (context.participant, context.condition, context.run)
-            tally = Tally(*key, counted=self._timeline.counts(context))
+            inside = self._timeline.inside(context)
+            key = (context.participant, context.condition, context.run, inside)
+            tally = Tally(*key[:3], counted=self._timeline.counts(context), inside=inside)
             found = self._of[id(context)] = self._tallies.setdefault(key, tally)
         return found
 
@@ -150,7 +157,9 @@ class _Counting:
         self._settings()
         for spoken in self._timeline.of(e.Utterance):
             if spoken.ended is not None:
-                self.at(spoken.context).speech.add(spoken.duration)
+                self.at(spoken.context).utterances += 1
+                for tally, us in self._pieces(spoken, self.at):
+                    tally.speech.add(us)
         for stop in self._timeline.of(e.Stop):
             # A lost console stops the drive: nobody pressed that.
             self.at(stop.context).stops += stop.label == "all"
@@ -220,26 +229,57 @@ class _Counting:
 
     # -- times ------------------------------------------------------------------------------------
 
-    def _passed(self, episode: e.Episode) -> Iterator[tuple[Tally, int]]:
-        """Where its time counts."""
-        for piece in self._timeline.parts(episode):
-            yield self.at(piece.context), piece.end - piece.begin
+    def _pieces(self, episode: e.Episode, of: Callable[[Context], K]) -> Iterator[tuple[K, int]]:
+        """Its pieces, each as long as `of` says the same of contexts that follow one another."""
+        last: K | None = None
+        us = 0
+        for span in self._timeline.parts(episode):
+            found = of(span.context)
+            if last is not None and found is not last:
+                yield last, us
+                us = 0
+            last = found
+            us += span.end - span.begin
+        if last is not None:
+            yield last, us
 
     def _engagement(self) -> None:
         for state in self._timeline.of(e.ModelState):
             if state.entered is not None:
                 self._transition(state.context, state.entered)
-            self.at(state.context).lengths[state.state].add(state.duration)
-            for tally, us in self._passed(state):
+            for tally, us in self._pieces(state, self.at):
+                tally.lengths[state.state].add(us)
                 tally.on_us += us
                 tally.state_us[state.state] += us
         for engaged in self._timeline.of(e.Engagement):
-            self.at(engaged.context).episodes.add(engaged.duration)
-            for tally, us in self._passed(engaged):
+            for tally, us in self._pieces(engaged, self.at):
+                tally.episodes.add(us)
                 tally.engaged_us += us
         for off in self._timeline.of(e.ModelOff):
-            for tally, us in self._passed(off):
+            for tally, us in self._pieces(off, self.at):
                 tally.off_us += us
+
+    def whole(self, *, every: bool) -> Tally:
+        """All together, but for what does not count unless `every`; nothing is clipped to the
+        trials of which it consists.
+        """
+
+        def counts(context: Context) -> bool:
+            return every or self._timeline.counts(context)
+
+        total = together(tally for tally in self.tallies if every or tally.counted)
+        total.episodes = Series(
+            us
+            for engaged in self._timeline.of(e.Engagement)
+            for counted, us in self._pieces(engaged, counts)
+            if counted
+        )
+        total.lengths.clear()
+        for state in self._timeline.of(e.ModelState):
+            for counted, us in self._pieces(state, counts):
+                if counted:
+                    total.lengths[state.state].add(us)
+        return total
 
     def _transition(self, context: Context, change: m.EngagementChanged) -> None:
         tally = self.at(context)
@@ -271,21 +311,47 @@ def _together(episodes: Iterable[e.Episode]) -> Iterator[tuple[int, int]]:
         yield begin, end
 
 
-def _parts(
-    tallies: list[Tally], trials: Sequence[Trial], people: set[str], options: Options
-) -> Iterator[Part]:
-    """The whole, then each participant's conditions."""
+def _whole(
+    counting: _Counting, trials: Sequence[Trial], people: set[str], options: Options
+) -> Part:
     every = options.all_trials
-    counted = [tally for tally in tallies if every or tally.counted]
+    counted = [tally for tally in counting.tallies if every or tally.counted]
     conditions = ", ".join(_each(tally.condition for tally in counted))
-    begun = [trial for trial in trials if every or trial.counted]
-    yield part(counted, _named(counted, people), conditions, len(begun))
-    groups: dict[tuple[str, str], list[Tally]] = {}
-    for tally in counted:
-        groups.setdefault((tally.participant, tally.condition), []).append(tally)
-    for key, found in groups.items():
-        of_it = sum((trial.participant, trial.condition) == key for trial in begun)
-        yield part(found, *key, of_it, counted=key[0] in people)
+    begun = sum(every or trial.counted for trial in trials)
+    return part(counting.whole(every=every), _named(counted, people), conditions, begun)
+
+
+def _parts(
+    timeline: Timeline,
+    tallies: list[Tally],
+    trials: Sequence[Trial],
+    people: set[str],
+    options: Options,
+) -> Iterator[Part]:
+    """Each participant's conditions, then the time outside of trials."""
+    every = options.all_trials
+    begun = Counter(
+        (trial.participant, trial.condition) for trial in trials if every or trial.counted
+    )
+    groups: dict[tuple[str, str, bool], list[Tally]] = {}
+    for tally in tallies:
+        if every or tally.counted:
+            condition = tally.condition if tally.inside else ""
+            groups.setdefault((tally.participant, condition, tally.inside), []).append(tally)
+    scope = TRIALS if timeline.has_trials else SESSION
+    for (participant, condition, inside), found in sorted(groups.items(), key=_outside):
+        yield part(
+            together(found),
+            participant,
+            condition,
+            begun[participant, condition] if inside else 0,
+            counted=participant in people,
+            scope=scope if inside else OUTSIDE,
+        )
+
+
+def _outside(group: tuple[tuple[str, str, bool], object]) -> bool:
+    return not group[0][2]
 
 
 def _listed(cues: Iterable[tuple[Context, Cue]], counted: Callable[[Context], bool]) -> list[Cue]:

@@ -6,14 +6,14 @@ from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from woz_tui.analysis.figures import SessionFigures, Training
+from woz_tui.analysis.figures import OUTSIDE, SESSION, SessionFigures, Training
 from woz_tui.analysis.measures import MEASURES, measured
 from woz_tui.analysis.series import mean_and_sd
 
 
 @dataclass(frozen=True, slots=True)
 class Row:
-    """One condition of one participant in one session; `counted`: totals contain it."""
+    """One condition of one participant in one session; `counted`: somebody took part."""
 
     experiment: str
     participant: str
@@ -21,6 +21,7 @@ class Row:
     session: str
     values: Mapping[str, float | None]
     counted: bool = True
+    scope: str = SESSION
 
 
 @dataclass(frozen=True, slots=True)
@@ -104,11 +105,14 @@ class Grouped:
                     session=figures.session,
                     values=measured(part),
                     counted=part.counted,
+                    scope=part.scope,
                 )
             )
         for answer in figures.answers:
             if answer.value is None or (figures.participant and not answer.participant):
                 continue  # nothing was answered, or nobody was there to do so
+            if not (answer.counted or figures.all_trials):
+                continue
             key = (experiment, answer.questionnaire, answer.item, answer.condition)
             item = self._items.get(key)
             if item is None:
@@ -135,9 +139,12 @@ class Grouped:
         return len(self._hashes.get(experiment, ()))
 
     def of(self, experiment: str) -> list[Row]:
-        """Its rows, by participant, condition and session."""
+        """Its rows, by participant, condition and session; time outside of trials comes last."""
         rows = [row for row in self.rows if row.experiment == experiment]
-        return sorted(rows, key=lambda row: (row.participant, row.condition, row.session))
+        return sorted(
+            rows,
+            key=lambda row: (row.participant, row.scope == OUTSIDE, row.condition, row.session),
+        )
 
     def totals(self, experiment: str) -> list[ConditionTotal]:
         """By condition."""
@@ -170,9 +177,9 @@ def experiment_of(figures: SessionFigures) -> str:
 
 
 def totals(rows: Sequence[Row]) -> list[ConditionTotal]:
-    """The rows that count by condition, in the order of their names."""
+    """The rows that means contain by condition, in the order of their names."""
     found = []
-    rows = [row for row in rows if row.counted]
+    rows = [row for row in rows if row.counted and row.scope != OUTSIDE]
     for condition in sorted({row.condition for row in rows}):
         of_it = [row for row in rows if row.condition == condition]
         found.append(

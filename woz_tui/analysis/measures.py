@@ -67,7 +67,8 @@ def _cues_of(sort: str, words: str) -> tuple[Measure, ...]:
 MEASURES: tuple[Measure, ...] = (
     Measure(
         "duration", "s",
-        "time in this condition; of a whole session from its first to its last line of actions",
+        "time in trials of this condition; in a session without trials, time in this condition; "
+        "of a whole session from its first to its last line of actions",
         "length", lambda part: part.us / 1e6,
     ),
     Measure(
@@ -179,11 +180,12 @@ MEASURES: tuple[Measure, ...] = (
         lambda part: part.engagement.share,
     ),
     Measure(
-        "episodes", "", "unbroken stays in states of engagement that began in it; one that the end "
-        "of the log or of the model cuts off counts", "episodes",
+        "episodes", "", "unbroken stays in states of engagement, each clipped to the trial: one "
+        "that spans two trials is one in each, and one in all; what the end of the log cuts off "
+        "counts", "episodes",
         lambda part: part.engagement.episodes.n,
     ),
-    Measure("episode_median_s", "s", "median length of these episodes, each up to its cut",
+    Measure("episode_median_s", "s", "median length of these pieces, each up to its cut",
             "episode", lambda part: seconds(part.engagement.episodes.median)),
     Measure("transitions", "", "lines `engagement.changed`", "moves",
             lambda part: sum(sum(row.values()) for row in part.engagement.transitions.values())),
@@ -200,9 +202,9 @@ MEASURES: tuple[Measure, ...] = (
     ),
     Measure("settings_differ_share", "share", "`settings_differ_s` / `settings_known_s`",
             "differ %", lambda part: part.differing_share),
-    Measure("utterances", "", "lines `speech.ended`: stretches of a visitor's speech", "speech",
-            lambda part: part.speech.n),
-    Measure("speech_s", "s", "their lengths together, pre-roll and trailing silence included",
+    Measure("utterances", "", "stretches of a visitor's speech (`speech.ended`) that began in it",
+            "speech", lambda part: part.utterances),
+    Measure("speech_s", "s", "time in which visitors spoke, pre-roll and trailing silence included",
             "speech s", lambda part: part.speech.total / 1e6),
     Measure(
         "mistakes", "",

@@ -328,6 +328,11 @@ def _data(facts: Facts) -> Iterator[str]:
             f"{count} {was(count)} {outcome}" for outcome, count in sorted(facts.left_out.items())
         ]
         yield f"Of {some(facts.trials, 'trial')}, {listed(told)} and left out."
+    if facts.outside:
+        yield (
+            f"In {some(facts.outside, 'session')} there was time outside of trials; figures of what"
+            " the wizard did are of the trials alone."
+        )
     if facts.reruns:
         yield f"{Some(facts.reruns, 're-run')} of a session {were(facts.reruns)} left out."
     if facts.damaged:

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Collection, Iterable, Sequence
 
-from woz_tui.analysis.figures import Part, SessionFigures
+from woz_tui.analysis.figures import OUTSIDE, Part, SessionFigures
 from woz_tui.analysis.rows import Answer, Trial
 from woz_tui.analysis.tally import Tally
 from woz_tui.timeline.context import Context
@@ -37,17 +37,26 @@ def taking_part(
     return {code for code, us in times.items() if code and (code in busy or us >= SLIP_US)}
 
 
-def counts(timeline: Timeline, figures: SessionFigures, context: Context) -> bool:
-    """Whether what happens in this context counts: somebody takes part, and in no trial that was
-    aborted or excluded.
+def counts_in_means(timeline: Timeline, people: Collection[str], context: Context) -> bool:
+    """Whether means contain what happens in this context: one of `people`, who took part, is
+    there, and in a session with trials it is in one that was neither aborted nor excluded.
     """
-    somebody = context.participant in figures.participants or not figures.participant
-    return somebody and timeline.counts(context)
+    return context.participant in people and timeline.inside(context) and timeline.counts(context)
+
+
+def people_of(figures: SessionFigures) -> Collection[str]:
+    """Who took part, by code; in a session without codes, whose code is empty."""
+    return figures.participants if figures.participant else ("",)
 
 
 def called(participant: str, *, counted: bool) -> str:
     """The code, as a table names it; empty in sessions without codes."""
     return participant or ("" if counted else NOBODY)
+
+
+def condition_in_words(condition: str, scope: str) -> str:
+    """The condition of a part, as a table names it; empty where there is none."""
+    return "outside trials" if scope == OUTSIDE else condition
 
 
 def not_counted(rows: Iterable[tuple[str, bool]]) -> str:
@@ -59,5 +68,5 @@ def not_counted(rows: Iterable[tuple[str, bool]]) -> str:
 
 
 def counted_parts(parts: Iterable[Part]) -> list[Part]:
-    """Those of somebody who took part."""
-    return [part for part in parts if part.counted]
+    """Those that means contain: of somebody who took part, and not outside of trials."""
+    return [part for part in parts if part.in_means]

@@ -207,7 +207,7 @@ class Answer:
     """The last answer to an item in one round of a questionnaire; `t` is when it was given.
 
     `value` is None for texts and for what was left out; `low` and `high` are None unless the item
-    is a scale.
+    is a scale. `counted`: it was in no trial that was aborted or excluded.
     """
 
     questionnaire: str
@@ -224,6 +224,7 @@ class Answer:
     participant: str = ""
     condition: str = ""
     trial: int = -1
+    counted: bool = True
 
 
 @dataclass(frozen=True, slots=True)
@@ -486,6 +487,7 @@ def answers(timeline: Timeline) -> Iterator[Answer]:
                 answered_us=answer.answered_us if answer.answered_us >= 0 else None,
                 low=_number(item.get("low")),
                 high=_number(item.get("high")),
+                counted=timeline.counts(each.context),
             )
 
 

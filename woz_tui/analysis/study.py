@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from dataclasses import dataclass, field
 
-from woz_tui.analysis.figures import Outcomes, Part, SessionFigures, Training
+from woz_tui.analysis.figures import OUTSIDE, Outcomes, Part, SessionFigures, Training
 from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.people import counted_parts
 from woz_tui.analysis.rows import Restriction, Shaping
@@ -32,6 +32,7 @@ class Facts:
         lengths: Their lengths, without the time in which there was no participant.
         people: Condition -> participants.
         unnamed: Sessions without a participant's code.
+        outside: Sessions with time outside of trials, which is in no figure of the wizard's work.
         wizards: Wizard -> sessions led.
         unreached: Driver -> how many stops did not reach it, as it was not connected.
         seen: What the wizard could not see -> in how many sessions.
@@ -49,6 +50,7 @@ class Facts:
     lengths: Series = field(default_factory=Series)
     people: dict[str, set[str]] = field(default_factory=dict)
     unnamed: int = 0
+    outside: int = 0
     wizards: Counter[str] = field(default_factory=Counter)
     practice: dict[str, Practice] = field(default_factory=dict)
     software: Counter[str] = field(default_factory=Counter)
@@ -109,6 +111,7 @@ class Facts:
 
     def _people(self, figures: SessionFigures) -> None:
         self.unnamed += not figures.participant
+        self.outside += any(part.scope == OUTSIDE for part in figures.parts)
         for part in counted_parts(figures.parts):
             if part.participant:
                 self.people.setdefault(part.condition, set()).add(part.participant)

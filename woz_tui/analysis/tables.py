@@ -148,6 +148,13 @@ _STARTED: Column[Any] = Column(
 )
 
 
+_SCOPE = _text(
+    "scope",
+    "trials: the time in trials of this condition; outside: outside of trials, in whatever "
+    "condition, breaks included; session: the session has no trials",
+)
+
+
 def _number(_: SessionFigures, row: Any) -> Cell:
     trial: int | None = row.trial
     return None if trial is None or trial < 0 else trial
@@ -162,7 +169,9 @@ _MOMENT = _time("onset", "its moment, from the session's start", "t")
 _DURATION = _time("duration", "from beginning to end", "duration")
 _SEQ = _plain("integer", "seq", "number of the line in the log")
 _COUNTED = _plain(
-    *("boolean", "counted"), "somebody took part, and in no trial that was aborted or excluded"
+    *("boolean", "counted"),
+    "means contain it: somebody took part, and where there are trials it was in one that was "
+    "neither aborted nor excluded",
 )
 _PIECE = "false: only participant, condition, trial or a break did"
 
@@ -220,10 +229,14 @@ def _main(measure: Measure) -> Column[Part]:
 
 CONDITIONS: Table[Part] = Table(
     "conditions",
-    "The main figures: one row for each participant and condition of a session.",
+    "The main figures: one row for each participant and condition of a session, and one for the "
+    "time outside of trials.",
     (
-        *(_LOG, _CODE, _PARTICIPANT, _CONDITION),
-        _plain("boolean", "counted", "totals contain it: somebody took part, and it is no slip"),
+        *(_LOG, _CODE, _PARTICIPANT, _CONDITION, _SCOPE),
+        Column(
+            *("counted", "boolean", "means contain it: somebody took part, and it is not outside"),
+            lambda _, part: part.in_means,
+        ),
         *map(_main, MEASURES),
     ),
     lambda figures: figures.parts,
@@ -323,7 +336,7 @@ def _of_first(column: Column[Any]) -> Column[Any]:
     return replace(column, cell=lambda figures, row: column.cell(figures, row[0]))
 
 
-_PARTS = (_LOG, _CODE, _of_first(_PARTICIPANT), _of_first(_CONDITION))
+_PARTS = (_LOG, _CODE, *map(_of_first, (_PARTICIPANT, _CONDITION, _SCOPE)))
 
 
 def _count(name: str, meaning: str, of: Callable[[ActionCount], Cell], kind: str) -> Column[Any]:

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections import Counter, defaultdict
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 
 from woz_tui.analysis.figures import (
     COMMAND_ENDS,
     ENDS,
+    SESSION,
     ActionCount,
     Engagement,
     Outcomes,
@@ -37,8 +38,9 @@ class VerbTally:
 
 @dataclass(slots=True)
 class Tally:
-    """One condition of one participant within one run of a trial, or outside of trials (`run` None,
-    see `Context`). `counted`: it is in no trial that was aborted or excluded.
+    """One condition of one participant within one run of a trial (see `Context`), or outside of
+    trials. `counted`: it is in no trial that was aborted or excluded. `inside`: it is in a trial,
+    or the session has none.
 
     The attributes are those of `figures.Part` and `figures.Engagement`, still growing.
     """
@@ -47,6 +49,7 @@ class Tally:
     condition: str
     run: int | None = None
     counted: bool = True
+    inside: bool = True
     us: int = 0
     counts: Counter[CountKey] = field(default_factory=Counter)
     by_hand: int = 0
@@ -60,6 +63,7 @@ class Tally:
     markers: int = 0
     notes: int = 0
     stops: int = 0
+    utterances: int = 0
     speech: Series = field(default_factory=Series)
     held: Series = field(default_factory=Series)
     on_us: int = 0
@@ -83,7 +87,7 @@ class Tally:
     @property
     def empty(self) -> bool:
         """Whether nothing was in it."""
-        return self == Tally(self.participant, self.condition, self.run, self.counted)
+        return self == Tally(self.participant, self.condition, self.run, self.counted, self.inside)
 
     def add(self, other: Tally) -> None:
         """Take all of another one."""
@@ -104,29 +108,36 @@ class Tally:
 
 
 _SUMS = (
-    *("us", "by_hand", "direct", "mistakes", "markers", "notes", "stops"),
+    *("us", "by_hand", "direct", "mistakes", "markers", "notes", "stops", "utterances"),
     *("on_us", "off_us", "engaged_us", "forced", "settings_us", "differing_us"),
 )
 _SERIES = ("press", "took", "gaps", "speech", "held", "episodes")
 _COUNTERS = ("counts", "state_us", "transitions")
 
 
+def together(tallies: Iterable[Tally]) -> Tally:
+    """All of them in one, which is nobody's."""
+    total = Tally("", "")
+    for tally in tallies:
+        total.add(tally)
+    return total
+
+
 def part(
-    tallies: Sequence[Tally],
+    total: Tally,
     participant: str,
     condition: str,
     trials: int,
     *,
     counted: bool = True,
+    scope: str = SESSION,
 ) -> Part:
-    """All of them together as a part of the figures."""
-    total = Tally(participant, condition)
-    for tally in tallies:
-        total.add(tally)
+    """It as a part of the figures."""
     return Part(
         participant=participant,
         condition=condition,
         counted=counted,
+        scope=scope,
         us=total.us,
         trials=trials,
         counts=_counts(total.counts),
@@ -145,6 +156,7 @@ def part(
         markers=total.markers,
         notes=total.notes,
         stops=total.stops,
+        utterances=total.utterances,
         speech=total.speech,
         held=total.held,
         settings_us=total.settings_us,

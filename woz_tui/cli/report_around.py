@@ -54,13 +54,13 @@ def _settings(page: Page, figures: SessionFigures, top: int) -> None:
         trial = NONE if each.trial < 0 else str(each.trial)
         made.add_row(
             *(each.name, each.values, each.wanted),
-            trial if each.counted else f"({trial})",
+            trial if each.counted or each.trial < 0 else f"({trial})",
             *(each.condition, clock(each.first), s(each.us)),
         )
     page.console.print(made)
     for line in more(page, len(found) - top, "row"):
         page.console.print(line)
-    if not all(each.counted for each in found):
+    if not all(each.counted or each.trial < 0 for each in found):
         page.say("(in brackets: not counted)")
 
 

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from woz_tui.analysis.groups import ConditionTotal, Grouped, ItemTotal, Row, Total
 from woz_tui.analysis.measures import BY_NAME, Measure
-from woz_tui.analysis.people import called, not_counted
+from woz_tui.analysis.people import called, condition_in_words, not_counted
 from woz_tui.cli.report_page import NONE, Page, clock, digits, in_unit, s, some, table
 
 #: Columns, those first that are worth most; as many are shown as there is room for.
@@ -90,7 +90,7 @@ def _rows(page: Page, rows: Sequence[Row]) -> None:
         who = _called(row)
         made.add_row(
             who if who != last else "",
-            row.condition or NONE,
+            _condition(row),
             row.session,
             *(_cell(measure, row.values[measure.name]) for measure in measures),
         )
@@ -102,9 +102,13 @@ def _called(row: Row) -> str:
     return called(row.participant, counted=row.counted) or NONE
 
 
+def _condition(row: Row) -> str:
+    return condition_in_words(row.condition, row.scope) or NONE
+
+
 def _fitting(page: Page, rows: Sequence[Row]) -> list[Measure]:
     """As many figures as there is room for, of those of which there is anything."""
-    who = [_WHO, *((_called(row), row.condition, row.session) for row in rows)]
+    who = [_WHO, *((_called(row), _condition(row), row.session) for row in rows)]
     names = [max(len(each[place]) for each in who) for place in range(len(_WHO))]
     room = page.width - sum(names) - _GAP * len(names)
     fitting = []

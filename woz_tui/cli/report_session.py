@@ -10,7 +10,7 @@ from rich.text import Text
 from woz_tui.analysis.figures import ENDS, Part, SessionFigures
 from woz_tui.analysis.groups import experiment_of
 from woz_tui.analysis.measures import BY_NAME, Measure
-from woz_tui.analysis.people import called, not_counted
+from woz_tui.analysis.people import called, condition_in_words, not_counted
 from woz_tui.analysis.report import Report
 from woz_tui.analysis.rows import CUE_RESULTS
 from woz_tui.analysis.series import Series
@@ -127,9 +127,17 @@ def _figures(page: Page, figures: SessionFigures) -> Block:
     parts = list(figures.parts) if len(figures.parts) > 1 else []
     alike = len({part.participant for part in parts}) == 1
     names = [
-        part.condition or "none"
+        (condition_in_words(part.condition, part.scope) or "none")
         if alike
-        else f"{called(part.participant, counted=part.counted)} {part.condition}".strip()
+        else " ".join(
+            filter(
+                None,
+                (
+                    called(part.participant, counted=part.counted),
+                    condition_in_words(part.condition, part.scope),
+                ),
+            )
+        )
         for part in parts
     ]
     columns = [("all", figures.whole), *zip(names, parts, strict=True)]

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from woz_tui.analysis.gather import figures_of
-from woz_tui.analysis.people import counts
+from woz_tui.analysis.people import counts_in_means, people_of
 from woz_tui.analysis.rows import worded
 from woz_tui.core import messages as m
 from woz_tui.export.course import OPEN, Clip, Event, Owned, Session
@@ -299,7 +299,8 @@ class Extractor:
     def _belongs(self, row: Owned, context: Context) -> None:
         row.participant, row.condition = context.participant, context.condition
         row.trial = context.trial
-        row.counted = counts(self._timeline, self.session.figures, context)
+        people = people_of(self.session.figures)
+        row.counted = counts_in_means(self._timeline, people, context)
 
 
 #: What becomes an event, and how.

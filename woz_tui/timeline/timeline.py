@@ -39,7 +39,7 @@ class Timeline:
         self._spoken: dict[tuple[str, int], int] = {}
         self._by_kind: dict[type[Episode], list[Episode]] = {}
         self._trials: dict[int | None, Trial] = {}
-        self._begun = False
+        self._begun = self._has_trials = False
 
     @property
     def begin(self) -> int:
@@ -63,6 +63,17 @@ class Timeline:
     def parts(self, episode: Episode) -> tuple[Span, ...]:
         """Its pieces by context: in order, gapless, together exactly as long as the episode."""
         return self.contexts.parts(episode.begin, episode.begin + episode.duration, episode.seq)
+
+    @property
+    def has_trials(self) -> bool:
+        """Whether any time of the session belongs to a trial."""
+        return self._has_trials
+
+    def inside(self, context: Context) -> bool:
+        """Whether what happened in this context was in a trial; in a session without any trial
+        everything is.
+        """
+        return context.trial is not None or not self._has_trials
 
     def counts(self, context: Context) -> bool:
         """Whether what happened in this context is to be analysed: not in a trial that was aborted
@@ -123,6 +134,7 @@ class Timeline:
             self._by_kind.setdefault(type(episode), []).append(episode)
         self.episodes = tuple(found)
         self._trials = {trial.seq: trial for trial in self.of(Trial)}
+        self._has_trials = any(span.context.trial is not None for span in self.spans)
 
 
 def _add_mistakes(episodes: list[Episode]) -> None:

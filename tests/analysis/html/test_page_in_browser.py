@@ -208,7 +208,7 @@ def test_the_overview_sorts_by_mouse_and_keyboard(page: Page, several: Path) -> 
 def test_everything_can_be_reached_with_tab_and_has_a_name(page: Page, single: Path) -> None:
     page.open(single)
     reached = set()
-    for _ in range(40):
+    for _ in range(60):
         page.keys(Keys.TAB)
         reached.add(
             page.run("const it = document.activeElement; return it.className || it.tagName")

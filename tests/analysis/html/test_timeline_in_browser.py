@@ -109,6 +109,7 @@ def test_dragging_moves_and_on_the_ruler_it_marks_what_to_see(page: Page, single
     assert 45 < begin < 60
     assert end - begin == pytest.approx(40)
     page.open(single)
+    page.run("document.querySelector('svg.lanes').scrollIntoView()")
     top = -page.run("return document.querySelector('svg.lanes').clientHeight") // 2 + 8
     lanes = page.one("svg.lanes")
     hands = page.hands().move_to_element_with_offset(lanes, 0, top).click_and_hold()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
-from woz_tui.analysis.figures import Part
+from woz_tui.analysis.figures import OUTSIDE, Part
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
 from woz_tui.analysis.html.numbers import DASH, calendar, clock, duration, percent, value
@@ -60,7 +60,9 @@ def _table(found: Sequence[Entry]) -> Markup:
 
 
 def _parts(entry: Entry) -> Sequence[Part]:
-    return entry.figures.parts or (entry.figures.whole,)
+    """What is to be compared; time outside of trials stands with its session."""
+    parts = entry.figures.parts
+    return [part for part in parts if part.scope != OUTSIDE] or parts or (entry.figures.whole,)
 
 
 def _cells(entry: Entry, part: Part) -> Iterator[Markup]:

@@ -9,7 +9,7 @@ from woz_tui.analysis.figures import COMMAND_ENDS, ENDS, Part, SessionFigures
 from woz_tui.analysis.html.definitions import defined
 from woz_tui.analysis.html.markup import Child, Markup, said, tag
 from woz_tui.analysis.html.numbers import DASH, clock, duration, percent
-from woz_tui.analysis.people import called
+from woz_tui.analysis.people import called, condition_in_words
 from woz_tui.analysis.rows import CUE_RESULTS, Answer
 from woz_tui.analysis.series import Series
 
@@ -57,7 +57,7 @@ def _part(part: Part, participant: str | None = None, condition: str | None = No
     return [
         said(called(part.participant, counted=part.counted) if participant is None else participant)
         or DASH,
-        said(part.condition if condition is None else condition),
+        said(condition_in_words(part.condition, part.scope) if condition is None else condition),
         clock(part.us),
         str(part.trials),
         str(part.acts),
@@ -180,7 +180,7 @@ def settings(figures: SessionFigures) -> Markup | None:
             said(each.wanted),
             said(called(each.participant, counted=each.counted)),
             said(each.condition),
-            ("" if each.counted else "not counted: ")
+            ("" if each.counted or each.trial < 0 else "not counted: ")
             + (DASH if each.trial < 0 else str(each.trial)),
             clock(each.first, 3),
             duration(each.us),

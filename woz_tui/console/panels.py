@@ -78,16 +78,7 @@ def panel_rows(picture: ConsoleState, frame: Frame, arranged: Plan, board: Board
                 row += ((" " * GUTTER, "plain"),)
             row += grid.get((y, column), blank)
         rows.append(cut(row, frame.width, frame.glyphs.ellipsis))
-    if arranged.pages > 1 and rows:
-        rows[-1] = _pager(page, arranged.pages, frame, plays=picture.replay is None)
     return rows
-
-
-def _pager(page: int, pages: int, frame: Frame, *, plays: bool) -> Row:
-    glyphs = frame.glyphs
-    text = f" page {page + 1} of {pages} {glyphs.middle} tab turns it"
-    text += "; every key plays on any page" if plays else ""
-    return ((fit(text, frame.width, glyphs.ellipsis), "muted"),)
 
 
 def _slot(picture: ConsoleState, slot: Slot, frame: Frame, board: Board, cap: int) -> Row:
@@ -199,9 +190,15 @@ class Panels(Cells):
         if self._arranged is None or wanted != self._arranged_for:
             self._arranged_for = wanted
             self._arranged = plan(picture.panels, frame.width, frame.height, cap)
-            if self._arranged.pages > 1:  # the last line tells the page
-                self._arranged = plan(picture.panels, frame.width, frame.height - 1, cap)
         return self._arranged
+
+    @property
+    def page(self) -> str:
+        """Which page is shown; empty if there is only one."""
+        arranged = self._arranged
+        if arranged is None or arranged.pages < 2:
+            return ""
+        return f"page {arranged.page_of(self.board.chosen) + 1}/{arranged.pages}"
 
     def needs(self, picture: ConsoleState, glyphs: Glyphs) -> int:
         """Lines in which all panels find room on one page of this width, as far as they do."""

@@ -12,6 +12,11 @@ from woz_tui.console.glyphs import Frame
 from woz_tui.console.state import ConsoleState
 
 
+def upcoming(picture: ConsoleState) -> str:
+    """The action that the script plays next; empty at its end."""
+    return picture.script[picture.position] if picture.position < len(picture.script) else ""
+
+
 def script_row(picture: ConsoleState, frame: Frame, key: str) -> Row:
     """The line that space plays next, those after it, and how far the script is."""
     glyphs = frame.glyphs
@@ -62,11 +67,9 @@ def _entry(picture: ConsoleState, index: int, frame: Frame) -> list[Row]:
     look = "strong" if following else "muted" if played else "plain"
     label = clean(picture.label(name))
     rows: list[Row] = [((f" {mark} {label}", look),)]
-    action = picture.action(name)
-    words = " ".join(action.utterances) if action is not None else ""
     rows += [
         ((" " * INDENT, "plain"), (line, "faint" if played else "muted"))
-        for line in _wrapped(clean(picture.filled(words)), frame)
+        for line in _wrapped(clean(picture.sentence(name)), frame)
     ]
     return [cut(row, frame.width, glyphs.ellipsis) for row in rows]
 

@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import contextlib
 from collections import deque
-from collections.abc import Callable, Collection, Iterable
+from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 
 import msgspec
@@ -26,6 +26,7 @@ from woz_tui.console.robot.outlines import robots_of
 from woz_tui.console.runs import Failure, Outcome, Run, Runs
 from woz_tui.console.sentences import Event, event_of, explained
 from woz_tui.console.study.picture import Study
+from woz_tui.console.wording import said_in
 from woz_tui.core import messages as m
 from woz_tui.core import requests as r
 from woz_tui.core.robots import RobotOutline
@@ -410,8 +411,25 @@ class ConsoleState:
         """What the screen calls a phase."""
         return next((each.heading for each in self.settings.phases if each.name == phase), phase)
 
+    def steps(self, name: str) -> Sequence[Sequence[m.FilledCall] | float]:
+        """What the action called `name` would do if it were played now, as far as the wizard may
+        know it; nothing where no log line says so.
+        """
+        filled = self.session.filled
+        return filled.actions.get(name, ()) if filled is not None else ()
+
+    def sentence(self, name: str) -> str:
+        """What the action called `name` would say now; empty: nothing."""
+        steps = self.steps(name)
+        if not steps and (action := self.action(name)) is not None:
+            return " ".join(map(self.filled, action.utterances))
+        calls = (call for step in steps if not isinstance(step, float | int) for call in step)
+        return " ".join(filter(None, dict.fromkeys(map(said_in, calls))))
+
     def filled(self, words: str) -> str:
-        """An utterance with the variables whose values the console knows."""
+        """An utterance with the variables whose values the console knows; of a robot process, or a
+        log, that does not say itself what actions would do.
+        """
         values: dict[str, str | int] = {**self.settings.values}
         trial = "" if self.trial is None else self.trial
         now = {"participant": self.participant, "condition": self.condition, "trial": trial}

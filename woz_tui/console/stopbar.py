@@ -1,8 +1,10 @@
-"""The two lines at the bottom: script and hints as a rule, the stop when it is pressed."""
+"""The lines at the bottom: script, its next sentence and hints as a rule, the stop when it is
+pressed.
+"""
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from rich.cells import cell_len
 
@@ -10,7 +12,8 @@ from woz_tui.console.cells import Cells, Row, clean, cut, fit, hung, length, spr
 from woz_tui.console.figures import elapsed, millis
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.robot.stopping import confirmed_words, missing_row
-from woz_tui.console.script import script_row
+from woz_tui.console.script import script_row, upcoming
+from woz_tui.console.sentence import sentence_rows
 from woz_tui.console.state import ConsoleState
 from woz_tui.timeline.episodes import Stop
 
@@ -27,7 +30,8 @@ class News:
 class Bar:
     """What does not come from messages.
 
-    `news` takes the place of the `hints` (keys with a word each) for a while. `next` is the key
+    `news` takes the place of the `hints` (keys with a word each) for a while; `page` stands behind
+    the hints and says which page of the panels is shown. `next` is the key
     of the script, `release` the one that releases the stop. `asked_us`: session time at which this
     console asked for a stop that has not been answered yet.
     """
@@ -37,10 +41,25 @@ class Bar:
     next: str = ""
     release: str = ""
     asked_us: int | None = None
+    page: str = ""
 
 
 def bar_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
-    """Two rows of the frame's width."""
+    """As many rows as the frame has, two at least. What is urgent takes the lowest."""
+    lines = max(2, frame.height)
+    urgent = _urgent(picture, frame, bar)
+    script = [script_row(picture, frame, bar.next)]
+    if lines > len(script) + 1:
+        script += sentence_rows(picture, replace(frame, height=2), upcoming(picture))
+    hints = [hint_row(bar.hints, frame.width, bar.page)]
+    rows = [*script, *hints][:lines]
+    if urgent:
+        rows[lines - len(urgent) :] = urgent
+    return rows
+
+
+def _urgent(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
+    """What the wizard must know now, in two rows at most."""
     glyphs, width, asked_us = frame.glyphs, frame.width, bar.asked_us
     if picture.ended and picture.lost and asked_us is None:
         over, where = " The session has ended.", " enter shows where its log is"
@@ -57,8 +76,7 @@ def bar_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
         waited = millis(frame.now - asked_us)
         first = f" {glyphs.stop} STOP SENT {glyphs.middle} no answer yet, {waited}"
         return [((fit(first, width), "alarm"),), ((" " * width, "alarm-soft"),)]
-    told = _told(bar.news, glyphs, width) or [hint_row(bar.hints, width)]
-    return [*([] if len(told) > 1 else [script_row(picture, frame, bar.next)]), *told]
+    return _told(bar.news, glyphs, width)
 
 
 def _told(news: News, glyphs: Glyphs, width: int) -> list[Row]:
@@ -100,17 +118,18 @@ def _settled(stop: Stop, glyphs: Glyphs, width: int) -> Row:
     return cut((*row, (" " * blanks, "alarm-soft")), width, glyphs.ellipsis)
 
 
-def hint_row(hints: tuple[tuple[str, str], ...], width: int) -> Row:
-    """Keys with a word each, as many as have room."""
+def hint_row(hints: tuple[tuple[str, str], ...], width: int, page: str = "") -> Row:
+    """Keys with a word each, as many as have room beside the page's number."""
     row: Row = ((" ", "plain"),)
     used = 1
+    behind = f"{page} " if page else ""
     for key, what in hints:
         need = cell_len(key) + cell_len(what) + 3
-        if used + need > width:
+        if used + need > width - cell_len(behind):
             break
         row += ((key, "strong"), (f" {what}", "muted"), ("  ", "plain"))
         used += need
-    return row
+    return spread(row, ((behind, "muted"),), width) if behind else row
 
 
 class StopBar(Cells):

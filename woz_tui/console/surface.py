@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from textual.app import ComposeResult
 from textual.geometry import Size
@@ -14,9 +14,10 @@ from woz_tui.console.bodies.pane import BodyPane
 from woz_tui.console.cells import Cells, fit
 from woz_tui.console.events import Events
 from woz_tui.console.glyphs import Frame, Glyphs
-from woz_tui.console.layout import LEAST, WHOLE, Body, Needs, Side
+from woz_tui.console.layout import LEAST, WHOLE, Body, Needs, Side, bar_lines
 from woz_tui.console.meters import Meters
 from woz_tui.console.panels import Panels
+from woz_tui.console.repairs import Repairs
 from woz_tui.console.script import Script
 from woz_tui.console.state import ConsoleState
 from woz_tui.console.status import Line, Status
@@ -27,7 +28,7 @@ SMALL = "{0} x {1} is small: meters need 80 x 24, keys and stop do not"
 
 @dataclass(slots=True)
 class Surface:
-    """Status on top, panels, meters and bodies, events, script, stop bar."""
+    """Status on top, panels, meters and bodies, events, script, repairs, stop bar."""
 
     status: Status = field(default_factory=Status)
     panels: Panels = field(default_factory=Panels)
@@ -35,6 +36,7 @@ class Surface:
     bodies: BodyPane = field(default_factory=BodyPane)
     events: Events = field(default_factory=Events)
     script: Script = field(default_factory=Script)
+    repairs: Repairs = field(default_factory=Repairs)
     bar: StopBar = field(default_factory=StopBar)
     small: Cells = field(default_factory=lambda: Cells(id="small"))
     body: Body = field(default_factory=Body)
@@ -49,6 +51,7 @@ class Surface:
                 yield from (self.meters, self.bodies)
             yield from (self.events, self.script)
         yield self.small
+        yield self.repairs
         yield self.bar
 
     def measure(
@@ -58,12 +61,16 @@ class Surface:
         width, height = size
         base.set_class(width < WHOLE.width or height < WHOLE.height, "-small")
         base.set_class(width < LEAST.width or height < LEAST.height, "-tiny")
+        lines = bar_lines(size, bool(picture.script))
+        if self.bar.styles.height is None or self.bar.styles.height.value != lines:
+            self.bar.styles.height = lines
         self.body.lay_out(
             size,
             Needs(
                 self.panels.needs(picture, glyphs),
                 self.meters.needs,
                 len(bodies(picture.outlines)),
+                lines,
             ),
         )
 
@@ -77,8 +84,9 @@ class Surface:
     ) -> None:
         """Show what has changed; `frame` tells each part's room and the moment."""
         self.status.paint(picture, frame(self.status), line)
-        for part in (self.panels, self.meters, self.bodies, self.events, self.script):
+        parts = (self.panels, self.meters, self.bodies, self.events, self.script, self.repairs)
+        for part in parts:
             part.paint(picture, frame(part))
-        self.bar.paint(picture, frame(self.bar), bar)
+        self.bar.paint(picture, frame(self.bar), replace(bar, page=self.panels.page))
         ellipsis = frame(self.small).glyphs.ellipsis
         self.small.show([((fit(f" {SMALL.format(*size)}", size.width, ellipsis), "warn"),)])

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from woz_tui.console.engagement.orders import is_order, order_words
 from woz_tui.core import messages as m
 from woz_tui.core.messages import Json
+from woz_tui.experiment.verbs import PERFORMERS
 
 #: Steps of the arrow keys and their like: verb -> argument -> what moves, the words for more and
 #: for less than nothing, and the unit.
@@ -25,7 +26,13 @@ _NAMED = frozenset({"play", "sound", "read", "screen"})
 _PLAIN = frozenset({"on", "level", "percent"})
 
 
-def words(command: m.Command) -> str:
+def said_in(command: m.Command | m.FilledCall) -> str:
+    """What is said; empty if nothing is."""
+    text = command.args.get("text")
+    return text if isinstance(text, str) and command.driver not in PERFORMERS else ""
+
+
+def words(command: m.Command | m.FilledCall) -> str:
     """A command in a few words: what is said, or the verb with what it is given."""
     text = command.args.get("text")
     if isinstance(text, str) and text:

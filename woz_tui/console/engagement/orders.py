@@ -64,6 +64,6 @@ _TELL: Mapping[str, Callable[[Args], str]] = {
 }
 
 
-def is_order(command: m.Command) -> bool:
+def is_order(command: m.Command | m.FilledCall) -> bool:
     """Whether it is for the model, as far as it says for whom it is."""
     return command.driver == ENGAGEMENT or (not command.driver and command.verb in _TELL)

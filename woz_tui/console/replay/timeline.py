@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
+from dataclasses import replace
 
 from rich.cells import cell_len
 
@@ -11,7 +12,8 @@ from woz_tui.console.figures import elapsed
 from woz_tui.console.glyphs import Frame, Glyphs
 from woz_tui.console.replay.standing import Place, ReplayPicture, wall_at
 from woz_tui.console.robot.stopping import missing_row
-from woz_tui.console.script import script_row
+from woz_tui.console.script import script_row, upcoming
+from woz_tui.console.sentence import sentence_rows
 from woz_tui.console.state import ConsoleState
 from woz_tui.console.stopbar import Bar, StopBar, hint_row
 from woz_tui.timeline.episodes import Stop
@@ -40,8 +42,11 @@ def sign_of(sort: str, glyphs: Glyphs) -> Piece:
 
 
 def replay_rows(picture: ConsoleState, frame: Frame, bar: Bar) -> list[Row]:
-    """Two rows of the frame's width."""
-    return [_then(picture, frame, bar), time_row(picture, frame, bar.hints)]
+    """As many rows as the frame has, two at least."""
+    rows = [_then(picture, frame, bar)]
+    if frame.height > 2:
+        rows += sentence_rows(picture, replace(frame, height=frame.height - 2), upcoming(picture))
+    return [*rows, time_row(picture, frame, bar.hints)]
 
 
 def _then(picture: ConsoleState, frame: Frame, bar: Bar) -> Row:

@@ -72,16 +72,19 @@ def _part(part: Part, participant: str | None = None, condition: str | None = No
 
 def actions(figures: SessionFigures) -> Markup | None:
     """Every action by panel and source, and how it ended."""
-    heads = ["Action", "Panel", "Asked by", "All", *ENDS]
+    counts = figures.whole.counts
+    # A column for each end that occurs: six would make the table too wide for a telephone.
+    ends = [end for end in ENDS if any(getattr(count.outcomes, end) for count in counts)]
+    heads = ["Action", "Panel", "Asked by", "All", *ends]
     rows = [
         [
             said(count.action),
             said(count.panel),
             said(count.source),
             str(count.outcomes.total),
-            *_counts(getattr(count.outcomes, end) for end in ENDS),
+            *_counts(getattr(count.outcomes, end) for end in ends),
         ]
-        for count in figures.whole.counts
+        for count in counts
     ]
     return table("Actions", heads, rows)
 

@@ -142,7 +142,7 @@ def test_a_keymap_gives_way_to_the_experiment() -> None:
     assert mapped("h", builtins=moved).builtin_table["g"] == "say"
 
 
-YIELDING = {item.chord: item.id for item in BUILTIN if item.yields}
+YIELDING = {item.chord: item.id for item in BUILTIN if item.yields and not item.last}
 
 
 def test_which_of_the_consoles_keys_yield() -> None:
@@ -251,3 +251,21 @@ def test_no_key_means_stop_and_none_plays_two_things(
         assert parts[0] not in found.builtin_table
         assert keys.reach(entry.press, terminal, layout).arrives == entry.arrives
     assert found == mapped(*wanted, terminal=terminal, layout=layout)
+
+
+@pytest.mark.parametrize("layout", keys.LAYOUTS)
+@pytest.mark.parametrize("terminal", [PLAIN, TMUX, KITTY], ids=lambda each: each.name)
+def test_the_last_of_the_consoles_keys_are_reachable_everywhere(
+    layout: str, terminal: keys.Terminal
+) -> None:
+    found = key_map((), terminal, layout)
+    last = [item.id for item in BUILTIN if item.last]
+    assert last
+    assert [name for name in last if not found.builtins[name].press] == []
+
+
+def test_the_last_of_the_consoles_keys_yield_to_everybody() -> None:
+    last = next(item for item in BUILTIN if item.last)
+    found = mapped(last.chord)
+    assert found.actions["A0"].press == last.chord
+    assert found.builtins[last.id].press == last.reserves[0]

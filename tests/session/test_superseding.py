@@ -16,6 +16,7 @@ from woz_tui.core import messages as m
 from woz_tui.core.driver import Argument, Job, Verb
 from woz_tui.core.messages import Json
 from woz_tui.experiment.shape import Action, Panel, Wait
+from woz_tui.session.identity import AskError
 from woz_tui.session.runner import Origin
 from woz_tui.timeline.episodes import Action as Played
 from woz_tui.timeline.episodes import Outcome
@@ -175,7 +176,13 @@ def test_a_step_of_the_gaze_ends_what_only_looks_about(tmp_path: Path) -> None:
 
 
 def test_what_is_refused_replaces_nothing(tmp_path: Path) -> None:
-    stage = scene(tmp_path, pressed((0, "Map"), (0.5, "Gong")))
+    async def play(stage: Stage) -> None:
+        stage.session.play("Map", KEY)
+        await asyncio.sleep(0.5)
+        with pytest.raises(AskError, match="busy"):
+            stage.session.play("Gong", KEY)
+
+    stage = scene(tmp_path, play)
     assert spoken(stage) == ["Look at the map.", "We are here."]
 
 

@@ -160,6 +160,16 @@ class Bus:
         found = [lane.cancel(run, reason) for lane in self._lanes.values()]
         return any(found)
 
+    @property
+    def waiting(self) -> list[str]:
+        """The commands that wait in queues."""
+        return [command for lane in self._lanes.values() for command in lane.waiting]
+
+    def empty(self, reason: str) -> None:
+        """End every command that waits in a queue."""
+        for lane in list(self._lanes.values()):
+            lane.empty(reason)
+
     def performs(self, run: str) -> bool:
         """Whether a command of the run `run` is being carried out, or the command of that id."""
         return any(lane.performs(run) for lane in self._lanes.values())

@@ -178,6 +178,11 @@ class Lane:
         """Whether a job is running, or has been cancelled and has not ended yet."""
         return self._task is not None
 
+    @property
+    def waiting(self) -> list[str]:
+        """The commands that wait."""
+        return [ticket.command.command for ticket, _ in self._waiting]
+
     def performs(self, run: str) -> bool:
         """Whether the job is a command of the run `run`, or that command."""
         return self._current is not None and self._current.belongs_to(run)
@@ -349,6 +354,12 @@ class Lane:
         for ticket in mine:
             ticket.stop(reason)
         return bool(mine)
+
+    def empty(self, reason: str) -> None:
+        """End what waits; the job goes on."""
+        waiting, self._waiting = self._waiting, deque()
+        for ticket, _ in waiting:
+            ticket.stop(reason)
 
     async def ended(self) -> None:
         """Return when no job is running."""

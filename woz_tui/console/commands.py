@@ -23,6 +23,7 @@ from woz_tui.console.screens.dialog import (
 from woz_tui.console.state import ConsoleState
 from woz_tui.core.requests import (
     AskCancel,
+    AskEmptyQueue,
     AskMarker,
     AskMistake,
     AskRelease,
@@ -150,6 +151,13 @@ COMMANDS = (
     _row("mistake_last", sends=lambda press: AskMistake(), found=False, hint=Hint(9, "mistake")),
     _row("mistake", opens("screens.mistake:MistakeDialog")),
     _row("cut", _cut, opens=False),
+    _row(
+        "queue",
+        opens("screens.queue:QueueDialog"),
+        hint=Hint(0, "queue", lambda picture: bool(picture.runs.waiting)),
+        users=WATCHER,
+    ),
+    _row("queue_empty", sends=lambda press: AskEmptyQueue()),
     _row("failures", calls("screens.failures:open_failures"), users=EVERYBODY),
     _row(
         "panel_next",

@@ -125,6 +125,13 @@ class Runs:
         presses: list[Action | Command] = [*self.session.actions.values(), *alone]
         return [_id(press) for press in sorted(presses, key=lambda press: press.seq)]
 
+    @property
+    def waiting(self) -> list[Command]:
+        """Commands that wait in a queue, in the order in which they came."""
+        commands = self.session.commands.values()
+        waiting = (each for each in commands if each.started is None)
+        return sorted(waiting, key=lambda command: command.seq)
+
     def get(self, run: str) -> Run | None:
         """A run under way."""
         press = self.session.actions.get(run) or self.session.commands.get(run)

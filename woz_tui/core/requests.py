@@ -122,6 +122,10 @@ class AskCancel(Request, frozen=True, kw_only=True, omit_defaults=True, tag="can
     run: str
 
 
+class AskEmptyQueue(Request, frozen=True, kw_only=True, omit_defaults=True, tag="empty-queue"):
+    """End everything that waits in a queue; what runs goes on, and nothing is stopped."""
+
+
 class AskSet(Request, frozen=True, kw_only=True, omit_defaults=True, tag="set"):
     """Set the participant, the condition or the trial."""
 
@@ -280,6 +284,7 @@ AnyRequest = (
     | AskRelease
     | AskScript
     | AskCancel
+    | AskEmptyQueue
     | AskSet
     | AskMarker
     | AskNote
@@ -334,6 +339,7 @@ class Welcome(
     -> [lowest, highest angle] in degrees, for those whose driver tells them, `outlines`: driver ->
     what it looks like (see `docs/protocol.md`), `values`: variable -> its value at this moment,
     `steps`: how far one press of an arrow goes (`head`, `hip`, `turn` in degrees, `drive` in m),
+    `lanes`: driver -> verb -> the lane in which it is queued,
     `profiles`: their names, `profile`: the one in use, or nothing, and `allows`: profile -> what it
     names (`panels`, `actions`, `controls`, `verbs`), and `hide` where the rest is not shown;
     `engagement`, in a session with that model: its `timeouts` (seconds, or null), the seconds of a

@@ -154,6 +154,7 @@ class Settings(msgspec.Struct, frozen=True, kw_only=True):
     outlines: dict[str, Json] = {}
     values: dict[str, str] = {}
     steps: dict[str, float] = {}
+    lanes: dict[str, dict[str, str]] = {}
     profiles: list[str] = []
     profile: str = ""
     allows: dict[str, Allowance] = {}

@@ -10,7 +10,8 @@ class Builtin:
     """One key of the console.
 
     `reserves` are taken, in this order, on terminals where `chord` cannot arrive. `yields`: an
-    experiment may have `chord` for an action of its own; this key then goes to a reserve.
+    experiment may have `chord` for an action of its own; this key then goes to a reserve. `last`:
+    it yields to the console's other keys too, and to their reserves.
     """
 
     id: str
@@ -19,6 +20,7 @@ class Builtin:
     movable: bool = True
     reserves: tuple[str, ...] = ()
     yields: bool = False
+    last: bool = False
 
 
 BUILTIN: tuple[Builtin, ...] = (
@@ -36,6 +38,18 @@ BUILTIN: tuple[Builtin, ...] = (
     Builtin("mistake_last", "backspace", "the last action was a mistake"),
     Builtin("mistake", "ctrl+w", "choose the action that was a mistake"),
     Builtin("cut", "ctrl+x", "interrupt the last action"),
+    Builtin(
+        *("queue", "ctrl+j", "what is queued: who waits in which lane, and for how long"),
+        reserves=("insert", "]"),
+        yields=True,
+        last=True,
+    ),
+    Builtin(
+        *("queue_empty", "delete", "empty the queue; what runs goes on"),
+        reserves=("[", "end"),
+        yields=True,
+        last=True,
+    ),
     Builtin("failures", "enter", "what has failed; marks it as seen"),
     Builtin("panel_next", "tab", "next panel"),
     Builtin("panel_back", "shift+tab", "panel before"),

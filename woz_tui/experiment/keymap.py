@@ -119,11 +119,12 @@ class _Assignment:
         for nobodys in (False, True):
             for action in keyed.values():
                 self._place(action, nobodys=nobodys)
-        for item in builtins:
+        for item in sorted(builtins, key=lambda item: item.last):
             if item.id not in self._builtins:
                 self._why[item.id] = self._why.get(item.id) or f"{item.chord} is taken"
+                candidates = (item.chord, *item.reserves) if item.last else item.reserves
                 self._builtins[item.id] = self._reserve(
-                    item.id, item.chord, item.description, item.reserves
+                    item.id, item.chord, item.description, candidates
                 )
         for action in keyed.values():
             if action.name not in self._actions:
@@ -158,6 +159,9 @@ class _Assignment:
         begun = {chord.split(" ")[0] for chord in wanted}
         for item in sorted(builtins, key=lambda item: item.yields):
             chord = item.chord
+            if item.last and homes.get(item.id, chord) == chord:
+                self._why[item.id] = f"{chord} is taken"
+                continue
             if chord in wanted and homes.get(item.id, chord) != chord:
                 self._warnings.append(
                     f"the keymap puts {item.description!r} on {chord}, which the experiment uses;"
@@ -224,7 +228,12 @@ class _Assignment:
             if found.why or not self._free(found) or is_stop(chord, self._layout):
                 continue
             self._own(found.arrives, owner)
-            return Assigned(name, wanted, chord, found.arrives, found.data, reserve=True, why=why)
+            own = chord == wanted
+            return Assigned(
+                *(name, wanted, chord, found.arrives, found.data),
+                reserve=not own,
+                why="" if own else why,
+            )
         return Assigned(name, wanted, "", why=why)
 
 

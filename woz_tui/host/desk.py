@@ -19,6 +19,7 @@ from woz_tui.core.requests import (
     AskAssign,
     AskCancel,
     AskCheck,
+    AskEmptyQueue,
     AskEnd,
     AskLock,
     AskMarker,
@@ -127,8 +128,8 @@ class Desk:
                 session.release(source, stale)
             case _ if stale and (undone := _undone(request)):
                 session.refuse(undone, stale)
-            case AskCancel(run=wanted):
-                session.cancel(wanted)
+            case AskCancel() | AskEmptyQueue():
+                self._end(client, request)
             case AskSet(participant=participant, condition=condition, trial=trial):
                 session.set(participant, condition, trial)
             case AskMarker() | AskNote() | AskMistake():
@@ -144,6 +145,13 @@ class Desk:
             case _:
                 self._study(client, request)
         return run
+
+    def _end(self, client: Client, request: AskCancel | AskEmptyQueue) -> None:
+        match request:
+            case AskCancel(run=wanted):
+                self._session.cancel(wanted)
+            case AskEmptyQueue():
+                self._session.empty_queue(f"{client.role} {client.name}")
 
     def _study(self, client: Client, request: AnyRequest) -> None:
         study = self._session.study

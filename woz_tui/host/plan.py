@@ -72,6 +72,10 @@ def plan_of(shown: Shown) -> m.SessionPlan:
             outlines=outlines(shown),
             values=dict(shown.values),
             steps=asdict(experiment.steps),
+            lanes={
+                spec.name: {verb.name: verb.lane for verb in spec.verbs}
+                for spec in experiment.drivers
+            },
             profiles=[*experiment.profiles],
             profile=shown.profile.name if shown.profile is not None else "",
             allows=allowances(experiment),

@@ -135,7 +135,7 @@ class Runner:
             self._advance(run)
         if run.id in self._runs or isinstance(run.ended, m.ActionDone):
             self._supersede(run.id, action.label, origin, calls)
-        return run_id, ""
+        return run_id, run.ended.reason if isinstance(run.ended, m.ActionRefused) else ""
 
     def _begin(self, run: Run) -> None:
         """Its moment has come; unless it has been cut short meanwhile."""
@@ -390,6 +390,18 @@ class Runner:
             self._bus.cancel(run.id, end.reason)
         elif run.at + 1 < len(run.steps):
             run.left = end
+
+    def empty(self, reason: str) -> bool:
+        """End what waits in queues or is held after a cue; whether anything did."""
+        before = len(self._runs), len(self._held), len(self._bus.waiting)
+        if self._shaper is not None:
+            self._shaper.clear()
+        for command in list(self._held):
+            self._let_go(command, reason)
+        for run in [run for run in self._runs.values() if run.at < 0]:
+            self._finish(run, m.ActionStopped(run=run.id, action=run.action.name, reason=reason))
+        self._bus.empty(reason)
+        return before != (len(self._runs), len(self._held), len(self._bus.waiting))
 
     def stop_waiting(self, reason: str) -> None:
         """End the runs that are in a pause; those with commands on the bus end through them.

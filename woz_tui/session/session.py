@@ -266,7 +266,7 @@ class Session:
         run, refused = self.runner.play(action, origin, when_busy)
         self.scripts.tell()
         if refused:
-            raise no_value(refused)
+            raise no_value(refused) if refused.startswith("{") else AskError(refused)
         return run
 
     def _mends(self, action: Action | None) -> str:
@@ -413,6 +413,11 @@ class Session:
         """Cut one run short."""
         if not self.runner.cancel(run, "cancelled by the wizard"):
             raise AskError(f"{run} is not running")
+
+    def empty_queue(self, by: str) -> None:
+        """End whatever waits for its turn; what runs goes on. `by`: who wants it."""
+        if not self.runner.empty(f"queue emptied by {by}"):
+            raise AskError("nothing is queued")
 
     # -- the stop ----------------------------------------------------------------------------
 

@@ -1,0 +1,66 @@
+"""What is queued: each lane with what runs in it and what waits, and for how long."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from woz_tui.console.caps import key_name
+from woz_tui.console.cells import Row
+from woz_tui.console.figures import seconds
+from woz_tui.console.screens.dialog import Report
+from woz_tui.console.wording import words
+from woz_tui.timeline.episodes import Command
+
+
+class QueueDialog(Report):
+    """Follows the queues while it is open; the robot is played meanwhile."""
+
+    heading = "Queue"
+    hint = "keys play · ctrl+q closes"
+    wide = True
+    indent = 12
+    plays = True
+
+    def __init__(self) -> None:
+        super().__init__()
+        self._shown: list[Row] = []
+
+    def lines(self) -> list[Row]:
+        """A paragraph for each lane in which something waits."""
+        lanes: dict[str, list[Command]] = {}
+        for command in self.picture.runs.waiting:
+            lanes.setdefault(self._lane(command), []).append(command)
+        rows: list[Row] = []
+        for lane, waiting in lanes.items():
+            rows += [((lane, "title"),), *self._at_work(lane), *map(self._waits, waiting), ()]
+        if not rows:
+            return [(("Nothing is queued.", "muted"),)]
+        key = key_name(self.console_app.key_of("queue_empty"), self.glyphs)
+        empties: Row = ((key, "strong"), (" empties the queue; what runs goes on", "muted"))
+        return [*rows, empties] if key else rows
+
+    def _at_work(self, lane: str) -> Iterable[Row]:
+        for command in self.picture.session.commands.values():
+            if command.started is not None and self._lane(command) == lane:
+                yield ((f"{'runs':>10}  ", "run"), (self._what(command), "run"))
+
+    def _waits(self, command: Command) -> Row:
+        local = self.console_app.clock.now_us()
+        waited = seconds(max(0, self.picture.now(local) - command.begin))
+        return ((f"{waited:>10}  ", "wait"), (self._what(command), "plain"))
+
+    def _lane(self, command: Command) -> str:
+        request = command.request
+        lane = self.picture.settings.lanes.get(request.driver, {}).get(request.verb, request.verb)
+        return f"{request.driver} {lane}"
+
+    def _what(self, command: Command) -> str:
+        request = command.request
+        return self.picture.label(request.action) if request.action else words(request)
+
+    def refreshed(self) -> None:
+        """Show a change at once."""
+        now = self.lines()
+        if now != self._shown:
+            self._shown = now
+            self.renew()
